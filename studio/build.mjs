@@ -40,7 +40,7 @@ const page = (outDir, more, plugins = []) =>
 /** A policy for the page: nothing but its own scripts, its own worker and its own files. */
 const policy = (script, style, connect) =>
   `<meta http-equiv="Content-Security-Policy" content="default-src 'none'; script-src ${script} 'wasm-unsafe-eval'; ` +
-  `style-src ${style}; img-src 'self' data: blob:; connect-src ${connect}; worker-src blob:; base-uri 'none'; form-action 'none'" />`;
+  `style-src ${style}; img-src 'self' data: blob:; connect-src ${connect}; worker-src 'self' blob:; base-uri 'none'; form-action 'none'" />`;
 const withPolicy = (html, ...sources) => html.replace("<head>", `<head>\n    ${policy(...sources)}`);
 
 // The wasm keeps its name: the notebook's widget is given the same file.
@@ -48,6 +48,12 @@ const assetFileNames = ({ names }) => (names[0]?.endsWith(".wasm") ? "[name][ext
 await page(`${out}/site`, { assetsInlineLimit: 0, rolldownOptions: { output: { assetFileNames } } });
 const index = `${out}/site/index.html`;
 await writeFile(index, withPolicy(await readFile(index, "utf8"), "'self'", "'self'", "'self'"));
+
+// What the page needs offline, by the service worker.
+const kept = ["./", "midair.wasm", ...(await readdir(`${out}/site/assets`)).map((name) => `assets/${name}`)];
+const version = createHash("sha256").update(await readFile(index)).update(await readFile(`${out}/site/midair.wasm`)).digest("hex").slice(0, 12);
+const worker = (await readFile(`${here}/sw.js`, "utf8")).replace("VERSION", version).replace("FILES = []", `FILES = ${JSON.stringify(kept)}`);
+await writeFile(`${out}/site/sw.js`, (await minify(worker)).code);
 
 await page(`${out}/single`, { assetsInlineLimit: 1e9 }, [viteSingleFile()]);
 const html = await readFile(`${out}/single/index.html`, "utf8");

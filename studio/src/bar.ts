@@ -32,7 +32,7 @@ export function createBar(context: Context, levels: HTMLElement, deeds: Deeds): 
   const file = element("input", {
     type: "file",
     hidden: true,
-    accept: ".toml,.json,.csv,.svg",
+    accept: ".toml,.json,.csv,.svg,.png,.jpg,.jpeg,.webp",
     onchange: () => {
       if (file.files?.[0]) void open(context, file.files[0]);
       file.value = "";

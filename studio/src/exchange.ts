@@ -3,7 +3,8 @@
 import type { Context } from "./context.ts";
 import { drawing } from "./drawing.ts";
 import { MOST_POINTS } from "./initial.ts";
-import { gridOf } from "./lattices.ts";
+import { gridOf, wavelength } from "./lattices.ts";
+import { pictured } from "./pixels.ts";
 import { planesOf } from "./plane.ts";
 import { stateOf } from "./scene_file.ts";
 import { resultOf } from "./studio.ts";
@@ -12,14 +13,19 @@ import type { Slot } from "./types.ts";
 /** The longer side of a drawing that is dropped in, in m. */
 const SIZE = 0.08;
 
+/** Endings of what is read as pixels. */
+const PICTURES = ["png", "jpg", "jpeg", "webp"];
+
 /** Opens a file by its ending. */
 export async function open(context: Context, file: File): Promise<void> {
   const { studio, engine } = context;
   try {
-    const text = await file.text();
     const ending = file.name.split(".").at(-1)!.toLowerCase();
     const { state } = studio.view;
-    if (ending === "toml" || ending === "json") {
+    const text = PICTURES.includes(ending) ? "" : await file.text();
+    if (PICTURES.includes(ending)) {
+      studio.change({ ...(await pictured(file, state.plane, Math.min(SIZE, state.plane.size), wavelength(state) / 2, MOST_POINTS)), path: null });
+    } else if (ending === "toml" || ending === "json") {
       studio.change(stateOf(JSON.parse(await engine.slots[0].read(text, ending === "toml")), state));
     } else if (ending === "svg") {
       const [x, y] = state.plane.center;
@@ -30,7 +36,7 @@ export async function open(context: Context, file: File): Promise<void> {
     } else if (ending === "csv") {
       studio.change({ array: await engine.slots[0].readArray(text, file.name) });
     } else {
-      throw new Error("give .toml, .json, .csv or .svg");
+      throw new Error("give .toml, .json, .csv, .svg, .png or .jpg");
     }
     context.alarm("");
     context.announce(context.say("opened", { name: file.name }));

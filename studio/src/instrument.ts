@@ -40,11 +40,10 @@ export function createInstrument(context: Context, picture: HTMLElement, slotAt:
   function show(right: number, up: number) {
     at = [right, up].map((x) => Math.min(Math.max(x, 0), 1)) as [number, number];
     for (const line of hair) line.hidden = false;
-    hair[0].style.bottom = readout.root.style.bottom = `${100 * at[1]}%`;
-    hair[1].style.left = readout.root.style.left = `${100 * at[0]}%`;
-    // The values stand where there is more of the picture.
-    readout.root.classList.toggle("left", at[0] > 0.5);
-    readout.root.classList.toggle("below", at[1] > 0.5);
+    hair[0].style.bottom = `${100 * at[1]}%`;
+    hair[1].style.left = `${100 * at[0]}%`;
+    // The values stand where they cover nothing that is pointed at.
+    readout.root.classList.toggle("low", at[1] < 0.5);
     readout.show(slotAt(at[0]), placeOn(state().plane, ...at));
   }
 

@@ -71,6 +71,8 @@ async function start() {
     if (typeof read === "string") page.alarm(unread(read));
     else studio.change(read);
   });
+  // Kept for times without a network; a page from a disk needs no keeping.
+  if (location.protocol !== "file:") void navigator.serviceWorker?.register("sw.js").catch(() => undefined);
   if (wrong.length) page.alarm(wrong.map(unread).join("\n"));
 }
 

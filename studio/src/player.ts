@@ -2,7 +2,7 @@
 
 import { createChart } from "./chart.ts";
 import type { Context } from "./context.ts";
-import { element, write } from "./dom.ts";
+import { element, explained, write } from "./dom.ts";
 import type { Frame } from "./door.ts";
 import { gridOf } from "./lattices.ts";
 import { pressure } from "./numbers.ts";
@@ -65,7 +65,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
   const line = element("input", { type: "range", min: 0, max: 1, value: 0, "aria-label": say("frameShown"), oninput: () => void seek(+line.value) });
   const time = element("output");
   const film = element("button", { title: say("recordHint"), "aria-label": say("recordHint"), onclick: () => void save(), hidden: typeof MediaRecorder === "undefined" }, "WebM");
-  const root = element("div", { className: "timeline", hidden: true, role: "group", "aria-label": say("motion") }, go, line, time, film);
+  const root = element("div", { className: "timeline", hidden: true, role: "group", "aria-label": say("motion") }, go, explained(element("label", {}, line, time), say("frameTip")), film);
   let mode: "rest" | "pause" | "play" = "rest";
   let followed: Followed | null = null;
   let at = 0;

@@ -9,7 +9,7 @@ const SOURCES = join(import.meta.dirname, "../src");
 /** The layers, lowest first; a name that ends with / is a folder. */
 const LAYERS = [
   ["types", "door", "words", "dom", "tips", "changes", "decimal", "numbering"],
-  ["initial", "scene_file", "files", "link", "gallery", "history", "points", "paths", "plane", "contours", "lettering", "drawing", "check"],
+  ["initial", "scene_file", "files", "link", "gallery", "history", "points", "paths", "plane", "contours", "lettering", "drawing", "pixels", "check"],
   ["solve.worker", "lattices", "engine", "studio", "serial"],
   ["painter/", "eye", "look", "numbers"],
   [

@@ -4,7 +4,7 @@ import { QUANTITIES, SCALES, type Lattice, type Look } from "../types.ts";
 import { type Gl, type Program, program, texture } from "./gl.ts";
 import { coefficients } from "./lattice.ts";
 import { mapOf, RANGE, TABLES } from "./maps.ts";
-import { aim, type View } from "./view.ts";
+import { aim, type Area, enter, type View } from "./view.ts";
 
 /** `tone`, `shade` and `entry` of maps.ts in GLSL. */
 export const COLOUR = `
@@ -40,6 +40,14 @@ vec2 pressure(vec2 st) {
   return sum;
 }`;
 
+/** The same from a lattice that was spread: its places are so near to one another that straight lines between them do. */
+const SPREAD = `
+uniform sampler2D field;
+vec2 pressure(vec2 st) {
+  vec2 count = vec2(textureSize(field, 0));
+  return texture(field, (st * (count - 1.) + .5) / count).rg;
+}`;
+
 const VERTEX = `
 uniform mat4 matrix;
 uniform vec3 corner, u, v;
@@ -50,7 +58,7 @@ void main() {
   gl_Position = matrix * vec4(corner + st.x * u + st.y * v, 1);
 }`;
 
-const FRAGMENT = `${COLOUR}${SAMPLE}
+const fragment = (sample: string) => `${COLOUR}${sample}
 uniform float least;
 in vec2 st;
 out vec4 colour;
@@ -59,6 +67,17 @@ void main() {
   float alpha = mix(least, 1., smoothstep(0., .45, tone(length(p))));
   colour = vec4(entry(shade(p)) * alpha, alpha);
 }`;
+
+/** What a lattice that is spread has at each of its places. */
+const SPREADING = `${SAMPLE}
+uniform vec2 size;
+in vec2 st;
+out vec4 colour;
+void main() { colour = vec4(pressure((gl_FragCoord.xy - .5) / (size - 1.)), 0, 1); }`;
+
+/** So many places of a spread lattice lie along a side of a cell, in a lattice of at most so many along its own side. */
+const FINER = 6;
+const LARGEST = 160;
 
 /** Takes the unit square to all of the view. */
 const FLAT = [2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, -1, -1, 0, 1];
@@ -78,7 +97,12 @@ export interface FieldPainter {
 }
 
 export function createField(gl: Gl): FieldPainter {
-  const slices = program(gl, VERTEX, FRAGMENT);
+  const slices = program(gl, VERTEX, fragment(SAMPLE));
+  const quick = program(gl, VERTEX, fragment(SPREAD));
+  const spreading = program(gl, VERTEX, SPREADING);
+  // Without it a spread lattice cannot be painted: waves are then as slow as all else.
+  const spreads = gl.getExtension("EXT_color_buffer_float") !== null;
+  const frame = gl.createFramebuffer();
   const maps = new Map(
     Object.entries(TABLES).map(([name, table]) => {
       const made = texture(gl, gl.TEXTURE_2D, gl.LINEAR);
@@ -86,7 +110,12 @@ export function createField(gl: Gl): FieldPainter {
       return [name, made];
     }),
   );
-  const fields = new Map<string, { texture: WebGLTexture; values: Float32Array | null }>();
+  interface Kept {
+    texture: WebGLTexture;
+    values: Float32Array | null;
+  }
+  const fields = new Map<string, Kept>();
+  const spread = new Map<string, Kept>();
 
   function upload(lattice: Lattice, key: string): WebGLTexture {
     const kept = fields.get(key) ?? { texture: texture(gl, gl.TEXTURE_2D, gl.NEAREST), values: null };
@@ -102,6 +131,44 @@ export function createField(gl: Gl): FieldPainter {
     return kept.texture;
   }
 
+  /** A lattice as half floats between which the card interpolates; made when a wave first shows it. */
+  function spreadOut(lattice: Lattice, key: string): WebGLTexture {
+    const kept = spread.get(key) ?? { texture: texture(gl, gl.TEXTURE_2D, gl.LINEAR), values: null };
+    spread.set(key, kept);
+    if (kept.values === lattice.values) return kept.texture;
+    kept.values = lattice.values;
+    const data = upload(lattice, key);
+    const size = [lattice.nu, lattice.nv].map((count) => FINER * (count - 1) + 1);
+    gl.bindTexture(gl.TEXTURE_2D, kept.texture);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG16F, size[0], size[1], 0, gl.RG, gl.HALF_FLOAT, null);
+    const [area, clip] = [gl.getParameter(gl.VIEWPORT), gl.getParameter(gl.SCISSOR_BOX)] as Area[];
+    const tested = gl.isEnabled(gl.DEPTH_TEST);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, kept.texture, 0);
+    enter(gl, [0, 0, size[0], size[1]]);
+    gl.disable(gl.BLEND);
+    gl.disable(gl.DEPTH_TEST);
+    spreading.use();
+    flatten(spreading);
+    spreading.set("size", size);
+    spreading.bind("field", 0, gl.TEXTURE_2D, data);
+    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+    gl.enable(gl.BLEND);
+    if (tested) gl.enable(gl.DEPTH_TEST);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    enter(gl, area, clip);
+    return kept.texture;
+  }
+
+  /** Over all of the view. */
+  function flatten(by: Program): void {
+    by.set("matrix", FLAT);
+    by.set("corner", [0, 0, 0]);
+    by.set("u", [1, 0, 0]);
+    by.set("v", [0, 1, 0]);
+    by.set("part", ALL);
+  }
+
   function setLook(to: Program, look: Look): void {
     to.bind("map", 3, gl.TEXTURE_2D, maps.get(mapOf(look))!);
     to.set("top", look.top);
@@ -110,31 +177,31 @@ export function createField(gl: Gl): FieldPainter {
     to.set("turn", [Math.cos(look.turn), Math.sin(look.turn)]);
   }
 
-  function draw(lattice: Lattice, key: string, look: Look, least: number, part: Part): void {
-    const data = upload(lattice, key);
-    slices.bind("field", 0, gl.TEXTURE_2D, data);
-    setLook(slices, look);
-    slices.set("least", least);
-    slices.set("part", part);
+  /** Draws the lattice by a program that `aims` where; a wave, which is painted again and again, from a spread lattice. */
+  function draw(lattice: Lattice, key: string, look: Look, least: number, part: Part, aims: (by: Program) => void): void {
+    // What changes from picture to picture is not worth the spreading.
+    const still = fields.get(key)?.values === lattice.values;
+    const is = still && spreads && look.quantity === "wave" && Math.max(lattice.nu, lattice.nv) <= LARGEST;
+    const data = is ? spreadOut(lattice, key) : upload(lattice, key);
+    const by = is ? quick : slices;
+    by.use();
+    aims(by);
+    by.bind("field", 0, gl.TEXTURE_2D, data);
+    setLook(by, look);
+    by.set("least", least);
+    by.set("part", part);
     gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
   }
 
   return {
     setLook,
-    flat(lattice, key, look) {
-      slices.use();
-      slices.set("matrix", FLAT);
-      slices.set("corner", [0, 0, 0]);
-      slices.set("u", [1, 0, 0]);
-      slices.set("v", [0, 1, 0]);
-      draw(lattice, key, look, 1, ALL);
-    },
-    placed(view, lattice, key, look, least, part) {
-      aim(slices, view);
-      slices.set("corner", lattice.corner);
-      slices.set("u", lattice.u);
-      slices.set("v", lattice.v);
-      draw(lattice, key, look, least, part);
-    },
+    flat: (lattice, key, look) => draw(lattice, key, look, 1, ALL, flatten),
+    placed: (view, lattice, key, look, least, part) =>
+      draw(lattice, key, look, least, part, (by) => {
+        aim(by, view);
+        by.set("corner", lattice.corner);
+        by.set("u", lattice.u);
+        by.set("v", lattice.v);
+      }),
   };
 }

@@ -50,9 +50,38 @@ test("an SVG that is dropped in becomes points along its lines; one with a scrip
   expect(await points()).toEqual(found);
 });
 
-test("a file of another kind is told which are read", async () => {
+test("a file of another kind is told which are read, and a damaged picture that it is none", async () => {
+  await drop("notes.txt", "hello");
+  await expect.poll(() => page.getByRole("alert").innerText()).toMatch(/notes\.txt: give \.toml, \.json, \.csv, \.svg, \.png or \.jpg/);
   await drop("photo.png", "\x89PNG");
-  await expect.poll(() => page.getByRole("alert").innerText()).toMatch(/photo\.png: give \.toml, \.json, \.csv or \.svg/);
+  await expect.poll(() => page.getByRole("alert").innerText()).toMatch(/photo\.png: it cannot be read as a picture/);
+});
+
+test("a picture that is dropped in becomes points on the slice, by their brightness", async () => {
+  // White at the left, grey at the right, a dark gap between; twice as wide as high.
+  await page.evaluate(async () => {
+    const canvas = new OffscreenCanvas(120, 60);
+    const pen = canvas.getContext("2d")!;
+    for (const [x, colour] of [[0, "#fff"], [90, "#808080"]] as const) {
+      pen.fillStyle = colour;
+      pen.fillRect(x, 0, 30, 60);
+    }
+    const dataTransfer = new DataTransfer();
+    dataTransfer.items.add(new File([await canvas.convertToBlob()], "bars.png"));
+    document.querySelector("main")!.dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true, cancelable: true }));
+  });
+  await expect.poll(() => page.evaluate(() => window.midair!.state().pressures)).not.toBeNull();
+  const { pressures } = await page.evaluate(() => window.midair!.state() as unknown as { pressures: number[] });
+  const found = await points();
+  expect(found.length).toBeGreaterThan(20);
+  expect(found.length).toBeLessThanOrEqual(64);
+  found.forEach(([x, y, z], k) => {
+    expect(Math.abs(x)).toBeLessThan(0.04);
+    expect(Math.abs(x)).toBeGreaterThan(0.015);
+    expect(Math.abs(y)).toBeLessThan(0.02);
+    expect(z).toBe(found[0][2]);
+    if (Math.abs(x) > 0.025) expect(pressures[k]).toBeCloseTo(x < 0 ? 1000 : 502, -1);
+  });
 });
 
 test("on a Japanese page a refusal begins in Japanese", async () => {

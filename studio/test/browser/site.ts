@@ -28,7 +28,7 @@ const TYPES: Record<string, string> = {
 
 const POLICY =
   "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' data: blob:; " +
-  "connect-src 'self'; worker-src blob:; base-uri 'none'; form-action 'none'";
+  "connect-src 'self'; worker-src 'self' blob:; base-uri 'none'; form-action 'none'";
 
 /** Serves a folder, by a strict policy or none; the address, and how to end it. */
 export async function serve(folder: string, strict = true): Promise<{ url: string; close(): void }> {

@@ -1,0 +1,20 @@
+// The page offline: its files are kept when it was loaded once, and taken where the network does not give them.
+const NAME = "midair VERSION";
+const FILES = [];
+
+self.addEventListener("install", (event) => event.waitUntil(caches.open(NAME).then((kept) => kept.addAll(FILES)).then(() => self.skipWaiting())));
+
+self.addEventListener("activate", (event) => {
+  const old = (names) => names.filter((name) => name.startsWith("midair ") && name !== NAME);
+  event.waitUntil(caches.keys().then((names) => Promise.all(old(names).map((name) => caches.delete(name)))).then(() => self.clients.claim()));
+});
+
+self.addEventListener("fetch", (event) => {
+  if (event.request.method !== "GET" || !event.request.url.startsWith(self.location.origin)) return;
+  const kept = async (error) => {
+    const found = await caches.match(event.request, { ignoreSearch: true });
+    if (found) return found;
+    throw error;
+  };
+  event.respondWith(fetch(event.request).catch(kept));
+});
