@@ -40,7 +40,7 @@ class Run:
 
 
 def build() -> Path:
-    """Builds every method for the board, and the player of this machine; the folder of the programs."""
+    """Builds every method for the board, and the player of this machine, whose tests run; the programs' folder."""
     missing = [package for place, package in NEEDS.items() if not Path(place).exists()]
     linker = next((found for name in LINKERS if (found := shutil.which(name))), None)
     if missing or linker is None:
@@ -59,6 +59,7 @@ def build() -> Path:
     small = ["-Zbuild-std=core,alloc", "-Zbuild-std-features=optimize_for_size"]
     subprocess.run([*cargo, "--bins", "--target", TARGET, *small], cwd=HERE, env=env, check=True)
     subprocess.run([*cargo, "--example", "pc"], cwd=HERE, env=env, check=True)
+    subprocess.run(["/usr/bin/cargo", "test", "--quiet", "--release", "--lib"], cwd=HERE, env=env, check=True)
     return target
 
 

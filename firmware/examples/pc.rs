@@ -1,4 +1,4 @@
-//! The same frames on a PC: the bits of each drive, then the bytes of each frame.
+//! The same frames on a PC: the bits of each drive, then the bytes of each frame; at the end those of silence.
 
 use midair::solvers::{Fast, Greedy, Naive, Uniform};
 use midair::{Error, Solve};
@@ -12,10 +12,14 @@ fn play(solver: impl Solve, name: &str, board: &str, points: usize) -> Result<()
         for q in player.drive() {
             println!("drive {:08x}{:08x}", q.re.to_bits(), q.im.to_bits());
         }
-        let bytes: String = player.encode()?.iter().map(|byte| format!("{byte:02x}")).collect();
-        println!("frame {bytes}");
+        println!("frame {}", shown(player.encode()?));
     }
+    println!("frame {}", shown(&player.silence()));
     Ok(())
+}
+
+fn shown(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 fn main() -> Result<(), Error> {

@@ -10,6 +10,9 @@ const TOP: u32 = 0x00ff_ffff;
 pub struct Clock(SYST);
 
 impl Clock {
+    /// What [`Clock::now`] counts of a tick.
+    pub const PARTS: u32 = 1 << 8;
+
     /// Starts it.
     #[must_use]
     pub fn new(mut register: SYST) -> Self {
@@ -18,6 +21,13 @@ impl Clock {
         register.clear_current();
         register.enable_counter();
         Self(register)
+    }
+
+    /// The time in parts of a tick, so many that it counts through all of u32.
+    #[must_use]
+    pub fn now(&self) -> u32 {
+        let _ = &self.0;
+        (TOP - SYST::get_current()) * Self::PARTS
     }
 
     /// Ticks that something took, up to 2^24.

@@ -1,6 +1,6 @@
 //! midair on a microcontroller: points in, bytes of a board out, nothing allocated between the first frame and the last.
 //!
-//! [`player`] is what a product would do; the rest is the machine under it, or measures it.
+//! [`player`] and [`mute`] are what a product would do; the rest is the machine under it, or measures it.
 #![no_std]
 
 extern crate alloc;
@@ -13,6 +13,7 @@ pub mod clock;
 pub mod heap;
 #[cfg(target_os = "none")]
 pub mod measured;
+pub mod mute;
 pub mod player;
 #[cfg(target_os = "none")]
 pub mod stack;

@@ -5,12 +5,16 @@ use semihosting::println;
 
 use crate::board::Uart;
 use crate::clock::Clock;
+use crate::mute::Mute;
 use crate::player::{FRAMES, Player, array};
 use crate::{heap, stack};
 
+/// Ticks of the clock without a word, of which an emulator makes few: 5 ms at 25 MHz. A product waits for 250 ms.
+const PATIENCE: u32 = 125_000 * Clock::PARTS;
+
 /// Plays frames of an array, a board and a number of points, the three words of the command line, and tells in lines of
 /// `name value`: ticks of set-up, of new points, solving and encoding in the last frame; bytes of heap and stack; the
-/// allocations after the first frame; and of each frame the bits of its drive.
+/// allocations after the first frame; and of each frame the bits of its drive. After the last frame the board is muted.
 ///
 /// # Errors
 /// What cannot be solved; words that are missing.
@@ -45,9 +49,14 @@ pub fn run<S: Solve>(solver: S) -> Result<(), Error> {
             println!("drive {:08x}{:08x}", q.re.to_bits(), q.im.to_bits());
         }
     }
+    let allocations = heap::allocations() - before;
+    let mut mute = Mute::new(PATIENCE);
+    mute.hear(clock.now());
+    while !mute.is_due(clock.now()) {}
+    uart.send(&player.silence());
     let [turned, solved, encoded] = last;
     println!("setup {setup}\npoints {turned}\nsolve {solved}\nencode {encoded}");
-    println!("heap {}\nstack {}\nallocations {}", heap::most(), stack::most(), heap::allocations() - before);
+    println!("heap {}\nstack {}\nallocations {}", heap::most(), stack::most(), allocations);
     Ok(())
 }
 

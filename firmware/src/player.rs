@@ -124,4 +124,10 @@ impl<S: Solve> Player<S> {
         self.board.encode(&solution.drive, &mut self.frame)?;
         Ok(&self.frame)
     }
+
+    /// The bytes that silence the board, whatever it was told before.
+    #[must_use]
+    pub fn silence(&self) -> Vec<u8> {
+        self.board.silence()
+    }
 }

@@ -1,0 +1,90 @@
+//! Mute: a board falls silent where nothing was heard for some time, and plays again with what is heard next.
+//!
+//! Boards play their last frame for ever. A microcontroller that is sent points from elsewhere, by a line that may break, asks
+//! [`Mute::is_due`] as often as it looks for points, and then sends [`crate::player::Player::silence`].
+
+/// A watch over something that should be heard, in ticks of any clock that counts through all of u32.
+#[derive(Clone, Copy, Debug)]
+pub struct Mute {
+    patience: u32,
+    heard: u32,
+    silent: bool,
+}
+
+impl Mute {
+    /// A board that is silent, and that may play for `patience` ticks, fewer than 2^31, without a word.
+    #[must_use]
+    pub const fn new(patience: u32) -> Self {
+        Self { patience, heard: 0, silent: true }
+    }
+
+    /// Something was heard, points or a word that they stay.
+    pub const fn hear(&mut self, now: u32) {
+        (self.heard, self.silent) = (now, false);
+    }
+
+    /// Whether the board is to be silenced now; once, until something is heard again. To be called within 2^31 ticks.
+    pub const fn is_due(&mut self, now: u32) -> bool {
+        let due = !self.silent && now.wrapping_sub(self.heard) >= self.patience;
+        self.silent |= due;
+        due
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use alloc::vec::Vec;
+
+    use midair::solvers::Fast;
+
+    use super::*;
+    use crate::player::{Player, array};
+
+    #[test]
+    fn silence_is_due_once_after_the_last_word_and_again_after_the_next() {
+        for begin in [0_u32, u32::MAX - 300] {
+            let at = |k: u32| begin.wrapping_add(k);
+            let mut mute = Mute::new(250);
+            // Nothing plays yet.
+            assert!(!mute.is_due(at(1_000_000)));
+            mute.hear(at(0));
+            mute.hear(at(200));
+            assert!(!mute.is_due(at(449)));
+            assert!(mute.is_due(at(450)));
+            assert!(!mute.is_due(at(451)));
+            assert!(!mute.is_due(at(1_000_000_000)));
+            mute.hear(at(1_000_000_100));
+            assert!(!mute.is_due(at(1_000_000_349)));
+            assert!(mute.is_due(at(1_000_000_350)));
+        }
+    }
+
+    #[test]
+    fn a_board_whose_line_breaks_is_off_after_a_quarter_of_a_second_and_plays_again() {
+        let array = array("sonicsurface").unwrap();
+        let board = array.board("sonicsurface").unwrap();
+        let mut player = Player::new(&array, "sonicsurface", 1, Fast::default()).unwrap();
+        let mut mute = Mute::new(250);
+        // Points come every 40 ms, but for a second in the middle; the line to the board is looked at each ms.
+        let (mut emits, mut frame) = (false, 0);
+        let mut changes = Vec::new();
+        for now in 0..3000 {
+            let mut bytes = Vec::new();
+            if now % 40 == 0 && !(1000..2000).contains(&now) {
+                mute.hear(now);
+                player.turn(frame).unwrap();
+                player.solve().unwrap();
+                bytes.extend_from_slice(player.encode().unwrap());
+                frame += 1;
+            } else if mute.is_due(now) {
+                bytes = player.silence();
+            }
+            if let Some(last) = bytes.len().checked_sub(board.frame_size()).filter(|_| !bytes.is_empty()) {
+                let on = board.decode(&bytes[last..]).unwrap().iter().any(|q| q.norm() > 0.0);
+                changes.extend((on != emits).then_some((now, on)));
+                emits = on;
+            }
+        }
+        assert_eq!(changes, [(0, true), (960 + 250, false), (2000, true)]);
+    }
+}
