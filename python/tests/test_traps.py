@@ -284,6 +284,20 @@ def test_the_weakest_trap_is_nearly_what_direct_optimisation_finds(count: int) -
             assert 0.9 <= part <= 1.02, "above 1, direct optimisation did not get to its end"
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [1, 2, 4, 8])
+@pytest.mark.parametrize("quantization", [None, {}, {"phases": 16}], ids=["board", "free", "16"])
+def test_beads_of_traps_rest_at_their_points(quantization: Any, count: int) -> None:
+    given = {} if quantization is None else {"quantization": quantization}
+    boards = midair.Array.preset("openmpd_pair", **given)
+    for seed in range(20, 24):
+        points = scattered(count, *BOARDS["openmpd"][1:], seed)
+        solution = midair.solve(midair.Scene(boards, points, signature="trap"))
+        rest = solution.rest()
+        assert rest.held.all()
+        assert np.linalg.norm(rest.place - points, axis=1).max() < 5e-5
+
+
 @pytest.mark.parametrize("board", BOARDS)
 def test_traps_of_which_nothing_is_asked_are_stiffer_than_equal_foci(board: str) -> None:
     """Along the softest axis of each, whichever way it lies; on ten phases, too."""

@@ -4,12 +4,15 @@
 //! c_jt  = sum_i C_jti q_i                                    coefficient t of p at point j, of degree n_t, times k^-n_t
 //! H_jab = sum_tu F_abtu (Re c_jt Re c_ju + Im c_jt Im c_ju)  second derivatives of Gor'kov's potential
 //! K_j   = the eigenvalues of H_j                             -dF/ds along the axes of the trap
+//! f_ja  = sum_tu S_atu (Re c_jt Re c_ju + Im c_jt Im c_ju)   the force
 //! ```
 //!
 //! Those, and not the stiffness along x, y and z: where all of that is above 0, a trap may still be open between two axes.
 
 use alloc::vec;
 use alloc::vec::Vec;
+
+use num_complex::Complex32;
 
 use crate::control::{Control, bytes};
 use crate::device::channels::Channels;
@@ -25,7 +28,13 @@ use crate::scene::Medium;
 /// The entries of H.
 const ENTRIES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]];
 
-/// F of each entry.
+/// The stiffness along an axis counts as this part of the largest at least where it is divided by.
+const LEAST_STIFFNESS: f64 = 1e-3;
+
+/// In m/s^2, down the z axis.
+const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
+
+/// F of each entry, and after them S of each axis.
 type Forms = Vec<[[f64; TERMS]; TERMS]>;
 
 /// C and F of some points, for the default particle.
@@ -34,8 +43,10 @@ pub(crate) struct Stiffness {
     /// reference.
     planes: [Vec<f32>; 2],
     points: usize,
-    /// F in N/m and those units.
+    /// F in N/m and S in N, in those units.
     forms: Forms,
+    /// Weight less buoyancy of the particle in N.
+    weight: [f64; 3],
 }
 
 impl Stiffness {
@@ -72,13 +83,49 @@ impl Stiffness {
             }
         }
         let finite = re.iter().chain(&im).all(|c| c.is_finite());
-        let made = Self { planes: [re, im], points: points.len(), forms: forms(sources.medium, &units) };
+        let made = Self {
+            planes: [re, im],
+            points: points.len(),
+            forms: forms(sources.medium, &units),
+            weight: Particle::default().weight(sources.medium, GRAVITY),
+        };
         Ok(finite.then_some(made))
     }
 
     /// C as the kernels read it.
     pub(crate) fn planes(&self) -> [&[f32]; 2] {
         self.planes.each_ref().map(|plane| &plane[..])
+    }
+
+    /// c of a drive (N,).
+    pub(crate) fn field(&self, drive: &[Complex32]) -> [Vec<f32>; 2] {
+        let lanes = padded(self.rows());
+        let mut field = [(); 2].map(|()| vec![0.0; lanes]);
+        for (i, q) in drive.iter().enumerate() {
+            let [re, im] = self.column(i);
+            for k in 0..lanes {
+                field[0][k] += re[k] * q.re - im[k] * q.im;
+                field[1][k] += re[k] * q.im + im[k] * q.re;
+            }
+        }
+        field
+    }
+
+    /// sum_k (a_k - j b_k) C_ki of slopes a and b by the coefficients of point j: real and imaginary part.
+    pub(crate) fn correlated(&self, i: usize, j: usize, [a, b]: &[[f32; TERMS]; 2]) -> [f64; 2] {
+        let [re, im] = self.column(i).map(|column| coefficients(column, j));
+        let mut sum = [0.0; 2];
+        for k in 0..TERMS {
+            let [a, b] = [a[k], b[k]].map(f64::from);
+            sum[0] += a * re[k] + b * im[k];
+            sum[1] += a * im[k] - b * re[k];
+        }
+        sum
+    }
+
+    fn column(&self, i: usize) -> [&[f32]; 2] {
+        let lanes = padded(self.rows());
+        self.planes.each_ref().map(|plane| &plane[i * lanes..(i + 1) * lanes])
     }
 
     /// Rows of C.
@@ -91,9 +138,32 @@ impl Stiffness {
         (0..self.points).flat_map(move |j| eigen(self.hessian(field, j)).0)
     }
 
-    /// Writes sum w dK/dRe c and sum w dK/dIm c, with weights (3 M,).
-    pub(crate) fn pull(&self, field: [&[f32]; 2], weights: &[f64], [re, im]: [&mut [f32]; 2]) {
-        for (j, weights) in weights.chunks_exact(3).enumerate() {
+    /// The net force (M, 3) of c on the particles and, of each, the inverse of |H|, for the distance at which it is 0.
+    pub(crate) fn balance(&self, field: [&[f32]; 2]) -> (Vec<[f64; 3]>, Vec<[[f64; 3]; 3]>) {
+        let each = |j: usize| {
+            let (values, vectors) = eigen(self.hessian(field, j));
+            let least = values.iter().fold(0.0_f64, |most, k| most.max(k.abs())) * LEAST_STIFFNESS;
+            let entry =
+                |a: usize, b: usize| values.iter().zip(&vectors).map(|(k, v)| v[a] * v[b] / k.abs().max(least)).sum();
+            (self.net(field, j), [0, 1, 2].map(|a| [0, 1, 2].map(|b| entry(a, b))))
+        };
+        (0..self.points).map(each).unzip()
+    }
+
+    fn net(&self, field: [&[f32]; 2], j: usize) -> [f64; 3] {
+        let parts = field.map(|plane| coefficients(plane, j));
+        [0, 1, 2].map(|axis| self.weight[axis] + quadratic(&self.forms[ENTRIES.len() + axis], &parts))
+    }
+
+    /// Writes the sum of w dK/dRe c and v df/dRe c, and that of dIm c, with weights w (3 M,) and v (M, 3).
+    pub(crate) fn pull(&self, field: [&[f32]; 2], weights: &[f64], forces: &[[f64; 3]], [re, im]: [&mut [f32]; 2]) {
+        for (j, (weights, forces)) in weights.chunks_exact(3).zip(forces).enumerate() {
+            if weights.iter().chain(forces).all(|&share| share == 0.0) {
+                for pulls in [&mut *re, &mut *im] {
+                    pulls[j * TERMS..(j + 1) * TERMS].fill(0.0);
+                }
+                continue;
+            }
             // dK = v^T dH v of its eigenvector v.
             let (_, vectors) = eigen(self.hessian(field, j));
             let shares = ENTRIES.map(|[a, b]| {
@@ -102,7 +172,7 @@ impl Stiffness {
             });
             for (plane, pulls) in field.into_iter().zip([&mut *re, &mut *im]) {
                 let mut sum = [0.0; TERMS];
-                for (form, share) in self.forms.iter().zip(shares) {
+                for (form, share) in self.forms.iter().zip(shares.iter().chain(forces)) {
                     let slope = times(form, &coefficients(plane, j));
                     sum.iter_mut().zip(&slope).for_each(|(sum, slope)| *sum += 2.0 * share * slope);
                 }
@@ -116,8 +186,7 @@ impl Stiffness {
         let parts = field.map(|plane| coefficients(plane, j));
         let mut hessian = [[0.0; 3]; 3];
         for ([a, b], form) in ENTRIES.into_iter().zip(&self.forms) {
-            let own = parts.iter().flat_map(|part| part.iter().zip(times(form, part)));
-            hessian[a][b] = own.map(|(c, slope)| c * slope).sum();
+            hessian[a][b] = quadratic(form, &parts);
             hessian[b][a] = hessian[a][b];
         }
         hessian
@@ -129,22 +198,23 @@ fn units(medium: Medium, pressure: f64) -> [f64; TERMS] {
     core::array::from_fn(|term| pressure / (0..degree(term)).map(|_| medium.wavenumber()).product::<f64>())
 }
 
-/// F of coefficients in `units`: half the second differences of H.
+/// F and S of coefficients in `units`: half the second differences of H and of the force.
 fn forms(medium: Medium, units: &[f64; TERMS]) -> Forms {
     let factors = Particle::default().factors(medium);
-    let second = |terms: &[usize]| {
+    let values = |terms: &[usize]| -> Vec<f64> {
         let mut part = Jet::ZERO;
         for &term in terms {
             part.add(&Jet::monomial(term), 1.0 / units[term]);
         }
-        let hessian = potential(&[part, Jet::ZERO], factors).hessian();
-        ENTRIES.map(|[a, b]| hessian[a][b])
+        let potential = potential(&[part, Jet::ZERO], factors);
+        let (hessian, gradient) = (potential.hessian(), potential.gradient());
+        ENTRIES.iter().map(|&[a, b]| hessian[a][b]).chain(gradient.map(|slope| -slope)).collect()
     };
-    let alone: [_; TERMS] = core::array::from_fn(|term| second(&[term]));
-    let mut forms = vec![[[0.0; TERMS]; TERMS]; ENTRIES.len()];
+    let alone: [_; TERMS] = core::array::from_fn(|term| values(&[term]));
+    let mut forms = vec![[[0.0; TERMS]; TERMS]; alone[0].len()];
     for t in 0..TERMS {
         for u in 0..=t {
-            let both = second(&[t, u]);
+            let both = values(&[t, u]);
             for (entry, form) in forms.iter_mut().enumerate() {
                 form[t][u] = (both[entry] - alone[t][entry] - alone[u][entry]) / 2.0;
                 form[u][t] = form[t][u];
@@ -152,6 +222,11 @@ fn forms(medium: Medium, units: &[f64; TERMS]) -> Forms {
         }
     }
     forms
+}
+
+/// The value of a form of the field's real and imaginary part.
+fn quadratic(form: &[[f64; TERMS]; TERMS], parts: &[[f64; TERMS]; 2]) -> f64 {
+    parts.iter().flat_map(|part| part.iter().zip(times(form, part))).map(|(c, slope)| c * slope).sum()
 }
 
 /// The coefficients of point j.

@@ -7,7 +7,6 @@ use crate::propagation::kept::Kept;
 use crate::propagation::{Model, gorkov};
 use crate::rng::Rng;
 use crate::scene::{Array, Directivity, Obstacle, Signature, Surface, Transducer};
-use num_complex::Complex32;
 
 /// Two rows of transducers that face each other, one of them weak, a wall beside them, and two points.
 fn kept() -> (Model, Kept) {
@@ -26,20 +25,6 @@ fn kept() -> (Model, Kept) {
     (model, kept)
 }
 
-fn field(traps: &Stiffness, drive: &[Complex32]) -> [Vec<f32>; 2] {
-    let lanes = padded(traps.rows());
-    let [re, im] = traps.planes();
-    let mut field = [vec![0.0; lanes], vec![0.0; lanes]];
-    for (i, q) in drive.iter().enumerate() {
-        for k in 0..lanes {
-            let (a, b) = (re[i * lanes + k], im[i * lanes + k]);
-            field[0][k] += a * q.re - b * q.im;
-            field[1][k] += a * q.im + b * q.re;
-        }
-    }
-    field
-}
-
 #[test]
 fn it_is_the_stiffness_of_gorkov_and_its_slope() {
     let (model, kept) = kept();
@@ -47,7 +32,7 @@ fn it_is_the_stiffness_of_gorkov_and_its_slope() {
     let mut rng = Rng::new(3);
     let drive: Vec<_> = (0..24).map(|_| Complex32::cis(6.3 * rng.uniform() as f32)).collect();
     let felt = gorkov(&model, &drive, &kept.points, Particle::default(), &mut Control::none()).expect("a force");
-    let c = field(&traps, &drive);
+    let c = traps.field(&drive);
     let planes = |c: &[Vec<f32>; 2]| -> Vec<f64> { traps.at([&c[0], &c[1]]).collect() };
     let told = planes(&c);
     let wanted: Vec<f64> = felt.hessian.iter().flat_map(|hessian| eigen(*hessian).0).collect();
@@ -58,12 +43,24 @@ fn it_is_the_stiffness_of_gorkov_and_its_slope() {
     }
     // The slope along another field, by both sides.
     let weights = [0.3, -0.2, 0.7, 0.1, 0.9, -0.4];
-    let way = field(&traps, &drive.iter().rev().copied().collect::<Vec<_>>());
+    let way = traps.field(&drive.iter().rev().copied().collect::<Vec<_>>());
     let shifted = |part: f32| [0, 1].map(|k| c[k].iter().zip(&way[k]).map(|(a, b)| a + part * b).collect());
-    let sum = |c: &[Vec<f32>; 2]| planes(c).iter().zip(&weights).map(|(k, w)| k * w).sum::<f64>();
+    let forces = [[2e3, -1e3, 3e3], [-500.0, 700.0, 4e3]];
+    let net = |c: &[Vec<f32>; 2]| traps.balance([&c[0], &c[1]]).0;
+    for (own, force) in net(&c).iter().zip(&felt.force) {
+        let wanted = [0, 1, 2].map(|axis| force[axis] + traps.weight[axis]);
+        assert!(
+            own.iter().zip(wanted).all(|(own, wanted)| (own - wanted).abs() < 1e-8 * largest),
+            "{own:?} {wanted:?}"
+        );
+    }
+    let sum = |c: &[Vec<f32>; 2]| {
+        let pulled = net(c).as_flattened().iter().zip(forces.as_flattened()).map(|(f, v)| f * v).sum::<f64>();
+        planes(c).iter().zip(&weights).map(|(k, w)| k * w).sum::<f64>() + pulled
+    };
     let mut pulls = [vec![0.0; c[0].len()], vec![0.0; c[0].len()]];
     let [re, im] = &mut pulls;
-    traps.pull([&c[0], &c[1]], &weights, [re, im]);
+    traps.pull([&c[0], &c[1]], &weights, &forces, [re, im]);
     let slope: f64 =
         pulls.iter().zip(&way).flat_map(|(p, w)| p.iter().zip(w)).map(|(p, w)| f64::from(*p) * f64::from(*w)).sum();
     let difference = (sum(&shifted(0.01)) - sum(&shifted(-0.01))) / 0.02;

@@ -30,6 +30,7 @@ pub(crate) mod on_grid;
 pub(crate) mod penalty;
 pub(crate) mod point_phases;
 pub(crate) mod regular;
+mod rest_on_grid;
 pub(crate) mod run;
 pub(crate) mod search;
 pub(crate) mod silence;

@@ -3,6 +3,9 @@
 //! What is raised is the soft minimum ([`soft_minimum`]) of K_ja, the stiffness at point j along its axis a, over the least at
 //! first.
 //!
+//! less the mean square of the distances |H|^-1 (F - m g) at which the beads rest, over [`APART`], times a weight; H is that of
+//! the last stage.
+//!
 //! Equal foci are not equal traps: each lies in the others' waves, and across the boards' axis traps are a tenth as stiff as
 //! along it. Along x and y foci cannot be told from one another, so that their levels alone bring no more than nine tenths of
 //! what direct optimisation finds; from the foci a few steps of [`crate::solvers::common::phase_descent`] bring 96 %.
@@ -13,43 +16,63 @@ use crate::error::Error;
 use crate::kernels::propagate::rows;
 use crate::math;
 use crate::propagation::stiffness::Stiffness;
-use crate::scene::{Aim, Signature};
+use crate::scene::{Aim, Signature, dot};
 use crate::solvers::common::phase_descent::{Cost, PhaseDescent};
 use crate::solvers::common::tiled::{Rows, Wave};
+use crate::solvers::even_field::rest_on_grid;
 use crate::solvers::even_field::run::Run;
 use crate::solvers::even_field::soft_minimum;
 
-/// How sharp the minimum is, one after the other, and steps of each: twice the steps bring 1 % more.
-const SHARPNESS: [f64; 2] = [8.0, 32.0];
-const STEPS: usize = 20;
+/// How sharp the minimum is and what resting places weigh, one after the other, and steps of each: twice the steps bring 1 % more.
+const STAGES: [(f64, f64); 2] = [(8.0, 0.02), (32.0, 0.1)];
+const STEPS: usize = 30;
+
+/// A distance of resting places in m whose square counts as much as the softest trap, times a stage's weight.
+const APART: f64 = 1e-4;
 
 /// The least stiffness counts as this part of the largest at least: soft traps become stiff, and none is divided by.
 const LEAST: f64 = 0.01;
 
-/// The softest of all traps, negated: smooth, and in parts of `unit`.
+/// The softest of all traps, negated: smooth, and in parts of `unit`; and how far beads rest from their points.
 struct Softest<'a> {
     stiffness: &'a Stiffness,
-    sharpness: f64,
+    /// Of the minimum, and what resting places weigh.
+    stage: (f64, f64),
     unit: f64,
+    /// The inverse of |H| of each point.
+    yielding: Vec<[[f64; 3]; 3]>,
 }
 
 impl Softest<'_> {
-    fn parts(&self, wave: &Wave) -> Vec<f64> {
-        stiffness(self.stiffness, wave).iter().map(|k| k / self.unit).collect()
+    fn parts(&self, field: [&[f32]; 2]) -> Vec<f64> {
+        self.stiffness.at(field).map(|k| k / self.unit).collect()
+    }
+
+    /// The penalty of resting places, and its slope by the net forces (M, 3).
+    fn apart(&self, wave: &Wave) -> (f64, Vec<[f64; 3]>) {
+        let (net, _) = self.stiffness.balance(planes(wave));
+        let share = self.stage.1 / (APART * APART * net.len() as f64);
+        let (mut sum, mut slopes) = (0.0, Vec::with_capacity(net.len()));
+        for (net, yielding) in net.iter().zip(&self.yielding) {
+            let shift = yielding.map(|row| dot(row, *net));
+            sum += share * dot(shift, shift);
+            slopes.push([0, 1, 2].map(|a| 2.0 * share * (0..3).map(|b| yielding[b][a] * shift[b]).sum::<f64>()));
+        }
+        (sum, slopes)
     }
 }
 
 impl Cost for Softest<'_> {
     fn of(&self, wave: &Wave) -> f64 {
-        soft_minimum::negated(self.parts(wave).iter().copied(), self.sharpness)
+        soft_minimum::negated(self.parts(planes(wave)).into_iter(), self.stage.0) + self.apart(wave).0
     }
 
     fn pull(&self, wave: &Wave, pulls: [&mut [f32]; 2]) {
-        let parts = self.parts(wave);
-        let (least, sum) = soft_minimum::shares(parts.iter().copied(), self.sharpness);
-        let share = |k: &f64| math::exp(self.sharpness * (least - k)) / (-self.unit * sum);
+        let parts = self.parts(planes(wave));
+        let (least, sum) = soft_minimum::shares(parts.iter().copied(), self.stage.0);
+        let share = |k: &f64| math::exp(self.stage.0 * (least - k)) / (-self.unit * sum);
         let weights: Vec<f64> = parts.iter().map(share).collect();
-        self.stiffness.pull(wave.field.each_ref().map(|plane| &plane[..]), &weights, pulls);
+        self.stiffness.pull(planes(wave), &weights, &self.apart(wave).1, pulls);
     }
 }
 
@@ -84,14 +107,17 @@ fn descend(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
     let rows = Rows::packed(set, rows::Rows::Stored { re, im }, transducers, order, work, run.control)?;
     let mut wave = Wave::new(&rows, work);
     wave.play_at_full(&rows, foci.drives(transducers, work).into_iter());
-    let first = stiffness(&traps, &wave);
-    let cost = |now: &[f64], sharpness: f64| {
+    let cost = |wave: &Wave, stage: (f64, f64)| {
+        let now = &stiffness(&traps, wave)[..];
+        let yielding = traps.balance(planes(wave)).1;
         let largest = now.iter().fold(0.0, |most: f64, k| most.max(k.abs()));
-        Softest { stiffness: &traps, sharpness, unit: least(now).max(LEAST * largest).max(f64::MIN_POSITIVE) }
+        Softest { stiffness: &traps, stage, unit: least(now).max(LEAST * largest).max(f64::MIN_POSITIVE), yielding }
     };
-    let mut descent = PhaseDescent::new(wave, &cost(&first, SHARPNESS[0]), &rows, work);
-    for sharpness in SHARPNESS {
-        let cost = cost(&stiffness(&traps, &descent.wave), sharpness);
+    let begun = cost(&wave, STAGES[1]);
+    let before = begun.of(&wave);
+    let mut descent = PhaseDescent::new(wave, &begun, &rows, work);
+    for stage in STAGES {
+        let cost = cost(&descent.wave, stage);
         descent.follow(&cost, &rows);
         for _ in 0..STEPS {
             if run.stopped || !run.report(foci) || !descent.step(&cost, &rows) {
@@ -99,13 +125,13 @@ fn descend(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
             }
         }
     }
-    if least(&stiffness(&traps, &descent.wave)) <= least(&first) {
+    if begun.of(&descent.wave) >= before {
         return Ok(false);
     }
     let mut drive = descent.wave.drives(transducers, work);
     if let Some(quantization) = problem.quantization() {
-        // What is lost at single points is a hundredth, even on ten phases.
-        quantization.grid().round(set, 1.0, [1.0; 2], &mut drive);
+        let unit = cost(&descent.wave, STAGES[1]).unit;
+        rest_on_grid::bring(set, (&traps, unit), quantization, &mut drive);
     }
     foci.play(run.rows, drive.into_iter());
     Ok(true)
@@ -113,7 +139,11 @@ fn descend(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
 
 /// K of all points and their axes.
 fn stiffness(traps: &Stiffness, wave: &Wave) -> Vec<f64> {
-    traps.at(wave.field.each_ref().map(|plane| &plane[..])).collect()
+    traps.at(planes(wave)).collect()
+}
+
+fn planes<'a>(wave: &'a Wave) -> [&'a [f32]; 2] {
+    wave.field.each_ref().map(|plane| &plane[..])
 }
 
 fn least(values: &[f64]) -> f64 {

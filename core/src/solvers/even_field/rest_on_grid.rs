@@ -1,0 +1,111 @@
+//! Traps brought to a board's phases such that beads still rest at their points.
+//!
+//! Rounded one by one, drives push beads aside by a part of a millimetre where phases are few. A change dq_i of a drive moves the
+//! resting places s (3 M,) by
+//!
+//! ```text
+//! ds = sum_i Re(dq_i h_i),   h_i = sum_k (ds/dRe c_k - j ds/dIm c_k) C_ki
+//! ```
+//!
+//! and each stiffness K alike, so that each drive in turn takes that of the three phases around its own by which |s|^2, less the
+//! soft minimum of K, is least. A pass begins with the places and the stiffness as they are.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use num_complex::Complex32;
+
+use crate::device::quantization::Quantization;
+use crate::kernels::{InstructionSet, padded};
+use crate::math;
+use crate::propagation::jet::TERMS;
+use crate::propagation::stiffness::Stiffness;
+use crate::scene::dot;
+use crate::solvers::even_field::soft_minimum;
+
+/// Passes: the first takes nine tenths of what rounding does, the others what its slopes did not know.
+const PASSES: usize = 3;
+
+/// A distance of resting places in m that counts as much as the loss of all stiffness, over the root of the points.
+const APART: f64 = 2.7e-4;
+
+/// How sharp the minimum of K is.
+const SHARPNESS: f64 = 48.0;
+
+/// Rounds drives of modulus 1 to a grid, a pass after the other. K counts in parts of `unit`.
+pub(super) fn bring(
+    set: InstructionSet,
+    (traps, unit): (&Stiffness, f64),
+    quantization: &Quantization,
+    drive: &mut [Complex32],
+) {
+    let asked: Vec<Complex32> = drive.to_vec();
+    let round = |drive: &mut [Complex32]| quantization.grid().round(set, 1.0, [1.0; 2], drive);
+    round(drive);
+    let Some(count) = quantization.phases() else { return };
+    let [back, on] = [-1.0, 1.0].map(|sign: f64| {
+        let turn = math::phasor(sign * core::f64::consts::TAU / f64::from(count));
+        Complex32::new(turn.re as f32, turn.im as f32)
+    });
+    for _ in 0..PASSES {
+        let field = traps.field(drive);
+        let field = field.each_ref().map(|plane| &plane[..]);
+        let (mut values, slopes) = slopes(traps, field);
+        let places = values.len();
+        values.extend(traps.at(field));
+        let share = 1.0 / (APART * APART * places as f64);
+        for (i, q) in drive.iter_mut().enumerate() {
+            if *q == Complex32::ZERO {
+                continue;
+            }
+            let moves: Vec<[f64; 2]> = slopes.iter().map(|(j, slope)| traps.correlated(i, *j, slope)).collect();
+            let own = *q;
+            let moved = |to: Complex32| -> Vec<f64> {
+                let [re, im] = [to.re - own.re, to.im - own.im].map(f64::from);
+                values.iter().zip(&moves).map(|(value, [a, b])| value + re * a - im * b).collect()
+            };
+            let cost = |to: Complex32| {
+                let values = moved(to);
+                let (shifts, stiffness) = values.split_at(places);
+                let soft = soft_minimum::negated(stiffness.iter().map(|k| k / unit), SHARPNESS);
+                let lost = f64::from((to - asked[i]).norm_sqr()) / asked.len() as f64;
+                share * shifts.iter().map(|s| s * s).sum::<f64>() + soft + lost
+            };
+            let around = [own, own * back, own * on].map(|to| (cost(to), to));
+            let nearest = around.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(own, |(_, to)| to);
+            values = moved(nearest);
+            *q = nearest;
+        }
+        round(drive);
+    }
+}
+
+/// The slopes by Re c and Im c of point j, of which alone a value is made.
+type Slope = (usize, [[f32; TERMS]; 2]);
+
+/// Where beads rest from their points (3 M,) in m, and the slopes of each, and then of each K.
+fn slopes(traps: &Stiffness, field: [&[f32]; 2]) -> (Vec<f64>, Vec<Slope>) {
+    let (net, yielding) = traps.balance(field);
+    let mut planes = [(); 2].map(|()| vec![0.0; padded(traps.rows())]);
+    let mut slope = |j: usize, weights: &[f64], forces: &[[f64; 3]]| {
+        let [re, im] = &mut planes;
+        traps.pull(field, weights, forces, [re, im]);
+        (j, planes.each_ref().map(|plane| core::array::from_fn(|k| plane[j * TERMS + k])))
+    };
+    let (mut shifts, mut slopes) = (Vec::new(), Vec::new());
+    let (mut weights, mut forces) = (vec![0.0; 3 * net.len()], vec![[0.0; 3]; net.len()]);
+    for (j, (net, rows)) in net.iter().zip(&yielding).enumerate() {
+        for row in rows {
+            shifts.push(dot(*row, *net));
+            forces[j] = *row;
+            slopes.push(slope(j, &weights, &forces));
+        }
+        forces[j] = [0.0; 3];
+    }
+    for k in 0..weights.len() {
+        weights[k] = 1.0;
+        slopes.push(slope(k / 3, &weights, &forces));
+        weights[k] = 0.0;
+    }
+    (shifts, slopes)
+}
