@@ -142,7 +142,8 @@ fn a_tinylev_has_two_channels_that_a_nano_plays() {
     let scene = Scene::new(array.clone(), None, vec![[0.0; 3]], Request::default()).expect("a scene");
     let scene = scene.with_signature(Some(Signature::Trap)).expect("a trap");
     let solution = solved(&Problem::new(&scene).expect("a problem"), "uniform");
-    assert!(solution.metrics().accuracy > 1.0 - 1e-6);
+    // The node lies above the point by what the weight pulls a bead down: the foci lose a little of their level.
+    assert!(solution.metrics().accuracy > 1.0 - 1e-4);
     for kind in ["nano", "nano16", "mega64"] {
         let (wired, plain) = (array.board(kind).expect(kind), Board::new(kind, 2).expect(kind));
         let mut frames = [vec![0; wired.frame_size()], vec![0; plain.frame_size()]];
