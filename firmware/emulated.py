@@ -40,7 +40,7 @@ class Run:
 
 
 def build() -> Path:
-    """Builds all methods for the board and the player of this machine, whose tests run; the programs' folder."""
+    """Builds all methods for the board and the tested player of this machine; the programs' folder."""
     missing = [package for place, package in NEEDS.items() if not Path(place).exists()]
     linker = next((found for name in LINKERS if (found := shutil.which(name))), None)
     if missing or linker is None:
