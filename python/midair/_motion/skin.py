@@ -129,7 +129,8 @@ class Skin:
     def strength(self) -> NDArray[np.float64]:
         """How strongly it is felt at each place (P,): 1 is just felt.
 
-        The stronger channel and half of the weaker one (Hollins and Roy, Somatosensory and Motor Research 13, 1996).
+        The stronger channel and half of the weaker one (Hollins and Roy, Somatosensory and Motor Research 13,
+        1996).
         """
         found: NDArray[np.float64] = np.maximum(self.slow, self.fast) + np.minimum(self.slow, self.fast) / 2
         return found
