@@ -40,7 +40,7 @@ PYTHON = [
         "motion",
         "Motion",
         "Points that move: frame after frame.",
-        "sequence Sequence SequenceMetrics stream Felt skin Skin",
+        "sequence Sequence SequenceMetrics stream Felt skin Skin haptic Haptic",
     ),
     (
         "measuring",

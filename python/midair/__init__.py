@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     from ._files import read, write
     from ._judging.compare import Comparison, compare
     from ._judging.exposure import Exposed, Exposure, exposure
+    from ._judging.haptic import Haptic, haptic
     from ._judging.streaming import Streaming, streaming
     from ._judging.tolerance import Kept, Tolerance
     from ._judging.tolerate import tolerate
@@ -98,6 +99,7 @@ __all__ = [
     "Felt",
     "Field",
     "Gorkov",
+    "Haptic",
     "Kept",
     "Mesh",
     "Metrics",
@@ -135,6 +137,7 @@ __all__ = [
     "exposure",
     "field",
     "gorkov",
+    "haptic",
     "image",
     "judge",
     "path",

@@ -24,6 +24,7 @@ HOMES = {
     "_files": "read write",
     "_judging.compare": "Comparison compare",
     "_judging.exposure": "Exposed Exposure exposure",
+    "_judging.haptic": "Haptic haptic",
     "_judging.streaming": "Streaming streaming",
     "_judging.tolerance": "Kept Tolerance",
     "_judging.tolerate": "tolerate",

@@ -291,3 +291,18 @@ def test_frames_are_solved() -> None:
     array = midair.Array.preset("autd3")
     points, _ = path.circle([0, 0, 0.12], 0.02, frequency=40, points=2).frames(1000)
     assert sane(midair.solve_batch(array, points, solver="uniform"), "frames of a circle")
+
+
+def test_a_still_path_stays_and_is_modulated_by_a_shape_or_by_samples() -> None:
+    still = midair.path.still([[0, 0, 0.1], [0.01, 0, 0.1]], duration=0.1, pressures=500)
+    assert (still.points, still.duration, still.closed) == (2, 0.1, True)
+    points, targets = still.modulated([1, 0.5, 0, 0.5], samples_rate=80).frames(400)
+    assert (points == [[0, 0, 0.1], [0.01, 0, 0.1]]).all()
+    assert targets[:, 0].tolist() == np.tile(np.repeat([500, 250, 0, 250], 5), 2).tolist()
+    assert np.array_equal(still.with_am(20).targets([0.01]), still.modulated(20).targets([0.01]))
+    half = still.modulated([1, 0], depth=0.5, samples_rate=20).frames(40)[1]
+    assert half[:, 0].tolist() == [500, 500, 250, 250]
+    with pytest.raises(midair.SceneError, match=r"samples is .*: give samples"):
+        still.modulated([2.0, 1.0], samples_rate=20)
+    with pytest.raises(midair.SceneError, match="places is"):
+        midair.path.still([0, 0], duration=1)

@@ -14,8 +14,7 @@ from .._midair import Scene, SceneError, Solution, about, judge, solve, solvers,
 from .._support.arguments import callback, refused, whole
 from .._support.kept import Arrays
 from .._sweep.engine import Job, Settings, Stopped, go_on, run
-from .faults import faulty, sizes
-from .tolerance import TOGETHER, Kept, Tolerance
+from .tolerance import TOGETHER, Kept, Tolerance, faulty, sizes
 
 #: Trials at most: means and quantiles are then known to a thousandth of their spread, after minutes to hours.
 MOST_TRIALS = 1_000_000

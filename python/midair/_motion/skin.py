@@ -143,7 +143,9 @@ class Skin:
     @property
     def rms(self) -> NDArray[np.float64]:
         """Displacement (P,) in m, rms over time."""
-        return np.sqrt(np.sum(np.abs(self.displacement.astype(np.complex128)) ** 2, axis=0) / 2)
+        squares = np.sum(np.abs(self.displacement.astype(np.complex128)) ** 2, axis=0)
+        found: NDArray[np.float64] = np.sqrt(squares / 2)
+        return found
 
     def spectrum(self, place: ArrayLike) -> NDArray[np.float64]:
         """The peak displacement (L,) in m of each line, at the place (3,) nearest to that given.
