@@ -14,7 +14,7 @@ import pytest
 
 import midair
 from midair import _cli as cli
-from midair._judging import faults
+from midair._judging.tolerance import faulty
 
 ARRAY = midair.Array.grid(16, 16, 10e-3)
 POINTS = np.array([[-0.03, 0.01, 0.15], [0.02, 0.03, 0.15], [0.01, -0.03, 0.16]])
@@ -92,7 +92,7 @@ def test_a_tilt_keeps_distances_and_what_else_the_array_has() -> None:
     mask = np.arange(256) > 3
     array = midair.Array.grid(16, 16, 10e-3, response=np.full(256, 0.5j), directivity="t4010a1", mask=mask)
     scene = midair.Scene(array, POINTS, temperature=25, absorption=0.1)
-    turned = faults.faulty(scene, {"tilt": 3.0}, 0, 0)
+    turned = faulty(scene, {"tilt": 3.0}, 0, 0)
     apart = [np.linalg.norm(one.array.positions - one.array.positions[0], axis=1) for one in (scene, turned)]
     np.testing.assert_allclose(*apart, atol=1e-12)
     np.testing.assert_allclose(np.linalg.norm(turned.array.normals, axis=1), 1)
@@ -197,7 +197,7 @@ def test_a_drive_is_played_as_it_is() -> None:
     )
     half = 0.5 * solution.drive
     table = midair.tolerate(rounded, drive=half, temperature=5, trials=3, seed=2)
-    warm = faults.faulty(rounded, {"temperature": 5.0}, 2, 1)
+    warm = faulty(rounded, {"temperature": 5.0}, 2, 1)
     whole, got = (midair.judge(one, half) for one in (rounded, warm))
     assert table["temperature"].level[1] == got.level / whole.level
     assert table["temperature"].uniformity[1] == got.uniformity / whole.uniformity
