@@ -176,42 +176,6 @@ def test_every_door_takes_bodies(obstacle: Any, tmp_path: Path) -> None:
     assert midair.Solution.load(tmp_path / "solution.npz").scene.obstacles == [obstacle]
 
 
-@pytest.mark.parametrize(
-    "obstacle", [midair.Sphere(CENTER, RADIUS), ball(2, "soft", 0.008)], ids=["sphere", "mesh"]
-)
-def test_forces_beside_a_body_are_the_slopes_of_the_field(obstacle: Any) -> None:
-    # By differences of G, in which bodies have six digits.
-    scene = midair.Scene(midair.Array.grid(6, 5, 10e-3), POINTS[:2], obstacles=[obstacle])
-    drive = midair.solve(scene, "fast").drive
-    away = np.array([[5, 1, -1], [-1, 4, 2], [1, -1, 5]])
-    radius = RADIUS if isinstance(obstacle, midair.Sphere) else 0.008
-    places = CENTER + (radius + 6e-3) * away / np.linalg.norm(away, axis=1, keepdims=True)
-    felt = midair.gorkov(scene, drive, places)
-    speed, density = scene.medium["sound_speed"], scene.medium["density"]
-    volume, omega = 4 / 3 * np.pi * 1e-9, 2 * np.pi * 40e3
-    compression = volume * (1 - density * speed**2 / (29 * 900**2)) / (4 * density * speed**2)
-    motion = volume * 3 / 4 * (29 - density) / (2 * 29 + density) / (density * omega**2)
-
-    def slope(of: Any, at: Any) -> Any:
-        step = 2e-4
-        up, down, up2, down2 = (
-            of((at[:, None] + n * step * np.eye(3)).reshape(-1, 3)).reshape(-1, 3) for n in (1, -1, 2, -2)
-        )
-        return (8 * (up - down) - (up2 - down2)) / (12 * step)
-
-    def pressure(at: Any) -> Any:
-        return scene.replace(points=at, pressures=None).propagation() @ drive
-
-    def potential(at: Any) -> Any:
-        return compression * abs(pressure(at)) ** 2 - motion * (abs(slope(pressure, at)) ** 2).sum(axis=1)
-
-    assert np.allclose(felt.potential, potential(places), rtol=3e-4)
-    force = -slope(potential, places)
-    assert abs(felt.force - force).max() < 1e-3 * abs(force).max()
-    with pytest.raises(midair.SceneError, match="from an obstacle's surface: leave"):
-        midair.gorkov(scene, drive, CENTER + np.array([[0, 0, radius + 1e-5]]))
-
-
 def test_responses_and_masks_are_those_of_the_array() -> None:
     array = midair.Array.grid(4, 3, 10e-3)
     response = np.exp(1j * np.arange(12)) * np.linspace(0.5, 1, 12)

@@ -89,6 +89,45 @@ def test_a_plane_standing_wave_has_the_textbook_force() -> None:
     assert force > 0
 
 
+@pytest.mark.usefixtures("cache")
+@pytest.mark.parametrize("body", ["sphere", "mesh"])
+def test_forces_beside_a_body_are_the_slopes_of_the_field(body: str) -> None:
+    # By differences of G, in which bodies have six digits.
+    center, radius = np.array([0.0, 0.0, 0.1]), 0.008
+    ball = pytest.importorskip("trimesh").creation.icosphere(2, radius)
+    mesh = midair.Mesh(ball.vertices + center, ball.faces, "soft")
+    obstacle = midair.Sphere(center, radius) if body == "sphere" else mesh
+    points = [[0, 0, 0.145], [0.04, 0, 0.1]]
+    scene = midair.Scene(midair.Array.grid(6, 5, 10e-3), points, obstacles=[obstacle])
+    drive = midair.solve(scene, "fast").drive
+    away = np.array([[5, 1, -1], [-1, 4, 2], [1, -1, 5]])
+    places = center + (radius + 6e-3) * away / np.linalg.norm(away, axis=1, keepdims=True)
+    felt = midair.gorkov(scene, drive, places)
+    speed, density = scene.medium["sound_speed"], scene.medium["density"]
+    volume, omega = 4 / 3 * np.pi * 1e-9, 2 * np.pi * 40e3
+    compression = volume * (1 - density * speed**2 / (29 * 900**2)) / (4 * density * speed**2)
+    motion = volume * 3 / 4 * (29 - density) / (2 * 29 + density) / (density * omega**2)
+
+    def slope(of: Any, at: Any) -> Any:
+        step = 2e-4
+        up, down, up2, down2 = (
+            of((at[:, None] + n * step * np.eye(3)).reshape(-1, 3)).reshape(-1, 3) for n in (1, -1, 2, -2)
+        )
+        return (8 * (up - down) - (up2 - down2)) / (12 * step)
+
+    def pressure(at: Any) -> Any:
+        return scene.replace(points=at, pressures=None).propagation() @ drive
+
+    def potential(at: Any) -> Any:
+        return compression * abs(pressure(at)) ** 2 - motion * (abs(slope(pressure, at)) ** 2).sum(axis=1)
+
+    assert np.allclose(felt.potential, potential(places), rtol=3e-4)
+    force = -slope(potential, places)
+    assert abs(felt.force - force).max() < 1e-3 * abs(force).max()
+    with pytest.raises(midair.SceneError, match="from an obstacle's surface: leave"):
+        midair.gorkov(scene, drive, center + np.array([[0, 0, radius + 1e-5]]))
+
+
 def test_beads_rest_where_the_net_force_is_0() -> None:
     boards = midair.Array.preset("openmpd_pair", quantization={})
     points = scattered(4, [0.03, 0.03, 0.01], 0.015, 5)
