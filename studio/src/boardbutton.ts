@@ -2,7 +2,8 @@
 
 import type { Context } from "./context.ts";
 import { element, write } from "./dom.ts";
-import { type Player, type SerialBoard, type SerialPortLike, attended, boardOf, connect, guard } from "./serial.ts";
+import { type Player, type PlayerState, type SerialBoard, type SerialPortLike, attended, boardOf, connect, guard } from "./serial.ts";
+import { createServed, fits } from "./served.ts";
 import { shownOf } from "./studio.ts";
 
 /** What browsers with WebSerial have. */
@@ -10,14 +11,17 @@ type WithSerial = Navigator & { serial?: { requestPort(): Promise<SerialPortLike
 
 /** Makes the button: it asks for a port, plays what slot A finds, and turns the board off. */
 export function createBoardButton(context: Context): HTMLElement {
-  const { studio, engine, say } = context;
-  const button = element("button", { className: "board" }, say("connect"));
+  const { studio, engine, say, board: served } = context;
+  const away = served ? say("playOn", { name: served.name }) : say("connect");
+  const button = element("button", { className: "board" }, away);
   let player: Player | null = null;
   let unguard = () => undefined as void;
   /** The drive that the board has, or will have next. */
   let given: Float32Array | null = null;
 
-  async function begin() {
+  /** The board that is served, or one at a port that a person chooses. */
+  async function reach(): Promise<(() => Promise<Player>) | void> {
+    if (served) return async () => createServed(served.name, told);
     const { serial } = navigator as WithSerial;
     if (!serial) return context.alarm(say("noSerial"));
     const { array } = studio.view.state;
@@ -26,8 +30,13 @@ export function createBoardButton(context: Context): HTMLElement {
     const address = location.href;
     const port = await serial.requestPort();
     // Another page may have led this one to its own scene meanwhile.
-    if (location.href !== address) return;
-    const found = await attended(open(port, board), window, document);
+    if (location.href === address) return () => open(port, board);
+  }
+
+  async function begin() {
+    const opening = await reach();
+    if (!opening) return;
+    const found = await attended(opening(), window, document);
     player = found.player;
     if (player.state === "gone") return forget();
     unguard = guard(player, window, document);
@@ -40,11 +49,13 @@ export function createBoardButton(context: Context): HTMLElement {
     await studio.settled();
     const silence = await engine.slots[0].silence(studio.scene(0), board.name);
     const encode = (drive: Float32Array) => engine.slots[0].encode(studio.scene(0), drive, board.name);
-    return connect(port, board, encode, silence, (state, line) => {
-      if (line) context.alarm(say("failed", { line }));
-      if (state === "gone") forget();
-      show();
-    });
+    return connect(port, board, encode, silence, told);
+  }
+
+  function told(state: PlayerState, line: string) {
+    if (line) context.alarm(say("failed", { line }));
+    if (state === "gone") forget();
+    show();
   }
 
   function forget() {
@@ -55,7 +66,7 @@ export function createBoardButton(context: Context): HTMLElement {
 
   function show() {
     const plays = player?.state === "playing";
-    write(button, plays ? say("playing") : player ? say("playAgain") : say("connect"));
+    write(button, plays ? say("playing") : player ? say("playAgain") : away);
     button.classList.toggle("on", plays);
     context.announce(say(plays ? "boardOn" : "boardOff"));
   }
@@ -63,6 +74,10 @@ export function createBoardButton(context: Context): HTMLElement {
   function play() {
     const drive = shownOf(studio.view)[0].answer?.drive;
     if (!player || !drive) return;
+    if (served && !fits(served, studio.view.state.array)) {
+      context.alarm(say("otherArray", { name: served.name }));
+      return void player.off();
+    }
     given = drive;
     player.play(drive);
   }
@@ -79,7 +94,7 @@ export function createBoardButton(context: Context): HTMLElement {
   context.ending(() => void player?.close());
   context.listen(() => {
     const drive = shownOf(studio.view)[0].answer?.drive;
-    if (player?.state === "playing" && drive !== given) play();
+    if (player?.state === "playing" && (drive !== given || (served && !fits(served, studio.view.state.array)))) play();
   });
   return button;
 }

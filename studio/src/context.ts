@@ -1,6 +1,7 @@
 /** Context: what every part of the page has at hand. */
 
 import type { Engine } from "./engine.ts";
+import type { ServedBoard } from "./served.ts";
 import type { Studio } from "./studio.ts";
 import type { Language, Word } from "./words.ts";
 
@@ -10,6 +11,8 @@ export interface Context {
   studio: Studio;
   language: Language;
   theme: "dark" | "light";
+  /** The board of `midair studio --on`. */
+  board: ServedBoard | null;
   say(word: Word, put?: Record<string, string | number>): string;
   /** Says something to who does not look. */
   /** A line of the core on a scene of the page. */

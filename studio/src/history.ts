@@ -35,7 +35,9 @@ export function createHistory(initial: State): History {
       const same = gesture !== "" && gesture === last && !paused;
       [last, when] = [gesture, now];
       steps = steps.slice(0, same ? at : at + 1);
-      steps.push(text);
+      // A gesture that ends where it began is no step.
+      if (text === steps.at(-1)) last = "";
+      else steps.push(text);
       if (steps.length > MOST) steps.splice(1, 1);
       at = steps.length - 1;
     },

@@ -1,4 +1,4 @@
-/** Initial: the state that the page begins with. */
+/** Initial: the states that a link completes and that the page begins with. */
 
 import type { State, Vec3 } from "./types.ts";
 
@@ -19,7 +19,7 @@ function ring(count: number): Vec3[] {
   ]);
 }
 
-/** Seven points on a ring of 40 mm and one in its middle, 180 mm above four AUTD3 boards. */
+/** What links and files leave out: seven points on a ring of 40 mm and one in its middle, 180 mm above four AUTD3 boards. */
 export const initial: State = {
   array: { preset: "autd3", tiles: [2, 2] },
   quantization: "board",
@@ -40,4 +40,14 @@ export const initial: State = {
   slot: 0,
   scale: "linear",
   path: null,
+};
+
+/** The page without a link: three foci over one AUTD3 board, and their wave on an upright slice. */
+export const first: State = {
+  ...initial,
+  array: { preset: "autd3", tiles: [1, 1] },
+  points: [[-0.05, 0, 0.13], [0.05, 0, 0.13], [0, 0, 0.17]],
+  plane: { axis: "y", z: 0.11, size: 0.2, center: [0, 0] },
+  view: "slice",
+  quantity: "wave",
 };

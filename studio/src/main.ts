@@ -6,7 +6,7 @@ import { type Engine, startEngine } from "./engine.ts";
 import { sceneOf, stateOf } from "./scene_file.ts";
 import { createEye } from "./eye.ts";
 import { createHook, type Hook } from "./hook.ts";
-import { initial } from "./initial.ts";
+import { first, initial } from "./initial.ts";
 import { readLink } from "./link.ts";
 import { createPage, type Manner, type Page } from "./page.ts";
 import SolveWorker from "./solve.worker.ts?worker&inline";
@@ -36,24 +36,27 @@ async function start() {
   const wasm = await (await fetch(wasmUrl)).arrayBuffer();
   const engine = await startEngine(() => new SolveWorker(), wasm, warm());
   const wrong: string[] = [];
-  let first = initial;
+  let begun = first;
   if (location.hash.length > 1) {
     const read = linked(engine);
     if (typeof read === "string") wrong.push(read);
-    else first = read;
+    else begun = read;
   }
-  if (new URLSearchParams(location.search).has("scene")) {
+  const served = new URLSearchParams(location.search);
+  if (served.has("scene")) {
     try {
       const text = await (await fetch("scene.json")).text();
-      first = stateOf(JSON.parse(await engine.slow.read(text, false)), initial);
+      begun = stateOf(JSON.parse(await engine.slow.read(text, false)), initial);
     } catch (error) {
       wrong.push((error as Error).message);
     }
   }
-  const studio = createStudio(engine, first);
+  const studio = createStudio(engine, begun);
   const manner: Manner = {
     eye: createEye(studio),
     language,
+    board: served.has("board") ? await (await fetch("board.json")).json() : null,
+    greets: begun === first,
     theme: matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark",
     again(changes) {
       const buttons = () => [...root.querySelectorAll("button")];

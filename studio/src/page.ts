@@ -8,6 +8,7 @@ import { element, segments, write } from "./dom.ts";
 import type { Engine } from "./engine.ts";
 import type { Eye } from "./eye.ts";
 import { exportSheet, open } from "./exchange.ts";
+import { haunt } from "./ghost.ts";
 import { wavelength } from "./lattices.ts";
 import { lookOf, turnAt } from "./look.ts";
 import { createFlat } from "./painter/canvas2d.ts";
@@ -17,6 +18,7 @@ import { createPanels } from "./panels.ts";
 import { createPlayer } from "./player.ts";
 import { plain } from "./refusals.ts";
 import { createSentence } from "./sentence.ts";
+import type { ServedBoard } from "./served.ts";
 import { sheet } from "./sheet.ts";
 import { createStage } from "./stage.ts";
 import { shownOf, type Studio } from "./studio.ts";
@@ -37,8 +39,12 @@ export interface Manner {
   language: Language;
   theme: "dark" | "light";
   eye: Eye;
+  /** The board of `midair studio --on`. */
+  board?: ServedBoard | null;
   /** Without bar and panels, for a notebook's cell. */
   compact?: boolean;
+  /** Whether a hand shows once that points can be dragged. */
+  greets?: boolean;
   /** A new language or theme: the page is built anew. */
   again(manner: Partial<Manner>): void;
 }
@@ -68,6 +74,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     studio,
     language,
     theme,
+    board: manner.board ?? null,
     say: (word, put) => say(language, word, put),
     plain: (line) => plain(language, line),
     announce: announcer(status),
@@ -273,6 +280,8 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   root.addEventListener("drop", dropped, { signal });
   root.addEventListener("dragover", (event) => event.preventDefault(), { signal });
   place();
+  if (manner.greets && !calm.matches) void haunt(context, stage.view, stage.seen);
+  manner.greets = false;
 
   return {
     project: stage.project,

@@ -22,7 +22,8 @@ export interface Stage {
   camera(): Camera;
   /** Puts the buttons where the points are. */
   place(): void;
-  /** Where a place is, in CSS px of the window. */
+  /** Where a place is, in CSS px of the view, and how far off in m; and in CSS px of the window. */
+  seen(place: Vec3): Vec3;
   project(place: Vec3): [number, number];
 }
 
@@ -286,6 +287,7 @@ export function createStage(context: Context, eye: Eye): Stage {
     view,
     camera: current,
     place,
+    seen,
     project(place) {
       const box = view.getBoundingClientRect();
       const [x, y] = seen(place);

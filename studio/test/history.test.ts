@@ -6,6 +6,15 @@ import { initial } from "../src/initial.ts";
 
 const warmer = (temperature: number) => ({ ...initial, temperature });
 
+test("a gesture that ends where it began is no step", () => {
+  const history = createHistory(initial);
+  history.keep(warmer(26), "drag 1");
+  history.keep(initial, "drag 1");
+  expect([history.canUndo(), history.canRedo()]).toEqual([false, false]);
+  history.keep(warmer(27), "drag 1");
+  expect(history.undo()).toEqual(initial);
+});
+
 test("a drag is one step, however long it takes", () => {
   const history = createHistory(initial);
   for (let k = 0; k < 9; k += 1) history.keep(warmer(k), "drag 1");

@@ -10,11 +10,11 @@ const SOURCES = join(import.meta.dirname, "../src");
 const LAYERS = [
   ["types", "door", "words", "dom", "tips", "changes", "decimal", "numbering"],
   ["initial", "scene_file", "files", "link", "gallery", "history", "points", "paths", "plane", "contours", "lettering", "drawing", "pixels", "check"],
-  ["solve.worker", "lattices", "engine", "studio", "serial"],
+  ["solve.worker", "lattices", "engine", "studio", "serial", "served"],
   ["painter/", "eye", "look", "numbers"],
   [
     "context", "announce", "refusals", "chart", "recording", "player", "readout", "instrument", "viewing", "handles", "slicechoice", "phasekey", "stage", "compare", "exchange", "boardbutton", "gallerybox", "bar", "table",
-    "shaping", "motion", "panels", "sheet", "sentence",
+    "shaping", "motion", "panels", "sheet", "sentence", "ghost",
   ],
   ["page", "hook", "main", "widget"],
 ];

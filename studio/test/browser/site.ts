@@ -101,7 +101,9 @@ export async function fromMenu(page: Page, name: string): Promise<void> {
 
 /** A page that is ready, and everything that it asked for or complained of; `before` runs in it ahead of its own scripts. */
 export async function visit(browser: Browser, url: string, options: BrowserContextOptions = {}, before?: () => void) {
-  const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, locale: "en-GB", ...options });
+  // A page without a link greets by a hand that drags a point, unless less motion is wanted.
+  const reducedMotion = url.includes("#") ? "no-preference" : "reduce";
+  const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, locale: "en-GB", reducedMotion, ...options });
   if (before) await context.addInitScript(before);
   const page = await context.newPage();
   const requests: string[] = [];

@@ -1,0 +1,90 @@
+/** Served: a board of `midair studio --on`: Python on this machine plays what the page gives it. */
+
+import type { Player, PlayerState } from "./serial.ts";
+import type { ArrayChoice } from "./types.ts";
+
+/** A board as the server describes it, its array as scene files have it. */
+export interface ServedBoard {
+  name: string;
+  array: { preset: string; tiles?: [number, number] } | { positions: number[][] };
+}
+
+/** A drive is given again so often, in ms: of a page that is silent for a second the server turns the board off. */
+const AGAIN = 250;
+
+/** Whether the drives of an array are for a board. */
+export function fits({ array: own }: ServedBoard, array: ArrayChoice): boolean {
+  if ("preset" in own) return "preset" in array && array.preset === own.preset && array.tiles.join() === (own.tiles ?? [1, 1]).join();
+  return "positions" in array && JSON.stringify(array.positions) === JSON.stringify(own.positions);
+}
+
+/** The player of a board that is served; `told` gets each new state, with one line where something failed. */
+export function createServed(name: string, told: (state: PlayerState, line: string) => void): Player {
+  let state: PlayerState = "off";
+  let drive: Float32Array | null = null;
+  let runs = false;
+  let wake = () => undefined as void;
+
+  function turn(next: PlayerState, line = "") {
+    if (state === next && !line) return;
+    state = next;
+    told(state, line);
+  }
+
+  /** Gives the server a drive, or silence; the time lets it ignore what was overtaken. Returns the server's refusal. */
+  async function give(content: Float32Array): Promise<string> {
+    const at = (performance.timeOrigin + performance.now()).toFixed(3);
+    const body = new Float32Array(content);
+    const headers = { "Content-Type": "application/octet-stream" };
+    try {
+      // Silence goes out even where the page is being left.
+      const answer = await fetch(`board?${at}`, { method: "POST", body, headers, keepalive: content.length === 0 });
+      return answer.ok ? "" : (await answer.text()).split("\n")[0];
+    } catch {
+      drive = null;
+      turn("gone", `midair studio, which has ${name}, is gone: the board is off, start it again`);
+      return "";
+    }
+  }
+
+  async function run() {
+    runs = true;
+    while (drive) {
+      const given: Float32Array = drive;
+      const refused = await give(given);
+      if (refused) await off(refused);
+      if (drive !== given) continue;
+      await new Promise<void>((done) => {
+        wake = done;
+        setTimeout(done, AGAIN);
+      });
+    }
+    runs = false;
+  }
+
+  async function off(line = "") {
+    if (state === "gone") return;
+    drive = null;
+    wake();
+    turn("off", line);
+    await give(new Float32Array());
+  }
+
+  return {
+    get state() {
+      return state;
+    },
+    play(next) {
+      if (state === "gone") return;
+      drive = next;
+      turn("playing");
+      wake();
+      if (!runs) void run();
+    },
+    off: () => off(),
+    async close() {
+      await off();
+      turn("gone");
+    },
+  };
+}
