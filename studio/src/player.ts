@@ -62,8 +62,8 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
   const state = () => studio.view.state;
   const found = element("div");
   const go = element("button", { className: "icon", onclick: () => (mode === "play" ? pause() : void run(at)) }, "▶");
-  const line = element("input", { type: "range", min: 0, max: 1, value: 0, "aria-label": say("frameShown"), oninput: () => void seek(+line.value) });
-  const time = element("output");
+  const line = element("input", { type: "range", min: 0, max: 1, value: 0, "aria-label": say("frameShown"), "data-tip": say("frameTip"), oninput: () => void seek(+line.value) });
+  const time = explained(element("output"), say("frameTip"));
   const film = element("button", { title: say("recordHint"), "aria-label": say("recordHint"), onclick: () => void save(), hidden: typeof MediaRecorder === "undefined" }, "WebM");
   const root = element("div", { className: "timeline", hidden: true, role: "group", "aria-label": say("motion") }, go, explained(element("label", {}, line, time), say("frameTip")), film);
   let mode: "rest" | "pause" | "play" = "rest";

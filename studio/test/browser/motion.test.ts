@@ -22,7 +22,7 @@ let complaints: string[];
 
 beforeEach(async () => {
   await page?.context().close();
-  ({ page, complaints } = await visit(open.browser, open.url));
+  ({ page, complaints } = await visit(open.browser, `${open.url}#v=1`));
   await page.evaluate((state) => window.midair!.set(state), START);
 });
 

@@ -14,7 +14,7 @@ let complaints: string[];
 
 beforeEach(async () => {
   await page?.context().close();
-  ({ page, complaints } = await visit(open.browser, open.url));
+  ({ page, complaints } = await visit(open.browser, `${open.url}#v=1`));
   await set(UPRIGHT);
 });
 
@@ -185,7 +185,7 @@ test("the view is shifted by the right button, and looks from above, from the si
 test("a point is lifted by touch, by the sign above it", async () => {
   await page.context().close();
   const phone = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
-  ({ page } = await visit(open.browser, open.url, phone));
+  ({ page } = await visit(open.browser, `${open.url}#v=1`, phone));
   await set({ ...BOARD, plane: { axis: "z", z: 0.15, size: 0.12, center: [0, 0] } });
   await point(page, 1).tap();
   const sign = page.locator(".lifter");
