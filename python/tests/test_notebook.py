@@ -1,6 +1,7 @@
 """Pictures in notebooks: what they show, how large they are, and what they load."""
 
 import base64
+import io
 import re
 import subprocess
 import sys
@@ -8,6 +9,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from matplotlib import colormaps
+from PIL import Image
 
 import midair
 from midair._pictures.notebook import MOST_DOTS
@@ -21,14 +24,16 @@ SVG = "{http://www.w3.org/2000/svg}"
 LOADS_NO_MATPLOTLIB = """
 import sys, midair
 scene = midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15], [0.03, 0, 0.15]], pressures=900.0)
-assert "<svg" in scene._repr_html_() + midair.solve(scene)._repr_html_()
+solution = midair.solve(scene)
+for shown in (scene, solution, solution.field(), midair.solvers()):
+    assert "<" in shown._repr_html_()
 assert "matplotlib" not in sys.modules
 """
 
 
 def drawn(html: str) -> ElementTree.Element:
-    """The one SVG of what a notebook shows."""
-    (text,) = re.findall(r"<svg.*</svg>", html)
+    """The first SVG of what a notebook shows."""
+    text = re.findall(r"<svg.*?</svg>", html)[0]
     return ElementTree.fromstring(text)
 
 
@@ -85,20 +90,42 @@ def test_sequences_show_the_ways_of_their_points() -> None:
 
 
 def test_fields_show_a_picture() -> None:
-    from midair._pictures.notebook import field
-
     scene = small()
     made = midair.field(scene, midair.solve(scene))
-    html = field(made)
-    (text,) = re.findall(r'src="data:image/png;base64,([^"]+)"', html)
-    assert base64.b64decode(text).startswith(b"\x89PNG")
+    html = made._repr_html_()
+    text = re.findall(r'href="data:image/png;base64,([^"]+)"', html)[0]
+    with Image.open(io.BytesIO(base64.b64decode(text))) as image:
+        seen = np.asarray(image.convert("RGB"), dtype=int)
+    shades = np.abs(made.pressure[::-2, ::2]) / np.abs(made.pressure).max()
+    assert seen.shape == (*shades.shape, 3)
+    wanted = np.asarray(colormaps["magma"](shades))[..., :3] * 255
+    # Steps of a palette, and colours between stops.
+    assert np.abs(seen - wanted).max() < 6
     assert len(html) < MOST
     assert "further planes" in html
-    at = field(midair.field(scene, np.ones(64), scene.points))
+    assert "<title>|p| where z = 149.5 mm, up to " in html
+    at = midair.field(scene, np.ones(64), scene.points)._repr_html_()
     assert "at 4 points" in at
-    assert "<img" not in at
+    assert "<image" not in at
+
+
+def test_solutions_show_a_slice_and_the_phases_of_their_transducers() -> None:
+    drive = np.exp(1j * (np.linspace(-np.pi, np.pi, 64, endpoint=False) + 0.01))
+    drive[5] = 0
+    solution = midair.solve(small(points=[[0, 0, 0.15]]), lambda *_: drive)
+    html = solution._repr_html_()
+    assert len(html) < 60_000
+    assert html.count("<image") == 2, "the slice and its bar"
+    paths = list(drawn(html).iter(f"{SVG}path"))
+    counts = {path.get("stroke"): path.get("d", "").count("h0") for path in paths}
+    assert sum(counts.values()) == 64
+    assert counts.pop("currentColor") == 1
+    # Two transducers a colour; half a turn is dark.
+    assert set(counts.values()) <= {1, 2}
+    assert len(counts) == 32
+    assert "#303030" in counts
 
 
 @pytest.mark.slow
-def test_only_fields_load_matplotlib() -> None:
+def test_nothing_loads_matplotlib() -> None:
     subprocess.run([sys.executable, "-c", LOADS_NO_MATPLOTLIB], check=True)

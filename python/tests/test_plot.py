@@ -6,7 +6,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from matplotlib import rc_context, rcdefaults, rcParams
+from matplotlib import colormaps, rc_context, rcdefaults, rcParams
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
@@ -15,6 +15,7 @@ from matplotlib.text import Text
 
 import midair
 from midair._pictures.answer import answer
+from midair._pictures.colours import table
 from midair._pictures.plot import contact_sheet
 from scenes import POINTS, small
 
@@ -303,6 +304,17 @@ def test_pictures_take_plane_colours_panels_and_size() -> None:
     for wrong in ({"cmap": "rainbows"}, {"panels": ["bars"]}, {"size": -1}):
         with pytest.raises(midair.SceneError, match=next(iter(wrong))):
             solution.plot(**wrong)
+
+
+def test_pictures_have_one_map_of_fields_and_one_of_phases() -> None:
+    field = midair.field(flat(), np.ones(64))
+    for quantity, name in (("pressure", "magma"), ("spl", "magma"), ("phase", "midair.phase")):
+        assert midair.plot(field, quantity=quantity).images[0].get_cmap().name == name
+        plt.close("all")
+    shades = np.linspace(0, 1, 256)
+    assert np.abs(table("field") - 255 * colormaps["magma"](shades)[:, :3]).max() < 3
+    assert np.abs(table("phase") - 255 * colormaps["midair.phase"](shades)[:, :3]).max() < 1
+    assert (table("phase")[0] == table("phase")[-1]).all(), "a turn is none"
 
 
 def test_axes_of_ones_own_hold_one_panel() -> None:

@@ -37,7 +37,14 @@ def test_the_wheel_holds_the_package_and_works_with_nothing_but_numpy(tmp_path: 
     (wheel,) = tmp_path.glob("midair-*.whl")
     assert "abi3" in wheel.name
     names = set(zipfile.ZipFile(wheel).namelist())
-    inner = ("__init__.py", "_cli/app.py", "_cli/starter.toml", "py.typed", "_midair.pyi")
+    inner = (
+        "__init__.py",
+        "_cli/app.py",
+        "_cli/starter.toml",
+        "_pictures/colours.json",
+        "py.typed",
+        "_midair.pyi",
+    )
     assert names >= {f"midair/{name}" for name in inner}
     assert not [name for name in names if "test" in name or "oracle" in name or name.startswith("python/")]
     # Made by `make studio`, if it ran.

@@ -21,7 +21,7 @@ from rich.text import Text
 
 from .. import Field, Solution
 from .._judging.compare import cells, sentence, weakest
-from .._pictures.colours import MAPS
+from .._pictures.colours import table
 from .._support import output
 
 if TYPE_CHECKING:
@@ -120,10 +120,7 @@ def print_list(columns: Mapping[str, list[str]], closing: str) -> None:
 
 def print_field(field: Field) -> None:
     """|p| of each panel of a field: two rows of samples a line in colours, or one in letters."""
-    from matplotlib import colormaps
-    from matplotlib.colors import to_hex
-
-    colours = colormaps[MAPS["pressure"]]
+    colours = ["#" + bytes(colour).hex() for colour in table("field")]
     for panel in field.panels or [field]:
         pressure = np.abs(panel.pressure)
         top = max(float(pressure.max()), 1e-30)
@@ -138,7 +135,7 @@ def print_field(field: Field) -> None:
                 if console.color_system is None:
                     line.append(SHADES[round((one + other) / 2 * (len(SHADES) - 1))])
                 else:
-                    ends = [to_hex(colours(float(part))) for part in (one, other)]
+                    ends = [colours[round(255 * part)] for part in (one, other)]
                     line.append("\u2580", f"{ends[0]} on {ends[1]}")
             console.print(line, soft_wrap=True)
         console.print(_legend(panel, top), markup=False, highlight=False, soft_wrap=True)

@@ -181,30 +181,26 @@ def sentence(solution: Solution) -> str:
     loud = solution.targets > 0
     got, quiet = np.abs(solution.pressures[loud]), np.abs(solution.pressures[~loud])
     if not got.size:
-        return f"{_counted(quiet, 'quiet point')}, at most {quiet.max():.3g} Pa"
+        return f"{text.counted(len(quiet), 'quiet point')}, at most {quiet.max():.3g} Pa"
     low, high = float(got.min()), float(got.max())
     unit = _paper if solution.scene is not None and solution.scene.in_paper_unit else _level
     level = unit(high) if high <= EVEN * low else f"{low:.4g} to {unit(high)}"
-    driven = _counted(np.flatnonzero(solution.drive), "transducer")
+    driven = text.counted(len(np.flatnonzero(solution.drive)), "transducer")
     requested = solution.scene is not None and solution.scene.pressures is not None
     parts = got / solution.targets[loud]
     off = float(np.abs(parts / (1 if requested else np.mean(parts)) - 1).max())
-    words = [f"{_counted(got, 'point')} at {level} with {driven}"]
+    words = [f"{text.counted(len(got), 'point')} at {level} with {driven}"]
     if requested:
         words.append(f"within {_percent(off)} of what was requested")
     elif len(got) > 1:
         words.append(f"even to {_percent(off)}")
     if quiet.size:
-        words.append(f"{_counted(quiet, 'quiet point')} at most {quiet.max():.3g} Pa")
+        words.append(f"{text.counted(len(quiet), 'quiet point')} at most {quiet.max():.3g} Pa")
     return ", ".join(words)
 
 
 def _paper(pressure: float) -> str:
     return f"{pressure:.4g} in the paper's unit"
-
-
-def _counted(things: NDArray[Any], name: str) -> str:
-    return f"{len(things)} {name}" if len(things) == 1 else f"{len(things)} {name}s"
 
 
 def _percent(part: float) -> str:

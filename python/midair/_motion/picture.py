@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._pictures.colours import MAPS
+from .._support.text import counted
 from .drives import blocks
 from .felt import BANDS, rms, spectrum
 
@@ -88,7 +89,7 @@ def _heading(sequence: JudgedFrames) -> list[str]:
     by = f", {sequence.solver}" if sequence.solver else ""
     seam = "" if metrics.seam is None else f", seam {metrics.seam:.3f} rad"
     return [
-        f"{frames} frame{'s' * (frames > 1)} at {sequence.rate:g} Hz, {count} point{'s' * (count > 1)}{by}",
+        f"{counted(frames, 'frame')} at {sequence.rate:g} Hz, {counted(count, 'point')}{by}",
         f"level {metrics.level:.3f}, uniformity {metrics.uniformity:.3f}, dip {metrics.dip:.3f}, "
         f"largest change {metrics.largest_change:.3f} rad{seam}, noise {metrics.noise:.0f} dB",
     ]

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from math import log10, pi, sqrt
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
@@ -32,7 +35,20 @@ DARK = 1e-4
 #: Wavelengths around the points within which a field sets its own scale.
 MARGIN = 2.0
 
-MAPS = {"pressure": "magma", "radiation": "viridis", "spl": "inferno", "phase": "twilight"}
+#: Colour maps of matplotlib; `sheet` adds that of the phase.
+MAPS = {"pressure": "magma", "radiation": "magma", "spl": "magma", "phase": "midair.phase"}
+
+
+@cache
+def table(name: Literal["field", "phase"]) -> NDArray[np.uint8]:
+    """The 256 colours (256, 3) of the map of fields, matplotlib's magma, or of phases from -pi to pi.
+
+    The phase's is safe for the colour-blind; all bindings have it from colours.json.
+    """
+    stops = np.array(json.loads(Path(__file__).with_name("colours.json").read_text("utf-8"))[name])
+    at = np.linspace(0, len(stops) - 1, 256)
+    channels = [np.interp(at, np.arange(len(stops)), channel) for channel in stops.T]
+    return np.rint(channels).astype(np.uint8).T
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import base64
-import io
 import math
+import struct
+import warnings
+import zlib
 from collections.abc import Iterable, Sequence
 from html import escape
 
@@ -12,7 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _midair
-from .._midair import Array, Batch, Field, Scene, Solution, SolverInfo
+from .._midair import Array, Batch, Field, Scene, SceneWarning, Solution, SolverInfo
+from .._support.text import counted
+from .colours import loud, table
 
 #: The picture's longer side, in its own units; a unit is a thousandth of what it shows.
 SIDE = 1000
@@ -31,12 +35,18 @@ RING, LARGE = 22, 12
 
 
 def above(
-    array: Array, points: NDArray[np.float64], *, quiet: ArrayLike = False, got: ArrayLike | None = None
+    array: Array,
+    points: NDArray[np.float64],
+    *,
+    quiet: ArrayLike = False,
+    got: ArrayLike | None = None,
+    drive: NDArray[np.complex64] | None = None,
 ) -> str:
     """Rings at the points (M, 3) in m over the dots of the transducers.
 
     quiet : which points (M,) are to be silent; they are drawn in blue
     got : |p| / target (M,), whose share of each ring is filled: the disc's radius is that part of the ring's
+    drive : (N,), whose phases colour the transducers; those that are off stay grey
     """
     view = _View(array, points)
     chosen = slice(None, None, -(-len(points) // MOST_POINTS))
@@ -49,7 +59,8 @@ def above(
         sizes = np.rint(ring * share).astype(int)
         discs = zip(places[~silent], sizes[~silent], strict=True)
         marks += f'<g fill="{POINT}">{"".join(_circle(place, size) for place, size in discs)}</g>'
-    return view.drawn(marks, f"{len(points)} points over {len(array)} transducers, from above")
+    title = f"{counted(len(points), 'point')} over {counted(len(array), 'transducer')}, from above"
+    return view.drawn(marks, title if drive is None else f"{title}; colours are phases", drive)
 
 
 def trails(array: Array, points: NDArray[np.float64], closed: bool) -> str:
@@ -102,50 +113,101 @@ class _View:
         units = (points[:, :2] - self._corner) * self._scale * np.array([1, -1])
         return np.asarray(np.rint(units).astype(int))
 
-    def drawn(self, marks: str, title: str) -> str:
-        """The picture with marks over the transducers' dots."""
+    def drawn(self, marks: str, title: str, drive: NDArray[np.complex64] | None = None) -> str:
+        """The picture with marks over the transducers' dots, in the colours of their phases."""
         dots = self.place(self._array.positions)
+        kept = np.arange(len(dots))
         if len(dots) > MOST_DOTS:
-            dots = np.unique(dots // SQUARE, axis=0) * SQUARE
-        # Each dot is a line of no length with round ends, from the one before: a few letters a transducer.
-        steps = np.diff(dots, axis=0, prepend=[[0, 0]])
-        path = "".join(f"m{x} {y}h0" for x, y in steps)
+            dots, kept = np.unique(dots // SQUARE, axis=0, return_index=True)
+            dots = dots * SQUARE
+        if drive is None:
+            path = _dots(dots, 14, 'stroke="currentColor" stroke-opacity=".35"')
+        else:
+            phases = (np.angle(drive[kept]) / (2 * np.pi) + 0.5) * HUES
+            hues = np.where(drive[kept] == 0, HUES, np.rint(phases).astype(int) % HUES)
+            colours = [bytes(colour).hex() for colour in table("phase")[:: 256 // HUES]]
+            strokes = [f'stroke="#{colour}"' for colour in colours[:HUES]]
+            strokes.append('stroke="currentColor" stroke-opacity=".15"')
+            # Next to one another where they stand in a grid.
+            wide = int(np.clip(0.7 * np.sqrt(np.prod(self._size) / len(dots)), 6, 60))
+            path = "".join(_dots(dots[hues == hue], wide, strokes[hue]) for hue in np.unique(hues))
         width, height = self._size
         size = f'width="{200 * width // SIDE}" height="{200 * height // SIDE}"'
         return (
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" {size} role="img">'
-            f"<title>{title}</title>"
-            f'<path d="{path}" stroke="currentColor" stroke-opacity=".35" stroke-width="14" '
-            f'stroke-linecap="round"/>{marks}</svg>'
+            f"<title>{title}</title>{path}{marks}</svg>"
         )
 
 
-#: Width and height in inches, and pixels an inch: small enough for a table's side.
-SIZE, RESOLUTION = (3.8, 3.0), 72
-
-#: Colours of the image: enough for the map, and a third of what all of them take.
-COLOURS = 128
+#: Colours of phases in the picture of an array.
+HUES = 32
 
 
-def picture(field: Field) -> str:
-    """|p| of a field in a plane, with its points, as an image of some 30 kB."""
-    from matplotlib.figure import Figure
-    from PIL import Image
+def _dots(dots: NDArray[np.int_], wide: int, stroke: str) -> str:
+    """Dots of one colour: each is a line of no length with round ends, from the one before."""
+    steps = np.diff(dots, axis=0, prepend=[[0, 0]])
+    path = "".join(f"m{x} {y}h0" for x, y in steps)
+    return f'<path d="{path}" {stroke} stroke-width="{wide}" stroke-linecap="round"/>'
 
-    from .colours import colours
-    from .panel import add_bar, draw
 
-    figure = Figure(figsize=SIZE, layout="constrained")
-    ax = figure.subplots()
-    paint = colours([field], "pressure")
-    add_bar(draw(field, ax, paint), [ax], paint)
-    drawn, content = io.BytesIO(), io.BytesIO()
-    figure.savefig(drawn, format="png", dpi=RESOLUTION, bbox_inches="tight", pad_inches=0.04)
-    Image.open(drawn).convert("RGB").quantize(COLOURS, Image.Quantize.MAXCOVERAGE).save(
-        content, "png", optimize=True
+#: The side of a slice in pixels on the page, and its most samples a side.
+SLICE, SAMPLES = 200, 100
+
+#: No slice where that many products, transducers x samples, would keep a cell waiting.
+PRODUCTS = 2e8
+
+
+def slice_of(field: Field) -> str:
+    """|p| of a field in its plane, with its points, axes and bar, as SVG of some 15 kB."""
+    pressure = np.abs(field.pressure)
+    plane = field.plane
+    assert plane is not None
+    assert field.shown is not None
+    top = loud(field) or 1.0
+    every = -(-plane.pixels // SAMPLES)
+    shades = np.rint(255 * np.clip(pressure[::-every, ::every] / top, 0, 1)).astype(np.uint8)
+    names = [name for name in "xyz" if name != plane.axis]
+    axes = ["xyz".index(name) for name in names]
+    low = np.array([getattr(field, name)[0] for name in names])
+    high = np.array([getattr(field, name)[-1] for name in names])
+    places = (field.scene.points[field.shown][:MOST_POINTS, axes] - low) / (high - low) * SLICE
+    rings = "".join(f'<circle cx="{x:.1f}" cy="{SLICE - y:.1f}" r="3"/>' for x, y in places)
+    across, up = (
+        f"{name} {1e3 * a:.3g} to {1e3 * b:.3g} mm" for name, a, b in zip(names, low, high, strict=True)
     )
-    text = base64.b64encode(content.getvalue()).decode()
-    return f'<img alt="|p| in the plane" src="data:image/png;base64,{text}">'
+    unit = "" if field.scene.in_paper_unit else " Pa"
+    bar = np.arange(255, -1, -1, dtype=np.uint8)[:, None]
+    frame = f'height="{SLICE}" preserveAspectRatio="none"'
+    described = f"|p| where {plane.axis} = {1e3 * plane.at:.4g} mm, up to {top:.4g}{unit}"
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{SLICE + 70}" height="{SLICE + 34}" role="img" '
+        f'font-family="sans-serif" font-size="11" fill="currentColor"><title>{described}</title>'
+        f'<image width="{SLICE}" {frame} href="{_image(shades)}"/>'
+        f'<image x="{SLICE + 6}" width="10" {frame} href="{_image(bar)}"/>'
+        f'<g fill="none" stroke="deepskyblue">{rings}</g>'
+        f'<text x="{SLICE + 20}" y="10">{top:.4g}{unit}</text><text x="{SLICE + 20}" y="{SLICE}">0</text>'
+        f'<text y="{SLICE + 14}">{across}</text><text y="{SLICE + 29}">{up}, {plane.axis} = '
+        f"{1e3 * plane.at:.3g} mm</text></svg>"
+    )
+
+
+def _image(shades: NDArray[np.uint8]) -> str:
+    """A PNG of the field's colours (rows, columns), as the address of an image."""
+    height, width = shades.shape
+    # A filter of 0, "none", stands before each row.
+    rows = np.pad(shades, ((0, 0), (1, 0))).tobytes()
+    parts = {
+        b"IHDR": struct.pack(">IIBBBBB", width, height, 8, 3, 0, 0, 0),
+        b"PLTE": table("field").tobytes(),
+        b"IDAT": zlib.compress(rows, 9),
+        b"IEND": b"",
+    }
+    chunks = (
+        struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+        for name, data in parts.items()
+    )
+    text = base64.b64encode(b"\x89PNG\r\n\x1a\n" + b"".join(chunks)).decode()
+    return f"data:image/png;base64,{text}"
 
 
 #: The most rows shown of a list of points or problems.
@@ -210,17 +272,18 @@ def scene(scene: Scene) -> str:
         *([] if scene.solver is None else [("solver", scene.solver[0])]),
         *([("obstacles", str(scene.obstacles))] if scene.obstacles else []),
     )
-    table = _table(
+    listed = _table(
         rows, ("point", "x / mm", "y / mm", "z / mm", "pressure / Pa", "weight"), len(scene.points)
     )
     quiet = False if pressures is None else pressures == 0
-    return facts + table + above(scene.array, scene.points, quiet=quiet)
+    return facts + listed + above(scene.array, scene.points, quiet=quiet)
 
 
 def solution(solution: Solution) -> str:
     """A solution: how it ended, how good it is, and what the points asked for and got.
 
-    In its picture the ring of a point is what it asked for, and the disc in it what it got.
+    In its picture the ring of a point is what it asked for, the disc in it what it got, and the colour of a
+    transducer its phase; beside it stands |p| in the plane through the points.
     """
     got, targets = np.abs(solution.pressures), solution.targets
     rows = [
@@ -233,11 +296,23 @@ def solution(solution: Solution) -> str:
         *([] if solution.scale == 1 else [("scale", f"{solution.scale:.4f}")]),
         ("time", f"{1e3 * solution.elapsed:.4g} ms"),
     )
-    table = _table(rows, ("point", "asked / Pa", "got / Pa", "part"), len(got))
+    listed = _table(rows, ("point", "asked / Pa", "got / Pa", "part"), len(got))
     if solution.scene is None:
-        return facts + table
-    part = got / np.where(targets > 0, targets, np.inf)
-    return facts + table + above(solution.scene.array, solution.scene.points, quiet=targets == 0, got=part)
+        return facts + listed
+    scene, part = solution.scene, got / np.where(targets > 0, targets, np.inf)
+    phases = above(scene.array, scene.points, quiet=targets == 0, got=part, drive=solution.drive)
+    return facts + listed + phases + _slice(solution)
+
+
+def _slice(solution: Solution) -> str:
+    """The slice through a solution's points, the first where there are several."""
+    scene = solution.scene
+    if scene is None or len(scene.array) * SAMPLES**2 > PRODUCTS:
+        return ""
+    with warnings.catch_warnings():
+        # What is hardly meant was told when the scene was solved.
+        warnings.simplefilter("ignore", SceneWarning)
+        return slice_of(_midair.field(scene, solution))
 
 
 def field(field: Field) -> str:
@@ -252,7 +327,7 @@ def field(field: Field) -> str:
         *([("further planes", f"{panels - 1}, in field.panels")] if panels > 1 else []),
         ("loudest", loudest),
         *([] if field.solution is None else [("solver", field.solution.solver)]),
-    ) + picture(field)
+    ) + slice_of(field)
 
 
 def sequence(

@@ -13,10 +13,11 @@ from typing import Any, TypeVar
 import numpy as np
 from matplotlib import colormaps, rc_context, rcParams
 from matplotlib.axes import Axes
-from matplotlib.colors import Colormap
+from matplotlib.colors import Colormap, ListedColormap
 from matplotlib.figure import Figure
 
 from .._midair import SceneError
+from .colours import MAPS, table
 
 #: Width in inches, or width and height.
 Size = float | tuple[float, float]
@@ -162,6 +163,9 @@ def chosen(panels: Name | Iterable[Name] | None, known: Sequence[Name], ax: Axes
     if len(names) > 1:
         raise SceneError(f"panels is {panels!r}: ax holds one panel, name one or leave ax out")
     return names
+
+
+colormaps.register(ListedColormap(table("phase") / 255, MAPS["phase"]), force=True)
 
 
 def colour_map(cmap: Map | None, own: str) -> Map:

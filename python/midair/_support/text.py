@@ -183,6 +183,11 @@ def picked(
     return numbers(path, line, cell, names)
 
 
+def counted(count: int, thing: str) -> str:
+    """How many things, in words: "1 point", "2 points"."""
+    return f"{count} {thing}" if count == 1 else f"{count} {thing}s"
+
+
 def plain(columns: Mapping[str, list[str]]) -> str:
     """A heading, a rule and a line for each row."""
     lines = list(zip(*([name, *column] for name, column in columns.items()), strict=True))
