@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike, NDArray
 
-    from .._pictures.colours import Quantity
-    from .._pictures.sheet import Map, Size
+    from .._pictures.colours import Map, Quantity
+    from .._pictures.sheet import Size
 
 #: The most points that `midair.bound` takes.
 BOUND_POINTS = 64

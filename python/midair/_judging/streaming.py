@@ -17,7 +17,8 @@ from .._support.arguments import number
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from .._pictures.sheet import Map, Size
+    from .._pictures.colours import Map
+    from .._pictures.sheet import Size
 
 #: Arrows along a side, and the part of the largest force below which there is none.
 ARROWS, FAINT = 20, 0.05

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from .._pictures.sheet import Map, Size
+    from .._pictures.colours import Map
+    from .._pictures.sheet import Size
 
 
 #: The parts of a calibration's picture.

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.image import AxesImage
 
-    from .._pictures.sheet import Map, Size
+    from .._pictures.colours import Map
+    from .._pictures.sheet import Size
     from .judged import JudgedFrames
 
 #: The parts of a sequence's picture.

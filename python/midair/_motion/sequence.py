@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from xarray import Dataset
 
-    from .._pictures.sheet import Map, Size
+    from .._pictures.colours import Map
+    from .._pictures.sheet import Size
     from .picture import Panel
 
 

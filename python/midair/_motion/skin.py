@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from .._pictures.sheet import Map, Size
+    from .._pictures.colours import Map
+    from .._pictures.sheet import Size
 
 #: Places along each side of a hand that is left out, and what it shows around the points, in m.
 SIDE, MARGIN = 64, 0.02

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure, SubFigure
 
-    from .sheet import Map, Size
+    from .colours import Map
+    from .sheet import Size
 
 #: Of so many points the distance to the nearest is looked for.
 SAMPLE = 200

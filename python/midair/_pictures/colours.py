@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from math import log10, pi, sqrt
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,10 @@ from numpy.typing import NDArray
 from .._midair import Field, SceneError
 
 if TYPE_CHECKING:
-    from .sheet import Map
+    from matplotlib.colors import Colormap
+
+#: A colour map of matplotlib, or its name.
+Map: TypeAlias = "str | Colormap"
 
 Quantity = Literal["pressure", "radiation", "spl", "phase"]
 
@@ -73,11 +76,9 @@ class Colours:
         """The colour map, by its name unless it is the caller's."""
         return self.own or MAPS[self.quantity]
 
-    def by(self, cmap: Map | None) -> Colours:
-        """The same with a colour map of the caller's own. Raises SceneError for none that matplotlib has."""
-        from .sheet import colour_map
-
-        return self if cmap is None else replace(self, own=colour_map(cmap, MAPS[self.quantity]))
+    def by(self, cmap: Map) -> Colours:
+        """The same with a colour map of the caller's own."""
+        return replace(self, own=cmap)
 
 
 def of_pressures(field: Field, pressures: NDArray[np.float64], colours: Colours) -> NDArray[np.float64]:

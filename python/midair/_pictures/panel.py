@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.image import AxesImage
     from numpy.typing import NDArray
 
-    from .sheet import Map
+    from .colours import Map
 
 #: Sines of the angle between a wall and a plane below which they count as parallel.
 PARALLEL = 1e-9

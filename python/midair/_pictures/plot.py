@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol, overload
 import numpy as np
 
 from .._midair import Field, Plane, SceneError, Solution, field
-from .colours import Quantity, colours, loud
+from .colours import MAPS, Quantity, colours, loud
 from .panel import add_bar, draw, grid, shape
 from .words import asked, heading, level, marks, number, place, scale
 
@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from .sheet import Map, Size
+    from .colours import Map
+    from .sheet import Size
 
 
 class OwnPicture(Protocol):
@@ -149,7 +150,10 @@ def picture(
     cmap: Map | None = None,
 ) -> None:
     """Fields of one scene in axes, with one scale and its bar."""
-    scale = colours(panels, quantity, vmax=vmax, loudest=loudest).by(cmap)
+    from .sheet import colour_map
+
+    scale = colours(panels, quantity, vmax=vmax, loudest=loudest)
+    scale = scale.by(colour_map(cmap, MAPS[quantity]))
     images = [draw(panel, ax, scale) for panel, ax in zip(panels, axes, strict=True)]
     add_bar(images[0], axes, scale)
 

@@ -17,13 +17,10 @@ from matplotlib.colors import Colormap, ListedColormap
 from matplotlib.figure import Figure
 
 from .._midair import SceneError
-from .colours import MAPS, table
+from .colours import MAPS, Map, table
 
 #: Width in inches, or width and height.
 Size = float | tuple[float, float]
-
-#: A colour map of matplotlib, or its name.
-Map = str | Colormap
 
 Name = TypeVar("Name", bound=str)
 
