@@ -301,3 +301,18 @@ def test_tables_tell_what_it_is() -> None:
     felt = made().felt([0, 0, 0.1], bands=[(50, 500)], area=1e-4)
     assert "rms 50 to 500 Hz" in repr(felt)
     assert "mN" in felt._repr_html_()
+
+
+def test_sequences_of_traps_report_their_foci(tmp_path: Any) -> None:
+    boards = midair.Array.preset("openmpd_pair")
+    ring = midair.path.circle([0, 0, 0], 0.01, speed=0.8)
+    for ahead in (0, "all"):
+        moved = midair.sequence(boards, ring, rate=1000, signature="trap", change=np.pi / 4, ahead=ahead)
+        assert 0.98 < moved.metrics.level <= 1.001
+        assert moved.scene(5).signature == "trap"
+        bead = midair.rest(moved.scene(40), moved.drives[40])
+        assert np.linalg.norm(bead.place - moved.points[40]) < 1e-4
+        # A hand at the node feels the real field, of which little is left there.
+        assert moved.felt(moved.points[40, 0]).values[40] < 0.01 * moved.radiation[40, 0]
+        moved.save(tmp_path / "moved.npz")
+        assert midair.Sequence.load(tmp_path / "moved.npz") == pickle.loads(pickle.dumps(moved)) == moved

@@ -82,4 +82,10 @@ def load(path: str | PathLike[str]) -> dict[str, Any]:
     kept["drives"] = arrays(path, ["drives"])["drives"] if stored is None else stored
     scene: Scene = Scene.parse(str(kept.pop("scene")))
     setting = dict(json.loads(str(kept.pop("setting"))))
-    return {"array": scene.array, "obstacles": scene.obstacles, **kept, **setting}
+    return {
+        "array": scene.array,
+        "obstacles": scene.obstacles,
+        "signature": scene.signature,
+        **kept,
+        **setting,
+    }

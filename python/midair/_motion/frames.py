@@ -16,8 +16,8 @@ from .._support.arguments import flag, number, word
 from . import arguments
 from . import drives as driven
 
-#: The keywords for the air and what stands in it.
-AIR = (*scene_keys()["medium"], "obstacles")
+#: The keywords for the air, what stands in it, and what the points are to be.
+AIR = (*scene_keys()["medium"], "obstacles", "signature")
 
 
 class Frames:
@@ -123,7 +123,8 @@ class Frames:
     __hash__ = None  # type: ignore[assignment]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        made = partial(type(self), obstacles=self._scene.obstacles, **self.setting())
+        around: dict[str, Any] = {"obstacles": self._scene.obstacles, "signature": self._scene.signature}
+        made = partial(type(self), **around, **self.setting())
         return made, (self.array, self._points, self._targets, self._drives.held)
 
     def __repr__(self) -> str:
@@ -155,7 +156,7 @@ class Frames:
         return f"Sequence of {size}: {how}"
 
     def setting(self) -> dict[str, Any]:
-        """All but array, obstacles, points, targets and drives, as the arguments that make it again."""
+        """All but array, obstacles, signature, points, targets and drives: arguments that make it again."""
         return {**self._setting(), **self._medium()}
 
     def _setting(self) -> dict[str, Any]:

@@ -240,7 +240,8 @@ class JudgedFrames(Frames):
 
     def _pushes(self, places: NDArray[np.float64], tau: float) -> Iterator[tuple[slice, NDArray[np.float32]]]:
         """Blocks of frames and |p|^2/(rho c^2) (frames, K) in Pa at places (K, 3), at each frame's start."""
-        gains = rows(self._scene, places, name="place").T
+        # A hand feels the real field, not the foci that a signature makes of traps.
+        gains = rows(self._scene.replace(signature=None), places, name="place").T
         root = np.float32(1 / np.sqrt(self._scene.density * self._scene.sound_speed**2))
         for frames, _, y in self._envelope(tau, "hold").inside(1):
             parts = ((y[:, 0] * root) @ gains).view(np.float32)

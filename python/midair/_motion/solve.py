@@ -57,7 +57,8 @@ def sequence(
     progress : called with (frames done, frames)
     resume : an .npz file written as the frames are found, in the memory of a block; stopped and called
         again with the same arguments it goes on, to the same bits
-    options : of the solver, and the air: frequency, sound_speed, temperature, absorption, density, obstacles
+    options : of the solver, and the air: frequency, sound_speed, temperature, absorption, density, obstacles;
+        signature="trap" moves traps, whose targets and pressures are those of their foci
 
     Warns where points move faster than the bound allows. Raises SceneError for whatever is not in order.
 
