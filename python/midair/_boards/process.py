@@ -123,7 +123,7 @@ class GuardProcess:
         with suppress(BoardError):
             while True:
                 asked = self.ask(Kind.BEAT)
-                if self._hangs(lambda pause, asked=asked: bool(wait([asked], pause).done)):
+                if self._hangs(partial(_answered, asked)):
                     self._process.kill()
                     return
                 asked.result()

@@ -194,10 +194,10 @@ def _enough(heard: Any, played: Complex, array: Array) -> None:
                 f"of {sounding} transducers; give {-(-sounding // each)} places or more"
             )
     if count < sounding:
-        each = "0.5 complex ones" if np.iscomplexobj(heard) else "1"
+        least = "0.5 complex ones" if np.iscomplexobj(heard) else "1"
         raise SceneError(
             f"readings are too few: {heard.size} of {sounding} transducers; "
-            f"at least {each} a transducer are needed, 4 of |p| are plenty"
+            f"at least {least} a transducer are needed, 4 of |p| are plenty"
         )
 
 
