@@ -123,7 +123,11 @@ class GuardProcess:
         with suppress(BoardError):
             while True:
                 asked = self.ask(Kind.BEAT)
-                if self._hangs(partial(_answered, asked)):
+
+                def answered(pause: float, asked: Future[Any] = asked) -> bool:
+                    return bool(wait([asked], pause).done)
+
+                if self._hangs(answered):
                     self._process.kill()
                     return
                 asked.result()
