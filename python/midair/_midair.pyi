@@ -23,6 +23,7 @@ from ._judging.streaming import streaming as _streaming
 from ._judging.tolerate import tolerate as _tolerate
 from ._metrics import BatchMetrics as BatchMetrics
 from ._metrics import Metrics as Metrics
+from ._motion.solve import modulated as _modulated
 from ._pictures.answer import answer as _answer
 from ._pictures.plot import plot as _plot
 
@@ -344,6 +345,7 @@ class Solution:
     ) -> Rest: ...
     # Functions of the package, of which the solution is the first argument.
     exposure = _exposure
+    modulated = _modulated
     play = _play
     plot = _answer
     save = _save

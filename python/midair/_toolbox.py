@@ -58,6 +58,7 @@ METHODS: dict[type, dict[str, Later]] = {
         "_repr_html_": Later("_pictures.notebook", "solution"),
         "exposure": Later("_judging.exposure", "exposure"),
         "load": Later("_files.record", "load", static=True),
+        "modulated": Later("_motion.solve", "modulated"),
         "play": Later("_boards.playing", "play"),
         "plot": Later("_pictures.answer", "answer"),
         "save": Later("_files.record", "save"),

@@ -79,3 +79,46 @@ def test_the_bound_is_kept_and_a_slow_board_has_its_frames() -> None:
 def test_what_is_no_shape_is_refused_in_one_line(ask: Callable[[], Any], told: str) -> None:
     with pytest.raises(midair.SceneError, match=told):
         ask()
+
+
+def test_a_solution_is_modulated_by_a_shape_or_by_samples() -> None:
+    solution = midair.solve(midair.Scene(ARRAY, [[0, 0, Z]], 2000))
+    sine = solution.modulated(200, "cosine")
+    assert (len(sine), sine.rate, sine.closed) == (20, 4000, True)
+    assert sine.drives[0] == pytest.approx(solution.drive, abs=1e-6)
+    assert sine.pressures[5, 0] == pytest.approx(abs(solution.pressures[0]) / 2, rel=1e-3)
+    steps = solution.modulated([1, 0.5, 0, 0.5], samples_rate=400, rate=800)
+    amplitudes = np.abs(steps.drives).max(axis=1) / np.abs(solution.drive).max()
+    assert amplitudes == pytest.approx(np.repeat([1, 0.5, 0, 0.5], 2))
+    with pytest.raises(midair.SceneError, match=r"frequency is 33\.33: no whole periods at 4000 frames/s"):
+        solution.modulated(33.33)
+    with pytest.raises(midair.SceneError, match="rate is 300: the modulation needs 400 frames"):
+        solution.modulated(200, rate=300)
+
+
+def test_samples_modulate_a_board_that_holds_some() -> None:
+    samples = (1 + np.cos(2 * np.pi * np.arange(200) / 20)) / 2
+    with midair.connect("autd3:loop", array=ARRAY) as board:
+        board.send(midair.solve(midair.Scene(board.board.array, [[0, 0, Z]])))
+        board.modulate(samples)
+        assert board.state == "modulating"
+        board.modulate(None)
+        assert board.state == "playing"
+        with pytest.raises(midair.SceneError, match=r"hz is .*: give samples \(S,\) from 0 to 1"):
+            board.modulate([0.0, 2.0])
+        with pytest.raises(
+            midair.BoardError, match="modulation of 1 sample: an AUTD3 board holds 2 to 65536"
+        ):
+            board.modulate([1.0])
+    with (
+        midair.connect("sonicsurface:loop") as board,
+        pytest.raises(midair.BoardError, match="sonicsurface holds no samples: give a frequency"),
+    ):
+        board.modulate(samples)
+
+
+def test_samples_become_the_boards_codes() -> None:
+    from midair._boards import autd3_commands as commands
+
+    steps = commands.modulation(bytes([255, 128, 0, 128]))
+    assert steps[0].payloads[0].endswith(bytes([255, 128, 0, 128]))

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import os
 from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
 
+import numpy as np
+
 from .._midair import Codec, unknown
-from .._support.arguments import refused, word
+from .._support.arguments import number, real, refused, word
 from .board import Board
 from .errors import BoardError
 from .layout import autd3_boards
@@ -75,6 +78,22 @@ def can_modulate(board: str) -> None:
     if not KINDS[board].link["modulates"]:
         others = " or ".join(name for name, kind in KINDS.items() if kind.link["modulates"])
         raise BoardError(f"{board} cannot modulate: stream drives of changing amplitude, or take {others}")
+
+
+def modulation(board: str, given: Any) -> tuple[float, bytes]:
+    """A frequency in Hz and no codes; or NaN and codes, of a kind of board that holds samples."""
+    if np.ndim(given) == 0:
+        frequency = number("hz", given, above=0)
+        can_modulate(board)
+        return frequency, b""
+    can_modulate(board)
+    if not KINDS[board].link["holds_sequence"]:
+        raise BoardError(f"{board} holds no samples: give a frequency in Hz")
+    cure = "give samples (S,) from 0 to 1"
+    samples = real("hz", given, cure)
+    if samples.ndim != 1 or not ((samples >= 0) & (samples <= 1)).all():
+        raise refused("hz", given, cure)
+    return math.nan, np.rint(255 * samples).astype(np.uint8).tobytes()
 
 
 def describe(address: Address, board: Board) -> dict[str, Any]:

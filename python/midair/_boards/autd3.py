@@ -220,9 +220,9 @@ class Autd3Transport:
         steps = commands.sequence(frames, count, self._boards, divider, bank, self._link.protocol)
         self._play(steps, divider, bank, before)
 
-    def modulate(self, hz: float | None) -> None:
-        """Multiply the pressure, now and later, by a sine from 0 to 1 at `hz`; by 1 for None."""
-        steps = commands.modulation(hz)
+    def modulate(self, wave: float | bytes | None) -> None:
+        """Multiply the pressure, now and later, by a sine from 0 to 1, or by codes; by 1 for None."""
+        steps = commands.modulation(wave)
         with self._lock:
             for step in steps:
                 self._link.send(step)

@@ -165,9 +165,13 @@ def divider(rate: float) -> int:
     return nearest
 
 
-def modulation(hz: float | None) -> list[Step]:
-    """A sine of 0 to 255 at `hz`, a whole number of periods of it; a constant 255 for None."""
-    samples = bytes([255, 255]) if hz is None else _sine(hz)
+def modulation(wave: float | bytes | None) -> list[Step]:
+    """A sine of 0 to 255 at `wave` Hz, a whole number of periods of it; these codes; 255 for None."""
+    samples = bytes([255, 255]) if wave is None else wave if isinstance(wave, bytes) else _sine(wave)
+    if not 2 <= len(samples) <= SAMPLES:
+        raise BoardError(
+            f"modulation of {counted(len(samples), 'sample')}: an AUTD3 board holds 2 to {SAMPLES}"
+        )
     bank, most = BANKS[0], PAYLOAD - _SAMPLES.size
     steps = [
         Step(Command.WRITE_SAMPLES, [_SAMPLES.pack(bank, 0, first) + samples[first : first + most]])

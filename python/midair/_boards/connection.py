@@ -20,7 +20,7 @@ from .._midair import Array, SceneError, Solution
 from .._motion import Sequence
 from .._support.arguments import number, refused, warn
 from . import wire
-from .address import DEFAULT, Address, can_modulate, describe, parse
+from .address import DEFAULT, Address, describe, modulation, parse
 from .board import Board
 from .errors import BoardError, BoardLost, BoardTimeout
 from .limit import Limit, refuse_real, warn_of_rate, warn_of_seam
@@ -152,18 +152,17 @@ class Connection:
         frames = [self._encode(drive) for drive in self._drives(sequence)]
         self._call(Kind.UPLOAD, wire.UPLOADED.pack(len(frames), sequence.rate) + b"".join(frames))
 
-    def modulate(self, hz: float | None) -> None:
+    def modulate(self, hz: float | ArrayLike | None) -> None:
         """Modulate the amplitude of what plays, and of what will.
 
-        hz : of the sine on AUTD3, of on and off on SonicSurface; None for no modulation
+        hz : of the sine on AUTD3, of on and off on SonicSurface; or samples (S,) of the pressure from 0 to 1
+            that AUTD3 repeats, 2 to 65536 of them at 4000 a second; None for no modulation
 
-        Raises BoardError of a board that cannot, SceneError for a frequency that is none, BoardLost where the
-        board is gone, BoardError where the connection is closed.
+        Raises BoardError of a board that cannot, SceneError for a frequency or samples that are none,
+        BoardLost where the board is gone, BoardError where the connection is closed.
         """
-        if hz is not None:
-            hz = number("hz", hz, above=0)
-            can_modulate(self.board.name)
-        self._call(Kind.MODULATE, wire.MODULATION.pack(math.nan if hz is None else hz))
+        wave = (math.nan, b"") if hz is None else modulation(self.board.name, hz)
+        self._call(Kind.MODULATE, wire.MODULATION.pack(wave[0]) + wave[1])
 
     def off(self) -> None:
         """Turn everything off; the connection goes on.

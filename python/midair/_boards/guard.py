@@ -71,7 +71,7 @@ class Guard:
         self._waiting: deque[Waiting] = deque()
         self._put_by: list[Message] = []
         self._called = time.monotonic()
-        self._hz: float | None = None
+        self._wave: float | bytes | None = None
         self._playing: list[bytes] = []
         self._uploaded = (0.0, 1.0)
         self._lost = False
@@ -141,8 +141,9 @@ class Guard:
         elif kind == Kind.OFF:
             self._attempt(number, self._off)
         elif kind == Kind.MODULATE:
-            (hz,) = wire.MODULATION.unpack(content)
-            self._attempt(number, self._modulate, None if math.isnan(hz) else hz)
+            (hz,) = wire.MODULATION.unpack_from(content)
+            codes = content[wire.MODULATION.size :]
+            self._attempt(number, self._modulate, codes or (None if math.isnan(hz) else hz))
         elif kind == Kind.UPLOAD:
             count, rate = wire.UPLOADED.unpack_from(content)
             self._attempt(number, self._upload, content[wire.UPLOADED.size :], count, rate)
@@ -206,9 +207,9 @@ class Guard:
         self._frames += count
         self._lost = False
 
-    def _modulate(self, hz: float | None) -> None:
-        self._transport.modulate(hz)
-        self._hz = hz
+    def _modulate(self, wave: float | bytes | None) -> None:
+        self._transport.modulate(wave)
+        self._wave = wave
 
     def _off(self) -> None:
         """Turn everything off; frames that wait for their time are dropped."""
@@ -228,7 +229,7 @@ class Guard:
 
     def status(self, **more: str) -> bytes:
         """What an owner may want to know, as JSON."""
-        playing = "off" if not self._playing else "playing" if self._hz is None else "modulating"
+        playing = "off" if not self._playing else "playing" if self._wave is None else "modulating"
         state = "lost" if self._lost else playing
         told = {"state": state, "frames": self._frames, "late": self._late, "lapses": self._lapses}
         return json.dumps(told | more).encode()

@@ -86,12 +86,12 @@ class LoopTransport(LineTransport):
         super().__init__(**line)
         self.silence()
 
-    def modulate(self, hz: float | None) -> None:
+    def modulate(self, wave: Any) -> None:
         """Swap as a board of two banks does; AUTD3, which modulates by itself, refuses what it does."""
         if self._swap is not None:
-            super().modulate(hz)
+            super().modulate(wave)
         else:
-            modulation(hz)
+            modulation(wave)
 
     def upload(self, frames: bytes, count: int, rate: float) -> None:
         """Take as long as the line does for frames that AUTD3, which alone holds some, does not refuse."""

@@ -20,8 +20,11 @@ class Transport(Protocol):
     def silence(self) -> None:
         """Turn everything off, now; at any time, more than once."""
 
-    def modulate(self, hz: float | None) -> None:
-        """Modulate the amplitude of what plays, and of what will, at `hz`; None for no modulation."""
+    def modulate(self, wave: Any) -> None:
+        """Modulate the amplitude of what plays, and of what will, at a frequency in Hz; None for not at all.
+
+        A device that holds sequences takes codes of 0 to 255, too.
+        """
 
     def upload(self, frames: bytes, count: int, rate: float) -> None:
         """Let the device play `count` frames at `rate` a second by itself, over and over."""

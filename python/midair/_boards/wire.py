@@ -16,7 +16,7 @@ class Kind(IntEnum):
     OPEN = 1  # JSON: the transport's description, and hold in s
     PLAY = 2  # when, by the monotonic clock in s (0: now), the latest time, what then; and the frame
     OFF = 3
-    MODULATE = 4  # hz, NaN for no modulation
+    MODULATE = 4  # hz, NaN for no modulation; and codes of 0 to 255, if any, in place of a sine
     UPLOAD = 5  # count and rate, and the frames
     STATUS = 6
     EMITTING = 7

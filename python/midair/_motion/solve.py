@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from fractions import Fraction
 from os import PathLike
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, SceneError, Solver, solvers
+from .._midair import Array, SceneError, Solution, Solver, solvers
 from .._support.arguments import callback, number, refused, whole
 from ..path import Path
+from ..path._path import Shape, wave
+from ..path._piece import ROUNDING
 from . import store
 from .frames import AIR
 from .horizon import Followed, Foreseen, Found, Tracks, board_of, check, read_frame, streamed
 from .request import Request, bound, request, sight, solver_name, warn_of_speed
 from .sequence import Sequence
+
+#: Frames that a solution's modulation takes at most: as many as an AUTD3 board holds.
+MOST_HELD = 1024
 
 #: Frames between two calls of progress, and in one piece of a file.
 BLOCK = 1024
@@ -98,6 +104,56 @@ def sequence(
         if progress is not None:
             progress(min(first + BLOCK, len(asked.points)), len(asked.points))
     return store.sequence_of(asked, np.concatenate(blocks), solver, found.board)
+
+
+def modulated(
+    solution: Solution,
+    frequency: float | ArrayLike,
+    shape: Shape = "sqrt",
+    depth: float = 1.0,
+    *,
+    samples_rate: float | None = None,
+    rate: float = 4e3,
+) -> Sequence:
+    """A solution's drive, its amplitude modulated as `path.modulated` says, as a closed sequence.
+
+    frequency, shape, depth, samples_rate : in Hz; or samples (S,) from 0 to 1, so many a second
+    rate : frames a second; at least twice the frequency, or as many as there are samples
+
+    Raises SceneError for a solution without a scene, a modulation that is not in order, and a rate of which
+    no 1024 frames or fewer hold whole periods.
+
+    >>> import midair
+    >>> scene = midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15]])
+    >>> len(midair.solve(scene).modulated(200)), len(midair.solve(scene).modulated([1, 0], samples_rate=400))
+    (20, 20)
+    """
+    if solution.scene is None:
+        raise SceneError("solution.scene is None: give a solution of a Scene")
+    by, frames = wave(frequency, shape, depth, samples_rate), number("rate", rate, above=0)
+    if frames < 2 * by.finest * (1 - ROUNDING):
+        raise refused("rate", rate, f"the modulation needs {2 * by.finest:g} frames a second at least")
+    # So many frames hold so many periods.
+    ratio = Fraction(frames / by.frequency).limit_denominator(1024)
+    if ratio.numerator > MOST_HELD or abs(float(ratio) * by.frequency / frames - 1) > ROUNDING:
+        near = frames / max(round(frames / by.frequency), 2)
+        raise refused(
+            "frequency", by.frequency, f"no whole periods at {frames:g} frames/s, give {near:.6g} Hz"
+        )
+    factors = by.factors(np.arange(max(ratio.numerator, 2)) * by.frequency / frames)[:, None]
+    scene = solution.scene
+    levels = np.abs(solution.pressures) / max(solution.scale, 1e-30)
+    return Sequence(
+        scene.array,
+        np.broadcast_to(scene.points, (len(factors), *scene.points.shape)),
+        levels * factors,
+        solution.drive * factors.astype(np.float32),
+        rate=frames,
+        closed=True,
+        solver=solution.solver,
+        obstacles=scene.obstacles,
+        **scene.medium,
+    )
 
 
 #: What a stream does not take as `sequence` does.
