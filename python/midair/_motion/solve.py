@@ -140,8 +140,9 @@ def modulated(
         raise refused(
             "frequency", by.frequency, f"no whole periods at {frames:g} frames/s, give {near:.6g} Hz"
         )
-    factors = by.factors(np.arange(max(ratio.numerator, 2)) * by.frequency / frames)[:, None]
-    scene = solution.scene
+    periods = np.arange(max(ratio.numerator, 2), dtype=np.float64) * (by.frequency / frames)
+    factors, scene = by.factors(periods)[:, None], solution.scene
+    air: dict[str, Any] = {**scene.medium, "obstacles": scene.obstacles}
     levels = np.abs(solution.pressures) / max(solution.scale, 1e-30)
     return Sequence(
         scene.array,
@@ -151,8 +152,7 @@ def modulated(
         rate=frames,
         closed=True,
         solver=solution.solver,
-        obstacles=scene.obstacles,
-        **scene.medium,
+        **air,
     )
 
 
