@@ -18,6 +18,8 @@ pub(crate) mod grid;
 #[forbid(unsafe_code)]
 pub(crate) mod lanes;
 #[forbid(unsafe_code)]
+pub(crate) mod limit;
+#[forbid(unsafe_code)]
 pub(crate) mod matrix;
 #[forbid(unsafe_code)]
 pub(crate) mod phasor;

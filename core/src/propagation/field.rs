@@ -1,4 +1,4 @@
-//! Field p = G q of a drive on any points, over all threads.
+//! Field p = G q of a drive: on any points over all threads, and at the points of a problem.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -9,9 +9,12 @@ use crate::control::{Control, bytes};
 use crate::error::Error;
 use crate::kernels;
 use crate::kernels::{ControlPoints, padded};
+use crate::linalg::Planar;
+use crate::propagation::Propagation;
 use crate::propagation::bodies::Bodies;
 use crate::propagation::model::Model;
 use crate::scene::{check_drive, check_places};
+use crate::workspace::Workspace;
 
 /// Points worked on by one thread at once.
 const CHUNK: usize = 256;
@@ -107,4 +110,17 @@ fn chunk(
         }
     }
     Ok(())
+}
+
+/// P = G q of a drive at the points of a problem, rows computed on the way: one padded row, in units of the reference.
+pub(crate) fn field_of<'w>(
+    propagation: &Propagation,
+    drive: &[Complex32],
+    work: &'w Workspace,
+    control: &mut Control,
+) -> Result<Planar<'w>, Error> {
+    let mut field = Planar::zeros(1, propagation.lanes(), work);
+    let into = [&mut field.re[..], &mut field.im[..]];
+    kernels::add_waves(propagation.instruction_set(), propagation.rows(), drive, into, control)?;
+    Ok(field)
 }

@@ -12,23 +12,24 @@ pub(crate) mod kept;
 pub(crate) mod local;
 pub(crate) mod model;
 pub(crate) mod particle;
-pub(crate) mod products;
 pub(crate) mod reflection;
 pub(crate) mod rest;
 pub(crate) mod scattering;
 pub(crate) mod sources;
 pub(crate) mod sphere;
 pub(crate) mod stiffness;
+pub(crate) mod strips;
 pub(crate) mod taylor;
 
 pub use boundary::Boundary;
 pub use field::field;
+pub(crate) use field::field_of;
 pub use gorkov::{Gorkov, gorkov};
 pub use model::Model;
 pub use particle::Particle;
-pub(crate) use products::{back_project, field_of, gram};
 pub use rest::{Rest, rest};
 pub(crate) use sources::Sources;
+pub(crate) use strips::Strips;
 
 use alloc::format;
 use alloc::sync::Arc;

@@ -8,13 +8,13 @@
 
 use crate::control::Control;
 use crate::error::{Error, real};
-use crate::kernels;
 use crate::linalg::leading_eigenvector;
 use crate::linalg::{Hermitian, Planar};
 use crate::math::{pow, sqrtf, unit};
 use crate::problem::{Problem, Solution, Status};
-use crate::propagation::{back_project, gram};
+use crate::propagation::Strips;
 use crate::solvers::amplitude_limit::AmplitudeLimit;
+use crate::solvers::common::back_projection::back_projected;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::Workspace;
 
@@ -56,27 +56,23 @@ impl Solve for Evd {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let propagation = problem.propagation();
         let (count, targets) = (propagation.points(), problem.targets());
-        let mut phasors = phases(problem, work, control)?;
+        let mut strips = Strips::new(propagation, work);
+        let mut phasors = phases(problem, &mut strips, work, control)?;
         phasors.scale(targets.iter().copied());
         // 1 / w_i^2 = (mean_j t_j |G_ji|)^-gamma; 0 for a transducer without effect.
-        let mut inverse = work.floats.take(propagation.transducers());
-        let [mut row, mut moduli] = [(); 2].map(|()| Planar::zeros(1, propagation.lanes(), work));
-        for (i, inverse) in inverse.iter_mut().enumerate() {
-            control.pulse()?;
-            propagation.row(i, &mut row.re, &mut row.im);
-            kernels::modulus(propagation.instruction_set(), &row.re, &row.im, &mut moduli.re);
-            let mean = f64::from(kernels::dot(propagation.instruction_set(), &moduli.re, targets)) / count as f64;
-            *inverse = if mean > 0.0 { pow(mean, -self.gamma).min(MOST_EASE) as f32 } else { 0.0 };
+        let mut inverse = strips.moduli(targets, control)?;
+        for inverse in &mut inverse {
+            let mean = f64::from(*inverse) / count as f64;
+            let ease = if self.gamma == 1.0 { 1.0 / mean } else { pow(mean, -self.gamma) };
+            *inverse = if mean > 0.0 { ease.min(MOST_EASE) as f32 } else { 0.0 };
         }
-        let matrix = gram(propagation, Some(&inverse), work, control)?;
+        let matrix = strips.gram(Some(&inverse), control)?;
         // In f32 the matrix resolves no more than this part of its diagonal.
         let largest = matrix.diagonal().fold(0.0, f32::max);
         let shift = f32::max(1.0, 1e-6 * largest);
         let solver = Hermitian::damped(propagation.instruction_set(), &matrix, count, shift, work, control)?;
         solver.solve(&mut phasors);
-        let mut drive = back_project(propagation, &phasors, |i| inverse[i], work, control)?;
-        self.limit.apply(&mut drive);
-        Solution::new(problem, drive, (Status::Done, 1), 1, work, control)
+        back_projected(problem, strips, &phasors, |i| inverse[i], self.limit, ((Status::Done, 1), 1), work, control)
     }
 }
 
@@ -84,10 +80,15 @@ impl Solve for Evd {
 ///
 /// R = G G^H D with D = diag(t_j / sum_i |G_ji|^2), similar to the Hermitian D^1/2 G G^H D^1/2, whose eigenvectors
 /// have the same phases.
-fn phases<'w>(problem: &Problem, work: &'w Workspace, control: &mut Control) -> Result<Planar<'w>, Error> {
+fn phases<'w>(
+    problem: &Problem,
+    strips: &mut Strips<'w>,
+    work: &'w Workspace,
+    control: &mut Control,
+) -> Result<Planar<'w>, Error> {
     let propagation = problem.propagation();
     let count = propagation.points();
-    let mut matrix = gram(propagation, None, work, control)?;
+    let mut matrix = strips.gram(None, control)?;
     let mut root = work.floats.take(propagation.lanes());
     for ((root, power), target) in root.iter_mut().zip(matrix.diagonal()).zip(problem.targets()) {
         *root = if power > 0.0 { sqrtf(target / power) } else { 0.0 };

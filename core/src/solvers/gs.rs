@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::problem::{Problem, Solution};
 use crate::solvers::common::alternating_projection::Projector;
 use crate::solvers::common::tiled::Rows;
-use crate::solvers::iterate::{iterate, largest_change};
+use crate::solvers::iterate::{iterate, largest_change, projections};
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
@@ -35,26 +35,26 @@ impl Method for Gs {
 
 impl Solve for Gs {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+        let (steps, tolerance) = projections(problem, self.steps, self.tolerance);
         let rows = Rows::new(problem, work, control)?;
         let mut projector = Projector::new(&rows, work);
-        let (targets, count) = (problem.targets(), problem.propagation().transducers());
+        let targets = problem.targets();
         let mut wave = projector.begin(problem, &rows, work, control)?;
         let [mut moduli, mut before] = [(); 2].map(|()| work.floats.take(rows.count));
         // Only ratios matter: in units of the largest no square under- or overflows.
         moduli.iter_mut().zip(targets).for_each(|(modulus, target)| *modulus = target / rows.target);
         let ended = iterate(
-            (self.steps, self.tolerance),
+            (steps, tolerance),
             &mut wave,
             control,
             |wave, _| {
                 projector.want(wave, &moduli);
                 before.copy_from_slice(&wave.moduli);
                 projector.project(&rows, wave);
-                Ok(self.tolerance > 0.0 && largest_change(&wave.moduli, &before, targets) <= self.tolerance)
+                Ok(tolerance > 0.0 && largest_change(&wave.moduli, &before, targets) <= tolerance)
             },
             |wave| problem.residual(&wave.moduli),
         )?;
-        let drive = wave.drives(count, work);
-        Solution::new(problem, drive, ended, self.steps as usize, work, control)
+        wave.solution(problem, ended, steps as usize, work, control)
     }
 }

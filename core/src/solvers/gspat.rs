@@ -10,10 +10,11 @@ use crate::error::Error;
 use crate::kernels;
 use crate::linalg::{Planar, times};
 use crate::problem::{Problem, Solution};
-use crate::propagation::{back_project, gram};
+use crate::propagation::Strips;
 use crate::solvers::amplitude_limit::AmplitudeLimit;
 use crate::solvers::common::alternating_projection::start_phasors;
-use crate::solvers::iterate::{iterate, largest_change};
+use crate::solvers::common::back_projection::back_projected;
+use crate::solvers::iterate::{iterate, largest_change, projections};
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
@@ -55,14 +56,16 @@ impl Solve for Gspat {
     }
 
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+        let (steps, tolerance) = projections(problem, self.steps, self.tolerance);
         let propagation = problem.propagation();
         let (count, lanes) = (propagation.points(), propagation.lanes());
+        let mut strips = Strips::new(propagation, work);
         // Targets whose squares f32 would lose are solved louder, and the drive is brought back.
         let largest = problem.targets().iter().copied().fold(0.0, f32::max);
         let unit = if largest < QUIET { largest } else { 1.0 };
         let mut targets = work.floats.take(lanes);
         targets.iter_mut().zip(problem.targets()).for_each(|(own, target)| *own = target / unit);
-        let matrix = gram(propagation, None, work, control)?;
+        let matrix = strips.gram(None, control)?;
         // 1 / sum_i |G_ji|^2, 0 for a quiet point that nothing reaches, or so little that the inverse overflows.
         let share = |j: usize| {
             let power = matrix.row(j)[0][j];
@@ -79,7 +82,7 @@ impl Solve for Gspat {
             Ok::<_, Error>(())
         };
         let ended = iterate(
-            (self.steps, self.tolerance),
+            (steps, tolerance),
             &mut moduli,
             control,
             |moduli, control| {
@@ -90,7 +93,7 @@ impl Solve for Gspat {
                     wanted.re[j] = if scale > 0.0 { field.re[j] * scale } else { targets[j] };
                     wanted.im[j] = field.im[j] * scale;
                 }
-                Ok(self.tolerance > 0.0 && largest_change(moduli, &before, &targets) <= self.tolerance)
+                Ok(tolerance > 0.0 && largest_change(moduli, &before, &targets) <= tolerance)
             },
             // The field before the limit.
             |moduli| problem.residual_of(moduli.iter().map(|modulus| f64::from(modulus * unit))),
@@ -101,8 +104,7 @@ impl Solve for Gspat {
             wanted.re[j] = field.re[j] * scale * scale * share(j);
             wanted.im[j] = field.im[j] * scale * scale * share(j);
         }
-        let mut drive = back_project(propagation, &wanted, |_| unit, work, control)?;
-        self.limit.apply(&mut drive);
-        Solution::new(problem, drive, ended, self.steps as usize, work, control)
+        let ended = (ended, steps as usize);
+        back_projected(problem, strips, &wanted, |_| unit, self.limit, ended, work, control)
     }
 }

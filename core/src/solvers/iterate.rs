@@ -2,7 +2,7 @@
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::problem::Status;
+use crate::problem::{Problem, Status};
 
 /// Steps until a step says that the tolerance is met, somebody stops them, or they are `steps`: how they ended, and how
 /// many they were. A tolerance of 0 asks for all steps, which is then no shortage of them.
@@ -29,6 +29,12 @@ pub(super) fn iterate<T>(
         }
     }
     Ok((if tolerance > 0.0 { Status::OutOfSteps } else { Status::Done }, steps))
+}
+
+/// Steps at most, and the tolerance, of a projection back and forth: to a lone point the first step is the last, what
+/// further ones change is rounding.
+pub(super) fn projections(problem: &Problem, steps: u32, tolerance: f64) -> (u32, f64) {
+    if problem.propagation().points() == 1 { (1, 0.0) } else { (steps, tolerance) }
 }
 
 /// The largest change of a |p| relative to its target.

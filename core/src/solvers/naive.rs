@@ -7,13 +7,13 @@
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::kernels;
+use crate::linalg::Planar;
 use crate::problem::{Problem, Solution, Status};
+use crate::propagation::Strips;
 use crate::solvers::amplitude_limit::AmplitudeLimit;
+use crate::solvers::common::back_projection::back_projected;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::Workspace;
-
-use num_complex::Complex32;
 
 options! {
     /// The sum of single foci. Time O(N M), memory O(N + M).
@@ -38,28 +38,15 @@ impl Solve for Naive {
 
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let propagation = problem.propagation();
-        let count = propagation.points();
-        let mut buffers = [(); 4].map(|()| work.floats.take(propagation.lanes()));
-        let [re, im, share, imag] = &mut buffers;
-        for i in 0..propagation.transducers() {
-            control.pulse()?;
-            propagation.row(i, re, im);
-            kernels::squares(propagation.instruction_set(), [re, im], count, share);
-        }
-        for ((share, imag), target) in share.iter_mut().zip(imag.iter_mut()).zip(problem.complex_targets()) {
+        let mut strips = Strips::new(propagation, work);
+        let powers = strips.powers(control)?;
+        let mut wanted = Planar::zeros(1, propagation.lanes(), work);
+        for (j, (target, &power)) in problem.complex_targets().zip(&powers).enumerate() {
             // A quiet point and one out of reach have no focus.
-            let inverse = |part: f64| if *share > 0.0 { part as f32 / *share } else { 0.0 };
-            (*share, *imag) = (inverse(target.re), inverse(target.im));
+            let share = |part: f64| if power > 0.0 { part as f32 / power } else { 0.0 };
+            (wanted.re[j], wanted.im[j]) = (share(target.re), share(target.im));
         }
-        let mut drive = work.complexes.take(propagation.transducers());
-        for (i, q) in drive.iter_mut().enumerate() {
-            control.pulse()?;
-            propagation.row(i, re, im);
-            let [sum_re, sum_im] = kernels::correlate(propagation.instruction_set(), [re, im], [share, imag], count);
-            *q = Complex32::new(sum_re, sum_im);
-        }
-        self.limit.apply(&mut drive);
-        Solution::new(problem, drive.into_vec(), (Status::Done, 1), 1, work, control)
+        back_projected(problem, strips, &wanted, |_| 1.0, self.limit, ((Status::Done, 1), 1), work, control)
     }
 
     fn uses_phases(&self) -> bool {

@@ -15,11 +15,12 @@ use crate::linalg::leading_eigenvector;
 use crate::linalg::{Hermitian, Planar, times};
 use crate::math::{sqrt, sqrtf};
 use crate::problem::{Problem, Solution};
-use crate::propagation::{back_project, gram};
+use crate::propagation::Strips;
 use crate::rng::Rng;
 use crate::scene::words;
 use crate::solvers::amplitude_limit::AmplitudeLimit;
 use crate::solvers::common::alternating_projection::start_phasors;
+use crate::solvers::common::back_projection::back_projected;
 use crate::solvers::iterate::iterate;
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
@@ -85,7 +86,8 @@ impl Solve for Sdp {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let propagation = problem.propagation();
         let (count, lanes) = (propagation.points(), propagation.lanes());
-        let product = gram(propagation, None, work, control)?;
+        let mut strips = Strips::new(propagation, work);
+        let product = strips.gram(None, control)?;
         let largest = product.diagonal().fold(0.0, f32::max);
         // In f32 the matrix resolves no more than this part of its diagonal.
         let shift = (self.alpha as f32).max(1e-6 * largest);
@@ -133,9 +135,8 @@ impl Solve for Sdp {
             phasors.im[j] *= factor;
         }
         inverse.solve(&mut phasors);
-        let mut drive = back_project(propagation, &phasors, |_| 1.0, work, control)?;
-        self.limit.apply(&mut drive);
-        Solution::new(problem, drive, ended, self.steps as usize, work, control)
+        let ended = (ended, self.steps as usize);
+        back_projected(problem, strips, &phasors, |_| 1.0, self.limit, ended, work, control)
     }
 }
 

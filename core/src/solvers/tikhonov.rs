@@ -9,8 +9,9 @@ use crate::error::{Error, real};
 use crate::linalg::{Hermitian, Planar};
 use crate::math::sqrtf;
 use crate::problem::{Problem, Solution, Status};
-use crate::propagation::{back_project, gram};
+use crate::propagation::Strips;
 use crate::solvers::amplitude_limit::AmplitudeLimit;
+use crate::solvers::common::back_projection::back_projected;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::Workspace;
 
@@ -45,7 +46,8 @@ impl Solve for Tikhonov {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let propagation = problem.propagation();
         let count = propagation.points();
-        let mut matrix = gram(propagation, None, work, control)?;
+        let mut strips = Strips::new(propagation, work);
+        let mut matrix = strips.gram(None, control)?;
         // Weighted least squares: rows of G and p times the square root of the weight.
         let mut trace = 0.0;
         for k in 0..count {
@@ -67,9 +69,7 @@ impl Solve for Tikhonov {
         }
         solver.solve(&mut phasors);
         phasors.scale((0..count).map(|k| sqrtf(problem.weights()[k])));
-        let mut drive = back_project(propagation, &phasors, |_| 1.0, work, control)?;
-        self.limit.apply(&mut drive);
-        Solution::new(problem, drive, (Status::Done, 1), 1, work, control)
+        back_projected(problem, strips, &phasors, |_| 1.0, self.limit, ((Status::Done, 1), 1), work, control)
     }
 
     fn uses_phases(&self) -> bool {

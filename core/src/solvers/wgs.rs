@@ -9,7 +9,7 @@ use crate::math::sqrtf;
 use crate::problem::{Problem, Solution};
 use crate::solvers::common::alternating_projection::Projector;
 use crate::solvers::common::tiled::{Rows, Wave};
-use crate::solvers::iterate::iterate;
+use crate::solvers::iterate::{iterate, projections};
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
@@ -65,9 +65,10 @@ fn raise(raised: &mut [f32], moduli: &[f32], targets: &[f32], mean: f32) {
 
 impl Solve for Wgs {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+        let (steps, tolerance) = projections(problem, self.steps, self.tolerance);
         let rows = Rows::new(problem, work, control)?;
         let mut projector = Projector::new(&rows, work);
-        let (targets, count) = (problem.targets(), problem.propagation().transducers());
+        let targets = problem.targets();
         let mut wave = projector.begin(problem, &rows, work, control)?;
         let mut raised = work.floats.take(rows.count);
         raised.iter_mut().zip(targets).for_each(|(raised, target)| *raised = target / rows.target);
@@ -76,7 +77,7 @@ impl Solve for Wgs {
         best.copy(&wave);
         let mut worst = spread(&best.moduli, targets).0;
         let ended = iterate(
-            (self.steps, self.tolerance),
+            (steps, tolerance),
             &mut best,
             control,
             |best, _| {
@@ -88,11 +89,10 @@ impl Solve for Wgs {
                     best.copy(&wave);
                 }
                 raise(&mut raised, &wave.moduli, targets, mean);
-                Ok(self.tolerance > 0.0 && f64::from(1.0 - low / high) <= self.tolerance)
+                Ok(tolerance > 0.0 && f64::from(1.0 - low / high) <= tolerance)
             },
             |best| problem.residual(&best.moduli),
         )?;
-        let drive = best.drives(count, work);
-        Solution::new(problem, drive, ended, self.steps as usize, work, control)
+        best.solution(problem, ended, steps as usize, work, control)
     }
 }

@@ -14,6 +14,7 @@ mod greedy;
 mod greedy_interleaved;
 mod grid;
 mod large_grid;
+mod limit;
 mod matrix;
 mod moduli;
 mod moments;

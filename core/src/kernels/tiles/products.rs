@@ -8,9 +8,10 @@ use core::ops::Range;
 use crate::control::Control;
 use crate::error::Error;
 use crate::kernels::lanes::BLOCK;
-use crate::kernels::lanes::{LANES, Lanes, padded};
+use crate::kernels::lanes::{LANES, Lanes, groups_mut, padded};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::tiles::{Tiles, blocks, stride};
+use crate::kernels::vector::root;
 
 /// Tiles that rows meet over before the next rows are fetched: eight planes of them are 16 KB.
 pub(crate) const RUN: usize = 32;
@@ -136,6 +137,22 @@ pub(crate) fn powers(set: InstructionSet, tiles: Tiles<'_>, out: &mut [f32]) {
                 sums = [s.fma(re, re, sums[0]), s.fma(im, im, sums[1])];
             }
             *out = s.reduce_add(s.add(sums[0], sums[1]));
+        }
+    });
+}
+
+/// sum_j f_j |G_j| of each transducer.
+pub(crate) fn moduli(set: InstructionSet, tiles: Tiles<'_>, factors: &[f32], out: &mut [f32]) {
+    dispatch!(set, s => {
+        for (t, out) in groups_mut(out).iter_mut().enumerate() {
+            let mut sum = s.splat(0.0);
+            for ([re, im], factors) in tiles.columns::<1>(t).zip(factors.chunks(BLOCK)) {
+                for ((re, im), &factor) in re[0].iter().zip(&im[0]).zip(factors) {
+                    let (re, im) = (s.load(re), s.load(im));
+                    sum = s.fma(s.splat(factor), root(s, s.fma(re, re, s.mul(im, im))), sum);
+                }
+            }
+            s.store(sum, out);
         }
     });
 }

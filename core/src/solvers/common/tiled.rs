@@ -12,8 +12,9 @@ use crate::kernels::propagate::rows;
 use crate::kernels::tiles;
 use crate::kernels::tiles::Tiles;
 use crate::kernels::tiles::unit::Arc;
+use crate::linalg::Planar;
 use crate::math::sqrtf;
-use crate::problem::Problem;
+use crate::problem::{Problem, Solution, Status};
 use crate::workspace::{Aligned, Buffer, Workspace};
 
 /// The most that a target may be raised to the largest one's size: squares stay within f32.
@@ -208,6 +209,27 @@ impl<'w> Wave<'w> {
         let own = self.drive.iter_mut().chain(&mut self.field).chain([&mut self.moduli]);
         let others = other.drive.iter().chain(&other.field).chain([&other.moduli]);
         own.zip(others).for_each(|(own, other)| own.copy_from_slice(other));
+    }
+
+    /// The solution that it is, of rows as they are: a solver's last line. How the steps ended and how many they were, of
+    /// `steps`.
+    pub(crate) fn solution(
+        &self,
+        problem: &Problem,
+        (status, step): (Status, usize),
+        steps: usize,
+        work: &Workspace,
+        control: &mut Control,
+    ) -> Result<Solution, Error> {
+        let propagation = problem.propagation();
+        let mut field = Planar::zeros(1, propagation.lanes(), work);
+        for (to, from) in [&mut field.re, &mut field.im].into_iter().zip(&self.field) {
+            to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
+        }
+        let drive = self.drives(propagation.transducers(), work);
+        let mut solution = Solution::of_field(problem, drive, &field, status, step, work, control)?;
+        solution.tell(problem, steps, control);
+        Ok(solution)
     }
 
     /// The drives of `count` transducers.

@@ -1,0 +1,181 @@
+//! Strips of G: tiles of some transducers at a time, and what one pass over them gives: powers, G G^H, G^H p and G q.
+//!
+//! Sixteen transducers fill the lanes, however few points there are: at M = 4 a method makes G once in a quarter of the time
+//! that one row a transducer takes. Where G is small it is one strip, made once and met again in each pass. Else each
+//! pass makes it anew, [`STRIP`] transducers at a time: memory stays O(M), and reading G back would take as long.
+
+use core::ops::Range;
+
+use crate::control::{Control, bytes};
+use crate::error::Error;
+use crate::kernels::LANES;
+use crate::kernels::tiles::products;
+use crate::kernels::tiles::{self, Tiles};
+use crate::linalg::Planar;
+use crate::math::sqrtf;
+use crate::propagation::Propagation;
+use crate::workspace::{Aligned, Buffer, Workspace};
+
+/// Transducers of a strip of a large G.
+const STRIP: usize = products::RUN * LANES;
+
+/// The same where code and memory are to be short.
+const SHORT_STRIP: usize = 4 * LANES;
+
+/// Entries of a G that is kept as a whole: 2 MB.
+const KEPT: usize = 1 << 18;
+
+/// A list over the transducers, re and im, padded to whole pairs of tiles.
+pub(crate) type Drives<'w> = [Buffer<'w, f32>; 2];
+
+/// G over the points of a problem, in strips.
+pub(crate) struct Strips<'w> {
+    propagation: &'w Propagation,
+    order: Buffer<'w, u32>,
+    planes: [Aligned<'w>; 2],
+    /// Transducers of a strip, whole pairs of tiles unless it is the only one.
+    strip: usize,
+    /// Whether the only strip is there.
+    made: bool,
+    work: &'w Workspace,
+}
+
+impl<'w> Strips<'w> {
+    pub(crate) fn new(propagation: &'w Propagation, work: &'w Workspace) -> Self {
+        let (count, transducers) = (propagation.points(), propagation.transducers());
+        let strip = match propagation.instruction_set() {
+            set if set.is_short() => transducers.min(SHORT_STRIP),
+            _ if count * transducers <= KEPT => transducers,
+            _ => transducers.min(STRIP),
+        };
+        let size = tiles::size(tiles::height(count), tiles::lanes(strip));
+        let planes = [(); 2].map(|()| Aligned::take(size, work));
+        Self { propagation, order: work.counting(count), planes, strip, made: false, work }
+    }
+
+    /// Gives each strip, the range of its transducers and, in padded lists, of its lanes to `pass`.
+    fn each(
+        &mut self,
+        control: &mut Control,
+        mut pass: impl FnMut(Range<usize>, Tiles<'_>, &mut Control) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let Self { propagation, order, planes: [re, im], strip, made, .. } = self;
+        let (set, transducers) = (propagation.instruction_set(), propagation.transducers());
+        for first in (0..transducers).step_by(*strip) {
+            let members = first..transducers.min(first + *strip);
+            let lanes = tiles::lanes(members.len());
+            let size = tiles::size(tiles::height(order.len()), lanes);
+            if !*made {
+                let planes = [&mut re[..size], &mut im[..size]];
+                tiles::pack(set, propagation.rows(), members, order, planes, control)?;
+                *made = transducers == *strip;
+            }
+            pass(first..first + lanes, Tiles { planes: [&re[..size], &im[..size]], lanes }, control)?;
+        }
+        Ok(())
+    }
+
+    /// A list over the transducers.
+    fn drives(&self) -> Drives<'w> {
+        [(); 2].map(|()| self.work.floats.take_any(tiles::lanes(self.propagation.transducers())))
+    }
+
+    /// sum_i |G_ji|^2 of each point.
+    pub(crate) fn powers(&mut self, control: &mut Control) -> Result<Buffer<'w, f32>, Error> {
+        let (set, work) = (self.propagation.instruction_set(), self.work);
+        let mut powers = work.floats.take(self.order.len());
+        let mut own = work.floats.take_any(self.order.len());
+        self.each(control, |_, tiles, _| {
+            products::powers(set, tiles, &mut own);
+            powers.iter_mut().zip(&own).for_each(|(power, own)| *power += own);
+            Ok(())
+        })?;
+        Ok(powers)
+    }
+
+    /// sum_j f_j |G_ji| of each transducer.
+    pub(crate) fn moduli(&mut self, factors: &[f32], control: &mut Control) -> Result<Buffer<'w, f32>, Error> {
+        let set = self.propagation.instruction_set();
+        let mut moduli = self.work.floats.take_any(tiles::lanes(self.propagation.transducers()));
+        self.each(control, |lanes, tiles, _| {
+            products::moduli(set, tiles, factors, &mut moduli[lanes]);
+            Ok(())
+        })?;
+        Ok(moduli)
+    }
+
+    /// b_i = sum_j conj(G_ji) p_j of each transducer.
+    pub(crate) fn back_project(&mut self, phasors: &Planar, control: &mut Control) -> Result<Drives<'w>, Error> {
+        let set = self.propagation.instruction_set();
+        let mut drives = self.drives();
+        self.each(control, |lanes, tiles, _| {
+            let out = drives.each_mut().map(|plane| &mut plane[lanes.clone()]);
+            tiles::correlate(set, tiles, [&phasors.re, &phasors.im], out);
+            Ok(())
+        })?;
+        Ok(drives)
+    }
+
+    /// P = G q: one padded row.
+    pub(crate) fn field(&mut self, drives: &mut Drives<'_>, control: &mut Control) -> Result<Planar<'w>, Error> {
+        let (set, work) = (self.propagation.instruction_set(), self.work);
+        let mut field = Planar::zeros(1, self.propagation.lanes(), work);
+        let mut own = [(); 2].map(|()| work.floats.take_any(tiles::height(self.order.len())));
+        self.each(control, |lanes, tiles, _| {
+            let drive = drives.each_mut().map(|plane| &mut plane[lanes.clone()]);
+            tiles::play(set, tiles, tiles::Wave { drive, field: own.each_mut().map(|plane| &mut plane[..]) });
+            for (field, own) in [&mut field.re, &mut field.im].into_iter().zip(&own) {
+                field.iter_mut().zip(own).for_each(|(field, own)| *field += own);
+            }
+            Ok(())
+        })?;
+        Ok(field)
+    }
+
+    /// conj(G diag(f) G^H), row k padded: entry l is `conj(sum_i f_i G_ki conj(G_li))`, f_i >= 0, 1 where left out. Time
+    /// O(N M^2), memory O(M^2).
+    ///
+    /// Conjugated so that `correlate` with row k is row k of G G^H times a vector.
+    ///
+    /// # Errors
+    /// More memory than allowed, a stop.
+    pub(crate) fn gram(&mut self, factors: Option<&[f32]>, control: &mut Control) -> Result<Planar<'w>, Error> {
+        let (propagation, work) = (self.propagation, self.work);
+        let (set, count, lanes) = (propagation.instruction_set(), propagation.points(), propagation.lanes());
+        control.room("the matrix G G^H", [propagation.transducers(), count], bytes(8, &[count, lanes]))?;
+        let mut product = Planar::zeros(count, lanes, work);
+        let most = factors.map_or(0, |_| self.planes[0].len());
+        let mut weighed = [(); 2].map(|()| Aligned::take(most, work));
+        let mut roots = work.floats.take_any(factors.map_or(0, |_| tiles::lanes(self.strip)));
+        self.each(control, |range, tiles, control| {
+            let mut planes = tiles.planes;
+            if let Some(factors) = factors {
+                let roots = &mut roots[..tiles.lanes];
+                roots.iter_mut().zip(&factors[range]).for_each(|(root, factor)| *root = sqrtf(*factor));
+                for (own, plane) in weighed.iter_mut().zip(tiles.planes) {
+                    own[..plane.len()].copy_from_slice(plane);
+                    tiles::weigh(set, &mut own[..plane.len()], roots);
+                }
+                planes = weighed.each_ref().map(|own| &own[..tiles.planes[0].len()]);
+            }
+            let to = [&mut product.re[..], &mut product.im[..]];
+            products::couplings(set, Tiles { planes, ..tiles }, 0..tiles.lanes / LANES, count, to, control)
+        })?;
+        for k in 0..count {
+            control.pulse()?;
+            // A diagonal is real: what rounding left of its imaginary part would turn phases.
+            product.im[k * lanes + k] = 0.0;
+            for l in k + 1..count {
+                let (upper, lower) = (k * lanes + l, l * lanes + k);
+                let (re, im) = (product.re[upper], product.im[upper]);
+                (product.re[lower], product.im[lower]) = (re, im);
+                product.im[upper] = -im;
+            }
+        }
+        Ok(product)
+    }
+}
+
+#[cfg(test)]
+#[path = "tests/strips.rs"]
+mod tests;
