@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use midair::files::{Format, Source, read_from};
-use midair::{Control, Error, Model, Problem, Request, SolveRequest};
+use midair::{Control, Error, Model, Precision, Problem, Request, SolveRequest};
 
 use crate::answer::{Answer, Metrics};
 use crate::array::Array;
@@ -303,7 +303,8 @@ pub unsafe extern "C" fn midair_session_judge(
         let list = |given: Option<&[f64]>| given.map(<[_]>::to_vec);
         let request = Request { pressures: list(pressures), phases: None, weights: list(weights) };
         let control = &mut Control::none();
-        let judged = Problem::of_model(&state.model, points, &request, control)?.judge(drive, control)?;
+        let judged =
+            Problem::of_model(&state.model, points, &request, control)?.judge(drive, Precision::Double, control)?;
         // SAFETY: there is room, by the caller's word.
         unsafe { metrics.write(judged.into()) };
         Ok("")

@@ -11,8 +11,8 @@ use std::time::{Duration, Instant};
 
 use midair::solvers;
 use midair::{
-    Array, Complex32, Complex64, Control, InstructionSet, Medium, Metrics, Model, Options, Plane, Problem, Propagation,
-    Request, Rng, Scene, Session, Setup, SolveRequest, Transducer, Value, Workspace,
+    Array, Complex32, Complex64, Control, InstructionSet, Medium, Metrics, Model, Options, Plane, Precision, Problem,
+    Propagation, Request, Rng, Scene, Session, Setup, SolveRequest, Transducer, Value, Workspace,
 };
 
 /// Algorithm 2, by the book.
@@ -117,7 +117,10 @@ fn against_the_textbook(array: &Array, points: usize, rounds: usize) {
     }
     let book = || textbook(&scene, &targets, 16, &order);
     let drive: Vec<Complex32> = book().iter().map(|q| Complex32::new(q.re as f32, q.im as f32)).collect();
-    let theirs = Problem::new(&scene).expect("a problem").judge(&drive, &mut Control::none()).expect("a drive");
+    let theirs = Problem::new(&scene)
+        .expect("a problem")
+        .judge(&drive, Precision::Double, &mut Control::none())
+        .expect("a drive");
     let mut work = Workspace::new();
     for entrant in &entrants {
         let ours = entrant.solve(&scene, &mut work);

@@ -86,7 +86,7 @@ pub use device::quantization::Quantization;
 pub use error::Error;
 pub use kernels::InstructionSet;
 pub use num_complex::{Complex32, Complex64};
-pub use problem::{Beyond, Metrics, Problem, Reach, Setup, Solution, Status, bound};
+pub use problem::{Beyond, Metrics, Precision, Problem, Reach, Setup, Solution, Status, bound};
 pub use propagation::{Boundary, Gorkov, Model, Particle, Propagation, Rest, field, gorkov, rest};
 pub use rng::Rng;
 pub use scene::{

@@ -1,7 +1,7 @@
 //! Field, judge, reach, bound and pictures' planes: numbers that agree, or a refusal of one line.
 
 use crate::{Allowed, Draw, one_line};
-use midair::{Control, Error, InstructionSet, Model, Problem, Scene};
+use midair::{Control, Error, InstructionSet, Model, Precision, Problem, Scene};
 
 /// Check what the bytes make.
 pub fn check(bytes: &[u8]) {
@@ -32,7 +32,7 @@ fn run(draw: &mut Draw) -> Result<(), Error> {
     if let Some(beyond) = problem.beyond(none)? {
         one_line::<()>(Err(Error::invalid("points", "beyond", beyond.to_string())));
     }
-    let metrics = problem.judge(&drive, none)?;
+    let metrics = problem.judge(&drive, Precision::Double, none)?;
     let bound = midair::bound(&problem, none)?;
     // Of points that no transducer reaches it is 0.
     assert!(bound >= 0.0, "{bound}");

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Sequence
 from inspect import Signature
 from os import PathLike
 from pathlib import Path
-from typing import Any, ClassVar, Final, Literal, TypeAlias, Unpack, final
+from typing import Any, ClassVar, Final, Literal, TypeAlias, Unpack, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -86,6 +86,7 @@ __all__ = [
 ]
 
 _Numbers: TypeAlias = ArrayLike | None
+_Precision: TypeAlias = Literal["single", "double"]
 _Obstacle: TypeAlias = _bodies.Body | Mesh
 _Directivity: TypeAlias = str | dict[str, float]
 _Quantization: TypeAlias = dict[str, int | ArrayLike | None]
@@ -323,7 +324,12 @@ class Solution:
     spl: Final[NDArray[np.float64]]
     def field(self, plane: Plane | ArrayLike | None = None) -> Field: ...
     def judge(
-        self, *, pressures: _Numbers = None, weights: _Numbers = None, mask: _Numbers = None
+        self,
+        *,
+        pressures: _Numbers = None,
+        weights: _Numbers = None,
+        mask: _Numbers = None,
+        precision: _Precision | None = None,
     ) -> Metrics: ...
     def gorkov(
         self,
@@ -439,14 +445,32 @@ def field(
     drive: ArrayLike | Solution | Plane | None = None,
     plane: Plane | ArrayLike | None = None,
 ) -> Field: ...
+@overload
 def judge(
     scene: Scene | Propagation | Solution,
     drive: ArrayLike | Solution | None = None,
     *,
+    points: None = None,
     pressures: _Numbers = None,
     weights: _Numbers = None,
     mask: _Numbers = None,
+    precision: _Precision | None = None,
+    threads: int | None = None,
+    progress: Callable[[int, int, float], object] | None = None,
 ) -> Metrics: ...
+@overload
+def judge(
+    scene: Array | Scene,
+    drive: ArrayLike,
+    *,
+    points: ArrayLike,
+    pressures: _Numbers = None,
+    weights: _Numbers = None,
+    mask: _Numbers = None,
+    precision: _Precision | None = None,
+    threads: int | None = None,
+    progress: Callable[[int, int, float], object] | None = None,
+) -> BatchMetrics: ...
 def memory_limit() -> int: ...
 def tracks(
     scene: Scene,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use midair::solvers::Info;
-use midair::{Choice, Complex32, Control, Request, SolveRequest, Start, Status, Threads};
+use midair::{Choice, Complex32, Control, Request, SolveRequest, Start, Status};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyIndexError, PyOverflowError};
 use pyo3::prelude::*;
@@ -276,24 +276,13 @@ pub(crate) fn solve_batch(
         Some(out) => out::borrowed(out, &[count, transducers])?,
     };
     read::callback(progress.as_ref().map(|callback| callback.bind(py)), "done, problems, residual")?;
-    let threads = match threads {
-        None => limits::threads(py)?,
-        Some(value) => match read::count("threads", value)? {
-            0 => return Err(invalid("threads", "0", "give a whole number, 1 or above")),
-            // One works here, and wakes nobody.
-            1 => Threads::default().at_most(1),
-            most => limits::threads(py)?.at_most(most),
-        },
-    };
+    let threads = limits::at_most(py, threads)?;
     let clock = Instant::now();
     let write = |k: usize, single: &mut SolveRequest| -> Result<(), midair::Error> {
         let own = k * size..(k + 1) * size;
-        single.points.clear();
-        single.points.extend_from_slice(points.get(own.clone()).unwrap_or_default());
-        let Request { pressures, phases, weights } = &mut single.request;
-        for (to, from) in [(pressures, &request.pressures), (phases, &request.phases), (weights, &request.weights)] {
-            rewrite(to, from.as_ref().map(|list| &list[own.clone()]));
-        }
+        let lists = [&request.pressures, &request.phases, &request.weights];
+        let lists = lists.map(|list| list.as_ref().map(|list| &list[own.clone()]));
+        write_over(single, points.get(own.clone()).unwrap_or_default(), lists);
         single.start = match &starts {
             Starts::None => None,
             Starts::Drives(drives) => Some(Start::Drive(drives[k * transducers..(k + 1) * transducers].to_vec())),
@@ -314,6 +303,14 @@ pub(crate) fn solve_batch(
     let elapsed = clock.elapsed().as_secs_f64();
     let request = BatchRequest { source, choice: Arc::new(choice), points, request };
     Ok(Batch { drives: drives.unbind(), inner, points: size, elapsed, request, info })
+}
+
+/// Writes points, and pressures, phases and weights over those of another request, in its memory.
+pub(crate) fn write_over(ask: &mut SolveRequest, points: &[[f64; 3]], lists: [Option<&[f64]>; 3]) {
+    ask.points.clear();
+    ask.points.extend_from_slice(points);
+    let Request { pressures, phases, weights } = &mut ask.request;
+    [pressures, phases, weights].into_iter().zip(lists).for_each(|(own, list)| rewrite(own, list));
 }
 
 /// Writes a list over another one, in its memory.

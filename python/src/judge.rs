@@ -2,14 +2,22 @@
 
 use std::sync::Arc;
 
-use midair::Control;
+use midair::{Complex32, Control, OptionValue, Precision, SolveRequest, Threads, Value};
+use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyString};
 
+use crate::batch::write_over;
 use crate::ctrl_c::attend;
-use crate::error::invalid;
-use crate::metrics::Metrics;
+use crate::error::{invalid, refused};
+use crate::limits;
+use crate::metrics::{BatchMetrics, Metrics};
+use crate::numbers::{quoted, refuse_hidden};
 use crate::propagation::Propagation;
+use crate::read;
+use crate::scene::Scene;
+use crate::setting::Setting;
 use crate::solution::{Solution, played};
 use crate::subject::{Beside, Subject};
 
@@ -41,22 +49,50 @@ pub(crate) fn bound(
     attend(py, None, |mut control| midair::bound(&subject.problem(&mut control)?, &mut control))
 }
 
-/// The metrics of a drive (N,), or of a Solution with its scale counted in, wholly in double precision. Pressures,
-/// weights and mask go with a Propagation, or replace a scene's own. A Solution alone stands for what it answers and its
-/// drive: `midair.judge(solution)`, or `solution.judge()`.
+/// The metrics of a drive (N,), or of a Solution with its scale counted in; of many drives a table.
+///
+/// scene : a Scene or a Propagation; a Solution alone stands for what it answers and its drive
+/// drive : (N,), or (B, N) for a BatchMetrics of B: at a scene's own points, at `points`, or for a matrix's B targets
+/// points : of many drives, (B, M, 3) in m; the first argument may then be an Array
+/// pressures, weights, mask : go with a Propagation or `points`, or replace a scene's own; of many drives as in `solve_batch`
+/// precision : "single" is exact to 1e-4 of what the array reaches at a point; "double" to 1e-9, in double precision
+/// threads, progress : of many drives, as in `solve_batch`; where progress returns False the rest of the table is NaN
 ///
 /// Raises SceneError for a drive of another shape or not finite, TypeError where scene is neither.
+///
+/// >>> import midair, numpy
+/// >>> array = midair.Array.preset("paper20")
+/// >>> points = numpy.random.default_rng(1).uniform(-0.05, 0.05, (10, 4, 3)) + [0, 0, 0.15]
+/// >>> batch = midair.solve_batch(array, points, solver="fast")
+/// >>> judged = midair.judge(array, batch.drives, points=points)
+/// >>> bool(abs(judged.accuracy - batch.metrics.accuracy).max() < 1e-4)
+/// True
 #[pyfunction]
-#[pyo3(signature = (scene, drive=None, *, pressures=None, weights=None, mask=None))]
-pub(crate) fn judge(
-    py: Python<'_>,
-    scene: &Bound<'_, PyAny>,
-    drive: Argument<'_, '_>,
-    pressures: Argument<'_, '_>,
-    weights: Argument<'_, '_>,
-    mask: Argument<'_, '_>,
-) -> PyResult<Metrics> {
+#[pyo3(signature = (
+    scene, drive=None, *, points=None, pressures=None, weights=None, mask=None, precision=None, threads=None, progress=None
+))]
+#[allow(clippy::too_many_arguments, reason = "Python's keywords")]
+pub(crate) fn judge<'py>(
+    py: Python<'py>,
+    scene: &Bound<'py, PyAny>,
+    drive: Argument<'_, 'py>,
+    points: Argument<'_, 'py>,
+    pressures: Argument<'_, 'py>,
+    weights: Argument<'_, 'py>,
+    mask: Argument<'_, 'py>,
+    precision: Argument<'_, 'py>,
+    threads: Argument<'_, 'py>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let precision = precision.map_or(Ok(Precision::default()), read_precision)?;
     let beside = Beside { pressures, weights, mask, ..Beside::default() };
+    if let Some(drives) = drive.filter(|drive| points.is_some() || is_table(drive)) {
+        let work = Work { precision, threads: limits::at_most(py, threads)?, progress };
+        return Ok(Bound::new(py, judge_many(scene, drives, points, beside, work)?)?.into_any());
+    }
+    if points.is_some() || threads.is_some() || progress.is_some() {
+        return Err(invalid("drive", "one", "points, threads and progress go with drives (B, N)"));
+    }
     let (subject, drive) = match (scene.cast::<Solution>(), drive) {
         (Ok(_), Some(_)) => {
             return Err(PyTypeError::new_err("drive is given, but the Solution has its own: leave it out"));
@@ -65,8 +101,117 @@ pub(crate) fn judge(
         (Err(_), Some(drive)) => (Subject::read(scene, beside)?, played(drive)?),
         (Err(_), None) => return Err(invalid("drive", "None", "give one (N,), or a Solution alone")),
     };
-    let judge = |mut control: Control<'_>| subject.problem(&mut control)?.judge(&drive, &mut control);
-    attend(py, None, judge).map(Metrics::from)
+    let judge = |mut control: Control<'_>| subject.problem(&mut control)?.judge(&drive, precision, &mut control);
+    Ok(Bound::new(py, Metrics::from(attend(py, None, judge)?))?.into_any())
+}
+
+fn read_precision(value: &Bound<'_, PyAny>) -> PyResult<Precision> {
+    match value.extract::<String>() {
+        Ok(name) => Precision::read("precision", &Value::Text(name)).map_err(refused),
+        Err(_) => Err(invalid("precision", &quoted(value), "give \"single\" or \"double\"")),
+    }
+}
+
+/// Whether a drive is many, row by row.
+fn is_table(drive: &Bound<'_, PyAny>) -> bool {
+    match drive.cast::<PyUntypedArray>() {
+        Ok(array) => array.ndim() > 1,
+        Err(_) => !drive.is_instance_of::<PyString>() && drive.get_item(0).is_ok_and(|first| first.len().is_ok()),
+    }
+}
+
+/// How many drives are judged.
+struct Work {
+    precision: Precision,
+    threads: Threads,
+    progress: Option<Py<PyAny>>,
+}
+
+fn judge_many(
+    scene: &Bound<'_, PyAny>,
+    drives: &Bound<'_, PyAny>,
+    points: Argument<'_, '_>,
+    Beside { pressures, weights, mask, .. }: Beside<'_, '_>,
+    Work { precision, threads, progress }: Work,
+) -> PyResult<BatchMetrics> {
+    let py = scene.py();
+    let keywords = PyDict::new(py);
+    mask.map_or(Ok(()), |mask| keywords.set_item("mask", mask))?;
+    let Setting { mut session, .. } = Setting::read(scene, None, Some(&keywords))?;
+    let drives = Drives::read(drives, session.transducers())?;
+    let count = drives.count;
+    // A scene's own points and request, for all drives.
+    let own = scene.cast::<Scene>().ok().filter(|_| points.is_none()).map(|scene| &scene.get().inner);
+    let (points, size) = match (session.given_points(), points, own) {
+        (Some(_), Some(_), _) => {
+            return Err(invalid("points", "given", "a matrix has its own points: leave them out"));
+        }
+        (Some(size), None, _) => (Vec::new(), size),
+        (None, None, Some(own)) => (Vec::new(), own.points().len()),
+        (None, None, None) => {
+            return Err(invalid("points", "left out", "give them, of shape (B, M, 3), in metres"));
+        }
+        (None, Some(points), _) => match read::batch_of_points("points", points)? {
+            (points, [rows, size]) if rows == count => (points, size),
+            (_, [rows, _]) => {
+                return Err(invalid(
+                    "points",
+                    &format!("for {rows} drives"),
+                    &format!("give {count}, one row a drive"),
+                ));
+            }
+        },
+    };
+    let given = pressures.map(|value| read::batch_of_pressures(value, [count, size])).transpose()?.unwrap_or_default();
+    let weights = weights.map(|value| read::batch_of_numbers("weights", value, [count, size])).transpose()?;
+    let request = own.map(midair::Scene::request);
+    let asked = request.filter(|_| given.pressures.is_none());
+    let asked = [
+        (&given.pressures, asked.and_then(|own| own.pressures.as_deref())),
+        (&given.phases, asked.and_then(|own| own.phases.as_deref())),
+        (&weights, request.and_then(|own| own.weights.as_deref())),
+    ];
+    read::callback(progress.as_ref().map(|callback| callback.bind(py)), "done, problems, residual")?;
+    let write = |k: usize, ask: &mut SolveRequest| -> Result<(), midair::Error> {
+        let range = k * size..(k + 1) * size;
+        let lists = asked.map(|(given, own)| given.as_ref().map(|list| &list[range.clone()]).or(own));
+        let own = own.map_or(&[][..], midair::Scene::points);
+        write_over(ask, points.get(range.clone()).unwrap_or(own), lists);
+        Ok(())
+    };
+    let drives = drives.slice()?;
+    let inner = attend(py, progress, |control| {
+        session.judge_batch(count, size, &write, drives, precision, &mut control.on(threads))
+    })?;
+    Ok(BatchMetrics { inner })
+}
+
+/// Drives (B, N): those of an array as they lie there, others rounded.
+struct Drives<'py> {
+    count: usize,
+    array: Option<PyReadonlyArray2<'py, Complex32>>,
+    rounded: Vec<Complex32>,
+}
+
+impl<'py> Drives<'py> {
+    fn read(value: &Bound<'py, PyAny>, transducers: usize) -> PyResult<Self> {
+        if let Ok(array) = value.cast::<PyArray2<Complex32>>()
+            && array.is_c_contiguous()
+            && array.is_aligned()
+            && array.shape()[1] == transducers
+        {
+            refuse_hidden("drives", value)?;
+            let used = |_| invalid("drives", "in use by another call", "wait for that one");
+            let array = array.try_readonly().map_err(used)?;
+            return Ok(Self { count: array.shape()[0], array: Some(array), rounded: Vec::new() });
+        }
+        let (rounded, count) = read::batch_of_drives("drives", value, transducers)?;
+        Ok(Self { count, array: None, rounded })
+    }
+
+    fn slice(&self) -> PyResult<&[Complex32]> {
+        self.array.as_ref().map_or(Ok(&self.rounded[..]), |array| Ok(array.as_slice()?))
+    }
 }
 
 /// What a solution answers, with what is given beside it.
@@ -84,16 +229,17 @@ fn answered(solution: &Bound<'_, Solution>, beside: Beside<'_, '_>) -> PyResult<
 
 #[pymethods]
 impl Solution {
-    /// Its metrics in double precision, scale counted in: `midair.judge` of what it answers and its drive.
+    /// Its metrics, scale counted in: `midair.judge` of what it answers and its drive.
     ///
-    /// Raises SceneError for pressures, weights or a mask that are not in order.
-    #[pyo3(signature = (*, pressures=None, weights=None, mask=None))]
-    fn judge(
-        slf: &Bound<'_, Self>,
-        pressures: Argument<'_, '_>,
-        weights: Argument<'_, '_>,
-        mask: Argument<'_, '_>,
-    ) -> PyResult<Metrics> {
-        judge(slf.py(), slf, None, pressures, weights, mask)
+    /// Raises SceneError for pressures, weights, a mask or a precision that are not in order.
+    #[pyo3(signature = (*, pressures=None, weights=None, mask=None, precision=None))]
+    fn judge<'py>(
+        slf: &Bound<'py, Self>,
+        pressures: Argument<'_, 'py>,
+        weights: Argument<'_, 'py>,
+        mask: Argument<'_, 'py>,
+        precision: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        judge(slf.py(), slf, None, None, pressures, weights, mask, precision, None, None)
     }
 }

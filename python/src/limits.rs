@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::error::invalid;
+use crate::read;
 
 /// Bytes, unless the machine has less or `MIDAIR_MEMORY` says otherwise.
 const MEMORY: u64 = 8_000_000_000;
@@ -29,6 +30,17 @@ pub(crate) fn threads(_py: Python<'_>) -> PyResult<Threads> {
     // The parent's is left alone: its threads are not here to be waited for.
     mem::forget(kept.replace((process, Arc::clone(&pool))));
     Ok(Threads::of(pool))
+}
+
+/// The threads that a caller asks for, at most; all where none are named.
+pub(crate) fn at_most(py: Python<'_>, given: Option<&Bound<'_, PyAny>>) -> PyResult<Threads> {
+    match given.map(|value| read::count("threads", value)).transpose()? {
+        None => threads(py),
+        Some(0) => Err(invalid("threads", "0", "give a whole number, 1 or above")),
+        // One works here, and wakes nobody.
+        Some(1) => Ok(Threads::default().at_most(1)),
+        Some(most) => Ok(threads(py)?.at_most(most)),
+    }
 }
 
 /// The most bytes that a computation may take at once: `MIDAIR_MEMORY`, such as 2e9, 500MB or 16GB, else 8 GB, but no

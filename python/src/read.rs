@@ -173,6 +173,20 @@ pub(crate) fn batch_of_starts(
     Ok(Starts::Drives(rounded(&values)))
 }
 
+/// Drives (B, N) of `transducers` each, one after the other, and B.
+pub(crate) fn batch_of_drives(
+    item: &str,
+    value: &Bound<'_, PyAny>,
+    transducers: usize,
+) -> PyResult<(Vec<Complex32>, usize)> {
+    let cure = format!("give complex numbers of shape (B, {transducers})");
+    let Numbers { values, shape } = numbers(item, value, NUMBER, &cure)?;
+    match shape[..] {
+        [count, columns] if columns == transducers => Ok((rounded(&values), count)),
+        _ => Err(invalid(item, &told(&shape), &cure)),
+    }
+}
+
 /// Where the problems of a batch begin, one after the other.
 pub(crate) enum Starts {
     None,

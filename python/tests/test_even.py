@@ -77,7 +77,7 @@ def test_a_field_of_many_points_is_even_and_exact_in_double_precision() -> None:
     rng = np.random.default_rng(3)
     points = np.c_[rng.uniform(-0.1, 0.1, (128, 2)), np.full(128, 0.15)]
     scene = midair.Scene(ARRAY, points, 2.36066 / np.sqrt(128))
-    metrics = midair.judge(scene, midair.solve(scene, "uniform").drive)
+    metrics = midair.judge(scene, midair.solve(scene, "uniform").drive, precision="double")
     # The rows' f32 phases are good to 1e-4.
     assert metrics.residual < 1e-6
     assert metrics.level == pytest.approx(1, abs=1e-4)

@@ -79,7 +79,7 @@ def test_every_door_gives_the_same_answer_on_the_board(solver: str) -> None:
             assert same_bits(drive, alone.drive)
         assert same_bits(batch.pressures[k], alone.pressures)
         assert (fixed.metrics, batch.metrics.sigma[k]) == (alone.metrics, alone.metrics.sigma)
-        judged = midair.judge(MATRIX, alone.drive, pressures=pressures, mask=MASK)
+        judged = midair.judge(MATRIX, alone.drive, pressures=pressures, mask=MASK, precision="double")
         expected = oracle.metrics(np.abs(G.astype(complex) @ alone.drive), pressures)
         assert numbers(judged) == pytest.approx(expected, rel=1e-9)
         most = midair.bound(MATRIX, pressures=pressures, mask=MASK)

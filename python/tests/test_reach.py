@@ -55,7 +55,7 @@ def test_bound_is_the_value_of_the_relaxation(seed: int) -> None:
 @pytest.mark.slow
 def test_bound_of_few_points_is_below_the_relaxation_and_reached() -> None:
     scene = midair.Scene(midair.Array.grid(5, 4, 10e-3), POINTS[:3], [300, 200, 250])
-    best = midair.judge(scene, midair.solve(scene, "best", aim="max"))
+    best = midair.judge(scene, midair.solve(scene, "best", aim="max"), precision="double")
     bound = midair.bound(scene)
     assert bound < relaxation(exact(scene), scene.pressures) * (1 + 1e-5)
     assert bound * (1 - 2e-4) < best.level * best.uniformity < bound * (1 + 1e-6)
@@ -64,7 +64,7 @@ def test_bound_of_few_points_is_below_the_relaxation_and_reached() -> None:
 def test_bound_of_many_points_is_above_the_best_field() -> None:
     points = np.random.default_rng(1).uniform(0.05, 0.15, (65, 3))
     scene = midair.Scene(midair.Array.grid(8, 8, 10e-3), points)
-    best = midair.judge(scene, midair.solve(scene, "uniform", aim="max"))
+    best = midair.judge(scene, midair.solve(scene, "uniform", aim="max"), precision="double")
     assert best.level * best.uniformity < midair.bound(scene) < 3 * best.level
 
 

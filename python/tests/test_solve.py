@@ -187,7 +187,9 @@ def test_metrics_are_those_of_the_reference(solver: str) -> None:
     expected = oracle.metrics(p_abs, targets, weights)
     assert numbers(solution.metrics) == pytest.approx(expected, rel=1e-9, abs=1e-12)
     judged = oracle.metrics(np.abs(exact(scene) @ solution.drive), targets, weights)
-    assert numbers(midair.judge(scene, solution.drive)) == pytest.approx(judged, rel=1e-9, abs=1e-12)
+    assert numbers(midair.judge(scene, solution.drive, precision="double")) == pytest.approx(
+        judged, rel=1e-9, abs=1e-12
+    )
     assert solution.metrics.leak > 0
 
 
@@ -199,7 +201,7 @@ def test_judge_takes_a_drive_of_any_kind_of_number() -> None:
     # balanced level, which is summed up in f32.
     expected = oracle.metrics(np.abs(exact(scene) @ drive), targets)
     for given in (drive, drive.astype(np.complex64), drive.tolist()):
-        judged = numbers(midair.judge(scene, given))
+        judged = numbers(midair.judge(scene, given, precision="double"))
         assert judged["sigma"] == pytest.approx(expected["sigma"], rel=1e-6)
         assert judged["uniformity"] == pytest.approx(expected["uniformity"], rel=1e-6)
         assert judged["accuracy"] == pytest.approx(expected["accuracy"], rel=1e-5)

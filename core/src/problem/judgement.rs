@@ -12,7 +12,9 @@ use crate::problem::array_request::ArrayRequest;
 use crate::problem::metrics::Metrics;
 use crate::problem::solution::Solution;
 use crate::problem::status::Status;
-use crate::scene::Aim;
+use crate::propagation::field_of;
+use crate::scene::{Aim, words};
+use crate::workspace::Workspace;
 
 /// Quiet points that leak more times what was allowed are reported: crowded ones, of which a few speak for all, leak up to three
 /// times as much between these.
@@ -20,6 +22,19 @@ const LOUD: f64 = 4.0;
 
 /// The error from which targets count as missed.
 pub(crate) const MISS: f64 = 0.01;
+
+/// How exact a judgement is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[allow(clippy::exhaustive_enums, reason = "the two kinds of numbers that machines have")]
+pub enum Precision {
+    /// By the rows that solvers see: |p| to 1e-4 of what the array reaches at a point.
+    #[default]
+    Single,
+    /// Eq. (5) in double precision, as the drive is: a hundred times as slow.
+    Double,
+}
+
+words!(Precision: "single" = Self::Single, "double" = Self::Double);
 
 impl Problem {
     /// By how much an answer misses the targets where that is more than 1 %: of a method that `meets` targets, which were
@@ -81,13 +96,35 @@ impl Problem {
         Metrics::of(moduli.zip(asked).map(|(p, (&t, &w))| (p, f64::from(t), f64::from(w)))).residual
     }
 
-    /// The metrics of a drive (N,) over the caller's points, wholly in double precision.
+    /// The metrics of a drive (N,) over the caller's points.
     ///
     /// # Errors
     /// A drive of another length, a value that is not finite, |q| above 1 + 1e-6, two of one channel that differ; a stop.
-    pub fn judge(&self, drive: &[Complex32], control: &mut Control) -> Result<Metrics, Error> {
+    pub fn judge(&self, drive: &[Complex32], precision: Precision, control: &mut Control) -> Result<Metrics, Error> {
+        let drive = self.setup().columns(drive, self.propagation().transducers())?;
+        match precision {
+            Precision::Single => {
+                let work = Workspace::new();
+                let field = field_of(self.propagation(), &drive, &work, control)?;
+                Ok(self.metrics_of(field.re.iter().zip(&field.im)))
+            }
+            Precision::Double => self.judge_exactly(&drive, control),
+        }
+    }
+
+    /// The metrics of a field in units of the reference at the points of weight above 0.
+    pub(crate) fn metrics_of<'a>(&self, field: impl Iterator<Item = (&'a f32, &'a f32)> + Clone) -> Metrics {
+        let ArrayRequest { active, pascals, weights, propagation, .. } = &*self.targets;
+        let unit = propagation.reference();
+        let point = |((&re, &im), &j): ((&f32, &f32), &usize)| {
+            (math::modulus(Complex32::new(re, im)) * unit, pascals[j], weights[j])
+        };
+        Metrics::of(field.zip(active).map(point))
+    }
+
+    /// The metrics of the drives of the columns of G, wholly in double precision.
+    fn judge_exactly(&self, drive: &[Complex32], control: &mut Control) -> Result<Metrics, Error> {
         let all = &self.targets.propagation;
-        let drive = self.setup().columns(drive, all.transducers())?;
         let wide = |q: Complex32| Complex64::new(f64::from(q.re), f64::from(q.im));
         let mut pressures = vec![0.0; all.points()];
         for (j, pressure) in pressures.iter_mut().enumerate() {

@@ -14,6 +14,7 @@ pub(crate) mod status;
 pub(crate) mod upper_bound;
 
 pub use feasibility::{Beyond, Reach};
+pub use judgement::Precision;
 pub use metrics::Metrics;
 pub use setup::Setup;
 pub use solution::Solution;

@@ -2,6 +2,7 @@
 
 pub(crate) mod batch;
 pub(crate) mod follow;
+pub(crate) mod judging;
 pub(crate) mod parts;
 pub(crate) mod worker;
 
@@ -171,25 +172,12 @@ impl Session {
         drives: &mut [Complex32],
         control: &mut Control,
     ) -> Result<Batch, Error> {
-        if count == 0 || points == 0 {
-            return Err(Error::invalid("batch", count, "give at least one problem and one point"));
-        }
-        let transducers = self.transducers();
-        if drives.len() != count * transducers {
-            let cure = format!("give {count} times {transducers}");
-            return Err(Error::invalid("drives", format!("{} values", drives.len()), cure));
-        }
-        let threads = control.threads();
         let taken = bytes(8, &[count, points]).saturating_add(bytes(size_of::<Outcome>(), &[count]));
-        control.room("the answers", [transducers, points], taken)?;
-        if self.workers.len() < threads {
-            self.workers.resize_with(threads, Worker::default);
-        }
+        let (transducers, threads, share) = self.shared_out(count, points, drives.len(), taken, control)?;
         let (task, requests) = (&self.task, Requests { points, ask });
         let workers = &mut self.workers[..threads];
         let mut pressures = vec![Complex32::ZERO; count * points];
         let mut outcomes = vec![Outcome::default(); count];
-        let share = LANES * (STRETCH / (LANES * transducers * points)).max(1);
         let mut done = 0;
         while done < count {
             let end = count.min(done + share * threads);
@@ -213,6 +201,30 @@ impl Session {
             }
         }
         Ok(Batch::of(pressures, &outcomes))
+    }
+
+    /// Checks a batch's size: transducers, threads, each with a worker, and how many problems a thread takes at once.
+    fn shared_out(
+        &mut self,
+        count: usize,
+        points: usize,
+        drives: usize,
+        memory: u64,
+        control: &mut Control,
+    ) -> Result<(usize, usize, usize), Error> {
+        if count == 0 || points == 0 {
+            return Err(Error::invalid("batch", count, "give at least one problem and one point"));
+        }
+        let (transducers, threads) = (self.transducers(), control.threads());
+        if drives != count * transducers {
+            let cure = format!("give {count} times {transducers}");
+            return Err(Error::invalid("drives", format!("{drives} values"), cure));
+        }
+        control.room("the answers", [transducers, points], memory)?;
+        if self.workers.len() < threads {
+            self.workers.resize_with(threads, Worker::default);
+        }
+        Ok((transducers, threads, LANES * (STRETCH / (LANES * transducers * points)).max(1)))
     }
 
     /// What a caller should hear beside the last solution and has not yet heard of this session: each kind once. Costs

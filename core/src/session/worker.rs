@@ -153,22 +153,8 @@ impl Worker {
         control: &mut Control,
     ) -> Result<(), (usize, Error)> {
         let start = range.start;
-        // Those before one that is refused here may be refused later on, and are the first then.
-        let (mut count, mut refused) = (range.len(), Ok(()));
-        for k in 0..range.len() {
-            if let Err(error) = self.read(k, part.first + start + k, task, requests) {
-                (count, refused) = (k, Err((start + k, error)));
-                break;
-            }
-        }
-        let summed = interleaved_batch::sum_moduli(&mut self.problems[..count], &self.work);
-        for (k, problem) in self.problems[..count].iter_mut().enumerate() {
-            let measured = if summed { Ok(()) } else { problem.sum_moduli(control) };
-            if let Err(error) = measured.and_then(|()| problem.balance_targets()) {
-                (count, refused) = (k, Err((start + k, error)));
-                break;
-            }
-        }
+        let (count, refused) = self.prepare(part.first + start, range.len(), task, requests, control);
+        let refused = refused.map_err(|(k, error)| (start + k, error));
         let problems = &self.problems[..count];
         let (solver, balance, work) = (&*task.solver, task.balance, &mut self.work);
         let mut keep = |k: usize, solution: &Solution| {
@@ -192,6 +178,33 @@ impl Worker {
             solution.recycle(work);
         }
         refused
+    }
+
+    /// Reads up to 16 problems, from `first` of the batch on: how many come before one that is refused, and that one, by its
+    /// number among them. Those before may be refused later on, and are the first then.
+    pub(super) fn prepare(
+        &mut self,
+        first: usize,
+        mut count: usize,
+        task: &Task,
+        requests: Requests<'_>,
+        control: &mut Control,
+    ) -> (usize, Result<(), (usize, Error)>) {
+        let mut refused = Ok(());
+        for k in 0..count {
+            if let Err(error) = self.read(k, first + k, task, requests) {
+                (count, refused) = (k, Err((k, error)));
+                break;
+            }
+        }
+        let summed = interleaved_batch::sum_moduli(&mut self.problems[..count], &self.work);
+        for (k, problem) in self.problems[..count].iter_mut().enumerate() {
+            let measured = if summed { Ok(()) } else { problem.sum_moduli(control) };
+            if let Err(error) = measured.and_then(|()| problem.balance_targets()) {
+                return (k, Err((k, error)));
+            }
+        }
+        (count, refused)
     }
 
     /// Asks what problem `index` is and writes it over the worker's problem `k`.

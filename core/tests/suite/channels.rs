@@ -3,8 +3,8 @@
 use midair::motion::{Ahead, Ends, ahead};
 use midair::solvers::SOLVERS;
 use midair::{
-    Array, Board, Complex32, Complex64, Control, Frames, InstructionSet, Medium, Model, Problem, Propagation, Request,
-    Scene, Session, Setup, Signature, Solution, SolveRequest, Start, Workspace, bound,
+    Array, Board, Complex32, Complex64, Control, Frames, InstructionSet, Medium, Model, Precision, Problem,
+    Propagation, Request, Scene, Session, Setup, Signature, Solution, SolveRequest, Start, Workspace, bound,
 };
 
 const POINTS: [[f64; 3]; 2] = [[-0.02, 0.004, 0.11], [0.021, -0.003, 0.12]];
@@ -76,7 +76,8 @@ fn every_method_solves_with_summed_columns() {
             let same = solved(&matrix, name).metrics().accuracy;
             let found = solution.metrics().accuracy;
             assert!((found - same).abs() < 0.03 * same, "{name}: {found} is {same} by the matrix");
-            let judged = problem.judge(&solution.drive, &mut Control::none()).expect("a judgement").accuracy;
+            let judged =
+                problem.judge(&solution.drive, Precision::Double, &mut Control::none()).expect("a judgement").accuracy;
             assert!((judged - found).abs() < 1e-4 * found, "{name}");
         }
     }

@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use midair::solvers::{Greedy, Naive};
 use midair::{
-    Array, Complex32, Complex64, Control, Medium, Metrics, Problem, Request, Rng, Scene, Solution, Solve, Workspace,
+    Array, Complex32, Complex64, Control, Medium, Metrics, Precision, Problem, Request, Rng, Scene, Solution, Solve,
+    Workspace,
 };
 
 use crate::oracle;
@@ -121,13 +122,17 @@ fn judge_gives_the_metrics_of_the_exact_field() {
     let moduli: Vec<f64> = oracle::field(&propagation(&scene), &widen(&drive)).iter().map(|p| p.norm()).collect();
     let wanted = oracle::metrics(&moduli, problem.targets_in_pascals(), problem.point_weights());
     // Both in f64; 249 phases of 200 rad.
-    assert_metrics(problem.judge(&drive, &mut Control::none()).expect("its own drive"), wanted, 1e-11);
+    assert_metrics(
+        problem.judge(&drive, Precision::Double, &mut Control::none()).expect("its own drive"),
+        wanted,
+        1e-11,
+    );
     for (bad, start) in [
         (drive[1..].to_vec(), "drive is 248 values"),
         ([&drive[..3], &[Complex32::new(f32::NAN, 0.0)], &drive[4..]].concat(), "drive[3] is"),
         ([&drive[..3], &[Complex32::new(0.8, 0.8)], &drive[4..]].concat(), "drive[3] is"),
     ] {
-        let error = problem.judge(&bad, &mut Control::none()).expect_err(start).to_string();
+        let error = problem.judge(&bad, Precision::Double, &mut Control::none()).expect_err(start).to_string();
         assert!(error.starts_with(start) && !error.contains('\n'), "{error}");
     }
 }

@@ -2,7 +2,8 @@
 
 use midair::solvers::{Greedy, Objective, SOLVERS};
 use midair::{
-    Array, Complex64, Control, Directivity, Medium, Problem, Request, Rng, Scene, Solve, Transducer, Workspace,
+    Array, Complex64, Control, Directivity, Medium, Precision, Problem, Request, Rng, Scene, Solve, Transducer,
+    Workspace,
 };
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -67,7 +68,7 @@ proptest! {
             prop_assert!(solution.pressures.iter().all(|p| p.norm().is_finite()), "{}", entry.info.name);
             let metrics = solution.metrics();
             prop_assert!(metrics.residual.is_finite() && metrics.sigma.is_finite(), "{metrics:?}");
-            let judged = problem.judge(&solution.drive, &mut Control::none()).expect("its own drive");
+            let judged = problem.judge(&solution.drive, Precision::Double, &mut Control::none()).expect("its own drive");
             // f32 pressures against f64 ones: 1e-4 of what a dozen transducers can make, relative to the targets.
             let unit = problem.balance().max(1.0);
             prop_assert!((judged.level - metrics.level).abs() < 1e-3 * unit * judged.level.max(1.0), "{judged:?} {metrics:?}");

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use midair::solvers::{self, Entry, Lm, SOLVERS, Wgs, refine};
 use midair::{
-    Array, Complex32, Control, Medium, Metrics, Options, Problem, Quantization, Request, Scene, Solution, Solve, Start,
-    Value, Workspace,
+    Array, Complex32, Control, Medium, Metrics, Options, Precision, Problem, Quantization, Request, Scene, Solution,
+    Solve, Start, Value, Workspace,
 };
 
 use crate::oracle;
@@ -282,7 +282,9 @@ fn the_sweep_takes_most_of_what_rounding_costs_and_keeps_within_the_quantised_ta
         for seed in 0..10 {
             let scene = scene(device(quantization(phases, &[])), random_points(points, 0.1, 100 + seed), None);
             let problem = problem(&scene);
-            let sigma = |drive: &[Complex32]| problem.judge(drive, &mut Control::none()).expect("a drive").sigma;
+            let sigma = |drive: &[Complex32]| {
+                problem.judge(drive, Precision::Double, &mut Control::none()).expect("a drive").sigma
+            };
             let mut drive = even(&scene);
             let plain: Vec<Complex32> =
                 drive.iter().map(|q| problem.quantization().expect("quantization").nearest(*q)).collect();
@@ -338,8 +340,8 @@ fn the_sweep_keeps_zeros_amplitudes_and_unequal_targets() {
         assert!((a.norm() - b.norm()).abs() < 1e-6, "{a} became {b}");
     }
     let (before, after) = (
-        problem.judge(&plain, &mut Control::none()).expect("ok"),
-        problem.judge(&drive, &mut Control::none()).expect("ok"),
+        problem.judge(&plain, Precision::Double, &mut Control::none()).expect("ok"),
+        problem.judge(&drive, Precision::Double, &mut Control::none()).expect("ok"),
     );
     assert!(after.sigma < before.sigma && after.leak < before.leak, "{before:?} {after:?}");
 }

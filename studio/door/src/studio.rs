@@ -1,7 +1,7 @@
 //! Studio: the buffers between the page and the core, and what a page may do with a scene.
 
 use midair::files::{read_array, read_drive, write_drive};
-use midair::{Array, Complex32, Control, Error, InstructionSet, Status, bound, field, spl};
+use midair::{Array, Complex32, Control, Error, InstructionSet, Precision, Status, bound, field, spl};
 
 use crate::opened::Opened;
 
@@ -113,7 +113,7 @@ impl Studio {
 
     pub(crate) fn judge(&mut self) -> Result<(), Error> {
         let problem = self.opened()?.problem()?;
-        let metrics = problem.judge(&played(&self.drive, self.scale), &mut Control::none())?;
+        let metrics = problem.judge(&played(&self.drive, self.scale), Precision::Double, &mut Control::none())?;
         self.numbers = metrics.values().to_vec();
         Ok(())
     }

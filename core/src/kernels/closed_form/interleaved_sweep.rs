@@ -52,6 +52,26 @@ pub(crate) fn deal_out(set: InstructionSet, drive: &[f32], out: &mut [Vec<Comple
     });
 }
 
+/// Writes the drives of up to 16 problems, one after another, as [`deal_out`] reads them; 0 in lanes without a problem.
+pub(crate) fn deal_in(set: InstructionSet, drives: &[Complex32], transducers: usize, out: &mut [f32]) {
+    dispatch!(set, s => {
+        for (k, eight) in groups_mut(out).as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
+            let mut vectors = [s.splat(0.0); LANES];
+            for (vector, drive) in vectors.iter_mut().zip(drives.chunks_exact(transducers)) {
+                let own = &drive[k * EIGHT..transducers.min((k + 1) * EIGHT)];
+                let mut lanes: Lanes = [0.0; LANES];
+                for (pair, q) in lanes.as_chunks_mut::<2>().0.iter_mut().zip(own) {
+                    *pair = [q.re, q.im];
+                }
+                *vector = s.load(&lanes);
+            }
+            for (lanes, vector) in eight.iter_mut().zip(s.transpose(vectors)) {
+                s.store(vector, lanes);
+            }
+        }
+    });
+}
+
 /// Up to 16 problems, one in each lane.
 struct ProblemsInLanes<'a> {
     drive: &'a mut [f32],

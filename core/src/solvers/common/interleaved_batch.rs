@@ -7,7 +7,8 @@ use core::array;
 use num_complex::Complex32;
 
 use crate::control::Control;
-use crate::kernels::closed_form::interleaved_sweep::{EIGHT, deal_out};
+use crate::kernels::closed_form::interleaved_sweep::{EIGHT, deal_in, deal_out};
+use crate::kernels::propagate::field::interleaved_field;
 use crate::kernels::{ControlPoints, InstructionSet, LANES, Rows, Run, interleaved_moduli};
 use crate::linalg::Planar;
 use crate::problem::{Problem, Solution, Status};
@@ -124,6 +125,23 @@ pub(crate) fn sum_moduli(problems: &mut [Problem], work: &Workspace) -> bool {
         }
     }
     !near
+}
+
+/// P = G q of the drives of some problems, one after another, in units of the reference: point after point, a lane a problem,
+/// each bit for bit as [`crate::propagation::field_of`] has it. `None` where that does not save work.
+pub(crate) fn fields<'w>(
+    problems: &[Problem],
+    drives: &[Complex32],
+    work: &'w Workspace,
+) -> Option<[Buffer<'w, f32>; 2]> {
+    let points = InterleavedPoints::of(problems, work)?;
+    let Sources { radiation, transducers, .. } = &*points.prepared;
+    let mut lanes = work.floats.take_any(2 * LANES * transducers.len().next_multiple_of(EIGHT));
+    deal_in(points.set, drives, transducers.len(), &mut lanes);
+    let mut field = [(); 2].map(|()| work.floats.take(points.lanes()));
+    let out = field.each_mut().map(|part| &mut part[..]);
+    interleaved_field(points.set, radiation, transducers, &lanes, points.control_points(), out);
+    Some(field)
 }
 
 /// Writes a problem's list into its lane.
