@@ -6,7 +6,9 @@
 //! ```
 //!
 //! 1. P is loaded and stored once a run, so that an element costs its own instructions and four more.
-//! 2. The sources of a run, 16 KB, stay in the nearest cache. (Where code is to be short the stack is, too: a run is then of
+//! 2. Up to four points leave most lanes empty: then sixteen transducers are in the lanes, and their waves are added one
+//!    after another, so that the bits are the same. At M = 1 and 4 this takes half of the time.
+//! 3. The sources of a run, 16 KB, stay in the nearest cache. (Where code is to be short the stack is, too: a run is then of
 //!    64 transducers.)
 
 use num_complex::Complex32;
@@ -27,6 +29,9 @@ const RUN: usize = 512;
 /// and where the stack is short.
 const SHORT_RUN: usize = 64;
 
+/// Points that fill fewer lanes than a transducer each does.
+const FEW: usize = 4;
+
 /// P += G q for every transducer that is driven.
 ///
 /// # Errors
@@ -40,11 +45,59 @@ pub(crate) fn add_field(
     field: [&mut [f32]; 2],
     control: &mut Control,
 ) -> Result<(), Error> {
+    if points.count <= FEW && !set.is_short() {
+        return dispatch!(set, s => formed!(s, radiation, sources.in_phase, form => {
+            add_few(s, form, (radiation, sources), drive, points, field, control)
+        }));
+    }
     dispatch!(set, s => formed!(s, radiation, sources.in_phase, form => {
         let mut sum = Sum { form, radiation, sources, drive, points, field, control, ended: Ok(()) };
         s.apart(points.count, &mut sum);
         sum.ended
     }))
+}
+
+/// As [`add_field`] at up to [`FEW`] points.
+#[inline(always)]
+fn add_few<S: Elementwise, F: Form>(
+    s: S,
+    form: F,
+    (radiation, sources): (&Radiation, &SourceList),
+    drive: &[Complex32],
+    points: ControlPoints<'_>,
+    [re, im]: [&mut [f32]; 2],
+    control: &mut Control,
+) -> Result<(), Error> {
+    let [x, y, z] = points.coordinates;
+    let mut sums = [[s.splat(0.0); 2]; FEW];
+    for (j, sum) in sums.iter_mut().enumerate().take(points.count) {
+        *sum = [s.splat(re[j]), s.splat(im[j])];
+    }
+    for (group, drive) in sources.groups.iter().zip(drive.chunks(LANES)) {
+        control.pulse()?;
+        let (from, mut tile) = (group.all(s), [[[0.0; LANES]; 2]; FEW]);
+        for (j, [real, imag]) in tile.iter_mut().enumerate().take(points.count) {
+            let own = element(s, form, radiation, &from, [s.splat(x[j]), s.splat(y[j]), s.splat(z[j])]);
+            s.store(own[0], real);
+            s.store(own[1], imag);
+        }
+        for (lane, q) in drive.iter().enumerate().filter(|(_, q)| **q != Complex32::ZERO) {
+            let q = [s.splat(q.re), s.splat(q.im)];
+            for (sum, [real, imag]) in sums.iter_mut().zip(&tile) {
+                *sum = add_wave(s, [s.splat(real[lane]), s.splat(imag[lane])], q, *sum);
+            }
+        }
+    }
+    for (j, sum) in sums.iter().enumerate().take(points.count) {
+        for (part, sum) in [&mut *re, &mut *im].into_iter().zip(sum) {
+            let mut lanes = [0.0; LANES];
+            s.store(*sum, &mut lanes);
+            part[j] = lanes[0];
+        }
+    }
+    silence(s, re, points.count);
+    silence(s, im, points.count);
+    Ok(())
 }
 
 /// P += G q over some lanes, unless others met an end.

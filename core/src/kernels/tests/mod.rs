@@ -183,6 +183,12 @@ impl Shot {
             assert_near(im[j], gr * qi + gi * qr, allowed, "im");
         }
         assert!(re[self.count..].iter().chain(&im[self.count..]).all(|&x| x == 0.0), "padding was given sound");
+        // Few points have transducers in the lanes, and the bits of the same among many.
+        let some = ControlPoints { count: self.count.min(4), ..self.control_points() };
+        let [mut few_re, mut few_im] = [(); 2].map(|()| vec![0.0; LANES]);
+        let (to, control) = ([&mut few_re[..], &mut few_im[..]], &mut Control::none());
+        super::add_field(set, &self.radiation, &sources, &drive, some, to, control).expect("no stop");
+        assert!(few_re[..some.count] == re[..some.count] && few_im[..some.count] == im[..some.count], "{set}");
     }
 
     /// The tile of this transducer and a second, in phase, is made of their rows to the bit, and silent beyond.
