@@ -141,7 +141,7 @@ fn judge_many(
     let drives = Drives::read(drives, session.transducers())?;
     let count = drives.count;
     // A scene's own points and request, for all drives.
-    let own = scene.cast::<Scene>().ok().filter(|_| points.is_none()).map(|scene| &scene.get().inner);
+    let own = scene.cast::<Scene>().ok().filter(|_| points.is_none()).map(|scene| &*scene.get().inner);
     let (points, size) = match (session.given_points(), points, own) {
         (Some(_), Some(_), _) => {
             return Err(invalid("points", "given", "a matrix has its own points: leave them out"));

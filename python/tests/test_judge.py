@@ -19,7 +19,7 @@ def drives(count: int, transducers: int = 72) -> Any:
 
 
 def points(count: int, size: int) -> Any:
-    return RNG.uniform(-0.04, 0.04, (count, size, 3)) + [0, 0, 0.12]
+    return RNG.uniform(-0.04, 0.04, (count, size, 3)) + np.array([0, 0, 0.12])
 
 
 # One group of problems in the lanes and a rest, points that fill the lanes by themselves, and a lone problem.
@@ -38,7 +38,7 @@ def test_a_table_is_each_drive_judged_alone_and_exact(count: int, size: int, giv
     exact = midair.judge(ARRAY, q, points=at, precision="double", **asked)
     assert one == table
     for k in range(count):
-        scene = midair.Scene(ARRAY, at[k], *(rows[k] for rows in asked.values()))
+        scene = midair.Scene(ARRAY, at[k], **{name: rows[k] for name, rows in asked.items()})
         alone = midair.judge(scene, q[k])
         double = midair.judge(scene, q[k], precision="double")
         for name in NAMES:
@@ -58,7 +58,7 @@ def test_a_batch_is_judged_as_it_says_of_itself() -> None:
 
 def test_many_drives_of_one_scene_of_a_matrix_and_behind_a_wall() -> None:
     q, at = drives(18), points(1, 3)[0]
-    scene = midair.Scene(ARRAY, at, [300, 0, 200], [1, 2, 0.5])
+    scene = midair.Scene(ARRAY, at, [300, 0, 200], weights=[1, 2, 0.5])
     matrix = midair.Propagation(scene.propagation())
     walled = midair.Scene(ARRAY, at, 250, obstacles=[midair.Wall([0, 0, 0.2], [0, 0, -1])])
     own, of_wall = midair.judge(scene, q), midair.judge(walled, q)
@@ -92,8 +92,14 @@ REFUSED = {
     "a row too many": (lambda: midair.judge(ARRAY, drives(2), points=points(3, 1)), "points"),
     "another N": (lambda: midair.judge(ARRAY, drives(2, 71), points=points(2, 1)), "drives"),
     "above 1": (lambda: midair.judge(ARRAY, 2 * drives(2), points=points(2, 1)), "problems[0]"),
-    "a point on a transducer": (lambda: midair.judge(ARRAY, drives(1), points=[[ARRAY.positions[3]]]), "problems[0]"),
-    "no such precision": (lambda: midair.judge(ARRAY, drives(1), points=points(1, 1), precision="half"), "precision"),
+    "a point on a transducer": (
+        lambda: midair.judge(ARRAY, drives(1), points=[[ARRAY.positions[3]]]),
+        "problems[0]",
+    ),
+    "no such precision": (
+        lambda: midair.judge(ARRAY, drives(1), points=points(1, 1), precision="half"),
+        "precision",
+    ),
     "one drive, many threads": (
         lambda: midair.judge(midair.Scene(ARRAY, points(1, 1)[0]), drives(1)[0], threads=2),
         "drive",

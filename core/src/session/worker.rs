@@ -185,26 +185,26 @@ impl Worker {
     pub(super) fn prepare(
         &mut self,
         first: usize,
-        mut count: usize,
+        count: usize,
         task: &Task,
         requests: Requests<'_>,
         control: &mut Control,
     ) -> (usize, Result<(), (usize, Error)>) {
-        let mut refused = Ok(());
+        let (mut read, mut refused) = (count, Ok(()));
         for k in 0..count {
             if let Err(error) = self.read(k, first + k, task, requests) {
-                (count, refused) = (k, Err((k, error)));
+                (read, refused) = (k, Err((k, error)));
                 break;
             }
         }
-        let summed = interleaved_batch::sum_moduli(&mut self.problems[..count], &self.work);
-        for (k, problem) in self.problems[..count].iter_mut().enumerate() {
+        let summed = interleaved_batch::sum_moduli(&mut self.problems[..read], &self.work);
+        for (k, problem) in self.problems[..read].iter_mut().enumerate() {
             let measured = if summed { Ok(()) } else { problem.sum_moduli(control) };
             if let Err(error) = measured.and_then(|()| problem.balance_targets()) {
                 return (k, Err((k, error)));
             }
         }
-        (count, refused)
+        (read, refused)
     }
 
     /// Asks what problem `index` is and writes it over the worker's problem `k`.

@@ -9,6 +9,9 @@ use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::kernels::tests::{LENGTHS, ROUNDING, numbers, wide};
 use crate::rng::Rng;
 
+/// A limit, and the same of one drive in double precision.
+type Limit<'a> = (fn(InstructionSet, [&mut [f32]; 2]), &'a dyn Fn(Complex64) -> Complex64);
+
 #[test]
 fn limits_are_those_of_double_precision() {
     for set in InstructionSet::all() {
@@ -20,7 +23,7 @@ fn limits_are_those_of_double_precision() {
             let q: Vec<Complex64> = re.iter().zip(&im).map(|(&re, &im)| Complex64::new(wide(re), wide(im))).collect();
             let largest = q.iter().map(|q| q.norm()).fold(f64::MIN_POSITIVE, f64::max);
             let full = |q: Complex64| if q.norm() > 0.0 { q / q.norm() } else { q };
-            let limits: [(fn(InstructionSet, [&mut [f32]; 2]), &dyn Fn(Complex64) -> Complex64); 3] = [
+            let limits: [Limit<'_>; 3] = [
                 (limit::clamp, &|q| if q.norm() > 1.0 { full(q) } else { q }),
                 (limit::normalize, &|q| q / largest),
                 (limit::fill, &full),
