@@ -171,6 +171,8 @@ public:
         return session;
     }
 
+    midair_session *get() const { return handle.get(); }
+
     /// The scene's own request.
     Solution solve() { return solve(Points{}); }
 
@@ -261,6 +263,13 @@ public:
     Board(const std::string &name, std::size_t transducers) {
         midair_board *made = nullptr;
         detail::call(midair_board_new, name.c_str(), transducers, &made);
+        handle.reset(made);
+    }
+
+    /// Those that play a session's array, with its channels and its mask.
+    Board(const std::string &name, const Session &session) {
+        midair_board *made = nullptr;
+        detail::call(midair_board_of_session, name.c_str(), session.get(), &made);
         handle.reset(made);
     }
 

@@ -4,11 +4,18 @@ use std::ffi::c_char;
 
 use crate::memory::{Complex, drive as read_drive, give, handle, room, text, write};
 use crate::outcome::{Message, Outcome, outcome};
+use crate::session::Session;
 
 /// The boards behind an array. It never changes: any number of threads may use it at the same time.
 pub struct Board {
     inner: midair::Board,
     silence: Vec<u8>,
+}
+
+impl From<midair::Board> for Board {
+    fn from(inner: midair::Board) -> Self {
+        Self { silence: inner.silence(), inner }
+    }
 }
 
 /// What carries bytes to boards.
@@ -82,7 +89,27 @@ pub unsafe extern "C" fn midair_board_new(
         // SAFETY: the caller's word for name and board.
         unsafe {
             let made = text("board", name).and_then(|name| midair::Board::new(name, transducers));
-            give("board", board, made.map(|inner| Board { silence: inner.silence(), inner }))
+            give("board", board, made.map(Board::from))
+        }
+        .map(|()| "")
+    })
+}
+
+/// Makes as many boards of a kind as a session's array needs: one channel for the transducers that its option "channels", its
+/// preset or its scene wires together, and none for those that its mask switches off. The session may be freed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn midair_board_of_session(
+    name: *const c_char,
+    session: *mut Session,
+    board: *mut *mut Board,
+    message: *mut c_char,
+    message_size: usize,
+) -> Outcome {
+    outcome(Message { text: message, size: message_size }, || {
+        // SAFETY: the caller's word for name, session and board.
+        unsafe {
+            let made = text("board", name).and_then(|name| Session::behind(session)?.state()?.board(name));
+            give("board", board, made.map(Board::from))
         }
         .map(|()| "")
     })

@@ -61,6 +61,11 @@ impl Setting {
         Ok((model.clone(), Session::new(model, configured.solver, balance)))
     }
 
+    /// The boards of a kind that play the array.
+    pub(crate) fn board(&self, kind: &str) -> Result<Board, Error> {
+        self.array.board(kind)
+    }
+
     /// How loud the points are to be; left out it is the request's own.
     pub(crate) fn aim(&self) -> Option<Aim> {
         self.choice.aim

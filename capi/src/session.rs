@@ -59,6 +59,11 @@ impl State {
         self.session.solve(&self.ask, &mut Control::none())
     }
 
+    /// The boards of a kind that play its array.
+    pub(crate) fn board(&self, kind: &str) -> Result<midair::Board, Error> {
+        self.setting.board(kind)
+    }
+
     /// What the caller should hear beside the last answer, each kind once in a session.
     pub(crate) fn remarks(&mut self) -> String {
         let doubts = self.session.doubts(&self.ask);
@@ -214,8 +219,8 @@ pub unsafe extern "C" fn midair_session_set_text(
     })
 }
 
-/// Sets an option to a list: "mask" (N, 1 for on and 0 for off), "response" (N, 2; real and imaginary part), or one of the
-/// method.
+/// Sets an option to a list: "mask" (N, 1 for on and 0 for off), "response" (N, 2; real and imaginary part), "channels" (N, the
+/// driven channel of each), or one of the method.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_session_set_numbers(
     session: *mut Session,

@@ -176,3 +176,31 @@ def test_bytes_of_boards(library: Library, name: str) -> None:
     library.done("board_silence", board, silence, len(silence))
     assert silence.tobytes() == mine.silence
     library.plain("board_free", board)
+
+
+def test_boards_of_wired_arrays(library: Library, grid: c_void_p) -> None:
+    levitator = library.new("array_preset", "tinylev", 1, 1)
+    rows = np.repeat(np.arange(12.0), 10)
+    mask = np.array([0.0] * 10 + [1.0] * 110)
+    wired = library.session(grid, "uniform")
+    library.done("session_set_numbers", wired, "channels", rows, 120)
+    library.done("session_set_numbers", wired, "mask", mask, 120)
+    mine = midair.Array.grid(12, 10, 0.0105, channels=rows.astype(int), mask=mask.astype(bool))
+    scene = '[array]\npreset = "tinylev"\n[[points]]\nposition = [0, 0, 0]\n'
+    for session, kind, array in (
+        (library.session(levitator, "uniform"), "nano", midair.Array.preset("tinylev")),
+        (library.new("session_open", scene, None), "mega64", midair.Array.preset("tinylev")),
+        (wired, "nano16", mine),
+    ):
+        board = library.new("board_of_session", kind, session)
+        library.plain("session_free", session)
+        drive = midair.solve(midair.Scene(array, [[0, 0, 0.01]]), "uniform").drive
+        frame = np.zeros(library.plain("board_frame_size", board), np.uint8)
+        library.done("board_encode", board, drive, len(drive), frame, len(frame))
+        assert frame.tobytes() == midair.Board(kind, array).encode(drive)
+        library.plain("board_free", board)
+    library.plain("array_free", levitator)
+    single = library.session(grid, "fast")
+    _, message = library.call("board_of_session", "nano", single, np.zeros(1, np.uintp))
+    assert message == "transducers is 120: nano has 1 to 8 channels"
+    library.plain("session_free", single)
