@@ -215,6 +215,14 @@ midair_result midair_board_new(const char *name,
                                char *message,
                                size_t message_size);
 
+// Makes as many boards of a kind as a session's array needs: one channel for the transducers that its option "channels", its
+// preset or its scene wires together, and none for those that its mask switches off. The session may be freed.
+midair_result midair_board_of_session(const char *name,
+                                      midair_session *session,
+                                      midair_board **board,
+                                      char *message,
+                                      size_t message_size);
+
 // Bytes of a frame, for all boards; 0 for NULL.
 size_t midair_board_frame_size(const midair_board *board);
 
@@ -283,8 +291,8 @@ midair_result midair_session_set_text(midair_session *session,
                                       char *message,
                                       size_t message_size);
 
-// Sets an option to a list: "mask" (N, 1 for on and 0 for off), "response" (N, 2; real and imaginary part), or one of the
-// method.
+// Sets an option to a list: "mask" (N, 1 for on and 0 for off), "response" (N, 2; real and imaginary part), "channels" (N, the
+// driven channel of each), or one of the method.
 midair_result midair_session_set_numbers(midair_session *session,
                                          const char *name,
                                          const double *values,
