@@ -67,8 +67,8 @@ def play_command(
         # Solving may take long; what is asked of the board is known before.
         number("--modulate", modulate, above=0)
         can_modulate(place.kind_of_board or DEFAULT)
-    thing = _thing(what, solver, lambda array: _board(name, array))
-    board = _board(name, thing.array if isinstance(thing, Sequence) else _scene(thing).array)
+    thing = _thing(what, solver, lambda array: board_of(name, array))
+    board = board_of(name, thing.array if isinstance(thing, Sequence) else _scene(thing).array)
     with connect(on, board=board) as connection, _status(connection, on, _loudness(thing), seconds) as show:
         if modulate is not None:
             connection.modulate(modulate)
@@ -118,7 +118,7 @@ def _scene(solution: Solution) -> Scene:
     return solution.scene
 
 
-def _board(name: str, array: Array) -> Board:
+def board_of(name: str, array: Array) -> Board:
     """The boards of a name behind an array: whole ones; where they stand otherwise, it is told."""
     board = Board(name, array)
     if board.name not in FIXED:

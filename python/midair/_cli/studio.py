@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import threading
 import webbrowser
+from contextlib import ExitStack
 from pathlib import Path
 
-from .._studio.page import scene_text
-from .._studio.server import Server
+from .. import Board, connect
+from .._boards.address import DEFAULT, parse
+from .._studio.page import greeting, scene_text
+from .._studio.server import HOLD, PagesBoard, Server
+from .play import board_of
 from .progress import tell
 from .scene import SceneFile
 
 
-def studio_command(scene: Path | None = None, *, port: int = 0, browser: bool = True) -> int:
+def studio_command(
+    scene: Path | None = None, *, port: int = 0, browser: bool = True, on: str | None = None
+) -> int:
     """Open the studio in the browser: points that can be dragged, and their field. Ctrl-C ends it.
 
     Parameters
@@ -23,9 +29,20 @@ def studio_command(scene: Path | None = None, *, port: int = 0, browser: bool = 
         Of 127.0.0.1, where the page is served; left out, a free one.
     browser
         Open the browser; without, the address is printed alone.
+    on
+        A board that the page may play, and where it is: autd3, sonicsurface:/dev/ttyUSB0 (docs/boards.md).
     """
-    text = None if scene is None else scene_text(SceneFile(scene).scene())
-    with Server(text, port) as server:
+    shown = None if scene is None else SceneFile(scene).scene()
+    with ExitStack() as open_things:
+        player = None
+        if on is not None:
+            name = parse(on).board or DEFAULT
+            board = Board(name) if shown is None else board_of(name, shown.array)
+            shown = shown or greeting(board.array)
+            connection = open_things.enter_context(connect(on, board=board, hold=HOLD))
+            player = PagesBoard(connection, scene_text(shown))
+        text = None if shown is None else scene_text(shown)
+        server = open_things.enter_context(Server(text, port, board=player))
         print(server.address, flush=True)
         tell("Ctrl-C ends it")
         if browser:

@@ -9,7 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from .._midair import Array, Mesh, Scene, SceneError, Solution, Solver, Sphere, Wall, array_parts, solvers
+from .._midair import (
+    Array,
+    Mesh,
+    Plane,
+    Scene,
+    SceneError,
+    Solution,
+    Solver,
+    Sphere,
+    Wall,
+    array_parts,
+    solvers,
+)
 from .._support import output
 from .._support.arguments import warn
 
@@ -30,6 +42,17 @@ MOST_POINTS = 64
 
 #: The page's frequency in Hz.
 FREQUENCY = 40e3
+
+
+def greeting(array: Array) -> Scene:
+    """Three foci and an upright slice, over an array or between its boards."""
+    x, y, _ = array.positions.mean(axis=0)
+    low, high = array.positions[:, 2].min(), array.positions[:, 2].max()
+    z = (low + high) / 2 if high - low > 0.05 else high + 0.13
+    places = [[x - 0.03, y, z], [x + 0.03, y, z], [x, y, z + 0.03]]
+    return Scene(array, places, frequency=FREQUENCY).replace(
+        plane=Plane(axis="y", at=y, size=0.2, center=(x, z))
+    )
 
 
 def scene_text(what: Scene | Solution) -> str:

@@ -1,15 +1,20 @@
-"""Server: the page, for browsers of this machine and for nobody else."""
+"""Server: the page, and a board that it plays, for browsers of this machine and for nobody else."""
 
 from __future__ import annotations
 
+import json
 import re
 import sys
+import threading
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from socketserver import TCPServer
 from typing import Any
 
+import numpy as np
+
+from .._boards import BoardError, Connection
 from .._midair import SceneError
 from .page import BUILT, file
 
@@ -23,6 +28,7 @@ TYPES = {
     ".wasm": "application/wasm",
     ".svg": "image/svg+xml",
     ".png": "image/png",
+    ".bin": "application/octet-stream",
 }
 
 #: The page may use nothing but its own files, and is in nobody's frame.
@@ -46,8 +52,52 @@ HEADERS = {
 HERE = re.compile(r"(127\.0\.0\.1|localhost)(:\d+)?", re.IGNORECASE)
 
 
+#: Seconds without a word of the page after which the board is off. The page repeats its drive before that.
+HOLD = 1.0
+
+
+class PagesBoard:
+    """A connection that plays the newest drive of a page; off where the page is silent for HOLD."""
+
+    def __init__(self, connection: Connection, scene: str) -> None:
+        self.connection = connection
+        #: The array by which the page knows whether its drives are for this board.
+        self._array: dict[str, Any] = json.loads(scene)["array"]
+        self._lock = threading.Lock()
+        self._last = 0.0
+
+    def described(self) -> bytes:
+        """Its name and array, as JSON."""
+        return json.dumps({"name": self.connection.board.name, "array": self._array}).encode()
+
+    @property
+    def most(self) -> int:
+        """The bytes of a drive: re and im of each transducer, as float32."""
+        return 8 * len(self.connection.board.array)
+
+    def take(self, at: float, content: bytes) -> None:
+        """Play a drive, or turn off where there is none; ignore what is older (at, in ms) than the last one.
+
+        Raises SceneError for a drive of another array, BoardError where the board is gone.
+        """
+        if content and len(content) != self.most:
+            raise SceneError(
+                f"drive has {len(content) / 8:g} transducers, {self.connection.board.name} has "
+                f"{self.most // 8}: choose the array that midair studio began with"
+            )
+        with self._lock:
+            if not at > self._last:
+                return
+            self._last = at
+            if content:
+                parts = np.frombuffer(content, "<f4").astype(np.float32)
+                self.connection.send(parts.view(np.complex64))
+            else:
+                self.connection.off()
+
+
 class Server(ThreadingHTTPServer):
-    """Serves the built page, and a scene's JSON text at /scene.json, until it is stopped.
+    """Serves the built page, a scene's JSON text at /scene.json, and a board at /board, until it is stopped.
 
     port : of 127.0.0.1; 0 for a free one. Raises SceneError where it cannot be had, or nothing is built.
     """
@@ -55,7 +105,9 @@ class Server(ThreadingHTTPServer):
     daemon_threads = True
     request_queue_size = 64
 
-    def __init__(self, scene: str | None = None, port: int = 0, folder: Path = BUILT) -> None:
+    def __init__(
+        self, scene: str | None = None, port: int = 0, folder: Path = BUILT, board: PagesBoard | None = None
+    ) -> None:
         file("index.html", folder)
         # What is not in these is not served.
         self.files = {
@@ -63,6 +115,7 @@ class Server(ThreadingHTTPServer):
         }
         self.files["/"] = self.files["/index.html"]
         self.scene = scene
+        self.board = board
         try:
             super().__init__(("127.0.0.1", port), Answer)
         except (OSError, OverflowError) as error:
@@ -71,8 +124,9 @@ class Server(ThreadingHTTPServer):
 
     @property
     def address(self) -> str:
-        """Where a browser finds the page, with the scene if there is one."""
-        return f"http://127.0.0.1:{self.server_port}/{'' if self.scene is None else '?scene'}"
+        """Where a browser finds the page, with scene and board if there are some."""
+        parts = [name for name, there in (("scene", self.scene), ("board", self.board)) if there is not None]
+        return f"http://127.0.0.1:{self.server_port}/{'?' * bool(parts)}{'&'.join(parts)}"
 
     def server_bind(self) -> None:
         """Takes the port; HTTPServer's own would look for the machine's name, which can take seconds."""
@@ -86,7 +140,7 @@ class Server(ThreadingHTTPServer):
 
 
 class Answer(BaseHTTPRequestHandler):
-    """The answer to one request: a file, the scene, or a refusal; GET and HEAD alone."""
+    """The answer to one request: a file, the scene, a refusal, or what became of a drive for the board."""
 
     server: Server
     protocol_version = "HTTP/1.1"
@@ -101,6 +155,28 @@ class Answer(BaseHTTPRequestHandler):
     def do_HEAD(self) -> None:
         """Answers without."""
         self._answer(with_content=False)
+
+    def do_POST(self) -> None:
+        """Plays what the page gives the board at /board?MS, or turns it off where that is nothing.
+
+        A page of another origin is refused: its requests bear its own name, or lack one.
+        """
+        board, (name, _, at) = self.server.board, self.path.partition("?")
+        host = self.headers.get("Host", "")
+        if board is None:
+            self.send_error(HTTPStatus.NOT_IMPLEMENTED)
+        elif not HERE.fullmatch(host) or self.headers.get("Origin") != f"http://{host}":
+            self.send_error(HTTPStatus.FORBIDDEN, "only this server's own page plays the board")
+        elif name != "/board":
+            self.send_error(HTTPStatus.NOT_FOUND)
+        elif self.headers.get("Content-Type") != TYPES[".bin"]:
+            self.send_error(HTTPStatus.UNSUPPORTED_MEDIA_TYPE)
+        elif not re.fullmatch(r"\d{1,6}", length := self.headers.get("Content-Length", "")):
+            self.send_error(HTTPStatus.LENGTH_REQUIRED)
+        elif not re.fullmatch(r"\d{1,15}(\.\d{1,9})?", at):
+            self.send_error(HTTPStatus.BAD_REQUEST, "the time of the drive is missing")
+        else:
+            self._play(board, float(at), self.rfile.read(int(length)))
 
     def end_headers(self) -> None:
         """Puts the policy below every answer's headers, a refusal's, too."""
@@ -119,13 +195,27 @@ class Answer(BaseHTTPRequestHandler):
         name = self.path.partition("?")[0]
         if name == "/scene.json" and self.server.scene is not None:
             kind, content = TYPES[".json"], self.server.scene.encode()
+        elif name == "/board.json" and self.server.board is not None:
+            kind, content = TYPES[".json"], self.server.board.described()
         elif name in self.server.files:
             path = self.server.files[name]
-            kind, content = TYPES.get(path.suffix, "application/octet-stream"), path.read_bytes()
+            kind, content = TYPES.get(path.suffix, TYPES[".bin"]), path.read_bytes()
         else:
             self.send_error(HTTPStatus.NOT_FOUND)
             return
-        self.send_response(HTTPStatus.OK)
+        self._send(HTTPStatus.OK, kind, content, with_content=with_content)
+
+    def _play(self, board: PagesBoard, at: float, content: bytes) -> None:
+        """Answers with the line of what went wrong, or with none."""
+        try:
+            board.take(at, content)
+            status, line = HTTPStatus.OK, ""
+        except (SceneError, BoardError) as error:
+            status, line = HTTPStatus.CONFLICT, str(error)
+        self._send(status, "text/plain; charset=utf-8", line.encode())
+
+    def _send(self, status: HTTPStatus, kind: str, content: bytes, *, with_content: bool = True) -> None:
+        self.send_response(status)
         self.send_header("Content-Type", kind)
         self.send_header("Content-Length", str(len(content)))
         self.end_headers()
