@@ -141,9 +141,9 @@ impl Obstacles {
     /// The distance in m of a place outside from the nearest sphere or mesh.
     pub(crate) fn clearance(&self, place: [f64; 3]) -> f64 {
         let from = |obstacle: &Obstacle| match obstacle {
-            Obstacle::Wall { .. } => f64::INFINITY,
             Obstacle::Sphere { center, radius, .. } => distance(*center, place) - radius,
             Obstacle::Mesh(mesh) => mesh.distance(place),
+            _ => f64::INFINITY,
         };
         self.given.iter().map(from).fold(f64::INFINITY, f64::min)
     }
