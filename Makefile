@@ -25,7 +25,7 @@ RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml $(shell find cor
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards gateware test-studio lint fuzz sanitize bench bench-capi bench-peers gallery figures motion exposure measuring obstacles paper docs schema golden map header stubs pins wheels clean
+.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards gateware test-studio lint fuzz sanitize bench bench-capi bench-peers gallery figures motion touch exposure measuring obstacles paper docs schema golden map header stubs pins wheels clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -188,6 +188,9 @@ figures: setup ## Draw docs/quality-time.png
 motion: setup ## Print the table of docs/motion.md, draw docs/motion.png and docs/moving.webp
 	$(PYTHON) bench/motion.py
 	$(PYTHON) bench/moving.py
+
+touch: setup ## Print the strength of usual techniques and draw docs/touch.png
+	$(PYTHON) bench/touch.py
 
 exposure: setup ## Print the tables of docs/exposure.md and draw docs/tolerance.png and docs/streaming.png
 	OPENBLAS_NUM_THREADS=1 $(PYTHON) bench/exposure.py

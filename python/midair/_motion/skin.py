@@ -232,7 +232,7 @@ class Skin:
         ax.plot(audible, 1e6 * threshold(audible), color="black", linewidth=0.9, label="just felt")
         ax.set(xscale="log", yscale="log", xlim=(3, HIGHEST), ylim=(1e-2, 100))
         ax.set(xlabel="frequency / Hz", ylabel="displacement / um", title=f"{self.level:.0f} dB at most")
-        ax.legend(loc="best", fontsize="small")
+        ax.legend(loc="lower left", fontsize="small")
 
     def _across(self) -> list[int]:
         """The two axes along which the places lie, or a mesh is widest."""
@@ -246,6 +246,7 @@ class Skin:
         x, y = 1e3 * self.places[:, first], 1e3 * self.places[:, second]
         faces = self.hand.faces if isinstance(self.hand, Mesh) else None
         drawn = ax.tripcolor(Triangulation(x, y, faces), values, cmap=colours, shading="gouraud")
+        ax.margins(0)
         ax.set(aspect="equal", xlabel=f"{'xyz'[first]} / mm", ylabel=f"{'xyz'[second]} / mm")
         ax.figure.colorbar(drawn, ax=ax, label=label)
 
