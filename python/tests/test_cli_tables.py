@@ -2,6 +2,7 @@
 
 import io
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -53,25 +54,87 @@ def test_a_pdf_and_an_svg_have_fonts_that_journals_take(tmp_path: Path) -> None:
     assert b"<text" in (tmp_path / "a.svg").read_bytes()
 
 
+def test_the_best_of_each_metric_is_marked_in_a_terminal_alone() -> None:
+    columns = {"solver": ["a", "b", "c"], "accuracy": ["0.9", "0.8", "0.9"], "gap": ["1.0%", "-", "3.0%"]}
+    columns["sigma"] = ["0.1", "0.1", "0.1"]
+    for terminal in (True, False):
+        console = tables._Console(width=60, file=io.StringIO(), force_terminal=terminal)
+        console.print(tables._table(tables.best_of(columns)))
+        green = re.findall("\x1b\\[1;32m([^ \x1b]*)", console.file.getvalue())
+        assert sorted(green) == (["0.9", "0.9", "1.0%"] if terminal else [])
+
+
+def test_lines_too_long_for_any_table_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    tables.print_columns({"port": ["x" * 90, "y" * 90], "could be": ["z" * 90, "-"]})
+    shown = capsys.readouterr().out
+    for letter in "xyz":
+        assert letter * 90 in shown
+
+
+#: Commands that print, and how their last line begins or ends.
+COMMANDS = {
+    "solve scene.toml": "2 points at ",
+    "compare scene.toml": ": 2 points at ",
+    "compare scene.toml --solvers naive,gs": ": 2 points at ",
+    "tolerate scene.toml --phase 10 --gain 0.1 --trials 20": "all faults together: 95% of the trials keep ",
+    "exposure scene.toml --at 0,0.1,0.5 --at 0,0.2,0.5": "the loudest place, 0,0.",
+    "motion motion.toml --solvers glide,naive": ": 6 frames of 1 point at 1000 Hz with 64 transducers, at ",
+    "calibrate readings.npz -o found.toml": "wrote found.toml",
+    "sweep sweep.toml -o table.csv": "wrote 4 rows to table.csv",
+    "solvers": "midair solvers NAME ",
+    "solvers greedy": "  Python:",
+    "boards": "midair boards NAME ",
+    "presets": "midair presets NAME ",
+    "ports": "serial port",
+}
+
+MOTION = """
+[array]
+grid = { nx = 8, ny = 8, pitch = 0.01 }
+[motion]
+rate = 1000.0
+[[motion.path]]
+kind = "line"
+start = [0, 0, 0.15]
+end = [0.001, 0, 0.15]
+speed = 0.2
+"""
+
+SWEEP = """
+seeds = 1
+[array]
+preset = "paper20"
+[points]
+count = [2, 3]
+x = [-0.02, 0.02]
+y = [-0.02, 0.02]
+z = 0.15
+[[solver]]
+name = "naive"
+[[solver]]
+name = "gs"
+"""
+
+
+def inputs(folder: Path) -> None:
+    """The files that the commands read."""
+    scene = small(points=[[-0.02, 0, 0.15], [0.02, 0.01, 0.15]])
+    scene.save(folder / "scene.toml")
+    (folder / "sweep.toml").write_text(SWEEP)
+    (folder / "motion.toml").write_text(MOTION)
+    few = midair.Scene(midair.Array.grid(3, 3, 0.01), scene.points)
+    drives = np.exp(2j * np.pi * np.random.default_rng(0).random((20, 9)))
+    known = {"drives": drives, "readings": drives @ few.propagation().T, "microphones": few.points}
+    np.savez(folder / "readings.npz", **known, scene=few.json())
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "command",
-    [
-        ["solve", "scene.toml"],
-        ["compare", "scene.toml"],
-        ["compare", "scene.toml", "--solvers", "naive,gs"],
-        ["solvers"],
-        ["solvers", "greedy"],
-        ["boards"],
-        ["presets"],
-    ],
-    ids=" ".join,
-)
-def test_tables_are_whole_in_a_terminal_of_80_columns(command: list[str], tmp_path: Path) -> None:
-    small(points=[[-0.02, 0, 0.15], [0.02, 0.01, 0.15]]).save(tmp_path / "scene.toml")
+@pytest.mark.parametrize("command", COMMANDS)
+def test_tables_are_whole_in_a_terminal_of_80_columns(command: str, tmp_path: Path) -> None:
+    inputs(tmp_path)
     far, near = os.openpty()
     environment = {**os.environ, "COLUMNS": "80", "TERM": "dumb"}
-    program = [sys.executable, "-m", "midair", *command]
+    program = [sys.executable, "-m", "midair", *command.split()]
     done = subprocess.Popen(
         program, stdin=near, stdout=near, stderr=subprocess.DEVNULL, cwd=tmp_path, env=environment
     )
@@ -86,11 +149,15 @@ def test_tables_are_whole_in_a_terminal_of_80_columns(command: list[str], tmp_pa
     assert done.wait() == 0
     lines = shown.decode().replace("\r", "").splitlines()
     assert all("\u2026" not in line for line in lines)
-    table = lines[:-1]
+    # Tables begin with a blank line; sentences may be longer than a line.
+    blank = [k for k, line in enumerate(lines) if not line.strip()]
+    table = lines[blank[0] : blank[-1]] if blank else []
     assert all(len(line.rstrip()) <= 80 for line in table)
-    if command[0] == "compare":
+    assert COMMANDS[command] in lines[-1]
+    assert not re.search(r"\b1 (points|frames|transducers|rows|faults|ports)\b", "\n".join(lines))
+    if command.startswith("compare"):
         text = "\n".join(lines)
-        solvers = command[-1].split(",") if len(command) > 2 else list(midair.solvers())
+        solvers = command.rpartition(" ")[2].split(",") if "--" in command else list(midair.solvers())
         assert all(solver in text.split() for solver in solvers)
 
 

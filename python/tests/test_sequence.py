@@ -270,7 +270,7 @@ def test_the_command_writes_what_it_is_asked_for(tmp_path: Path):
     out, image = tmp_path / "orbit.npz", tmp_path / "orbit.png"
     done = ran(scene, "-o", out, "--image", image)
     assert done.returncode == 0, done.stderr
-    assert "200 frames of 1 points" in done.stdout
+    assert "200 frames of 1 point at" in done.stdout
     assert image.read_bytes().startswith(b"\x89PNG")
     assert len(midair.Sequence.load(out)) == 200
     told = ran(scene, "--json", "--solvers", "glide,uniform")

@@ -6,14 +6,12 @@ from dataclasses import asdict
 from typing import Annotated, Any
 
 from cyclopts import Parameter
-from rich import box
-from rich.markup import escape
-from rich.table import Table
 
 from .. import Array, Board, SceneError, connect, ports
 from .._boards.address import KINDS, PAIR
 from .._support import output
-from .tables import console, print_facts, print_list
+from .._support.text import counted
+from .tables import console, print_columns, print_facts, print_line, print_list
 
 #: Boards of 64 in a chain.
 MOST_MEGA64 = 14
@@ -41,7 +39,7 @@ def off_command(address: str) -> int:
         board.off()
     told = f"{board.board.name} at {address} is off"
     cure = f"; it was told so as a {BOARD}, other boards take midair off BOARD:{address}" if alone else ""
-    console.print(told + cure, markup=False, highlight=False, soft_wrap=True)
+    print_line(told + cure)
     return 0
 
 
@@ -60,20 +58,15 @@ def ports_command(*, json: Annotated[bool, Parameter(negative=())] = False) -> i
     if not found:
         console.print("no serial port: plug the board's adapter in")
         return 0
-    table = Table(
-        "port", "what the system calls it", "maker", "serial number", "could be", box=box.SIMPLE_HEAD
-    )
-    for port in found:
-        cells = (
-            port.name,
-            port.description,
-            port.maker or "-",
-            port.serial_number or "-",
-            port.could_be or "-",
-        )
-        # What a maker wrote is no markup.
-        table.add_row(*map(escape, cells))
-    console.print(table)
+    columns = {
+        "port": [port.name for port in found],
+        "what the system calls it": [port.description for port in found],
+        "maker": [port.maker or "-" for port in found],
+        "serial number": [port.serial_number or "-" for port in found],
+        "could be": [port.could_be or "-" for port in found],
+    }
+    print_columns(columns)
+    print_line(f"{counted(len(found), 'serial port')}, none opened: midair play BOARD:PORT plays on one")
     return 0
 
 

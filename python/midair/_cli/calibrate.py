@@ -22,7 +22,7 @@ from .._support import output
 from .._support.text import arrays
 from .progress import progress_bar
 from .scene import check_outputs
-from .tables import console, print_written, write_image
+from .tables import print_line, print_written, write_image
 
 #: What a file of readings may hold; the first two it has to.
 KEYS = ("drives", "readings", "microphones", "scene", "noise")
@@ -77,10 +77,11 @@ def calibrate_command(
             progress=tell,
         )
     result.save(output_file)
-    print(result)
+    print_line(str(result))
     for name in ("dead", "reversed"):
         if len(which := getattr(result, name)):
-            print(f"{name}: {', '.join(map(str, which.tolist()))}")
+            print_line(f"{name}: {', '.join(map(str, which.tolist()))}")
+    print_line(result.sentence)
     if image is not None:
         write_image(image, result.plot())
     print_written(f"{output_file}" if image is None else f"{output_file} and {image}")
@@ -161,7 +162,7 @@ def doctor_command(
                 temperature=temperature,
                 progress=tell,
             )
-    console.print(report.table, markup=False, highlight=False, soft_wrap=True)
+    print_line(report.table)
     if output_file is not None:
         report.write(output_file)
         print_written(output_file)

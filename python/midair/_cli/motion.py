@@ -13,9 +13,10 @@ from .._motion.animation import ENDINGS
 from .._motion.document import Document, read
 from .._motion.request import solver_name
 from .._support import output
+from .._support.text import counted
 from .progress import progress_bar
 from .scene import check_outputs
-from .tables import console, print_columns, print_written, write_image
+from .tables import best_of, print_columns, print_line, print_written, write_image
 
 #: What is told of a sequence, and how many digits.
 COLUMNS = {
@@ -96,8 +97,13 @@ def _print(found: dict[str, Sequence]) -> None:
     for key, form in COLUMNS.items():
         values = [one.metrics.asdict()[key] for one in found.values()]
         columns[key.replace("_", " ")] = ["-" if value is None else form.format(value) for value in values]
-    first = next(iter(found.values()))
-    frames, count = first.targets.shape
-    console.print(f"{frames} frames of {count} points at {first.rate:g} Hz, {len(first.array)} transducers")
-    print_columns(columns)
-    console.print("largest change and seam in rad a frame; noise in dB, a proxy: docs/motion.md")
+    print_columns(columns if len(found) == 1 else best_of(columns))
+    print_line("largest change and seam in rad a frame; noise in dB, a proxy: docs/motion.md")
+    name, best = max(found.items(), key=lambda each: each[1].metrics.uniformity)
+    metrics, (frames, count) = best.metrics, best.targets.shape
+    by, driven = f"{name}: " if len(found) > 1 else "", counted(len(best.array), "transducer")
+    even = f", even to {1 - metrics.uniformity:.1%} in each frame" if count > 1 else ""
+    print_line(
+        f"{by}{counted(frames, 'frame')} of {counted(count, 'point')} at {best.rate:g} Hz with {driven}, "
+        f"at {metrics.level:.1%} of the targets{even}"
+    )

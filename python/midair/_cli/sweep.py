@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 from typing import Annotated
 
@@ -9,8 +10,9 @@ from cyclopts import Parameter
 from rich import box
 from rich.table import Table
 
+from .._support.text import counted
 from .progress import progress_bar
-from .tables import console, print_written
+from .tables import console, print_line, print_written
 
 
 def reproduce_command(
@@ -47,6 +49,9 @@ def reproduce_command(
     for figure, verdict in verdicts:
         table.add_row(figure, *verdict)
     console.print(table)
+    counts = Counter(verdict.verdict for _, verdict in verdicts)
+    told = ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
+    print_line(f"{counted(len(verdicts), 'statement')} of the paper: {told}")
     return 0
 
 
@@ -79,5 +84,5 @@ def sweep_command(
     with progress_bar("sweeping") as tell:
         work(asked, output_file, drives, scheduler=scheduler, progress=tell)
     files = f"{output_file}" if drives is None else f"{output_file} and {drives}"
-    print_written(f"{asked.problems} rows to {files}")
+    print_written(f"{counted(asked.problems, 'row')} to {files}")
     return 0

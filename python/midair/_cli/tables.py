@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from textwrap import shorten
@@ -46,6 +46,23 @@ def write_image(path: Path, figure: Figure) -> None:
     output.write(path, content.getvalue())
 
 
+#: Which value of a metric is the best.
+BEST: dict[str, Callable[[Iterable[float]], float]] = {
+    "accuracy": max,
+    "sigma": min,
+    "uniformity": max,
+    "level": max,
+    "residual": min,
+    "leak": min,
+    "complex error": min,
+    "gap": min,
+    "largest change": min,
+    "seam": min,
+    "dip": max,
+    "noise": min,
+}
+
+
 class _Console(Console):
     """Tables for people, and for pipes that may be closed at any time."""
 
@@ -58,10 +75,15 @@ class _Console(Console):
 console = _Console() if sys.stdout is not None and sys.stdout.isatty() else _Console(width=120)
 
 
+def print_line(text: str) -> None:
+    """A line for people, its words as they are; a pipe gets it whole."""
+    console.print(text, markup=False, emoji=False, highlight=False, soft_wrap=True)
+
+
 def print_facts(lines: Mapping[str, str]) -> None:
     """Names and what is known by them, a line each, words as they are."""
     for name, line in lines.items():
-        console.print(f"  {name + ':':14}{line}", markup=False, highlight=False, soft_wrap=True)
+        print_line(f"  {name + ':':14}{line}")
 
 
 @contextmanager
@@ -76,7 +98,7 @@ def beside(document: bool) -> Iterator[None]:
 
 def print_written(what: object) -> None:
     """The line that tells what was written, names of files as they are."""
-    console.print(f"wrote {what}", markup=False, emoji=False, highlight=False, soft_wrap=True)
+    print_line(f"wrote {what}")
 
 
 def print_solutions(
@@ -85,10 +107,11 @@ def print_solutions(
     """Metrics side by side, under the solvers' names unless others are given, and a sentence on the best."""
     solutions = list(solutions)
     names = list(names or [solution.solver for solution in solutions])
-    print_columns(cells(solutions, names, gaps))
+    columns = cells(solutions, names, gaps)
+    print_columns(columns if len(solutions) == 1 else best_of(columns))
     best = max(range(len(solutions)), key=lambda k: weakest(solutions[k]))
     name = f"{names[best]}: " if len(solutions) > 1 else ""
-    console.print(f"{name}{sentence(solutions[best])}", markup=False, highlight=False, soft_wrap=True)
+    print_line(f"{name}{sentence(solutions[best])}")
 
 
 def print_columns(columns: Mapping[str, list[str]]) -> None:
@@ -102,10 +125,15 @@ def print_columns(columns: Mapping[str, list[str]]) -> None:
             break
         if shown.pop(name, None) is not None:
             left.append(name)
+    if not _fits(_table(shown)):
+        # As long words of a system may have it: a line for each.
+        for row in zip(*columns.values(), strict=True):
+            print_facts(dict(zip(columns, row, strict=True)))
+        return
     console.print(_table(shown))
     if left:
         line = f"left out, for want of width: {', '.join(left)}; --json has all"
-        console.print(line, markup=False, highlight=False, soft_wrap=True)
+        print_line(line)
 
 
 def print_list(columns: Mapping[str, list[str]], closing: str) -> None:
@@ -115,7 +143,7 @@ def print_list(columns: Mapping[str, list[str]], closing: str) -> None:
     room = max(console.width - _width(_table(others)) - APART, 0)
     words = [shorten(text, room, placeholder=" ...") for text in columns[last]]
     console.print(_table(others | {last: words}))
-    console.print(closing, markup=False, highlight=False, soft_wrap=True)
+    print_line(closing)
 
 
 def print_field(field: Field) -> None:
@@ -138,7 +166,7 @@ def print_field(field: Field) -> None:
                     ends = [colours[round(255 * part)] for part in (one, other)]
                     line.append("\u2580", f"{ends[0]} on {ends[1]}")
             console.print(line, soft_wrap=True)
-        console.print(_legend(panel, top), markup=False, highlight=False, soft_wrap=True)
+        print_line(_legend(panel, top))
 
 
 def _spread(size: int, count: int) -> NDArray[np.intp]:
@@ -159,6 +187,22 @@ def _sides(panel: Field) -> list[tuple[str, NDArray[np.float64]]]:
     return [(name, side) for name in "xyz" if (side := getattr(panel, name)) is not None and side.size > 1]
 
 
+class _Best(str):
+    """A cell with the best value of its column, which a terminal shows in a colour."""
+
+
+def best_of(columns: Mapping[str, list[str]]) -> dict[str, list[str]]:
+    """Columns whose best values are marked, where not all are alike."""
+    shown = dict(columns)
+    for name, choose in BEST.items():
+        column = shown.get(name, [])
+        values = {cell: float(cell.rstrip("%")) for cell in column if cell != "-"}
+        if len(values) > 1:
+            best = choose(values.values())
+            shown[name] = [_Best(cell) if values.get(cell) == best else cell for cell in column]
+    return shown
+
+
 def _turned(columns: Mapping[str, list[str]]) -> dict[str, list[str]]:
     """A row each metric and a column each method."""
     first, *others = columns
@@ -171,7 +215,7 @@ def _table(columns: Mapping[str, list[str]]) -> Table:
     for name in columns:
         table.add_column(escape(name), no_wrap=True)
     for row in zip(*columns.values(), strict=True):
-        table.add_row(*map(escape, row))
+        table.add_row(*(Text(cell, "bold green" if isinstance(cell, _Best) else "") for cell in row))
     return table
 
 

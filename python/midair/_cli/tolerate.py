@@ -12,7 +12,7 @@ from .._judging.tolerate import Trials
 from .._support import output
 from .progress import progress_bar
 from .scene import SceneFile, numbers
-from .tables import console, print_columns, print_written, write_image
+from .tables import print_columns, print_line, print_written, write_image
 
 
 def exposure_command(
@@ -61,7 +61,8 @@ def exposure_command(
         print(output.to_json({"limit": vars(found.limit), "places": found.to_dict()}))
     else:
         print_columns(found.cells())
-        console.print(found.heading, highlight=False)
+        print_line(found.heading)
+        print_line(found.sentence)
     return 0
 
 
@@ -148,7 +149,8 @@ def tolerate_command(
                 )
             else:
                 print_columns(table.cells())
-                console.print(table.heading, highlight=False)
+                print_line(table.heading)
+                print_line(table.sentence)
     if image is not None and table is not None:
         with progress_bar("drawing"):
             write_image(image, table.plot())

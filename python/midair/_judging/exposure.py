@@ -217,6 +217,16 @@ class Exposure:
         """The limit in words."""
         return f'limit "{self.limit.name}", {self.limit.spl:g} dB: {self.limit.source}'
 
+    @property
+    def sentence(self) -> str:
+        """The loudest place beside the limit, in plain words."""
+        worst, over = self.worst, self.worst.spl - self.limit.spl
+        if not np.isfinite(over):
+            return f"{worst.name}: no sound"
+        beside = f"{abs(over):.1f} dB {'above' if over > 0 else 'below'} the limit"
+        loudest = "the loudest place" if len(self.places) > 1 else "the place"
+        return f"{loudest}, {worst.name}, gets {worst.spl:.1f} dB, {beside}"
+
     def __repr__(self) -> str:
         return f"{columns.plain(self.cells())}\n{self.heading}"
 

@@ -267,6 +267,17 @@ class Tolerance:
         return columns.html(self.cells(), self.heading)
 
     @property
+    def sentence(self) -> str:
+        """What most trials of all faults keep, in plain words."""
+        name = TOGETHER if TOGETHER in self.rows else next(iter(self.rows))
+        told = self.rows[name].summary()
+        faults = "all faults together" if name == TOGETHER else f"{name} alone"
+        return (
+            f"{faults}: {1 - PART:.0%} of the trials keep {told['level_5']:.1%} of the level or more, "
+            f"and {told['uniformity_5']:.1%} of the uniformity"
+        )
+
+    @property
     def heading(self) -> str:
         """What the table's numbers are, and of how many trials."""
         stopped = ", stopped" if self.status == "stopped" else ""

@@ -17,6 +17,7 @@ from .._boards import Board, Connection
 from .._midair import Array, Scene, SceneError
 from .._support import output
 from .._support.arguments import callback, flag, number, path_of, refused
+from .._support.text import counted
 from .arguments import readings_of
 from .calibrate import calibration_drives, places_of
 from .diagnosis import Diagnosis, Indices, diagnose
@@ -91,9 +92,7 @@ class Report:
     def table(self) -> str:
         """The report as text: a line a fault, then the numbers and the notes."""
         width = max([len(fault.kind) for fault in self.faults], default=0)
-        many = (
-            "no fault" if not self.faults else f"{len(self.faults)} faults" if self.faults[1:] else "1 fault"
-        )
+        many = counted(len(self.faults), "fault") if self.faults else "no fault"
         lines = [f"{self.board}, {len(self.response)} transducers: {many} found"]
         lines += [f"  {fault.kind:{width}}  {fault.text}" for fault in self.faults]
         lines.append(

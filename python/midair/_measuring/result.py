@@ -15,7 +15,7 @@ from .._midair import Array, Scene, SceneError
 from .._pictures.colours import MAPS
 from .._support import output
 from .._support.arguments import path_of
-from .._support.text import arrays
+from .._support.text import arrays, counted
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -157,6 +157,16 @@ class Calibration:
         least = np.maximum(self.response_error, 1e-30) / unknown
         return np.asarray(self.response_error / np.maximum(self.gain, least))
 
+    @property
+    def sentence(self) -> str:
+        """What was found, in plain words."""
+        dead, turned = len(self.dead), len(self.reversed)
+        faulty = f"{dead} dead and {turned} reversed" if dead + turned else "none dead or reversed"
+        return (
+            f"{counted(len(self.response), 'transducer')}, {faulty}; sound travels at "
+            f"{self.sound_speed:.1f} m/s, and readings lie {self.noise:.3g} Pa off the model"
+        )
+
     def __repr__(self) -> str:
         alive = np.delete(self.gain, self.dead)
         parts = [
@@ -166,7 +176,7 @@ class Calibration:
             f"{len(self.reversed)} reversed",
             f"{self.sound_speed:.2f} +- {self.sound_speed_error:.2g} m/s",
             f"noise {self.noise:.3g} Pa",
-            *([f"{len(self.outlying)} readings left out"] if len(self.outlying) else []),
+            *([f"{counted(len(self.outlying), 'reading')} left out"] if len(self.outlying) else []),
         ]
         return f"<Calibration: {', '.join(parts)}>"
 
