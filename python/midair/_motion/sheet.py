@@ -21,11 +21,11 @@ from numpy.typing import ArrayLike, NDArray
 from .._midair import SceneError
 
 #: Of the integral of K_nu: samples, and its end, where e^(-z cosh t) is nothing for every |z| from 1e-5 on.
-SAMPLES, END = 300, 16.0
+SAMPLES, END = 221, 16.0
 
 #: The table of K_0 along one direction of the complex plane: |z| from, to, and how many: to 0.2 % where waves
 #: have not fallen to a hundredth.
-LEAST, MOST, ENTRIES = 1e-5, 400.0, 8000
+LEAST, MOST, ENTRIES = 1e-5, 400.0, 6000
 
 
 @dataclass(frozen=True)
