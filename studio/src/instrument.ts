@@ -74,12 +74,11 @@ export function createInstrument(context: Context, picture: HTMLElement, slotAt:
     scales.forEach((scale, k) => {
       const axis = SIDES[plane.axis][k];
       const texts = marks(middle[axis], plane.size).map(({ at, text }) => {
-        const mark = element("span", {}, text);
+        // The first would be cut, the last would cover the axis's name.
+        const mark = element("span", {}, at < 0.04 || at > 0.92 ? "" : text);
         mark.style[k ? "bottom" : "left"] = `${100 * at}%`;
         return mark;
       });
-      // The first and the last would be cut.
-      texts.filter((mark) => Math.abs(parseFloat(mark.style[k ? "bottom" : "left"]) - 50) > 46).forEach((mark) => (mark.textContent = ""));
       scale.replaceChildren(...texts, element("b", {}, `${"xyz"[axis]} mm`));
     });
     bar.style.width = `${(100 * long) / plane.size}%`;
