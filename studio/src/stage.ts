@@ -274,8 +274,9 @@ export function createStage(context: Context, eye: Eye): Stage {
       button.classList.toggle("selected", selected.has(index));
       button.classList.toggle("quiet", state().pressures?.[index] === 0);
     });
-    const held = latest < points.length && rings[latest];
-    lifter.hidden = !held || Boolean(studio.view.frame);
+    const held = rings[latest];
+    lifter.hidden = !held || studio.view.frame !== null;
+    lifter.classList.toggle("under", held?.[1] < 110);
     if (held) lifter.style.transform = `translate(${held[0].toFixed(2)}px, ${held[1].toFixed(2)}px)`;
     placeHandles();
     slices.place();
