@@ -182,3 +182,22 @@ midair.read, midair.Sequence, midair.__version__, midair.path.circle, midair.pat
 @pytest.mark.slow
 def test_importing_midair_loads_the_extension_alone() -> None:
     subprocess.run([sys.executable, "-c", LOADED], check=True)
+
+
+#: `midair --help` loads no command.
+LISTED = """
+import sys
+from midair._cli.app import COMMANDS, app
+app(["--help"], result_action="return_value")
+loaded = {name for name in sys.modules if name.startswith("midair._cli.")}
+assert loaded == {"midair._cli.app", "midair._cli.progress"}, loaded
+for heavy in ("markdown_it", "pygments", "matplotlib", "asyncio"):
+    assert heavy not in sys.modules, heavy
+assert all(callable(app[name].default_command) for name in COMMANDS)
+assert all(len(line) <= 62 for _, line in COMMANDS.values())
+"""
+
+
+@pytest.mark.slow
+def test_the_list_of_commands_loads_none_and_each_is_there() -> None:
+    subprocess.run([sys.executable, "-c", LISTED], check=True)

@@ -10,46 +10,51 @@ from typing import NoReturn
 
 from cyclopts import App, CycloptsError, UnusedCliTokensError
 
-from .. import BoardError, SceneError, SceneWarning, __version__
+from .. import SceneError, SceneWarning
 from .._support.ctrl_c import Terminated, leave, terminable
-from .boards import boards_command, off_command, ports_command
-from .calibrate import calibrate_command, doctor_command
-from .compare import compare_command
-from .motion import motion_command
-from .new import export_command, new_command
-from .play import play_command
-from .presets import presets_command, solvers_command
 from .progress import FAULT, INTERRUPTED, REFUSED, UNREAD, abandon, fault, one_line, prepare, tell
-from .solve import solve_command
-from .studio import studio_command
-from .sweep import reproduce_command, sweep_command
-from .tolerate import exposure_command, tolerate_command
+
+#: Each command by the module of its function, NAME_command, loaded when used, and its line in the list.
+COMMANDS = {
+    "new": ("new", "Write a commented scene file to begin with."),
+    "solve": ("solve", "Find a drive for a scene, judge it, write what is asked for."),
+    "compare": ("compare", "Solve a scene by several methods: a table and a picture."),
+    "solvers": ("presets", "List the solvers with their options and defaults."),
+    "presets": ("presets", "List the arrays known by name."),
+    "reproduce": ("sweep", "Make the figures of Suzuki et al. 2021 anew, and judge them."),
+    "sweep": ("sweep", "Solve every problem of a sweep file: one table."),
+    "tolerate": ("tolerate", "Play a drive with faults: how much of its level is kept."),
+    "exposure": ("tolerate", "Solve a scene: how loud it is at ears and eyes."),
+    "motion": ("motion", "Solve the frames of points that move, and judge them."),
+    "calibrate": ("calibrate", "Find an array's responses and the sound speed from readings."),
+    "doctor": ("calibrate", "Find what is wrong with a board, by a microphone."),
+    "boards": ("boards", "List the boards that can be played."),
+    "ports": ("boards", "List the serial ports. None is opened."),
+    "play": ("play", "Play a scene, a drive or a sequence on a board."),
+    "off": ("boards", "Turn a board off."),
+    "export": ("new", "Write the drives of a file in another format."),
+    "studio": ("studio", "Open the studio in the browser. Ctrl-C ends it."),
+}
+
+
+def version() -> str:
+    """The package's version, looked up when it is asked for."""
+    from .. import __version__
+
+    return __version__
+
 
 app = App(
     name="midair",
     help="Drives for airborne ultrasound phased arrays: given points in the air feel given pressures.",
-    version=__version__,
+    version=version,
+    # Markdown would load a parser and a highlighter.
+    help_format="plaintext",
     # It is `main` that tells of an interruption.
     suppress_keyboard_interrupt=False,
 )
-app.command(new_command, name="new")
-app.command(solve_command, name="solve")
-app.command(compare_command, name="compare")
-app.command(solvers_command, name="solvers")
-app.command(presets_command, name="presets")
-app.command(reproduce_command, name="reproduce")
-app.command(sweep_command, name="sweep")
-app.command(tolerate_command, name="tolerate")
-app.command(exposure_command, name="exposure")
-app.command(motion_command, name="motion")
-app.command(calibrate_command, name="calibrate")
-app.command(doctor_command, name="doctor")
-app.command(boards_command, name="boards")
-app.command(ports_command, name="ports")
-app.command(play_command, name="play")
-app.command(off_command, name="off")
-app.command(export_command, name="export")
-app.command(studio_command, name="studio")
+for name, (home, line) in COMMANDS.items():
+    app.command(f"{__package__}.{home}:{name}_command", name=name, help=line)
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
@@ -99,7 +104,7 @@ def _run(arguments: Sequence[str]) -> int:
     except CycloptsError as error:
         tell(f"error: {one_line(error)} See {usage(arguments)}")
         return REFUSED
-    except (SceneError, BoardError, OSError) as error:
+    except (SceneError, OSError) as error:
         tell(f"error: {one_line(error)}")
         return REFUSED
     except MemoryError as error:
@@ -114,6 +119,11 @@ def _run(arguments: Sequence[str]) -> int:
     except SystemExit:
         raise
     except BaseException as error:
+        from .. import BoardError
+
+        if isinstance(error, BoardError):
+            tell(f"error: {one_line(error)}")
+            return REFUSED
         # A panic of the core is no Exception.
         tell(f"error: {fault(error)}")
         return FAULT
