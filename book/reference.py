@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import midair
 import schema
-from midair._cli.app import app
+from midair._cli.app import COMMANDS, app, explain
 
 #: Every public name of the package, a page a theme: file, title, what it is about, names.
 PYTHON = [
@@ -142,6 +142,7 @@ def presets() -> str:
 
 def command_line() -> str:
     """Every command with every option, from what `--help` is made of; the contents are the site's own."""
+    explain(*COMMANDS)
     text = app.generate_docs(output_format="markdown")
     before, rest = text.split("## Table of Contents", 1)
     _, commands = rest.split("**Commands**", 1)

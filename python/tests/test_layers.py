@@ -187,13 +187,15 @@ def test_importing_midair_loads_the_extension_alone() -> None:
 #: `midair --help` loads no command.
 LISTED = """
 import sys
-from midair._cli.app import COMMANDS, app
+from midair._cli.app import COMMANDS, app, explain
 app(["--help"], result_action="return_value")
 loaded = {name for name in sys.modules if name.startswith("midair._cli.")}
 assert loaded == {"midair._cli.app", "midair._cli.progress"}, loaded
 for heavy in ("markdown_it", "pygments", "matplotlib", "asyncio"):
     assert heavy not in sys.modules, heavy
 assert all(callable(app[name].default_command) for name in COMMANDS)
+explain("exposure")
+assert "--at 0,0.1,0.5" in app["exposure"].help
 assert all(len(line) <= 62 for _, line in COMMANDS.values())
 """
 

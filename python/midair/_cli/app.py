@@ -57,6 +57,12 @@ for name, (home, line) in COMMANDS.items():
     app.command(f"{__package__}.{home}:{name}_command", name=name, help=line)
 
 
+def explain(*names: str) -> None:
+    """Gives commands the whole help of their functions in place of their lines in the list."""
+    for name in names:
+        app[name].help = None
+
+
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Run the command line and leave with its status (docs/conventions.md)."""
     prepare()
@@ -91,6 +97,7 @@ def usage(arguments: Sequence[str]) -> str:
 def _run(arguments: Sequence[str]) -> int:
     try:
         with terminable():
+            explain(*(word for word in arguments[:1] if word in COMMANDS))
             status = app(arguments, exit_on_error=False, print_error=False, result_action="return_value")
             sys.stdout.flush()
         return status if isinstance(status, int) else 0
