@@ -144,7 +144,7 @@ def test_field_and_judge(library: Library, grid: c_void_p) -> None:
     assert field.tobytes() == midair.field(scene, drive, places).pressure.tobytes()
     metrics = np.zeros(6)
     library.done("session_judge", session, drive, 120, POINTS, PRESSURES, WEIGHTS, 3, metrics)
-    judged = midair.judge(scene, drive)
+    judged = midair.judge(scene, drive, precision="double")
     assert metrics.tolist() == [getattr(judged, name) for name in METRICS]
     library.plain("session_free", session)
 
