@@ -4,11 +4,14 @@
  * each function refuses. Ends with failure if memory in use has grown since a tenth of the calls; glibc counts what a
  * thread keeps for its next calls as in use, unless GLIBC_TUNABLES=glibc.malloc.tcache_count=0.
  */
+#define _POSIX_C_SOURCE 199309L
+
 #include <malloc.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include <midair.h>
 
@@ -30,9 +33,13 @@ static void granted(midair_result result) { expect(result, MIDAIR_RESULT_OK); }
 
 static void refused(midair_result result) { expect(result, MIDAIR_RESULT_INVALID); }
 
+/* After a pause: a thread gives back its last kilobyte a moment after it has handed over its results. */
 static size_t in_use(void)
 {
-    struct mallinfo2 info = mallinfo2();
+    struct timespec pause = {0, 50000000};
+    struct mallinfo2 info;
+    nanosleep(&pause, NULL);
+    info = mallinfo2();
     return info.uordblks + info.hblkhd;
 }
 
