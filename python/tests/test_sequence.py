@@ -389,3 +389,12 @@ def test_glide_keeps_codes_of_few_phases(points: int, most: float) -> None:
 
     few, free = (np.count_nonzero(np.diff(codes(board), axis=0)) for board in ({"phases": 32}, {}))
     assert 0.5 * free < few <= most * free
+
+
+def test_a_modulation_that_max_would_ignore_is_warned_of() -> None:
+    path = midair.path.still([0, 0, 0.15], duration=0.01).modulated(200.0)
+    array = midair.Array.grid(8, 8, 10e-3)
+    with pytest.warns(
+        midair.SceneWarning, match='aim is "max", but pressures change between frames: leave it out'
+    ):
+        midair.sequence(array, path, rate=2000, aim="max")

@@ -105,10 +105,18 @@ def request(
         asked = asked * scene.reach().level
     if aim is None:
         aim = "max" if targets is None else "target"
+    elif aim == "max" and _swells(asked):
+        warn('aim is "max", but pressures change between frames: leave it out, it plays each frame in full')
     rad = bound(frames, *bounds)
     return Request(
         array, scene, points, asked, frames, rad, bool(loops if closed is None else closed), aim, air, options
     )
+
+
+def _swells(targets: NDArray[np.float64]) -> bool:
+    """Whether the targets (T, M) of a frame's points, where they are there, swell and fade together."""
+    level = targets.sum(axis=1)[(targets > 0).all(axis=1)]
+    return level.size > 0 and bool(level.max() > 1.01 * level.min())
 
 
 def warn_of_speed(asked: Request, phases: int | None) -> None:
