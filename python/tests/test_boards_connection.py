@@ -383,7 +383,7 @@ with midair.connect("sonicsurface:loop") as loop:
 )
 def test_a_missing_extra_is_one_line(module, call, message):
     script = f"""
-import importlib.util, midair
+import importlib.util, midair, midair._boards.address
 found = importlib.util.find_spec
 importlib.util.find_spec = lambda name, *more: None if name == {module!r} else found(name, *more)
 midair._boards.address.find_spec = importlib.util.find_spec

@@ -57,7 +57,7 @@ def test_outlying_readings_are_named_and_left_out(kind: str, phased: bool) -> No
     assert np.array_equal(found.outlying, np.argwhere(np.isin(np.arange(600), places).reshape(200, 3)))
     assert off(found, response) < 0.004
     assert found.noise == pytest.approx(clean.noise, rel=0.1)
-    assert f"{count} readings left out" in repr(found)
+    assert f"{count} reading{'s' if count > 1 else ''} left out" in repr(found)
     assert np.abs(found.residuals[tuple(found.outlying.T)]).min() > 6 * found.noise
 
 

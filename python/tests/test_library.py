@@ -47,7 +47,7 @@ def test_keywords_have_the_names_and_order_of_the_design() -> None:
         midair.solve_batch: "scene points pressures solver weights start out threads progress options",
         midair.Solver: "scene solver points options",
         midair.bound: "scene pressures weights mask",
-        midair.judge: "scene drive pressures weights mask",
+        midair.judge: "scene drive points pressures weights mask precision threads progress",
         midair.field: "scene drive plane",
         midair.gorkov: "scene drive points radius density sound_speed gravity",
         midair.rest: "scene drive points radius density sound_speed gravity",

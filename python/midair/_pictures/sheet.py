@@ -86,7 +86,7 @@ def style(name: str) -> AbstractContextManager[object]:
     >>> solution = midair.solve(midair.Scene(array, [[-0.02, 0, 0.15], [0.02, 0, 0.15]]))
     >>> with midair.style("ieee"):
     ...     figure = solution.plot(panels="field")
-    >>> figure.get_figwidth()
+    >>> float(figure.get_figwidth())
     3.5
     """
     if name not in STYLES:
