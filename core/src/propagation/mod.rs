@@ -31,10 +31,9 @@ pub use rest::{Rest, rest};
 pub(crate) use sources::Sources;
 pub(crate) use strips::Strips;
 
-use alloc::format;
 use alloc::sync::Arc;
-use alloc::vec;
 use alloc::vec::Vec;
+use alloc::{format, vec};
 
 use num_complex::Complex64;
 
