@@ -162,7 +162,7 @@ bench: ## Ratios: to the textbook loop, of boards' grids and transducers; latenc
 bench-capi: capi ## How much longer a solve takes through the C library than in Rust
 	MIDAIR_LIBRARY=$(abspath $(BUILT)/libmidair.so) $(CARGO) bench --quiet -p midair-capi --bench overhead
 
-RIVALS := autd3/ready textbook.so planar.so $(if $(ACOUSTOOLS),acoustools/ready)
+RIVALS := autd3/ready autd3-rs textbook.so planar.so $(if $(ACOUSTOOLS),acoustools/ready)
 
 bench-peers: setup ## midair beside its rivals: record and README table (QUICK=1: neither; ACOUSTOOLS=1: AcousTools too)
 	-$(MAKE) --keep-going --no-print-directory $(addprefix bench/.envs/,$(RIVALS))
@@ -172,6 +172,10 @@ bench/.envs/%/ready: bench/%.txt .venv/ready
 	$(BIN)/uv venv --quiet --clear --python $(PYTHON) $(@D)
 	$(BIN)/uv pip install --quiet --python $(@D)/bin/python --constraint constraints.txt --requirements $<
 	touch $@
+
+bench/.envs/autd3-rs: bench/autd3/src/main.rs bench/autd3/Cargo.toml bench/autd3/Cargo.lock
+	RUSTFLAGS='-C target-cpu=native' $(CARGO) build --quiet --locked --release --manifest-path bench/autd3/Cargo.toml --target-dir $(@D)/cargo
+	cp $(@D)/cargo/release/autd3-worker $@
 
 bench/.envs/textbook.so: CXXFLAGS := -O3
 bench/.envs/planar.so: CXXFLAGS := -Ofast -march=native

@@ -18,10 +18,11 @@ REFERENCE, GREEDY = "autd3", "greedy 16 phases"
 SHORT = tuple(
     [("midair", method) for method in (GREEDY, "fast", "uniform", "gspat", "naive")]
     + [(REFERENCE, method) for method in (GREEDY, "gspat", "naive")]
+    + [("autd3-rs", method) for method in (GREEDY, "gspat", "naive")]
     + [("textbook f64", GREEDY)]
 )
 #: The rows of a table: NumPy in, NumPy out, or the call itself where there is no other.
-_FORMS = {"midair": "solve", "autd3": "full", "acoustools": "full"}
+_FORMS = {"midair": "solve", "autd3": "full", "autd3-rs": "full", "acoustools": "full"}
 _SIZES, _JUDGED = (1, 4, 8, 16, 64), (16, 64)
 _COUNT = "996"
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 BENCH = Path(__file__).parent
-ENVIRONMENTS = BENCH / ".envs"
+ENVIRONMENTS, WORKERS = BENCH / ".envs", BENCH / "workers"
 ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("RAYON", "OMP", "OPENBLAS", "MKL")}
 
 
@@ -26,19 +26,25 @@ class Rival:
 
 def _library(name: str, cure: str, *arguments: str) -> Rival:
     folder = ENVIRONMENTS / name
-    command = (str(folder / "bin" / "python"), f"{name}_worker.py", *arguments)
+    command = (str(folder / "bin" / "python"), str(WORKERS / f"{name}_worker.py"), *arguments)
     return Rival(name, command, folder / "ready", cure)
 
 
 def _textbook(name: str, library: str) -> Rival:
     path = ENVIRONMENTS / f"{library}.so"
-    command = (sys.executable, "textbook_worker.py", str(path))
+    command = (sys.executable, str(WORKERS / "textbook_worker.py"), str(path))
     return Rival(name, command, path, f"`make bench/.envs/{library}.so` compiles it")
 
 
+def _crate(name: str) -> Rival:
+    path = ENVIRONMENTS / name
+    return Rival(name, (str(path),), path, f"`make bench/.envs/{name}` builds it")
+
+
 RIVALS = (
-    Rival("midair", (sys.executable, "midair_worker.py"), BENCH, ""),
+    Rival("midair", (sys.executable, str(WORKERS / "midair_worker.py")), BENCH, ""),
     _library("autd3", "`make bench/.envs/autd3/ready` installs it"),
+    _crate("autd3-rs"),
     _library("acoustools", "`make bench-peers ACOUSTOOLS=1` installs it (torch: some GB)", "-cpu"),
     _textbook("textbook f64", "textbook"),
     _textbook("textbook f32", "planar"),
@@ -51,7 +57,7 @@ class Worker:
     def __init__(self, rival: Rival) -> None:
         self.name = rival.name
         self._process = subprocess.Popen(
-            [rival.command[0], str(BENCH / "workers" / rival.command[1]), *rival.command[2:]],
+            rival.command,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,

@@ -70,8 +70,8 @@ class Task:
 
 _SEARCHERS = ("midair", "textbook f64", "textbook f32")
 _ANY = (*_SEARCHERS, "acoustools")
-#: autd3 answers in its boards' codes, whatever it is asked.
-_BOARD = ("midair", "autd3")
+#: autd3 answers in its boards' codes, whatever the request.
+_BOARD = ("midair", "autd3", "autd3-rs")
 
 TASKS = (
     *[Task("autd3", (2, 2), count, BOARD_METHODS, _BOARD, BOARD) for count in (1, 4, 8, 16, 64, 256)],
