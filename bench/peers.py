@@ -12,6 +12,7 @@ from typing import Any
 
 import judge
 import numpy as np
+import setting
 from rivals import BENCH, RIVALS, Worker
 from tasks import TASKS, Task
 
@@ -122,7 +123,8 @@ def run(workers: list[Worker], effort: Effort) -> list[record.Row]:
             entry.measure()
         print(f"round {number + 1} of {effort.rounds}", flush=True)
     date, cpu = datetime.date.today().isoformat(), record.cpu()
-    return [entry.row(date, effort.rounds, cpu) for entry in work]
+    batches = setting.rows({"date": date, "cpu": cpu}, effort.rounds)
+    return [entry.row(date, effort.rounds, cpu) for entry in work] + batches
 
 
 def start(stack: ExitStack) -> list[Worker]:

@@ -72,6 +72,16 @@ def test_ratios_refer_to_autd3s_greedy_on_the_board() -> None:
     assert "1/4.5, 1/7.5, 1/4.5 of autd3's gspat" in " ".join(record.table([*rows, *few]).split())
 
 
+def test_gs_pats_own_setting_is_a_table_of_its_own() -> None:
+    record = load("record")
+    rows = [
+        row("autd3", record.GREEDY, "full", "board", 4, 900),
+        row("midair", "fast", "batch, 2 cores", "board", 32, 4e4),
+    ]
+    assert "| midair, fast, `solve_batch`, 2 cores | 25,000 |" in record.table(rows)
+    assert "GTX" not in record.table(rows[:1])
+
+
 def test_a_page_without_markers_is_left_alone(tmp_path: Path) -> None:
     page = tmp_path / "README.md"
     page.write_text("no table")
