@@ -1,7 +1,7 @@
 //! Planar vectors, the Cholesky factor of a real matrix, and Hermitian systems.
 //!
 //! All in f32 over padded rows, so that the kernels' lanes do the work. The matrices solved are regularised
-//! (condition below 1e5), which f32 bears; `docs/performance.md` has the measurements against a library.
+//! (condition below 1e5), which f32 bears; `docs/performance/steps.md` has the measurements against a library.
 
 pub(crate) mod leading_eigenvector;
 pub(crate) mod symmetric;
