@@ -14,7 +14,9 @@ FIELDS = (
 BEGIN, END = "<!-- bench:begin -->", "<!-- bench:end -->"
 #: What all ratios refer to.
 REFERENCE, GREEDY = "autd3", "greedy 16 phases"
-#: What the README shows, which links to all of it.
+#: The rows of the README's table, which links to all of them.
+BRIEF = (("midair", "fast"), ("midair", "uniform"), (REFERENCE, GREEDY))
+#: The rows of the comparison page.
 SHORT = tuple(
     [("midair", method) for method in (GREEDY, "fast", "uniform", "gspat", "naive")]
     + [(REFERENCE, method) for method in (GREEDY, "gspat", "naive")]
@@ -42,7 +44,7 @@ def cpu() -> str:
 
 
 def write(path: Path, rows: Sequence[Row]) -> None:
-    """Whole or not at all."""
+    """Write the file whole or not at all."""
     path.parent.mkdir(exist_ok=True)
     new = path.with_suffix(".new")
     with new.open("w", newline="") as file:
@@ -53,7 +55,7 @@ def write(path: Path, rows: Sequence[Row]) -> None:
 
 
 def read(path: Path) -> list[Row]:
-    """What `write` wrote."""
+    """Rows of a file that `write` wrote."""
     with path.open(newline="") as file:
         return list(csv.DictReader(file))
 
@@ -61,28 +63,53 @@ def read(path: Path) -> list[Row]:
 def tables(rows: Sequence[Row]) -> dict[str, str]:
     """The table of each page that has one, by the page's path in the repository."""
     return {
-        "README.md": table(rows, "bench", SHORT),
+        "README.md": brief(rows),
+        "docs/comparison.md": table(rows, "../bench", SHORT),
         "docs/performance.md": table(rows, "../bench"),
     }
 
 
+def brief(rows: Sequence[Row]) -> str:
+    """Markdown of three rows: times of both grids left out, the unevenness at most points last."""
+    found, first, most = _found(rows), rows[0], _SIZES[-1]
+    reference = {m: found.get((REFERENCE, GREEDY, "board", m)) for m in _SIZES}
+    caption = (
+        f"Speed relative to {REFERENCE}'s greedy search (= 1), for M points and {_COUNT} transducers on the grid of AUTD3"
+        " boards. Unevenness is sigma, the spread of the pressures over the points: 0 is even."
+    )
+    body = []
+    for rival, method in BRIEF:
+        mine = {m: found.get((rival, method, "board", m)) for m in _SIZES}
+        sigma = f"{float(mine[most]['sigma']):.3f}" if mine[most] else "-"
+        speeds = " | ".join(_ratio(reference[m], mine[m]) for m in _SIZES)
+        body.append(f"| {rival}, {method} | {speeds} | {sigma} |")
+    times = "".join(f" M = {m} |" for m in _SIZES)
+    head = [f"| |{times} unevenness, M = {most} |", "|---|" + "---:|" * (len(_SIZES) + 1)]
+    details = f"{first['date']}, {first['cpu']}, one thread, medians over {first['rounds']} rounds of CPU time."
+    return "\n".join([_wrapped(caption), "", *head, *body, "", _wrapped(details)])
+
+
+def _found(rows: Sequence[Row]) -> _Found:
+    shown = [row for row in rows if row["N"] == _COUNT and row["form"] == _FORMS.get(row["rival"], "call")]
+    return {(row["rival"], row["method"], row["grid"], int(row["M"])): row for row in shown}
+
+
 def table(rows: Sequence[Row], bench: str = "bench", only: Sequence[tuple[str, str]] | None = None) -> str:
     """Markdown: a row a method, medians as ratios at each M, quality of the answers."""
-    shown = [row for row in rows if row["N"] == _COUNT and row["form"] == _FORMS.get(row["rival"], "call")]
-    found = {(row["rival"], row["method"], row["grid"], int(row["M"])): row for row in shown}
+    found = _found(rows)
     first = rows[0]
     caption = (
-        f"How many times as fast as {REFERENCE}'s greedy search, at M points and {_COUNT} transducers, and"
-        " how good the answers are: accuracy / sigma, which are 1 / 0 where every point has what it was to"
-        " have. In brackets: any drive in place of the boards' grid of 256 phases x 256 amplitudes."
+        f"Speed relative to {REFERENCE}'s greedy search (= 1), for M points and {_COUNT} transducers. In brackets:"
+        " without rounding to the boards' grid of 256 phases x 256 amplitudes. The last two columns are accuracy / sigma;"
+        " 1 / 0 means that every point has its target pressure."
     )
-    told = {rival for rival, _ in only} if only else {row["rival"] for row in shown}
-    versions = dict.fromkeys(f"{row['rival']} {row['version']}" for row in rows if row["rival"] in told)
+    rivals = {rival for rival, _ in only} if only else {rival for rival, *_ in found}
+    versions = dict.fromkeys(f"{row['rival']} {row['version']}" for row in rows if row["rival"] in rivals)
     details = (
         f"{first['date']}, {first['cpu']}, one thread, 2 x 2 AUTD3 boards of point sources, G included;"
         f" medians of CPU time over {first['rounds']} rounds; midair is `midair.solve` from NumPy arrays."
         f"{_beside_gspat(found)}"
-        " Answers: on the grid where there is one, by one forward model, means over"
+        " One forward model judges all answers, on the grid where there is one: means over"
         f" {first['scenes']} scenes. {'; '.join(versions)}."
         f" [What the numbers include and whom they favour]({bench}/README.md)."
     )
@@ -90,7 +117,7 @@ def table(rows: Sequence[Row], bench: str = "bench", only: Sequence[tuple[str, s
     answers = "".join(f" answer, M = {m} |" for m in _JUDGED)
     rule = "|---|" + "---:|" * len(_SIZES) + "---|" * len(_JUDGED)
     head = [_wrapped(caption), "", f"| |{times}{answers}", rule]
-    named = dict.fromkeys((row["rival"], row["method"]) for row in shown)
+    named = dict.fromkeys((rival, method) for rival, method, *_ in found)
     body = [
         f"| {rival}, {method} | {' | '.join(_cells(found, rival, method))} |"
         for rival, method in named
@@ -125,13 +152,13 @@ def _cells(found: _Found, rival: str, method: str) -> list[str]:
 
 
 def _beside_gspat(found: _Found) -> str:
-    """The quickest of both at few points."""
+    """Sentence on the fastest method of midair and of autd3, at few points."""
     ours, theirs = (
         [found.get((*name, "board", m)) for m in (1, 4, 8)]
         for name in (("midair", "fast"), (REFERENCE, "gspat"))
     )
     ratios = [_ratio(*pair) for pair in zip(theirs, ours, strict=True)]
-    return "" if "-" in ratios else f" `fast` takes 1/{', 1/'.join(ratios)} of autd3's gspat at M = 1, 4, 8."
+    return "" if "-" in ratios else f" `fast` takes 1/{', 1/'.join(ratios)} of the time of autd3's gspat at M = 1, 4, 8."
 
 
 def _wrapped(text: str) -> str:
@@ -151,7 +178,7 @@ def _ratio(reference: Row | None, row: Row | None) -> str:
 
 
 def place(page: Path, text: str) -> None:
-    """Puts the table between the page's markers."""
+    """Put the table between the page's markers."""
     before, begin, rest = page.read_text().partition(BEGIN)
     _, end, after = rest.partition(END)
     if not begin or not end:

@@ -1,4 +1,4 @@
-//! Drives for airborne ultrasound phased arrays: given points in the air feel given pressures.
+//! Drives for airborne ultrasound phased arrays, so that the sound pressure at given points is what you request.
 //!
 //! # The paper in one page
 //! N transducers at distance r from M control points radiate (eq. 5, with directivity, absorption and response)
@@ -113,6 +113,6 @@ pub mod __private {
 mod chapters {
     #[doc = include_str!("../../docs/extending.md")]
     mod extending {}
-    #[doc = include_str!("../../README.md")]
-    mod readme {}
+    #[doc = include_str!("../../docs/rust.md")]
+    mod rust {}
 }

@@ -69,7 +69,7 @@ def test_ratios_refer_to_autd3s_greedy_on_the_board() -> None:
     assert "autd3's gspat" not in table
     few = [row("midair", "fast", "solve", "board", m, 20) for m in (1, 8)]
     few += [row("autd3", "gspat", "full", "board", m, 90) for m in (1, 8)]
-    assert "1/4.5, 1/7.5, 1/4.5 of autd3's gspat" in " ".join(record.table([*rows, *few]).split())
+    assert "1/4.5, 1/7.5, 1/4.5 of the time of autd3's gspat" in " ".join(record.table([*rows, *few]).split())
 
 
 def test_gs_pats_own_setting_is_a_table_of_its_own() -> None:

@@ -1,0 +1,56 @@
+"""The words that docs/style.md replaces, counted in every text and source of the repository: part of `make lint`."""
+
+import re
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+#: A change may lower this number and never raises it.
+MOST = 2540
+#: Generated from texts that are counted where they are written, and recorded data.
+GENERATED = {"docs/map.md", "docs/scene.schema.json", "docs/sweep.schema.json", "capi/include/midair.h"}
+TEXTS = (".c", ".cpp", ".cs", ".h", ".hpp", ".md", ".mjs", ".py", ".pyi", ".rs", ".sh", ".toml", ".ts", ".vhd", ".yml")
+
+
+def words(page: str) -> list[str]:
+    """The code spans in the first column of the style page's table."""
+    rows = re.findall(r"^\| (`[^|]+) \|", page, re.MULTILINE)
+    return [word for row in rows for word in re.findall(r"`(\w+)`", row)]
+
+
+def prose(text: str, markdown: bool) -> str:
+    """The text without what a page quotes: code spans and words between quotation marks."""
+    return re.sub(r"`[^`\n]+`|\"[^\"\n]+\"", "", text) if markdown else text
+
+
+def counts(pattern: re.Pattern[str]) -> dict[str, int]:
+    """How often the words stand in each file, also as a part of a name such as `test_a_fault_is_told`."""
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True)
+    files = [name for name in listed.stdout.splitlines() if name.endswith(TEXTS) and name not in GENERATED]
+    texts = {name: ROOT.joinpath(name) for name in files}
+    found = {
+        name: len(pattern.findall(prose(path.read_text(errors="replace"), name.endswith(".md"))))
+        for name, path in texts.items()
+        if path.is_file()
+    }
+    return {name: count for name, count in found.items() if count}
+
+
+def main() -> None:
+    """Fail above the number, and print the files with most of the words."""
+    listed = words(ROOT.joinpath("docs", "style.md").read_text())
+    pattern = re.compile(rf"(?<![A-Za-z])(?:{'|'.join(listed)})(?![A-Za-z])", re.IGNORECASE)
+    found = counts(pattern)
+    total = sum(found.values())
+    print(f"words that docs/style.md replaces: {total}, at most {MOST}")
+    if total > MOST or "--list" in sys.argv:
+        for name, count in Counter(found).most_common(None if "--list" in sys.argv else 20):
+            print(f"{count:6} {name}")
+    if total > MOST:
+        raise SystemExit(1)
+
+
+if __name__ == "__main__":
+    main()
