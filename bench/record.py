@@ -74,8 +74,8 @@ def brief(rows: Sequence[Row]) -> str:
     found, first, most = _found(rows), rows[0], _SIZES[-1]
     reference = {m: found.get((REFERENCE, GREEDY, "board", m)) for m in _SIZES}
     caption = (
-        f"Speed relative to {REFERENCE}'s greedy search (= 1), for M points and {_COUNT} transducers on the grid of AUTD3"
-        " boards. Unevenness is sigma, the spread of the pressures over the points: 0 is even."
+        f"Speed relative to {REFERENCE}'s greedy search (= 1), for M points and {_COUNT} transducers on the"
+        " grid of AUTD3 boards. Unevenness is sigma, the spread of the pressures over the points: 0 is even."
     )
     body = []
     for rival, method in BRIEF:
@@ -85,7 +85,7 @@ def brief(rows: Sequence[Row]) -> str:
         body.append(f"| {rival}, {method} | {speeds} | {sigma} |")
     times = "".join(f" M = {m} |" for m in _SIZES)
     head = [f"| |{times} unevenness, M = {most} |", "|---|" + "---:|" * (len(_SIZES) + 1)]
-    details = f"{first['date']}, {first['cpu']}, one thread, medians over {first['rounds']} rounds of CPU time."
+    details = f"{first['date']}, {first['cpu']}, one thread, medians of CPU time."
     return "\n".join([_wrapped(caption), "", *head, *body, "", _wrapped(details)])
 
 
@@ -99,9 +99,9 @@ def table(rows: Sequence[Row], bench: str = "bench", only: Sequence[tuple[str, s
     found = _found(rows)
     first = rows[0]
     caption = (
-        f"Speed relative to {REFERENCE}'s greedy search (= 1), for M points and {_COUNT} transducers. In brackets:"
-        " without rounding to the boards' grid of 256 phases x 256 amplitudes. The last two columns are accuracy / sigma;"
-        " 1 / 0 means that every point has its target pressure."
+        f"Speed relative to {REFERENCE}'s greedy search (= 1), for M points and {_COUNT} transducers. In"
+        " brackets: without rounding to the boards' grid of 256 phases x 256 amplitudes. The last two columns"
+        " are accuracy / sigma; 1 / 0 means that every point has its target pressure."
     )
     rivals = {rival for rival, _ in only} if only else {rival for rival, *_ in found}
     versions = dict.fromkeys(f"{row['rival']} {row['version']}" for row in rows if row["rival"] in rivals)
@@ -158,7 +158,8 @@ def _beside_gspat(found: _Found) -> str:
         for name in (("midair", "fast"), (REFERENCE, "gspat"))
     )
     ratios = [_ratio(*pair) for pair in zip(theirs, ours, strict=True)]
-    return "" if "-" in ratios else f" `fast` takes 1/{', 1/'.join(ratios)} of the time of autd3's gspat at M = 1, 4, 8."
+    parts = ", ".join(f"1/{ratio}" for ratio in ratios)
+    return "" if "-" in ratios else f" `fast` takes {parts} of the time of autd3's gspat at M = 1, 4, 8."
 
 
 def _wrapped(text: str) -> str:

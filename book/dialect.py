@@ -1,4 +1,4 @@
-"""The words that docs/style.md replaces, counted in every text and source of the repository: part of `make lint`."""
+"""Count the words that docs/style.md replaces in all texts and sources of the repository, for `make lint`."""
 
 import re
 import subprocess
@@ -11,7 +11,10 @@ ROOT = Path(__file__).parents[1]
 MOST = 2540
 #: Generated from texts that are counted where they are written, and recorded data.
 GENERATED = {"docs/map.md", "docs/scene.schema.json", "docs/sweep.schema.json", "capi/include/midair.h"}
-TEXTS = (".c", ".cpp", ".cs", ".h", ".hpp", ".md", ".mjs", ".py", ".pyi", ".rs", ".sh", ".toml", ".ts", ".vhd", ".yml")
+TEXTS = (
+    ".c", ".cpp", ".cs", ".h", ".hpp", ".md", ".mjs", ".py", ".pyi", ".rs", ".sh", ".toml", ".ts", ".vhd",
+    ".yml",
+)  # fmt: skip
 
 
 def words(page: str) -> list[str]:

@@ -62,9 +62,10 @@ PYTHON = [
 METHODS = """\
 # Methods and their options
 
-As `midair solvers` lists them. An option is written `--steps 8` on the command line, `steps = 8` under
-`[solver]` in a scene file, and `steps=8` in Python. [How to choose](../how-to-choose.md) says which method
-for what; [asking for more](../conventions.md#asking-for-more) what start, aim, `limit` and `tolerance` are.
+`midair solvers` prints the same. An option is written `--steps 8` on the command line, `steps = 8` under
+`[solver]` in a scene file, and `steps=8` in Python. [How to choose](../how-to-choose.md) compares
+the methods; [conventions](../conventions.md#options-of-all-methods) explains start, aim, `limit`
+and `tolerance`.
 """
 
 PRESETS = """\

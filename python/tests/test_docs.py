@@ -104,15 +104,18 @@ def test_python_blocks_run(
     monkeypatch.chdir(tmp_path)
     found = blocks(page, "python")
     assert found or page.name != "README.md"
-    outputs = dict(re.findall(r"^```python\n(.*?)^```\n\n```output\n(.*?)^```", page.read_text(), re.M | re.S))
+    printed_blocks = re.findall(
+        r"^```python\n(.*?)^```\n\n```output\n(.*?)^```", page.read_text(), re.M | re.S
+    )
+    outputs = dict(printed_blocks)
     names: dict[str, object] = {}
     for k, block in enumerate(found):
         exec(compile(block, str(page), "exec"), names)
         text = capsys.readouterr().out
         assert text == outputs.get(block, text), f"{named(page)}, example {k + 1} prints something else"
-        shown = {name: value for name, value in names.items() if not name.startswith("__")}
+        made = {name: value for name, value in names.items() if not name.startswith("__")}
         where = f"{named(page)}, example {k + 1}"
-        assert sane(shown, where), f"{where}: no answer to look at"
+        assert sane(made, where), f"{where}: no answer to look at"
 
 
 @pytest.mark.parametrize("page", PAGES, ids=named)
