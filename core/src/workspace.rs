@@ -44,6 +44,11 @@ impl<T: Clone + Default> Pool<T> {
 }
 
 impl<T> Pool<T> {
+    /// Bytes of the buffers that wait.
+    fn bytes(&self) -> usize {
+        self.free.borrow().iter().map(|list| list.capacity() * size_of::<T>()).sum()
+    }
+
     fn fitting(&self, len: usize) -> Vec<T> {
         if len == 0 {
             // Not one that somebody else could use.
@@ -174,6 +179,13 @@ impl Workspace {
     #[must_use]
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// Bytes of memory that waits for the next solve.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        let Self { floats, doubles, complexes, indices, points } = self;
+        floats.bytes() + doubles.bytes() + complexes.bytes() + indices.bytes() + points.bytes()
     }
 
     /// 0, 1, 2 and so on.

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use midair::Workspace;
 use midair::solvers::{self as registry, Greedy, Method, Remark};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -114,11 +113,16 @@ pub(crate) fn solve(
     for remark in weak.into_iter().chain(Remark::phases_unused(&problem, &*configured.solver)) {
         warn(py, &remark)?;
     }
+    let ready = subject.ready();
+    let mut work = ready.map(|ready| ready.workspace()).unwrap_or_default();
     let answer = attend(py, progress, |control| {
         let mut control = if trace { control.traced() } else { control };
-        let solution = midair::solve(&problem, &*configured.solver, balance, &mut Workspace::new(), &mut control)?;
+        let solution = midair::solve(&problem, &*configured.solver, balance, &mut work, &mut control)?;
         Ok((solution, control.into_trace()))
     });
+    if let Some(ready) = ready {
+        ready.keep(work);
+    }
     raised.map_or(Ok(()), |raised| raised.check())?;
     let (inner, trace) = answer?;
     let elapsed = clock.elapsed().as_secs_f64();

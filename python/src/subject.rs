@@ -12,6 +12,7 @@ use crate::parts;
 use crate::propagation::Propagation;
 use crate::quantization::read_quantization;
 use crate::read;
+use crate::ready::Ready;
 use crate::scene::{Scene, remade};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -114,6 +115,14 @@ impl Subject {
         match self {
             Self::Scene(scene) => scene.inner.array().quantization(),
             Self::Given(_, setup, _) => setup.quantization.as_deref(),
+        }
+    }
+
+    /// The array prepared for the medium, of a scene.
+    pub(crate) fn ready(&self) -> Option<&Ready> {
+        match self {
+            Self::Scene(scene) => Some(&scene.ready),
+            Self::Given(..) => None,
         }
     }
 

@@ -308,20 +308,23 @@ impl Apart for Rounding<'_> {
     }
 }
 
-/// The largest |q|.
-pub(crate) fn largest(set: InstructionSet, drive: &[Complex32]) -> f32 {
+/// The least |q| above 0 and the largest; 1 and 0 of silence.
+pub(crate) fn range(set: InstructionSet, drive: &[Complex32]) -> [f32; 2] {
     // The squares of q up to 1 neither overflow nor, down to 1e-37, underflow.
     const UP: f32 = (1_u64 << 60) as f32;
-    let most = dispatch!(set, s => {
-        let (up, mut most) = (s.splat(UP), s.splat(0.0));
+    let squares = dispatch!(set, s => {
+        let (up, zero, full) = (s.splat(UP), s.splat(0.0), s.splat(UP * UP));
+        let (mut least, mut most) = (full, zero);
         for own in drive.chunks(LANES) {
             let q = planar(own);
             let (re, im) = (s.mul(s.load(&q[0]), up), s.mul(s.load(&q[1]), up));
-            most = s.max(s.add(s.mul(re, re), s.mul(im, im)), most);
+            let square = s.add(s.mul(re, re), s.mul(im, im));
+            most = s.max(square, most);
+            least = s.min(s.select_less(zero, square, square, full), least);
         }
-        s.reduce_max(most)
+        [s.reduce_max(s.reduce_min(least)), s.reduce_max(most)]
     });
-    math::sqrtf(most) / UP
+    squares.map(|square| math::sqrtf(square) / UP)
 }
 
 /// Real and imaginary parts of sixteen drives or fewer.

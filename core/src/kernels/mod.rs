@@ -10,6 +10,8 @@ pub(crate) mod closed_form;
 #[forbid(unsafe_code)]
 pub(crate) mod derivatives;
 #[forbid(unsafe_code)]
+pub(crate) mod dither;
+#[forbid(unsafe_code)]
 pub(crate) mod double;
 #[forbid(unsafe_code)]
 pub(crate) mod greedy;

@@ -4,116 +4,127 @@
 //! c_ij = G_ij q_i / P_j             the part of a point's pressure that a transducer makes, of its component along P_j
 //! e_j  = sum_i a_i c_ij - level     the error; at quiet points the pressure itself, relative to the loudest point's
 //! ```
-//! Amplitudes are drawn at random first, which leaves errors of about `step / (2 sqrt(N))`. One transducer after another then
-//! takes the amplitude that leaves the smaller sum of e^2: the next ones take back the errors of those before (Floyd and
-//! Steinberg, Proc. SID 17(2), 1976), until the errors are small enough. Later rounds choose anew. Time O(N M) a round.
-
-use core::ops::Range;
-use core::slice;
+//! Where there are many transducers a point, amplitudes are drawn at random, which leaves errors of about `step / (2 sqrt(N))`:
+//! small enough, or so after some choices. Else every transducer chooses, one after another, the amplitude that leaves the
+//! smaller sum of e^2; the next ones take back the errors of those before ([`dither`]). Later rounds choose anew, until the
+//! errors are small enough. Time O(N M) a round.
 
 use num_complex::Complex32;
 
 use crate::control::Control;
-use crate::error::Error;
-use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
+use crate::kernels::dither;
 use crate::linalg::Planar;
 use crate::math;
-use crate::problem::Problem;
 use crate::problem::array_request::ArrayRequest;
-use crate::propagation::{Propagation, field_of};
+use crate::propagation::field_of;
 use crate::rng::Rng;
 use crate::workspace::{Buffer, Workspace};
 
-/// Rounds of choices at most, and after how many choices the errors are looked at.
+/// Rounds of choices at most, and after how many choices of a later round the errors are looked at.
 const ROUNDS: usize = 6;
 const CHUNK: usize = 64;
 
 /// The aim is lower than the level by this part, and the root mean square of errors about it that is small enough.
 const NEAR: f32 = 5e-4;
 
+/// Half of the errors that choices leave, in steps between the amplitudes times points a transducer: at 64 points and 996
+/// transducers they are .012 to .02 of a step.
+const LEFT: f32 = 0.15;
+
+/// Transducers a point from which on a draw comes first.
+const DRAWN: usize = 32;
+
 /// A point may be louder than its target by this part, which is rounding.
 const SLACK: f32 = 5e-5;
 
 /// Moduli that differ by a smaller part are one amplitude.
-const ALIKE: f64 = 1e-5;
+pub(crate) const ALIKE: f32 = 1e-5;
 
 /// Root mean square of what quiet points may leak more, relative to the loudest point.
 const QUIET: f32 = 2e-3;
 
-/// Whether all drives but silent ones have one amplitude.
-pub(crate) fn is_of_one_amplitude(drive: &[Complex32], amplitude: f64) -> bool {
-    drive.iter().all(|&q| q == Complex32::ZERO || (math::modulus(q) - amplitude).abs() < ALIKE * amplitude)
-}
-
-impl Problem {
-    /// Brings full drives down to `level`, as [`mix`].
-    pub(crate) fn mix(&self, drive: &mut [Complex32], level: f64, work: &Workspace, control: &mut Control) -> bool {
-        mix(&self.targets, drive, (1.0, level), work, control)
-    }
-}
-
 /// Brings drives of the amplitude `own` down to `level`, and no targeted point above it, where pressures are requested and one
-/// amplitude of the board loses more of them. Returns whether the mix meets them; if not, or after a stop, the drives stay as
-/// they are.
-pub(crate) fn mix(
+/// amplitude of the board loses more of them. `field` is that of the drives, computed where it is not known. Returns the field
+/// of a mix that meets them; if none does, or after a stop, the drives have their one amplitude.
+pub(crate) fn mix<'w>(
     request: &ArrayRequest,
     drive: &mut [Complex32],
     (own, level): (f64, f64),
-    work: &Workspace,
+    field: Option<Planar<'w>>,
+    work: &'w Workspace,
     control: &mut Control,
-) -> bool {
+) -> Option<Planar<'w>> {
     let quantization = request.setup.quantization.as_deref().filter(|_| request.given);
-    let Some(pair) = quantization.and_then(|board| board.between(level)) else { return false };
+    let pair = quantization?.between(level)?;
     // Half way between two amplitudes, rounding took either.
-    for q in drive.iter_mut().filter(|q| !is_of_one_amplitude(slice::from_ref(q), own)) {
+    let square = (own * own) as f32;
+    for q in drive.iter_mut().filter(|q| (q.norm_sqr() - square).abs() > 2.0 * ALIKE * square && **q != Complex32::ZERO)
+    {
         *q *= (own / math::modulus(*q)) as f32;
     }
     let [level, below, above] = [level, pair[0], pair[1]].map(|amplitude| (amplitude / own) as f32);
     let propagation = &request.propagation;
-    let Ok(field) = field_of(propagation, drive, work, control) else { return false };
-    let mut points = Points::new(request, &field, work);
-    points.read(&field, level, level);
+    let full = match field {
+        Some(field) => field,
+        None => field_of(propagation, drive, work, control).ok()?,
+    };
+    let mut points = Points::new(request, &full, work);
+    points.read(&full, level, level);
     let (leak, lost) = (points.wrong()[1], level - below);
-    let mut parts = work.floats.take(drive.len());
-    let (mut rng, share) = (Rng::new(0), f64::from((level - below) / (above - below)));
-    parts.fill_with(|| if rng.uniform() < share { above } else { below });
-    let mut drawn = work.complexes.take(drive.len());
-    drawn.iter_mut().zip(&*drive).zip(&*parts).for_each(|((drawn, q), part)| *drawn = q * part);
-    let Ok(field) = field_of(propagation, &drawn, work, control) else { return false };
-    let mut aim = level * (1.0 - NEAR);
-    points.read(&field, 1.0, aim);
     let meets = |points: &Points, aim: f32, most: f32| {
         let [loud, quiet] = points.wrong();
         points.loudest() + aim <= (1.0 + SLACK) * level
             && loud <= most * most
             && quiet - leak <= QUIET * QUIET * level * level
     };
-    let mut met = meets(&points, aim, NEAR * level);
-    for visit in 0..ROUNDS * drive.len().div_ceil(CHUNK) {
-        if met {
-            break;
+    let (count, chunks) = (request.active.len(), drive.len().div_ceil(CHUNK));
+    // The errors that choices leave, for as many points.
+    let left = LEFT * (above - below) * count as f32 / drive.len() as f32;
+    let near = (NEAR * level).max(1.5 * left);
+    let mut aim = level * (1.0 - NEAR) - 2.0 * left;
+    let mut parts = work.floats.take(drive.len());
+    // A draw for so few points is near enough, or some choices away; for more each transducer chooses anyway.
+    let drawn = drive.len() >= DRAWN * count;
+    let mut met = false;
+    if drawn {
+        let (mut rng, share) = (Rng::new(0), f64::from((aim - below) / (above - below)));
+        parts.fill_with(|| if rng.uniform() < share { above } else { below });
+        let mut mixed = work.complexes.take(drive.len());
+        mixed.iter_mut().zip(&*drive).zip(&*parts).for_each(|((mixed, q), part)| *mixed = q * part);
+        let field = field_of(propagation, &mixed, work, control).ok()?;
+        points.read(&field, 1.0, aim);
+        if meets(&points, aim, near) {
+            drive.copy_from_slice(&mixed);
+            return Some(field);
         }
-        let chunk = visit % drive.len().div_ceil(CHUNK);
+    } else {
+        parts.fill(aim);
+        points.read(&full, aim, aim);
+    }
+    for visit in 0..ROUNDS * chunks {
+        let chunk = visit % chunks;
         if chunk == 0 && visit > 0 {
             let louder = (points.loudest() + aim - level).max(0.0);
             points.lower(louder);
             aim -= louder;
         }
         let range = chunk * CHUNK..drive.len().min((chunk + 1) * CHUNK);
-        if points.choose_all(propagation, (range, drive), &mut parts, [below, above], work, control).is_err() {
-            return false;
+        let (set, rows) = (propagation.instruction_set(), propagation.rows());
+        dither::choose(set, rows, (range, drive), points.own(), &mut parts, [below, above], control).ok()?;
+        met = (drawn || visit + 1 >= chunks) && meets(&points, aim, near);
+        if met {
+            break;
         }
-        met = meets(&points, aim, NEAR * level);
     }
     points.lower(aim - level);
-    let met = met || meets(&points, level, lost / 2.0);
-    if met {
-        drive.iter_mut().zip(&*parts).for_each(|(q, part)| *q *= *part);
+    if !met && !meets(&points, level, lost / 2.0) {
+        return None;
     }
-    met
+    drive.iter_mut().zip(&*parts).for_each(|(q, part)| *q *= *part);
+    field_of(propagation, drive, work, control).ok()
 }
 
-/// The errors e of the points, and how waves become parts c of pressures.
+/// The errors e of the points.
 struct Points<'w> {
     /// Of re, of im: 0 at a point with a target, where no component across counts.
     error: Planar<'w>,
@@ -122,15 +133,17 @@ struct Points<'w> {
     /// 1 at points with a target, else 0; and 1 at quiet ones.
     loud: Buffer<'w, f32>,
     quiet: Buffer<'w, f32>,
+    /// Memory for a row.
+    row: Planar<'w>,
 }
 
 impl<'w> Points<'w> {
     /// The points of the `field` of full drives.
     fn new(request: &ArrayRequest, field: &Planar, work: &'w Workspace) -> Self {
         let lanes = request.propagation.lanes();
-        let [error, inverse] = [(); 2].map(|()| Planar::zeros(1, lanes, work));
+        let [error, inverse, row] = [(); 3].map(|()| Planar::zeros(1, lanes, work));
         let [loud, quiet] = [(); 2].map(|()| work.floats.take(lanes));
-        let mut points = Self { error, inverse, loud, quiet };
+        let mut points = Self { error, inverse, loud, quiet, row };
         let square = |j: usize| field.re[j] * field.re[j] + field.im[j] * field.im[j];
         let targeted = |j: usize| request.pascals[j] > 0.0;
         let loudest = request.active.iter().filter(|&&j| targeted(j)).fold(0.0, |most: f32, &j| most.max(square(j)));
@@ -155,58 +168,15 @@ impl<'w> Points<'w> {
         }
     }
 
-    /// Waves become parts of the points' pressures: c, of a transducer of drive q.
-    fn along(&self, q: Complex32, re: &mut [f32], im: &mut [f32]) {
-        let lists = self.inverse.re.iter().zip(&*self.inverse.im).zip(&*self.quiet);
-        for ((re, im), ((&unit_re, &unit_im), quiet)) in re.iter_mut().zip(im).zip(lists) {
-            let wave = [q.re * *re - q.im * *im, q.re * *im + q.im * *re];
-            *re = wave[0] * unit_re - wave[1] * unit_im;
-            *im = (wave[0] * unit_im + wave[1] * unit_re) * quiet;
+    /// What [`dither`] changes.
+    fn own(&mut self) -> dither::Points<'_> {
+        let Self { error, inverse, quiet, row, .. } = self;
+        dither::Points {
+            error: [&mut error.re, &mut error.im],
+            inverse: [&inverse.re, &inverse.im],
+            quiet,
+            row: [&mut row.re, &mut row.im],
         }
-    }
-
-    /// Chooses the parts of a range of drives, one after another.
-    fn choose_all(
-        &mut self,
-        propagation: &Propagation,
-        (range, drive): (Range<usize>, &[Complex32]),
-        parts: &mut [f32],
-        pair: [f32; 2],
-        work: &Workspace,
-        control: &mut Control,
-    ) -> Result<(), Error> {
-        let [mut re, mut im] = [(); 2].map(|()| work.floats.take(propagation.lanes()));
-        for i in range.filter(|&i| drive[i] != Complex32::ZERO) {
-            control.pulse()?;
-            propagation.row(i, &mut re, &mut im);
-            self.along(drive[i], &mut re, &mut im);
-            parts[i] = self.choose([&re, &im], parts[i], pair);
-        }
-        Ok(())
-    }
-
-    /// The one of two parts that leaves the smaller error, in place of that before, counted in.
-    fn choose(&mut self, wave: [&[f32]; 2], before: f32, [below, above]: [f32; 2]) -> f32 {
-        let (mut with, mut square) = ([0.0; LANES], [0.0; LANES]);
-        for (error, wave) in [(&self.error.re, wave[0]), (&self.error.im, wave[1])] {
-            for (error, wave) in groups(error).iter().zip(groups(wave)) {
-                for k in 0..LANES {
-                    with[k] += error[k] * wave[k];
-                    square[k] += wave[k] * wave[k];
-                }
-            }
-        }
-        let [with, square] = [with, square].map(|sums: Lanes| sums.iter().sum::<f32>());
-        let cost = 2.0 * (with - before * square) + (below + above) * square;
-        let chosen = if cost < 0.0 { above } else { below };
-        for (error, wave) in [(&mut self.error.re, wave[0]), (&mut self.error.im, wave[1])] {
-            for (error, wave) in groups_mut(error).iter_mut().zip(groups(wave)) {
-                for k in 0..LANES {
-                    error[k] += (chosen - before) * wave[k];
-                }
-            }
-        }
-        chosen
     }
 
     /// Lowers the level that points with a target are to have.

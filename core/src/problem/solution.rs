@@ -15,16 +15,17 @@ use crate::math;
 use crate::problem::Problem;
 use crate::problem::array_request::ArrayRequest;
 use crate::problem::metrics::Metrics;
-use crate::problem::mix::{is_of_one_amplitude, mix};
+use crate::problem::mix::{ALIKE, mix};
 use crate::problem::setup::Setup;
 use crate::problem::status::Status;
 use crate::propagation::{Propagation, field_of};
 use crate::scene::{Request, Scene, check_drive};
 use crate::workspace::Workspace;
 
-/// z / factor, rounded once.
+/// z / factor, by its reciprocal in double precision.
 fn divided(z: Complex32, factor: f64) -> Complex32 {
-    let part = |x: f32| (f64::from(x) / factor) as f32;
+    let reciprocal = 1.0 / factor;
+    let part = |x: f32| (f64::from(x) * reciprocal) as f32;
     Complex32::new(part(z.re), part(z.im))
 }
 
@@ -194,12 +195,40 @@ impl Solution {
         }
     }
 
+    /// The field `times` that of the pressures, in units of the reference: one padded row.
+    fn field<'w>(&self, times: f64, work: &'w Workspace) -> Planar<'w> {
+        let propagation = &self.request.propagation;
+        let mut field = Planar::zeros(1, propagation.lanes(), work);
+        let unit = propagation.reference() * self.scale / times;
+        for (pressure, (re, im)) in self.pressures.iter().zip(field.re.iter_mut().zip(&mut *field.im)) {
+            let own = divided(*pressure, unit);
+            (*re, *im) = (own.re, own.im);
+        }
+        field
+    }
+
     /// The same with the drives of channels as those of their transducers (N,).
     pub(crate) fn spread(mut self) -> Self {
         if let Some(channels) = &self.request.setup.channels {
             self.drive = channels.spread(&self.drive);
         }
         self
+    }
+
+    /// The full drives of a problem brought down to `factor`, by two amplitudes of its board where that meets the targets better
+    /// than one. `field` is that of the drives at the problem's points, where it is known.
+    pub(crate) fn mixed<'w>(
+        problem: &Problem,
+        drive: &mut Vec<Complex32>,
+        (factor, field): (f64, Option<Planar<'w>>),
+        (status, steps): (Status, usize),
+        work: &'w Workspace,
+        control: &mut Control,
+    ) -> Option<Self> {
+        let request = Arc::clone(&problem.targets);
+        let whole = !problem.is_stretched() && request.active.len() == request.pascals.len();
+        let field = mix(&request, drive, (1.0, factor), field.filter(|_| whole), work, control)?;
+        Some(Self::with_pressures(request, core::mem::take(drive), &field, status, steps, work))
     }
 
     /// The same with `scale` of it left to supply or modulation.
@@ -223,7 +252,11 @@ impl Solution {
     pub(crate) fn quantize(&mut self, factor: f64, work: &Workspace, control: &mut Control) -> Result<bool, Error> {
         let Some(quantization) = self.request.setup.quantization.as_deref() else {
             if factor > 1.0 {
-                self.drive.iter_mut().chain(&mut self.pressures).for_each(|z| *z = divided(*z, factor));
+                for list in [&mut self.drive, &mut self.pressures] {
+                    for z in list {
+                        *z = divided(*z, factor);
+                    }
+                }
             }
             return Ok(false);
         };
@@ -231,9 +264,9 @@ impl Solution {
             return Ok(false);
         }
         let set = self.request.propagation.instruction_set();
-        let largest = f64::from(kernels::grid::largest(set, &self.drive));
-        let of_one = self.request.given && is_of_one_amplitude(&self.drive, largest);
-        let largest = largest / factor;
+        let [least, largest] = kernels::grid::range(set, &self.drive);
+        let of_one = self.request.given && least > largest * (1.0 - ALIKE);
+        let largest = f64::from(largest) / factor;
         let scale = quantization.scale(largest);
         // Where drives are brought down, even pulses keep to the phases that go with every amplitude.
         let lowered = self.on_grid || of_one && quantization.between(largest).is_some();
@@ -249,15 +282,19 @@ impl Solution {
         let most = (largest / scale) as f32;
         let common = quantization.nearest(Complex32::new(most, 0.0)).re;
         let alike = quantization.grid().round(set, (factor * scale) as f32, [most, common], &mut self.drive);
+        let known = (alike && of_one).then(|| self.field(f64::from(common), work));
         self.scale *= scale;
-        let mixed = of_one && mix(&self.request, &mut self.drive, (f64::from(common), largest), work, control);
-        if mixed || !alike {
+        let amplitudes = (f64::from(common), largest);
+        let mixed = if of_one { mix(&self.request, &mut self.drive, amplitudes, known, work, control) } else { None };
+        if let Some(field) = &mixed {
+            self.set_pressures(field);
+        } else if !alike {
             self.set_pressures(&field_of(&self.request.propagation, &self.drive, work, control)?);
         } else if common != 1.0 || scale != 1.0 {
             let change = f64::from(common) * scale;
             self.pressures.iter_mut().for_each(|p| *p = divided(*p, 1.0 / change));
         }
-        Ok(mixed || !alike || common != 1.0)
+        Ok(mixed.is_some() || !alike || common != 1.0)
     }
 
     /// Metrics of the pressures against the caller's targets; f64 arithmetic over the M values.

@@ -6,7 +6,7 @@ use core::f64::consts::TAU;
 
 use num_complex::Complex32;
 
-use crate::kernels::grid::{Amplitudes, Grid, Phases, largest};
+use crate::kernels::grid::{Amplitudes, Grid, Phases, range};
 use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::rng::Rng;
 
@@ -120,17 +120,21 @@ fn where_anything_can_be_had_nothing_moves() {
 }
 
 #[test]
-fn factor_and_the_largest() {
+fn factor_and_range() {
     for set in InstructionSet::all() {
         let grid = grid(Some(256), Some(&[0.0, 0.25, 0.5, 1.0]));
         let phases: Vec<_> = (0..50).map(|l| Complex32::from_polar(1.0, (TAU * f64::from(l) / 256.0) as f32)).collect();
         let full = rounded(set, &grid, &phases);
-        assert!((largest(set, &full) - 1.0).abs() < 2e-7);
+        assert!(range(set, &full).iter().all(|modulus| (modulus - 1.0).abs() < 2e-7), "{set}");
         let mut half = full.clone();
         assert!(grid.round(set, 2.0, [0.5; 2], &mut half), "{set}: all are what they were times a half");
         assert_eq!(half, full.iter().map(|q| q * 0.5).collect::<Vec<_>>());
         let mut other = full.clone();
         other[49] *= 0.3;
+        other[7] = Complex32::ZERO;
+        let [least, most] = range(set, &other);
+        assert!((least - 0.3).abs() < 1e-7 && (most - 1.0).abs() < 2e-7, "{set}: silence is left out");
+        assert_eq!(range(set, &[Complex32::ZERO; 3]), [1.0, 0.0]);
         assert!(!grid.round(set, 1.0, [1.0; 2], &mut other), "{set}: one is not");
     }
 }

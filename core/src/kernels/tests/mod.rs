@@ -7,6 +7,7 @@ mod cholesky;
 mod closed_form;
 mod closed_form_interleaved;
 mod directivity;
+mod dither;
 mod double;
 mod energies;
 mod error_diffusion;

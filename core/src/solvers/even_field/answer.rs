@@ -41,15 +41,22 @@ impl Answer {
         let factor = if lower { f64::from(rows.target / loudest) } else { 1.0 };
         let on_grid =
             status != Status::Stopped && quantization.is_some_and(|quantization| quantization.phases().is_some());
-        if mixed && lower && problem.mix(&mut drive, factor, work, control) {
-            let solution = Solution::new(problem, drive, (status, step), steps, work, control)?;
-            return Ok(if on_grid { solution.on_grid() } else { solution });
+        // Whether the rows are those of all the problem's points, in its units.
+        let known = rows.order.len() == problem.propagation().points();
+        if mixed && lower {
+            let field = known.then(|| wave.heard(problem, rows, 1.0, work));
+            if let Some(mut solution) =
+                Solution::mixed(problem, &mut drive, (factor, field), (status, step), work, control)
+            {
+                solution.tell(problem, steps, control);
+                return Ok(if on_grid { solution.on_grid() } else { solution });
+            }
         }
         let (amplitude, scale) = quantization.map_or((factor, 1.0), |quantization| quantization.lowered(factor));
         for q in &mut drive {
             *q *= amplitude as f32;
         }
-        let solution = if rows.order.len() == problem.propagation().points() {
+        let solution = if known {
             let field = wave.heard(problem, rows, amplitude as f32, work);
             Solution::of_field(problem, drive, &field, status, step, work, control)?
         } else {
