@@ -12,6 +12,7 @@ use crate::energy;
 use crate::error::{invalid, refused, warn};
 use crate::function::Function;
 use crate::read;
+use crate::ready::Ready;
 use crate::solution::{Solution, begin};
 use crate::subject::{Beside, Subject};
 
@@ -114,7 +115,7 @@ pub(crate) fn solve(
         warn(py, &remark)?;
     }
     let ready = subject.ready();
-    let mut work = ready.map(|ready| ready.workspace()).unwrap_or_default();
+    let mut work = ready.map(Ready::workspace).unwrap_or_default();
     let answer = attend(py, progress, |control| {
         let mut control = if trace { control.traced() } else { control };
         let solution = midair::solve(&problem, &*configured.solver, balance, &mut work, &mut control)?;
