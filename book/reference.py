@@ -31,6 +31,12 @@ PYTHON = [
         "Exposed streaming Streaming tolerate Tolerance Kept",
     ),
     (
+        "gradients",
+        "Gradients",
+        "What a field changes by, for optimisation.",
+        "grad",
+    ),
+    (
         "drawing",
         "Shapes and paths",
         "Points of what people draw, at rest and in motion.",

@@ -87,7 +87,10 @@ pub use error::Error;
 pub use kernels::InstructionSet;
 pub use num_complex::{Complex32, Complex64};
 pub use problem::{Beyond, Metrics, Precision, Problem, Reach, Setup, Solution, Status, bound};
-pub use propagation::{Boundary, Gorkov, Model, Particle, Propagation, Rest, field, gorkov, rest};
+pub use propagation::gorkov::{Gorkov, gorkov};
+pub use propagation::gradient::{Gradient, Quantity, gradient};
+pub use propagation::rest::{Rest, rest};
+pub use propagation::{Boundary, Model, Particle, Propagation, field};
 pub use rng::Rng;
 pub use scene::{
     Aim, Array, Axis, Body, Choice, Directivity, Doubt, Key, Medium, Mesh, Obstacle, OptionValue, Options, Origin,

@@ -47,6 +47,7 @@ from ._midair import (
 
 if TYPE_CHECKING:
     # For type checkers; these are loaded when they are first used: `_toolbox.HOMES`.
+    from . import grad as grad
     from . import path as path
     from . import shape as shape
     from ._boards.address import Port, ports
@@ -137,6 +138,7 @@ __all__ = [
     "exposure",
     "field",
     "gorkov",
+    "grad",
     "haptic",
     "image",
     "judge",

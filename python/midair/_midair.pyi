@@ -64,6 +64,7 @@ __all__ = [
     "drive_to_csv",
     "field",
     "gorkov",
+    "gradient",
     "judge",
     "memory_limit",
     "placed",
@@ -517,6 +518,13 @@ def gorkov(
     sound_speed: float | None = None,
     gravity: ArrayLike | None = None,
 ) -> Gorkov: ...
+def gradient(
+    quantity: str,
+    scene: Scene | Array | Solution,
+    drive: ArrayLike | Solution | None,
+    points: ArrayLike | None,
+    cotangent: ArrayLike | None = None,
+) -> tuple[Any, ...]: ...
 def rest(
     scene: Scene | Solution,
     drive: ArrayLike | Solution | None = None,

@@ -41,6 +41,7 @@ HOMES = {
     "_points.image": "Picture image",
     "_studio.view": "View view",
     "_sweep": "sweep",
+    "grad": "",
     "path": "",
     "shape": "",
 }

@@ -15,6 +15,7 @@ mod function;
 mod getters;
 mod give;
 mod gorkov;
+mod gradient;
 mod instruction_set;
 mod judge;
 mod keywords;
@@ -74,6 +75,8 @@ mod _midair {
     use super::files::{scene_files, scene_keys, sweep_keys};
     #[pymodule_export]
     use super::gorkov::{Gorkov, Rest, gorkov, rest};
+    #[pymodule_export]
+    use super::gradient::gradient;
     #[pymodule_export]
     use super::judge::{bound, judge};
     #[pymodule_export]

@@ -63,7 +63,7 @@ def test_every_field_of_what_is_handed_out_is_told() -> None:
 
 
 #: What takes arguments and refuses none of them; what functions make and users do not.
-REFUSE_NOTHING = {"Sequence.each_change", "Connection", "View"}
+REFUSE_NOTHING = {"Sequence.each_change", "grad.Gradient", "Connection", "View"}
 
 
 def callables() -> Iterator[tuple[str, Callable[..., object]]]:

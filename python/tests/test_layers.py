@@ -23,6 +23,7 @@ LAYERS = (
     "_support",
     "shape",
     "path",
+    "grad",
     "_points",
     "_pictures",
     "_motion",
@@ -50,7 +51,7 @@ SHORT = {
 }
 
 #: Public modules, which show public names only.
-PUBLIC = ("midair", "midair.path", "midair.shape")
+PUBLIC = ("midair", "midair.grad", "midair.path", "midair.shape")
 
 
 def imported(text: str, package: str) -> Iterator[str]:

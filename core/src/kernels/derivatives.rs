@@ -73,6 +73,8 @@ pub(crate) struct Waves {
     /// alpha in 1/m.
     pub(crate) absorption: f64,
     pub(crate) slopes: Slopes,
+    /// Whether D is a function of k sin(theta), k its wavenumber; else it is one of theta alone.
+    pub(crate) scaled: bool,
 }
 
 /// Calls `take` with each block's Taylor coefficients around a point, real and imaginary: no transducer lies there.
@@ -132,7 +134,7 @@ pub(crate) fn sum(
 
 /// The first of each run of numbers that a set takes at once.
 #[inline(always)]
-fn runs<S: Doubles>(_s: S) -> impl Iterator<Item = usize> {
+pub(super) fn runs<S: Doubles>(_s: S) -> impl Iterator<Item = usize> {
     (0..EIGHT).step_by(S::WIDTH)
 }
 
@@ -289,7 +291,7 @@ fn cubic<S: Doubles>(l: [V<S>; 3], [xx, xy, xz, yy, yz, zz]: [V<S>; 6]) -> [V<S>
 }
 
 #[inline(always)]
-fn dot<S: Doubles>(a: [V<S>; 3], b: [V<S>; 3]) -> V<S> {
+pub(super) fn dot<S: Doubles>(a: [V<S>; 3], b: [V<S>; 3]) -> V<S> {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
@@ -315,7 +317,7 @@ fn by<S: Doubles>([re, im]: C<S>, x: V<S>) -> C<S> {
 
 /// D and its Taylor coefficients by c, of a polynomial in y = `square` (1 - c^2); 0 behind.
 #[inline(always)]
-fn even<S: Doubles>(s: S, square: f64, terms: &[f64], c: V<S>) -> [V<S>; 4] {
+pub(super) fn even<S: Doubles>(s: S, square: f64, terms: &[f64], c: V<S>) -> [V<S>; 4] {
     let [zero, one] = [V::all(s, 0.0), V::all(s, 1.0)];
     let c = c.where_less(c, one, one);
     let y = (one - c * c) * square;
@@ -331,7 +333,7 @@ fn even<S: Doubles>(s: S, square: f64, terms: &[f64], c: V<S>) -> [V<S>; 4] {
 
 /// Cosine and sine of an angle in turns below 2^40, to 3e-16: by Taylor's polynomials within a quarter turn of half turns.
 #[inline(always)]
-fn phasor<S: Doubles>(s: S, turns: V<S>) -> (V<S>, V<S>) {
+pub(super) fn phasor<S: Doubles>(s: S, turns: V<S>) -> (V<S>, V<S>) {
     let halves = turns * 2.0;
     let whole = halves.round();
     // Of an even number of half turns 1, else -1.

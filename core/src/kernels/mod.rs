@@ -4,6 +4,8 @@
 //! is written once over [`simd::Simd`], 16 lanes and a fixed order of sums, and compiled for every [`InstructionSet`].
 
 #[forbid(unsafe_code)]
+pub(crate) mod backward;
+#[forbid(unsafe_code)]
 pub(crate) mod cholesky;
 #[forbid(unsafe_code)]
 pub(crate) mod closed_form;

@@ -6,6 +6,7 @@ pub(crate) mod dense;
 pub(crate) mod element;
 pub(crate) mod field;
 pub(crate) mod gorkov;
+pub(crate) mod gradient;
 mod inside;
 pub(crate) mod jet;
 pub(crate) mod kept;
@@ -24,10 +25,8 @@ pub(crate) mod taylor;
 pub use boundary::Boundary;
 pub use field::field;
 pub(crate) use field::field_of;
-pub use gorkov::{Gorkov, gorkov};
 pub use model::Model;
 pub use particle::Particle;
-pub use rest::{Rest, rest};
 pub(crate) use sources::Sources;
 pub(crate) use strips::Strips;
 

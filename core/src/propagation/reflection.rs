@@ -29,7 +29,7 @@ impl Reflection {
         self.0.iter().fold(place, |place, mirror| mirror.place(place))
     }
 
-    fn direction(&self, direction: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn direction(&self, direction: [f64; 3]) -> [f64; 3] {
         self.0.iter().fold(direction, |direction, mirror| mirror.direction(direction))
     }
 

@@ -15,9 +15,10 @@ use crate::propagation::sources::Sources;
 /// Those transducers of an array whose factor is not 0.
 pub(crate) struct Taylor {
     set: InstructionSet,
-    waves: Waves,
-    emitters: Vec<Emitters>,
-    members: Vec<usize>,
+    pub(super) waves: Waves,
+    pub(super) emitters: Vec<Emitters>,
+    /// The transducer of each lane of the emitters.
+    pub(super) members: Vec<usize>,
 }
 
 impl Taylor {
@@ -31,8 +32,9 @@ impl Taylor {
             (array.positions()[i], array.normals()[i], [re, im])
         }));
         let wavenumber = sources.medium.wavenumber();
-        let slopes = array.transducer().directivity.slopes(wavenumber);
-        let waves = Waves { wavenumber, absorption: sources.medium.absorption, slopes };
+        let directivity = array.transducer().directivity;
+        let (slopes, scaled) = (directivity.slopes(wavenumber), directivity.scaled());
+        let waves = Waves { wavenumber, absorption: sources.medium.absorption, slopes, scaled };
         Self { set, waves, emitters, members }
     }
 

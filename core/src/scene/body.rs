@@ -113,7 +113,7 @@ macro_rules! obstacles {
                 $crate::scene::Key::new(stringify!($field), $example, concat!("Of a ", $noun, ":", $($doc),+)),
             )+)+];
 
-            fn noun(&self) -> &'static str {
+            pub(crate) fn noun(&self) -> &'static str {
                 match self {
                     $( Self::$name { .. } => $noun, )+
                     $( Self::$other(_) => $other_noun, )*

@@ -13,7 +13,6 @@ from matplotlib.figure import Figure as Picture
 from .._midair import SceneError
 from .._support.kept import locked
 from . import drawing, fig2, fig3, fig4, fig5, fig6, fig7, tables
-from .fields import pixels
 from .run import Found, Run, Tell, silent
 from .tables import Verdict
 
@@ -96,7 +95,7 @@ def _figure(name: str, run: Run, output: Path) -> list[Verdict]:
     rows, fields = figure.collect(run)
     tables.write(path, rows)
     if fields:
-        tables.write(output / f"{name}-fields.csv", pixels(fields))
+        tables.write(output / f"{name}-fields.csv", drawing.pixels(fields))
     found = Found(tables.read(path), fields)
     drawing.save(figure.draw(found), output, name)
     return figure.judge(found.rows)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 
 from .._sweep.engine import Job
-from . import fields, scenes, tables
+from . import drawing, scenes, tables
 from .run import Found, Run
 from .scenes import panels
 from .tables import Verdict, outcome
@@ -21,8 +21,8 @@ def collect(run: Run) -> Found:
     points = scenes.smiley()
     jobs = [
         Job(
-            fields.solve_field,
-            fields.settings(points, 1.0, method.solver, method.options, SIZE),
+            drawing.solve_field,
+            drawing.settings(points, 1.0, method.solver, method.options, SIZE),
             0,
             1,
             method.key,
@@ -60,7 +60,7 @@ def draw(found: Found) -> Figure:
         axes.set_axis_off()
     for axes, (key, field) in zip(grid.flat, found.fields.items(), strict=False):
         # The target is 1; brighter spots are shown as bright as the scale goes.
-        image = fields.picture(axes, field, SIZE, 1.5)
+        image = drawing.picture(axes, field, SIZE, 1.5)
         first = tables.pick(found.rows, method=key)[0]
         axes.set_title(
             f"{first['label']}\naccuracy {first['accuracy']:.2f}, sigma {first['sigma']:.3f}", fontsize=9

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from .. import _midair
 from .._support.kept import Arrays
 from .._sweep.engine import Job
-from . import fields, scenes, tables
+from . import drawing, scenes, tables
 from .run import Found, Run
 from .scenes import Options
 from .tables import Verdict, outcome
@@ -46,7 +46,7 @@ PANELS = (
 
 def measure(settings: Mapping[str, Any], start: int, stop: int) -> Arrays:
     """Widths along x and y in m, artefacts and radiated power for seeds start to stop."""
-    scene = fields.scene(POINT, settings["target"])
+    scene = drawing.scene(POINT, settings["target"])
     steps = np.arange(-round(SPAN / STEP), round(SPAN / STEP) + 1) * STEP
     zero = np.zeros_like(steps)
     lines = np.concatenate([np.column_stack([steps, zero]), np.column_stack([zero, steps])])
@@ -86,8 +86,8 @@ def collect(run: Run) -> Found:
             Job(measure, settings, start, min(start + CHUNK, trials), panel)
             for start in range(0, trials, CHUNK)
         ]
-        shown = fields.settings(POINT, target, "greedy", {**options, "seed": run.seed}, SIZE)
-        jobs.append(Job(fields.solve_field, shown, 0, 1, (panel, "field")))
+        shown = drawing.settings(POINT, target, "greedy", {**options, "seed": run.seed}, SIZE)
+        jobs.append(Job(drawing.solve_field, shown, 0, 1, (panel, "field")))
     found = run.gather(jobs)
     rows: tables.Rows = []
     for panel, target, order, balance in PANELS:
@@ -117,7 +117,7 @@ def draw(found: Found) -> Figure:
     figure = Figure(figsize=(7.8, 9.6), layout="compressed")
     for axes, row in zip(figure.subplots(3, 2, sharex=True, sharey=True).flat, found.rows, strict=True):
         field = found.fields[row["panel"]]
-        image = fields.picture(axes, field, SIZE, float(field.max()))
+        image = drawing.picture(axes, field, SIZE, float(field.max()))
         order = "random order" if row["order"] == "random" else "fixed order"
         how = ", balanced" if row["balance"] == "on" else ""
         axes.set_title(f"({row['panel']}) |p| = {row['target']:g}, {order}{how}", fontsize="medium")

@@ -107,6 +107,12 @@ impl<S: Doubles> V<S> {
         self.0.store_doubles(self.1, to);
     }
 
+    /// Adds it to the first of a slice.
+    #[inline(always)]
+    pub(crate) fn onto(self, sum: &mut [f64]) {
+        (Self::of(self.0, sum) + self).put(sum);
+    }
+
     /// Functions of each number, one after the other.
     #[inline(always)]
     pub(crate) fn each<const N: usize>(self, of: impl Fn(f64) -> [f64; N]) -> [Self; N] {

@@ -127,6 +127,11 @@ impl Directivity {
         }
     }
 
+    /// Whether D is a function of k sin(theta); else it is one of theta alone.
+    pub(crate) fn scaled(self) -> bool {
+        matches!(self.law.taylor, Taylor::InSine { .. })
+    }
+
     /// Whether an angle lies behind the baffle.
     fn silent(&self, cos_theta: f64) -> bool {
         cos_theta < 0.0 && !matches!(self.law.shape, Shape::Omnidirectional)

@@ -1,0 +1,239 @@
+//! Backward: gradients of what many transducers send to a point, in double precision, eight transducers at a time.
+//!
+//! With the ray d of length r from a transducer to the point, e = d/r and c = e . n, its wave is F = f g D(c), g = e^{ur}/r,
+//! u = jk - alpha, f its factor. The derivatives of Re(w* q F), of a cotangent w and a drive q, with S = w* q F and
+//! T = Re(w* q f g D'), are
+//!
+//! ```text
+//! by q     (as dL/dRe q + j dL/dIm q)   F* w
+//! by d     a e + (T/r)(n - c e),        a = -(alpha + 1/r) Re S - k Im S
+//! by n     T (e - c n),                 along the sphere of unit normals
+//! by k     -r Im S - T (1 - c^2)/(k c), the second term where D is a function of k sin(theta)
+//! ```
+//!
+//! The way forward keeps 1/r, F and f g D' of each, so that the way back needs no phase and no root.
+//!
+//! Plain loops without fused products: every instruction set gives the same bits.
+#![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
+
+use crate::control::Control;
+use crate::error::Error;
+use crate::kernels::derivatives::{Emitters, Slopes, Waves, dot, even, phasor, runs};
+use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, total};
+use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+
+/// Blocks of eight between two pulses.
+const RUN: usize = 32;
+
+/// exp(-x) is found of x/2^HALVINGS.
+const HALVINGS: usize = 7;
+
+/// What the way forward keeps of eight transducers and a point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sent {
+    /// 1/r.
+    near: Eight,
+    /// F, real and imaginary part.
+    wave: [Eight; 2],
+    /// f g D', likewise; 0 where D = 1.
+    bend: [Eight; 2],
+}
+
+impl Sent {
+    pub(crate) const ZERO: Self = Self { near: [0.0; EIGHT], wave: [[0.0; EIGHT]; 2], bend: [[0.0; EIGHT]; 2] };
+}
+
+/// Gradients by eight transducers, summed over points.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pull {
+    pub(crate) drive: [Eight; 2],
+    pub(crate) position: [Eight; 3],
+    pub(crate) normal: [Eight; 3],
+}
+
+impl Pull {
+    pub(crate) const ZERO: Self =
+        Self { drive: [[0.0; EIGHT]; 2], position: [[0.0; EIGHT]; 3], normal: [[0.0; EIGHT]; 3] };
+
+    /// Adds those of other points.
+    pub(crate) fn add(&mut self, other: &Self) {
+        let own = self.drive.iter_mut().chain(&mut self.position).chain(&mut self.normal);
+        let other = other.drive.iter().chain(&other.position).chain(&other.normal);
+        own.zip(other).for_each(|(own, other)| (0..EIGHT).for_each(|lane| own[lane] += other[lane]));
+    }
+}
+
+/// The pressure of some drives at a point and the largest 1/r; keeps what [`back`] needs.
+pub(crate) fn forth(
+    set: InstructionSet,
+    waves: &Waves,
+    (emitters, drives): (&[Emitters], &[[Eight; 2]]),
+    point: [f64; 3],
+    kept: &mut [Sent],
+    control: &mut Control,
+) -> Result<([f64; 2], f64), Error> {
+    let (mut sums, mut nearest) = ([[0.0; EIGHT]; 2], [0.0; EIGHT]);
+    let all = emitters.chunks(RUN).zip(drives.chunks(RUN)).zip(kept.chunks_mut(RUN));
+    for ((blocks, drives), kept) in all {
+        control.pulse()?;
+        dispatch!(set, s => {
+            for at in runs(s) {
+                let mut sum = [V::of(s, &sums[0][at..]), V::of(s, &sums[1][at..])];
+                let mut most = V::of(s, &nearest[at..]);
+                for ((block, [re, im]), kept) in blocks.iter().zip(drives).zip(kept.iter_mut()) {
+                    let [own_re, own_im] = send(s, waves, (block, at), point, kept);
+                    let [re, im] = [V::of(s, &re[at..]), V::of(s, &im[at..])];
+                    sum[0] = sum[0] + (own_re * re - own_im * im);
+                    sum[1] = sum[1] + (own_re * im + own_im * re);
+                    let near = V::of(s, &kept.near[at..]);
+                    most = near.where_less(most, near, most);
+                }
+                sum[0].put(&mut sums[0][at..]);
+                sum[1].put(&mut sums[1][at..]);
+                most.put(&mut nearest[at..]);
+            }
+        });
+    }
+    Ok((sums.map(total), nearest.into_iter().fold(0.0, f64::max)))
+}
+
+/// F of eight transducers or fewer, kept with the rest.
+#[inline(always)]
+fn send<S: Doubles>(
+    s: S,
+    waves: &Waves,
+    (block, at): (&Emitters, usize),
+    point: [f64; 3],
+    kept: &mut Sent,
+) -> [V<S>; 2] {
+    let d = ray(s, block, at, point);
+    let r = dot(d, d).sqrt();
+    let near = r.inverse();
+    let (cos, sin) = phasor(s, r * (waves.wavenumber / core::f64::consts::TAU));
+    let amplitude = if waves.absorption > 0.0 { near * decay(s, r * waves.absorption) } else { near };
+    let [re, im] = block.factor.each_ref().map(|part| V::of(s, &part[at..]));
+    let (cos, sin) = (amplitude * cos, amplitude * sin);
+    let g = [cos * re - sin * im, cos * im + sin * re];
+    near.put(&mut kept.near[at..]);
+    let slopes = match &waves.slopes {
+        Slopes::One => {
+            g[0].put(&mut kept.wave[0][at..]);
+            g[1].put(&mut kept.wave[1][at..]);
+            return g;
+        }
+        Slopes::Even { square, terms } => even(s, *square, terms, dot(d, normal(s, block, at)) * near),
+        Slopes::Each(of) => (dot(d, normal(s, block, at)) * near).each(of),
+    };
+    let wave = g.map(|part| part * slopes[0]);
+    for part in 0..2 {
+        wave[part].put(&mut kept.wave[part][at..]);
+        (g[part] * slopes[1]).put(&mut kept.bend[part][at..]);
+    }
+    wave
+}
+
+/// The gradients of Re(w* p) of a cotangent w by a point and, the last, by k; adds those by the transducers.
+pub(crate) fn back(
+    set: InstructionSet,
+    waves: &Waves,
+    (emitters, drives): (&[Emitters], &[[Eight; 2]]),
+    (point, cotangent): ([f64; 3], [f64; 2]),
+    kept: &[Sent],
+    pulls: &mut [Pull],
+    control: &mut Control,
+) -> Result<[f64; 4], Error> {
+    let mut sums = [[0.0; EIGHT]; 4];
+    let all = emitters.chunks(RUN).zip(drives.chunks(RUN)).zip(kept.chunks(RUN)).zip(pulls.chunks_mut(RUN));
+    for (((blocks, drives), kept), pulls) in all {
+        control.pulse()?;
+        dispatch!(set, s => {
+            let w = cotangent.map(|part| V::all(s, part));
+            for at in runs(s) {
+                let mut sum: [V<_>; 4] = core::array::from_fn(|k| V::of(s, &sums[k][at..]));
+                for (((block, drive), kept), pull) in blocks.iter().zip(drives).zip(kept).zip(pulls.iter_mut()) {
+                    let drive = drive.each_ref().map(|part| V::of(s, &part[at..]));
+                    let own = pulled(s, waves, (block, at), (point, w, drive), kept, pull);
+                    for k in 0..4 {
+                        sum[k] = sum[k] + own[k];
+                    }
+                }
+                for k in 0..4 {
+                    sum[k].put(&mut sums[k][at..]);
+                }
+            }
+        });
+    }
+    Ok(sums.map(total))
+}
+
+#[inline(always)]
+fn pulled<S: Doubles>(
+    s: S,
+    waves: &Waves,
+    (block, at): (&Emitters, usize),
+    (point, w, q): ([f64; 3], [V<S>; 2], [V<S>; 2]),
+    kept: &Sent,
+    pull: &mut Pull,
+) -> [V<S>; 4] {
+    let near = V::of(s, &kept.near[at..]);
+    let d = ray(s, block, at, point);
+    let e = d.map(|x| x * near);
+    let sent = against(w, kept.wave.each_ref().map(|part| V::of(s, &part[at..])));
+    sent[0].onto(&mut pull.drive[0][at..]);
+    (sent[1] * -1.0).onto(&mut pull.drive[1][at..]);
+    let driven = [sent[0] * q[0] - sent[1] * q[1], sent[0] * q[1] + sent[1] * q[0]];
+    let along = (driven[0] * (near + waves.absorption) + driven[1] * waves.wavenumber) * -1.0;
+    let mut by_k = dot(d, e) * driven[1] * -1.0;
+    let mut v = e.map(|x| x * along);
+    if !matches!(waves.slopes, Slopes::One) {
+        let n = normal(s, block, at);
+        let c = dot(e, n);
+        let bend = against(w, kept.bend.each_ref().map(|part| V::of(s, &part[at..])));
+        let t = bend[0] * q[0] - bend[1] * q[1];
+        let across = t * near;
+        for axis in 0..3 {
+            v[axis] = v[axis] + across * (n[axis] - e[axis] * c);
+            (t * (e[axis] - n[axis] * c)).onto(&mut pull.normal[axis][at..]);
+        }
+        if waves.scaled {
+            let floor = V::all(s, f64::MIN_POSITIVE);
+            let ahead = c.where_less(floor, c, floor);
+            by_k = by_k - t * (V::all(s, 1.0) - c * c) * (ahead * waves.wavenumber).inverse();
+        }
+    }
+    for axis in 0..3 {
+        (v[axis] * -1.0).onto(&mut pull.position[axis][at..]);
+    }
+    [v[0], v[1], v[2], by_k]
+}
+
+/// w* z.
+#[inline(always)]
+fn against<S: Doubles>(w: [V<S>; 2], z: [V<S>; 2]) -> [V<S>; 2] {
+    [w[0] * z[0] + w[1] * z[1], w[0] * z[1] - w[1] * z[0]]
+}
+
+#[inline(always)]
+fn ray<S: Doubles>(s: S, block: &Emitters, at: usize, point: [f64; 3]) -> [V<S>; 3] {
+    core::array::from_fn(|axis| V::all(s, point[axis]) - V::of(s, &block.position[axis][at..]))
+}
+
+#[inline(always)]
+fn normal<S: Doubles>(s: S, block: &Emitters, at: usize) -> [V<S>; 3] {
+    core::array::from_fn(|axis| V::of(s, &block.normal[axis][at..]))
+}
+
+/// exp(-x) of x from 0 on, to 1e-13; below 1e-55 anything as small.
+#[inline(always)]
+fn decay<S: Doubles>(s: S, x: V<S>) -> V<S> {
+    let most = V::all(s, 128.0);
+    let part = x.where_less(x, most, most) * (-1.0 / f64::from(1 << HALVINGS));
+    let mut sum = V::all(s, 1.0);
+    for n in (1..16).rev() {
+        sum = sum * part * (1.0 / f64::from(n)) + 1.0;
+    }
+    for _ in 0..HALVINGS {
+        sum = sum * sum;
+    }
+    sum
+}

@@ -1,0 +1,326 @@
+//! Gradient: what a quantity of the field at points changes by with the drive, the points, the array and the sound speed.
+//!
+//! Reverse mode by hand: of a scalar L with the cotangent dL/dvalue at each point, one pass forward and one back give dL by all
+//! that the value depends on. The quantity is a function of p at its point; w = dL/dRe p + j dL/dIm p goes back through
+//! eq. (5) in `kernels::backward`. Of an image in a wall the gradient is that of the mirrored transducer, mirrored back.
+
+use alloc::format;
+use alloc::vec;
+use alloc::vec::Vec;
+
+use num_complex::Complex64;
+
+use crate::control::{Control, bytes};
+use crate::error::{Error, one_each};
+use crate::kernels::InstructionSet;
+use crate::kernels::backward::{Pull, Sent, back, forth};
+use crate::kernels::simd::doubles::{EIGHT, Eight};
+use crate::math;
+use crate::propagation::model::Model;
+use crate::propagation::reflection::reflections;
+use crate::propagation::sources::Sources;
+use crate::propagation::taylor::Taylor;
+use crate::scene::{Medium, Obstacle, check_places};
+
+/// Points whose gradients by transducers are one sum: such sums are added in the points' order, whatever the threads.
+const BLOCK: usize = 8;
+
+/// Sums of each thread that wait to be added.
+const WAITING: usize = 4;
+
+/// Unit vectors.
+const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// A quantity of the field at each point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Quantity {
+    /// Complex p in Pa (peak): two numbers a point, its real and imaginary part.
+    Pressure,
+    /// |p| in Pa.
+    Amplitude,
+    /// Radiation pressure |p|^2/(rho c^2) in Pa on a wall at normal incidence.
+    Radiation,
+}
+
+impl Quantity {
+    /// The numbers that it has at each point.
+    #[must_use]
+    pub fn width(self) -> usize {
+        match self {
+            Self::Pressure => 2,
+            Self::Amplitude | Self::Radiation => 1,
+        }
+    }
+
+    /// Writes its value for a pressure.
+    fn write(self, medium: Medium, p: Complex64, value: &mut [f64]) {
+        match self {
+            Self::Pressure => value.copy_from_slice(&[p.re, p.im]),
+            Self::Amplitude => value[0] = math::hypot(p.re, p.im),
+            Self::Radiation => value[0] = medium.radiation(math::hypot(p.re, p.im)),
+        }
+    }
+
+    /// dL/dRe p + j dL/dIm p, and dL by the sound speed at constant p.
+    fn back(self, medium: Medium, p: Complex64, value: &[f64], cotangent: &[f64]) -> ([f64; 2], f64) {
+        let along = |factor: f64| [factor * p.re, factor * p.im];
+        match self {
+            Self::Pressure => ([cotangent[0], cotangent[1]], 0.0),
+            // |p| has no slope at 0: the least of its subgradients.
+            Self::Amplitude => (along(if value[0] > 0.0 { cotangent[0] / value[0] } else { 0.0 }), 0.0),
+            Self::Radiation => {
+                (along(2.0 * cotangent[0] * medium.radiation(1.0)), -2.0 * cotangent[0] * value[0] / medium.sound_speed)
+            }
+        }
+    }
+}
+
+/// A value and its gradients: of L = sum of cotangent times value, by all that the value depends on.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Gradient {
+    /// The quantity at each point, [`Quantity::width`] numbers each.
+    pub value: Vec<f64>,
+    /// dL/dRe q + j dL/dIm q (N,): the direction in which L rises.
+    pub drive: Vec<Complex64>,
+    /// dL by each point (M, 3), in 1/m.
+    pub points: Vec<[f64; 3]>,
+    /// dL by each transducer's position (N, 3), in 1/m.
+    pub positions: Vec<[f64; 3]>,
+    /// dL by each transducer's unit normal (N, 3), along the sphere of directions: across the normal.
+    pub normals: Vec<[f64; 3]>,
+    /// dL by the sound speed, in s/m, at constant frequency, absorption and density.
+    pub sound_speed: f64,
+}
+
+/// The gradients of a quantity at `points` (M, 3) in m in the field of a drive (N,), for a `cotangent` dL/dvalue of
+/// [`Quantity::width`] numbers a point.
+///
+/// The field is that of [`crate::gorkov`]: eq. (5) in double precision, beside walls and without a signature. Everything
+/// that is not named in [`Gradient`] is constant: source pressure, directivity and its size, responses, absorption.
+///
+/// # Errors
+/// A drive or cotangent of another length or not finite; no points, one that is not finite, too far away, behind a wall, within
+/// lambda/100 of a transducer, or in the plane of a transducer whose directivity breaks off there; spheres and meshes; more
+/// memory than allowed; a stop.
+///
+/// ```
+/// use midair::{Array, Complex64, Control, InstructionSet, Medium, Model, Quantity};
+///
+/// let model = Model::new(&Array::grid(1, 1, 10e-3)?, Medium::default(), InstructionSet::best())?;
+/// let (drive, point) = ([Complex64::ONE], [[0.0, 0.0, 0.1]]);
+/// let by = midair::gradient(&model, &drive, &point, Quantity::Amplitude, &[1.0], &mut Control::none())?;
+/// // |p| = P0 |q|/r.
+/// assert!((by.value[0] - 43.86).abs() < 1e-9 && (by.drive[0].re - 43.86).abs() < 1e-9);
+/// assert!((by.points[0][2] + 438.6).abs() < 1e-9 && (by.positions[0][2] - 438.6).abs() < 1e-9);
+/// # Ok::<(), midair::Error>(())
+/// ```
+pub fn gradient(
+    model: &Model,
+    drive: &[Complex64],
+    points: &[[f64; 3]],
+    quantity: Quantity,
+    cotangent: &[f64],
+    control: &mut Control,
+) -> Result<Gradient, Error> {
+    let wanted = points.len() * quantity.width();
+    one_each("cotangent", cotangent.len(), "numbers", wanted, "numbers of the value")?;
+    if let Some(k) = cotangent.iter().position(|x| !x.is_finite()) {
+        return Err(Error::invalid(format!("cotangent[{k}]"), cotangent[k], "give finite numbers"));
+    }
+    Pass::new(model, drive, points, quantity)?.run(points, Some(cotangent), control)
+}
+
+impl Quantity {
+    /// Its values alone, [`Quantity::width`] numbers a point: the way forward of [`gradient`].
+    ///
+    /// # Errors
+    /// As [`gradient`].
+    pub fn value(
+        self,
+        model: &Model,
+        drive: &[Complex64],
+        points: &[[f64; 3]],
+        control: &mut Control,
+    ) -> Result<Vec<f64>, Error> {
+        Ok(Pass::new(model, drive, points, self)?.run(points, None, control)?.value)
+    }
+}
+
+/// Transducers or their images in a wall.
+struct Seen<'a> {
+    sources: &'a Sources,
+    waves: Taylor,
+    drives: Vec<[Eight; 2]>,
+    /// What the mirrors make of the unit vectors.
+    axes: [[f64; 3]; 3],
+}
+
+/// A drive's field, ready for points.
+struct Pass<'a> {
+    set: InstructionSet,
+    medium: Medium,
+    quantity: Quantity,
+    all: Vec<Seen<'a>>,
+}
+
+/// What a few points give.
+struct Part {
+    value: Vec<f64>,
+    points: Vec<[f64; 3]>,
+    /// By transducers, for each of the images.
+    pulls: Vec<Vec<Pull>>,
+    by_k: f64,
+    by_speed: f64,
+}
+
+impl<'a> Pass<'a> {
+    fn new(model: &'a Model, drive: &[Complex64], points: &[[f64; 3]], quantity: Quantity) -> Result<Self, Error> {
+        let (array, medium) = (model.array(), model.medium());
+        one_each("drive", drive.len(), "values", array.len(), "transducers")?;
+        if let Some(i) = drive.iter().position(|q| !q.re.is_finite() || !q.im.is_finite()) {
+            return Err(Error::invalid(format!("drive[{i}]"), drive[i], "give finite numbers"));
+        }
+        if points.is_empty() {
+            return Err(Error::invalid("points", "empty", "give at least one point"));
+        }
+        check_places(array.centre(), medium, "points", "", points)?;
+        let seen = |sources: &'a Sources, axes: [[f64; 3]; 3]| {
+            let waves = Taylor::new(model.set, sources, |i| sources.array.effect(i));
+            let mut drives = vec![[[0.0; EIGHT]; 2]; waves.emitters.len()];
+            for (lane, &i) in waves.members.iter().enumerate() {
+                let [re, im] = &mut drives[lane / EIGHT];
+                (re[lane % EIGHT], im[lane % EIGHT]) = (drive[i].re, drive[i].im);
+            }
+            Seen { sources, waves, drives, axes }
+        };
+        let mut all = vec![seen(&model.sources, AXES)];
+        if let Some(scattering) = &model.scattering {
+            let body = scattering.obstacles.given().iter().position(|body| !matches!(body, Obstacle::Wall { .. }));
+            if let Some(k) = body {
+                let noun = scattering.obstacles.given()[k].noun();
+                let cure = "gradients are known beside walls alone: leave it out";
+                return Err(Error::invalid(format!("obstacles[{k}]"), format!("a {noun}"), cure));
+            }
+            scattering.obstacles.check_points(points)?;
+            let mirrors = reflections(array.centre(), &scattering.obstacles);
+            let turned = mirrors.iter().map(|mirror| AXES.map(|axis| mirror.direction(axis)));
+            all.extend(scattering.images.iter().zip(turned).map(|(sources, axes)| seen(sources, axes)));
+        }
+        Ok(Self { set: model.set, medium, quantity, all })
+    }
+
+    /// Values and, of a cotangent, gradients: by parts of the points, whose sums are added in their order.
+    fn run(&self, points: &[[f64; 3]], cotangent: Option<&[f64]>, control: &mut Control) -> Result<Gradient, Error> {
+        let (width, count) = (self.quantity.width(), self.all[0].sources.array.len());
+        let blocks: usize = self.all.iter().map(|seen| seen.drives.len()).sum();
+        let waiting = WAITING * control.threads();
+        let kept = bytes(size_of::<Pull>() + size_of::<Sent>(), &[waiting, blocks]);
+        control.room("the gradients", [count, points.len()], kept)?;
+        let mut gradient = Gradient {
+            value: Vec::with_capacity(width * points.len()),
+            drive: vec![Complex64::ZERO; count],
+            points: Vec::with_capacity(points.len()),
+            positions: vec![[0.0; 3]; count],
+            normals: vec![[0.0; 3]; count],
+            sound_speed: 0.0,
+        };
+        let mut sum = Part::none(self);
+        for (stretch, all) in points.chunks(BLOCK * waiting).enumerate() {
+            let first = stretch * BLOCK * waiting;
+            let mut parts: Vec<Option<Part>> = all.chunks(BLOCK).map(|_| None).collect();
+            let work = parts.iter_mut().zip(all.chunks(BLOCK)).enumerate().collect();
+            control.each(work, &|(k, (part, points)): (usize, (&mut Option<Part>, &[[f64; 3]])), control| {
+                let first = first + k * BLOCK;
+                let cotangent = cotangent.map(|all| &all[first * width..(first + points.len()) * width]);
+                *part = Some(self.part((first, points), cotangent, control)?);
+                Ok(())
+            })?;
+            for part in parts.into_iter().flatten() {
+                sum.add(&part);
+                gradient.value.extend(part.value);
+                gradient.points.extend(part.points);
+            }
+        }
+        for (seen, pulls) in self.all.iter().zip(&sum.pulls) {
+            let back = |v: [f64; 3]| seen.axes.map(|axis| (0..3).map(|k| axis[k] * v[k]).sum::<f64>());
+            for (lane, &i) in seen.waves.members.iter().enumerate() {
+                let (pull, lane) = (&pulls[lane / EIGHT], lane % EIGHT);
+                gradient.drive[i] += Complex64::new(pull.drive[0][lane], pull.drive[1][lane]);
+                let [position, normal] =
+                    [&pull.position, &pull.normal].map(|all| back([0, 1, 2].map(|k| all[k][lane])));
+                (0..3).for_each(|k| gradient.positions[i][k] += position[k]);
+                (0..3).for_each(|k| gradient.normals[i][k] += normal[k]);
+            }
+        }
+        gradient.sound_speed = sum.by_speed - sum.by_k * self.medium.wavenumber() / self.medium.sound_speed;
+        Ok(gradient)
+    }
+
+    /// Of a few points, the first of which has an index.
+    fn part(
+        &self,
+        (first, points): (usize, &[[f64; 3]]),
+        cotangent: Option<&[f64]>,
+        control: &mut Control,
+    ) -> Result<Part, Error> {
+        let width = self.quantity.width();
+        let mut part = Part::none(self);
+        part.value.resize(width * points.len(), 0.0);
+        let least = self.medium.wavelength() / 100.0;
+        let mut kept: Vec<Vec<Sent>> = self.all.iter().map(|seen| vec![Sent::ZERO; seen.drives.len()]).collect();
+        for (j, &point) in points.iter().enumerate() {
+            let mut p = Complex64::ZERO;
+            for (seen, kept) in self.all.iter().zip(&mut kept) {
+                let waves = &seen.waves;
+                let sources = (&waves.emitters[..], &seen.drives[..]);
+                let ([re, im], near) = forth(self.set, &waves.waves, sources, point, kept, control)?;
+                if near * least >= 1.0 {
+                    let count = seen.sources.array.len();
+                    (0..count).try_for_each(|i| seen.sources.check_distance(i, first + j, point))?;
+                }
+                p += Complex64::new(re, im);
+            }
+            let value = &mut part.value[j * width..(j + 1) * width];
+            self.quantity.write(self.medium, p, value);
+            let Some(cotangent) = cotangent else { continue };
+            let cotangent = &cotangent[j * width..(j + 1) * width];
+            let (w, by_speed) = self.quantity.back(self.medium, p, value, cotangent);
+            part.by_speed += by_speed;
+            let mut by_point = [0.0; 3];
+            for ((seen, kept), pulls) in self.all.iter().zip(&kept).zip(&mut part.pulls) {
+                let waves = &seen.waves;
+                let sources = (&waves.emitters[..], &seen.drives[..]);
+                let [x, y, z, k] = back(self.set, &waves.waves, sources, (point, w), kept, pulls, control)?;
+                by_point = [by_point[0] + x, by_point[1] + y, by_point[2] + z];
+                part.by_k += k;
+            }
+            if !by_point.iter().all(|x| x.is_finite()) {
+                let cure = "the gradient has no bound there: move it off the plane of a transducer's face";
+                return Err(Error::invalid(format!("points[{}]", first + j), format!("{point:?}"), cure));
+            }
+            part.points.push(by_point);
+        }
+        Ok(part)
+    }
+}
+
+impl Part {
+    fn none(pass: &Pass) -> Self {
+        let pulls = pass.all.iter().map(|seen| vec![Pull::ZERO; seen.drives.len()]).collect();
+        Self { value: Vec::new(), points: Vec::new(), pulls, by_k: 0.0, by_speed: 0.0 }
+    }
+
+    /// Adds the sums of another.
+    fn add(&mut self, other: &Self) {
+        let all = self.pulls.iter_mut().zip(&other.pulls);
+        all.for_each(|(own, other)| own.iter_mut().zip(other).for_each(|(own, other)| own.add(other)));
+        self.by_k += other.by_k;
+        self.by_speed += other.by_speed;
+    }
+}
+
+#[cfg(test)]
+#[path = "tests/gradient.rs"]
+mod tests;

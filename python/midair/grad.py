@@ -1,0 +1,120 @@
+"""Gradients of the field at points, by a hand-written pass back through eq. (5), in double precision.
+
+>>> import midair
+>>> array, points = midair.Array.preset("paper20"), [[0, 0, 0.15], [0.02, 0, 0.15]]
+>>> drive = midair.solve(midair.Scene(array, points)).drive
+>>> by = midair.grad.amplitude(array, drive, points, cotangent=[1, -1])
+>>> by.drive.shape, by.points.shape, by.positions.shape
+((400,), (2, 3), (400, 3))
+
+Each function takes a cotangent, dL/dvalue of a scalar L at each point, and returns the value and the
+gradients of L, a `Gradient`. All else is constant: frequency, source pressure, directivity, responses,
+absorption, density.
+
+A complex number z has the gradient dL/dRe z + j dL/dIm z, the direction in which L rises, and so do
+cotangents. PyTorch has the same convention, JAX the conjugate.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _midair
+from ._midair import Array, Scene, Solution
+from ._support import slips
+
+__all__ = ["Gradient", "amplitude", "pressure", "radiation"]
+
+#: First argument and drive of every function.
+_Subject = Scene | Array | Solution
+
+
+def __dir__() -> list[str]:
+    return __all__
+
+
+class Gradient(NamedTuple):
+    """A value at M points, and the gradients of L = Re(sum of conj(cotangent) value).
+
+    value : (M,), or (M, 3) of a vector
+    drive : (N,) complex, dL/dRe q + j dL/dIm q
+    points : (M, 3), dL by each point, per m
+    positions : (N, 3), dL by each transducer's position, per m
+    normals : (N, 3), dL by each unit normal along the sphere of directions; 0 of point sources
+    sound_speed : dL by the sound speed, per m/s, at constant frequency
+    """
+
+    value: NDArray[np.complex128] | NDArray[np.float64]
+    drive: NDArray[np.complex128]
+    points: NDArray[np.float64]
+    positions: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    sound_speed: float
+
+
+def pressure(
+    scene: _Subject,
+    drive: ArrayLike | Solution | None = None,
+    points: ArrayLike | None = None,
+    cotangent: ArrayLike = 1.0,
+) -> Gradient:
+    """The complex pressure p (M,) in Pa of a drive at points, and its gradients.
+
+    scene : a midair.Scene, a Solution alone, or an Array in its own air
+    drive : (N,), of any modulus
+    points : (M, 3) in m; left out, the scene's
+    cotangent : (M,) complex, dL/dRe p + j dL/dIm p, or one for all
+
+    Raises SceneError for numbers of another shape or not finite, for spheres and meshes, and for a point
+    behind a wall, on a transducer, or in the plane of a transducer whose directivity breaks off there.
+
+    >>> import midair
+    >>> by = midair.grad.pressure(midair.Array([[0, 0, 0]]), [1], [[0, 0, 0.1]], cotangent=1j)
+    >>> abs(by.drive[0]) == abs(by.value[0])
+    True
+    """
+    return Gradient(*_midair.gradient("pressure", scene, drive, points, cotangent))
+
+
+def amplitude(
+    scene: _Subject,
+    drive: ArrayLike | Solution | None = None,
+    points: ArrayLike | None = None,
+    cotangent: ArrayLike = 1.0,
+) -> Gradient:
+    """The amplitude |p| (M,) in Pa (peak) of a drive at points, and its gradients; where p is 0 these are 0.
+
+    cotangent : (M,) real, dL/d|p|, or one for all; the rest as in `pressure`
+
+    Raises SceneError as `pressure`.
+
+    >>> import midair
+    >>> by = midair.grad.amplitude(midair.Array([[0, 0, 0]]), [1], [[0, 0, 0.1]])
+    >>> round(float(by.value[0]), 6), round(float(by.points[0, 2]), 6)
+    (43.86, -438.6)
+    """
+    return Gradient(*_midair.gradient("amplitude", scene, drive, points, cotangent))
+
+
+def radiation(
+    scene: _Subject,
+    drive: ArrayLike | Solution | None = None,
+    points: ArrayLike | None = None,
+    cotangent: ArrayLike = 1.0,
+) -> Gradient:
+    """The radiation pressure |p|^2/(rho c^2) (M,) in Pa on a wall at normal incidence, and its gradients.
+
+    cotangent : (M,) real, dL by it, or one for all; the rest as in `pressure`
+
+    Raises SceneError as `pressure`.
+
+    >>> import midair
+    >>> by = midair.grad.radiation(midair.Array([[0, 0, 0]]), [1], [[0, 0, 0.1]])
+    >>> round(float(by.value[0] / (43.86**2 / (1.223 * 340**2))), 6)
+    1.0
+    """
+    return Gradient(*_midair.gradient("radiation", scene, drive, points, cotangent))
+
+
+slips.attach(__name__)

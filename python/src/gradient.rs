@@ -1,0 +1,117 @@
+//! What `midair.grad` calls: a quantity of the field at points and its gradients.
+
+use midair::{Complex64, Model, Quantity};
+use numpy::IntoPyArray;
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+
+use crate::array::Array;
+use crate::ctrl_c::attend;
+use crate::error::{invalid, refused};
+use crate::give::rows;
+use crate::limits;
+use crate::numbers::{Numbers, numbers, told};
+use crate::read::{self, NUMBER};
+use crate::solution::{Solution, about, played};
+
+type Argument<'py> = Option<Bound<'py, PyAny>>;
+
+/// Model, drive and points of what a gradient is about: a Scene, a Solution alone, or an Array in its own air.
+fn subject<'py>(
+    scene: &Bound<'py, PyAny>,
+    drive: Argument<'py>,
+    points: Argument<'py>,
+) -> PyResult<(Model, Vec<Complex64>, Vec<[f64; 3]>)> {
+    let (model, drive, own, points) = if let Ok(array) = scene.cast::<Array>() {
+        let array = array.get();
+        let drive = drive.ok_or_else(|| invalid("drive", "None", "give one (N,)"))?;
+        let model = array.ready(array.inner.medium(&[]).map_err(refused)?)?.model.clone();
+        (model, drive, None, points)
+    } else {
+        let (scene, drive, points) = about(scene, drive, points)?;
+        (scene.get().model(), drive, Some(scene), points)
+    };
+    let drive = match drive.cast::<Solution>() {
+        Ok(_) => {
+            let wide = |q: &midair::Complex32| Complex64::new(f64::from(q.re), f64::from(q.im));
+            played(&drive)?.iter().map(wide).collect()
+        }
+        Err(_) => read::complexes("drive", &drive)?,
+    };
+    let points = match (points, own) {
+        (Some(points), _) => read::vectors("points", &points)?,
+        (None, Some(scene)) => scene.get().inner.points().to_vec(),
+        (None, None) => return Err(invalid("points", "None", "give them beside an Array: (M, 3) in m")),
+    };
+    Ok((model, drive, points))
+}
+
+/// A cotangent as the core reads it, point by point.
+fn cotangent(quantity: Quantity, value: &Bound<'_, PyAny>, count: usize) -> PyResult<Vec<f64>> {
+    match quantity {
+        Quantity::Pressure => {
+            let cure = format!("give one number, or one for each of the {count} points");
+            let Numbers { values, shape } = numbers::<Complex64>("cotangent", value, NUMBER, &cure)?;
+            let values = match shape[..] {
+                [] => values.repeat(count),
+                [length] if length == count => values,
+                _ => return Err(invalid("cotangent", &told(&shape), &cure)),
+            };
+            Ok(values.iter().flat_map(|w| [w.re, w.im]).collect())
+        }
+        _ => read::list("cotangent", value, count),
+    }
+}
+
+fn named(name: &str) -> PyResult<Quantity> {
+    match name {
+        "pressure" => Ok(Quantity::Pressure),
+        "amplitude" => Ok(Quantity::Amplitude),
+        "radiation" => Ok(Quantity::Radiation),
+        _ => Err(invalid("quantity", name, "give pressure, amplitude or radiation")),
+    }
+}
+
+/// Values (M,) in NumPy.
+fn shaped(py: Python<'_>, quantity: Quantity, value: Vec<f64>) -> Bound<'_, PyAny> {
+    match quantity {
+        Quantity::Pressure => {
+            let pairs = value.as_chunks::<2>().0.iter().map(|&[re, im]| Complex64::new(re, im));
+            pairs.collect::<Vec<_>>().into_pyarray(py).into_any()
+        }
+        _ => value.into_pyarray(py).into_any(),
+    }
+}
+
+/// The values of a quantity and, of a cotangent, its gradients by the drive, the points, positions, normals and the sound speed.
+#[pyfunction]
+#[pyo3(signature = (quantity, scene, drive, points, cotangent=None))]
+pub(crate) fn gradient<'py>(
+    py: Python<'py>,
+    quantity: &str,
+    scene: &Bound<'py, PyAny>,
+    drive: Argument<'py>,
+    points: Argument<'py>,
+    cotangent: Argument<'py>,
+) -> PyResult<Bound<'py, PyTuple>> {
+    let quantity = named(quantity)?;
+    let (model, drive, points) = subject(scene, drive, points)?;
+    let threads = limits::threads(py)?;
+    let Some(cotangent) = cotangent else {
+        let value = attend(py, None, |control| quantity.value(&model, &drive, &points, &mut control.on(threads)))?;
+        return PyTuple::new(py, [shaped(py, quantity, value)]);
+    };
+    let cotangent = self::cotangent(quantity, &cotangent, points.len())?;
+    let by = attend(py, None, |control| {
+        midair::gradient(&model, &drive, &points, quantity, &cotangent, &mut control.on(threads))
+    })?;
+    let parts = [
+        shaped(py, quantity, by.value),
+        by.drive.into_pyarray(py).into_any(),
+        rows(py, &by.points)?.into_any(),
+        rows(py, &by.positions)?.into_any(),
+        rows(py, &by.normals)?.into_any(),
+        by.sound_speed.into_pyobject(py)?.into_any(),
+    ];
+    PyTuple::new(py, parts)
+}
