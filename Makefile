@@ -25,7 +25,7 @@ RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml $(shell find cor
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards gateware test-studio lint fuzz sanitize bench bench-capi bench-peers gallery figures motion touch exposure measuring obstacles paper docs schema golden map header stubs pins wheels clean
+.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards gateware test-studio npm test-npm lint fuzz sanitize bench bench-capi bench-peers gallery figures motion touch exposure measuring obstacles paper docs schema golden map header stubs pins wheels clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -81,7 +81,7 @@ $(BUILT)/libmidair.so:
 	$(MAKE) --no-print-directory capi
 
 test: outlook lint test-rust test-python ## The core's tests and the package's (the C library's: test-capi)
-	@echo; echo "== all passed. Left out: make test-capi (the C library, 6 min), test-studio, test-firmware, test-boards, test-portable, fuzz, sanitize"
+	@echo; echo "== all passed. Left out: make test-capi (the C library, 6 min), test-studio, test-npm, test-firmware, test-boards, test-portable, fuzz, sanitize"
 
 outlook:
 	@echo "make test: lint, the core's tests, the package's tests; 20 minutes on two cores, a third of it when built before."
@@ -129,6 +129,12 @@ test-studio: setup studio studio/.venv/ready ## The studio: types, tests, the pa
 	$(call step,studio: tests (1 min),cd studio && npx vitest run)
 	$(call step,studio: served and in notebooks (20 s),$(PYTHON) -m pytest python/tests/test_studio.py python/tests/test_view.py)
 	$(call step,studio: in a browser and in JupyterLab (4 min),cd studio && npx vitest run --config vite.browser.ts)
+
+npm: studio ## The package for Node and browsers, npm/dist (Node 20+)
+	npm/build.sh
+
+test-npm: npm ## The package for Node: packed, installed into an empty folder, its example, its bits (10 s once built)
+	cd npm && node --test test/
 
 lint: .venv/ready ## Formatting, clippy, rustdoc, ruff, spelling: warnings are errors
 	$(call step,lint: Rust is formatted (2 s),$(CARGO) fmt --check)

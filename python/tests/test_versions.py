@@ -38,7 +38,7 @@ def test_files_that_repeat_it_agree(file: str) -> None:
     assert re.findall(REPEATED[file], (ROOT / file).read_text(), re.MULTILINE) == [VERSION]
 
 
-@pytest.mark.parametrize("file", ["studio/package.json", "examples/node/package.json"])
+@pytest.mark.parametrize("file", ["npm/package.json", "studio/package.json", "examples/node/package.json"])
 def test_packages_for_node_agree(file: str) -> None:
     assert json.loads((ROOT / file).read_text())["version"] == VERSION
 

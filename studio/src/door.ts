@@ -88,6 +88,8 @@ export interface Door {
   save(toml: boolean): string;
   /** Positions (N, 3) in m, then normals (N, 3). */
   array(): Float64Array;
+  /** Moves the points (M of x, y, z in m), with other pressures in Pa or those from before; the next solve follows the last. */
+  move(points: readonly (readonly number[])[], pressures?: readonly number[]): void;
   solve(): Answer;
   judge(): Metrics;
   load(drive: ArrayLike<number>): void;
@@ -189,6 +191,12 @@ export function openDoor(module: WebAssembly.Module): Door {
         drive: drive(),
         said: lines(),
       };
+    },
+    move(points, pressures = []) {
+      const odd = points.findIndex((point) => point.length !== 3);
+      if (odd >= 0) throw new Error(`points[${odd}] has ${points[odd].length} numbers: give x, y and z in m`);
+      giveNumbers([...points.flat(), ...pressures]);
+      done(wasm.studio_move(studio, points.length));
     },
     judge() {
       done(wasm.studio_judge(studio));

@@ -142,6 +142,13 @@ pub extern "C" fn studio_solve(studio: &mut Studio) -> u32 {
     studio.work(Studio::solve)
 }
 
+/// Moves the scene's points, and requests other pressures there: the numbers handed in are M points (M, 3) in m, then M
+/// pressures in Pa or none, for those from before. The next solve follows the last.
+#[unsafe(no_mangle)]
+pub extern "C" fn studio_move(studio: &mut Studio, points: usize) -> u32 {
+    studio.work(|studio| studio.set_points(points))
+}
+
 /// Judges the drive at the scene's points: the numbers are the six metrics.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_judge(studio: &mut Studio) -> u32 {

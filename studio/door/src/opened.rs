@@ -30,6 +30,20 @@ impl Opened {
         Ok(Self { scene, model, session, ask, set })
     }
 
+    /// The same scene and session with other points; with the pressures from before, unless there are others.
+    pub(crate) fn set_points(&mut self, points: Vec<[f64; 3]>, pressures: Option<Vec<f64>>) -> Result<(), Error> {
+        let scene = &self.scene;
+        let mut request = scene.request().clone();
+        request.pressures = pressures.or(request.pressures);
+        let mut moved = Scene::new(scene.array().clone(), scene.medium(), points, request)?
+            .with_obstacles(scene.obstacles().to_vec())?
+            .with_signature(scene.signature().cloned())?;
+        (moved.solver, moved.plane) = (scene.solver.clone(), scene.plane);
+        self.scene = moved;
+        self.ask = SolveRequest::of_scene(&self.scene);
+        Ok(())
+    }
+
     /// The scene as the command line writes it.
     pub(crate) fn write(&self, toml: bool) -> Result<String, Error> {
         let version = Some(env!("CARGO_PKG_VERSION").into());

@@ -111,6 +111,13 @@ impl Studio {
         Ok(())
     }
 
+    pub(crate) fn set_points(&mut self, points: usize) -> Result<(), Error> {
+        let given = core::mem::take(&mut self.numbers_in);
+        let (places, pressures) = given.split_at_checked(3 * points).unwrap_or((&given, &[]));
+        let pressures = (!pressures.is_empty()).then(|| pressures.to_vec());
+        self.opened()?.set_points(places.as_chunks().0.to_vec(), pressures)
+    }
+
     pub(crate) fn judge(&mut self) -> Result<(), Error> {
         let problem = self.opened()?.problem()?;
         let metrics = problem.judge(&played(&self.drive, self.scale), Precision::Double, &mut Control::none())?;

@@ -1,0 +1,10 @@
+#!/bin/bash
+# Makes npm/dist/, of which `npm pack` makes the package, from the door and its module (`make studio` builds both).
+set -eu -o pipefail
+cd "$(dirname "$0")"
+tools=../studio/node_modules/.bin
+rm -rf dist
+"$tools/tsc" --project tsconfig.json
+"$tools/vite" build --config vite.config.ts --logLevel warn
+cp ../studio/built/midair.wasm dist/
+cp ../LICENSE .

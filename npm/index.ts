@@ -1,0 +1,70 @@
+/** midair in Node and browsers: scenes that are solved, followed, looked at and played. */
+
+import { compile, type Door, openDoor } from "../studio/src/door.ts";
+
+export type { Answer, BoardKind, Catalogue, Door, Frame, Metrics, Preset, Probe, Solver } from "../studio/src/door.ts";
+export type { Vec3 } from "../studio/src/types.ts";
+
+/** A scene file's text, or the same as an object. */
+export type SceneFile = string | object;
+
+/** How a scene is read. */
+export interface Reading {
+  /** Whether the text is TOML; JSON is recognised by its first character. */
+  toml?: boolean;
+  /** Whether to use scalar instructions, whose bits are those of every machine. */
+  scalar?: boolean;
+}
+
+/** A scene with its session: everything of a Door but the opening. */
+export type Scene = Omit<Door, "open" | "catalogue"> & {
+  /** Warnings of the scene, a line each. */
+  readonly warnings: readonly string[];
+};
+
+/** The compiled module. */
+export interface Midair {
+  /** Presets, solvers and boards, and the version. */
+  catalogue(): ReturnType<Door["catalogue"]>;
+  /** Opens a scene; throws one line that names the item, its value and the cure. `free` returns its memory. */
+  open(scene: SceneFile, reading?: Reading): Scene;
+}
+
+/** Bytes of the module, where they lie, or nothing for the file beside this one. */
+export type Source = BufferSource | URL | string;
+
+async function bytes(source: Source): Promise<BufferSource> {
+  if (typeof source !== "string" && !(source instanceof URL)) return source;
+  const place = new URL(source, import.meta.url);
+  if (place.protocol === "file:") {
+    const { readFile } = await import(/* @vite-ignore */ "node:fs/promises");
+    return new Uint8Array(await readFile(place));
+  }
+  const response = await fetch(place);
+  if (!response.ok) throw new Error(`${place} answers ${response.status}: give load() the address of midair.wasm`);
+  return response.arrayBuffer();
+}
+
+/** Loads the module: once a page or program. */
+export async function load(source: Source = new URL(/* @vite-ignore */ "./midair.wasm", import.meta.url)): Promise<Midair> {
+  const module = await compile(await bytes(source));
+  return {
+    catalogue() {
+      const door = openDoor(module);
+      const catalogue = door.catalogue();
+      door.free();
+      return catalogue;
+    },
+    open(scene, { toml, scalar } = {}) {
+      const door = openDoor(module);
+      const text = typeof scene === "string" ? scene : JSON.stringify(scene);
+      try {
+        const warnings = door.open(text, toml ?? !/^\s*\{/.test(text), scalar);
+        return Object.assign(door, { warnings });
+      } catch (error) {
+        door.free();
+        throw error;
+      }
+    },
+  };
+}

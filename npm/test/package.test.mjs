@@ -1,0 +1,162 @@
+// The package as it is installed: scenes, moving points, bits, boards, refusals; `npm pack` into an empty folder.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, test } from "node:test";
+import { pathToFileURL } from "node:url";
+
+const here = import.meta.dirname;
+const golden = join(here, "../../golden");
+const folder = mkdtempSync(join(tmpdir(), "midair-npm-"));
+after(() => rmSync(folder, { recursive: true, force: true }));
+
+const npm = (...words) => execFileSync("npm", words, { cwd: folder, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
+const packed = JSON.parse(npm("pack", "--json", "--pack-destination", folder, join(here, "..")))[0];
+writeFileSync(join(folder, "package.json"), JSON.stringify({ name: "empty", type: "module", private: true }));
+npm("install", "--no-audit", "--no-fund", "--offline", join(folder, packed.filename));
+const installed = join(folder, "node_modules/midair");
+const { load } = await import(pathToFileURL(join(installed, "dist/index.js")).href);
+const midair = await load();
+
+const points = [[-0.02, 0, 0.12], [0.02, 0.01, 0.12]];
+const ring = (more = {}) => ({
+  array: { preset: "sonicsurface" },
+  points: points.map((position) => ({ position, pressure: 1200 })),
+  ...more,
+});
+const moduli = ({ pressures }) => pressures.map(([re, im]) => Math.hypot(re, im));
+const near = (got, want, share) => assert.ok(Math.abs(got - want) <= share * want, `${got} for ${want}`);
+
+test("the package has what it needs and nothing else", () => {
+  const names = packed.files.map(({ path }) => path).filter((path) => !path.startsWith("dist/types"));
+  assert.deepEqual(names.sort(), ["LICENSE", "README.md", "dist/index.js", "dist/midair.wasm", "example.mjs", "package.json"]);
+  assert.ok(packed.size < 1e6, `${packed.size} bytes`);
+});
+
+test("the example runs in an empty folder", () => {
+  const said = execFileSync("node", [join(installed, "example.mjs")], { cwd: folder, encoding: "utf8" }).trim().split("\n");
+  assert.equal(said.length, 6);
+  for (const line of said.slice(0, 5)) assert.match(line, /^frame \d: done, 1[45]\d\d and 1[45]\d\d Pa, uniformity (1\.000|0\.99\d)$/);
+  assert.match(said[5], /^\d+ bytes for the board$/);
+});
+
+test("its types are found by TypeScript", () => {
+  writeFileSync(
+    join(folder, "use.ts"),
+    'import { load, type Answer } from "midair";\nconst scene = (await load()).open({}, { scalar: true });\n' +
+      "const answer: Answer = scene.solve();\nconst drive: Float32Array = answer.drive;\nconsole.log(drive.length, answer.status);\n",
+  );
+  const tsc = join(here, "../../studio/node_modules/.bin/tsc");
+  const flags = ["--noEmit", "--strict", "--target", "es2022", "--module", "nodenext", "--lib", "es2023,dom", "--types", ""];
+  execFileSync(tsc, [...flags, "use.ts"], { cwd: folder, encoding: "utf8" });
+});
+
+for (const name of readdirSync(golden).filter((name) => name.endsWith(".json"))) {
+  test(`golden/${name}: the bits of the scalar set`, () => {
+    const text = readFileSync(join(golden, name), "utf8");
+    const record = JSON.parse(text);
+    // The text as it is: a seed of 64 bits is no number of JavaScript's.
+    const scene = text.slice(text.indexOf('"scene":') + 8, text.lastIndexOf("}"));
+    const own = midair.open(scene.replace('"solver":{', `"solver":{"balance":${record.balance},`), { scalar: true });
+    assert.deepEqual(own.solve().drive, Float32Array.from(record.drive.flat()));
+    own.free();
+  });
+}
+
+test("points are given what is requested", () => {
+  const scene = midair.open(ring());
+  const answer = scene.solve();
+  assert.equal(answer.status, "done");
+  for (const pascals of moduli(answer)) near(pascals, 1200, 0.01);
+  const field = scene.field(Float64Array.from(points.flat()));
+  for (const j of [0, 1]) near(Math.hypot(field[2 * j], field[2 * j + 1]), 1200, 0.01);
+  scene.free();
+});
+
+test("points move without a new scene, as a new scene has them", () => {
+  const scene = midair.open(ring());
+  scene.solve();
+  const moved = points.map(([x, y, z]) => [x + 0.01, y, z]);
+  scene.move(moved);
+  const fresh = midair.open({ ...ring(), points: moved.map((position) => ({ position, pressure: 1200 })) });
+  assert.deepEqual(scene.solve().drive, fresh.solve().drive);
+  assert.equal(scene.save(false), fresh.save(false));
+  scene.free();
+  fresh.free();
+});
+
+test("pressures change with the points, and their number too", () => {
+  const scene = midair.open(ring());
+  scene.move([...points, [0, 0.03, 0.12]], [500, 700, 900]);
+  moduli(scene.solve()).forEach((pascals, j) => near(pascals, [500, 700, 900][j], 0.01));
+  scene.free();
+});
+
+test("glide follows: no phase turns by more than its bound", () => {
+  const scene = midair.open(ring({ solver: { name: "glide", change: 0.2 } }));
+  let last;
+  for (let frame = 0; frame < 10; frame++) {
+    scene.move(points.map(([x, y, z]) => [x + 5e-5 * frame, y, z]));
+    const { drive } = scene.solve();
+    for (let i = 0; last && i < drive.length; i += 2) {
+      const turn = Math.atan2(drive[i + 1] * last[i] - drive[i] * last[i + 1], drive[i] * last[i] + drive[i + 1] * last[i + 1]);
+      assert.ok(Math.abs(turn) < 0.2 + 1e-5, `frame ${frame}, transducer ${i / 2}: ${turn}`);
+    }
+    last = drive;
+  }
+  scene.free();
+});
+
+test("TOML is read as JSON is, and written", () => {
+  const scene = midair.open(ring());
+  const again = midair.open(scene.save(true));
+  assert.deepEqual(again.solve().drive, scene.solve().drive);
+  scene.free();
+  again.free();
+});
+
+test("bytes for a board, and its silence", () => {
+  const scene = midair.open(ring());
+  scene.solve();
+  const [frame, silence] = [scene.encode("sonicsurface"), scene.silence("sonicsurface")];
+  assert.ok(frame instanceof Uint8Array && frame.length > 256 && silence.length > 0);
+  assert.throws(() => scene.encode("sonicsurfaces"), /sonicsurface/);
+  scene.free();
+});
+
+test("the catalogue names presets, solvers and boards", () => {
+  const { version, presets, solvers, boards } = midair.catalogue();
+  assert.match(version, /^\d+\.\d+\.\d+/);
+  assert.ok(presets.some(({ name }) => name === "autd3"));
+  assert.ok(solvers.some(({ name }) => name === "uniform"));
+  assert.ok(boards.some(({ name }) => name === "sonicsurface"));
+});
+
+const refusals = {
+  "a preset nobody has": [{ ...ring(), array: { preset: "sonicsurfac" } }, /sonicsurface/],
+  "no point": [{ ...ring(), points: [] }, /points/],
+  "text that is no scene": ["{", /./],
+  "a point on a transducer's other side of the world": [{ ...ring(), points: [{ position: [1e9, 0, 0] }] }, /points\[0\]/],
+};
+for (const [name, [scene, said]] of Object.entries(refusals)) {
+  test(`one line refuses ${name}`, () => {
+    assert.throws(() => midair.open(scene), (error) => said.test(error.message) && !error.message.includes("\n"));
+  });
+}
+
+test("a move that is refused leaves the scene as it was", () => {
+  const scene = midair.open(ring());
+  const { drive } = scene.solve();
+  assert.throws(() => scene.move([[0, 0]]), /points\[0\] has 2 numbers: give x, y and z in m/);
+  assert.throws(() => scene.move([points[0], [0, 0, Number.NaN]]), /points\[1\]/);
+  assert.throws(() => scene.move(points, [1, 2, 3]), /pressures/);
+  assert.deepEqual(scene.solve().drive, drive);
+  scene.free();
+});
+
+test("a missing module is one line", async () => {
+  await assert.rejects(load(new URL("file:///nowhere/midair.wasm")), /nowhere/);
+  await assert.rejects(load(new Uint8Array([1, 2, 3])), /WebAssembly/);
+});

@@ -1,0 +1,12 @@
+// One module for Node and browsers, which finds midair.wasm beside itself.
+export default {
+  root: import.meta.dirname,
+  build: {
+    lib: { entry: "index.ts", formats: ["es"], fileName: "index" },
+    outDir: "dist",
+    emptyOutDir: false,
+    target: "es2022",
+    assetsInlineLimit: 0,
+    rollupOptions: { external: [/^node:/] },
+  },
+};
