@@ -4,7 +4,8 @@ use super::*;
 use crate::control::Control;
 use crate::kernels::InstructionSet;
 use crate::propagation::kept::Kept;
-use crate::propagation::{Model, gorkov};
+use crate::propagation::Model;
+use crate::propagation::gorkov::gorkov;
 use crate::rng::Rng;
 use crate::scene::{Array, Directivity, Obstacle, Signature, Surface, Transducer};
 
