@@ -1,4 +1,4 @@
-"""What a SonicSurface is told: the phase step of each of its 256 transducers, and the field that they make.
+"""The phase step that a SonicSurface plays at each of its 256 transducers, and the field that they make.
 
 The board knows 32 phases, on and off, and every answer for its array is already of these. Played on a board
 at the end of a line that is none; `sonicsurface:/dev/ttyUSB0` is a real one.
@@ -16,12 +16,14 @@ solution = midair.solve(midair.Scene(board.array, points))
 with midair.connect("sonicsurface:loop") as surface:
     surface.send(solution)
 
-steps = np.round(solution.phases / (2 * np.pi / 32)) % 32
+# From -16 to 15: half a turn is 16 steps.
+steps = (np.round(solution.phases / (2 * np.pi / 32)) + 16) % 32 - 16
 figure, axes = plt.subplots(1, 2, figsize=(10, 4.2), layout="constrained")
 x, y = 1e3 * board.array.positions[:, 0], 1e3 * board.array.positions[:, 1]
-discs = axes[0].scatter(x, y, c=steps, s=90, cmap="twilight", vmin=0, vmax=32)
-axes[0].set(aspect="equal", xlabel="x / mm", ylabel="y / mm", title="phase steps of 2 pi/32")
-figure.colorbar(discs, ax=axes[0])
 midair.plot(solution, axes[1])
 axes[1].set_title("three foci, 12 cm above")
+# midair's cyclic map, which the colour-blind can read; its plots bring it along.
+discs = axes[0].scatter(x, y, c=steps, s=90, cmap="midair.phase", vmin=-16, vmax=16, ec="0.5", lw=0.4)
+axes[0].set(aspect="equal", xlabel="x / mm", ylabel="y / mm", title="phase steps of 2 pi/32")
+figure.colorbar(discs, ax=axes[0], ticks=[-16, -8, 0, 8, 16])
 figure.savefig("board.png")

@@ -6,12 +6,19 @@ wire has one for each, too, towards the client, made when the board first speaks
 
 from __future__ import annotations
 
+import json
 import selectors
 import socket
 import threading
 from collections import defaultdict
 from collections.abc import Callable
 from typing import Any
+
+from midair._boards.autd3 import Autd3Transport
+from midair._boards.transport import open_transport
+
+#: Boards of the tests.
+BOARDS = 2
 
 #: Kinds of datagrams, by their second byte; and the command of a frame with one pattern, by its second byte.
 FRAME, HEARTBEAT = 0, 7
@@ -85,3 +92,10 @@ class Wire:
             if data[HEADER + 1] == PATTERN:
                 codes = data[CODES:]
                 self.told[board].append(codes[::2] + codes[1::2] if data[0] == PAIRED else codes)
+
+
+def described(address: str) -> Autd3Transport:
+    """A transport as a guard makes it, from JSON."""
+    made = open_transport(json.loads(json.dumps({"kind": "udp", "address": address, "boards": BOARDS})))
+    assert isinstance(made, Autd3Transport)
+    return made

@@ -3,9 +3,7 @@
 MIDAIR_SLOW=1 sends 10,000 frames, not 300, and ends programs in more ways.
 """
 
-import asyncio
 import gc
-import json
 import os
 import random
 import signal
@@ -16,27 +14,18 @@ import time
 from collections.abc import Callable, Iterator
 from itertools import groupby
 
-import autd3
 import numpy as np
 import pytest
-from autd3.commands import FixedCompletionTime, Modulation, Pattern, PatternStm, PatternStmOption, SetSilencer
-from autd3.value import PatternBank, SamplingConfig
-from autd3_modulation import ModulationBuffer
-from autd3_pattern import IntensityBuffer, PhaseBuffer
 
 import midair
 from autd3_emulators import BUILT, Built, Packaged
-from autd3_fake import acts, read
-from autd3_makers import geometry
-from autd3_wire import FRAME, Wire
+from autd3_wire import BOARDS, FRAME, Wire, described
 from midair._boards import autd3_chain
 from midair._boards.autd3 import Autd3Transport
 from midair._boards.errors import BoardError, BoardLost, BoardNotFound
-from midair._boards.transport import open_transport
 
 SLOW = bool(os.environ.get("MIDAIR_SLOW"))
 FRAMES = 10_000 if SLOW else 300
-BOARDS = 2
 SIZE = 498
 
 
@@ -53,13 +42,6 @@ def frames_only(data: bytes) -> bool:
 def frames(count: int, seed: int = 1) -> list[bytes]:
     codes = np.random.default_rng(seed).integers(1, 256, (count, BOARDS * SIZE), np.uint8)
     return [row.tobytes() for row in codes]
-
-
-def described(address: str) -> Autd3Transport:
-    """A transport as a guard makes it, from JSON."""
-    made = open_transport(json.loads(json.dumps({"kind": "udp", "address": address, "boards": BOARDS})))
-    assert isinstance(made, Autd3Transport)
-    return made
 
 
 @pytest.fixture(scope="module", params=["package", "0.12", "0.13"])
@@ -351,63 +333,3 @@ def test_the_emulator_has_an_address() -> None:
     with pytest.raises(BoardError, match="1 frame for 2 AUTD3 boards: 10 bytes, not 996"):
         boards.play(bytes(10))
     boards.close()
-
-
-@pytest.mark.slow
-def test_the_makers_client_sends_boards_the_same_bytes() -> None:
-    """Of firmware 0.12, whose client is a package: the acts of golden/autd3 in its words, without counts."""
-    emulator = Packaged(BOARDS)
-    told = []
-    for speak in (of_midair, of_the_makers):
-        wire = Wire(emulator.address)
-        speak(wire.address)
-        told.append([[read(step)[1:] for step, _ in groupby(each)] for each in wire.steps()])
-        wire.close()
-    for ours, theirs in zip(*told, strict=True):
-        # They look for the firmware before they clear it, and leave boards as they are then.
-        assert sorted(ours[:4]) == sorted(theirs[:4])
-        assert ours[6:] == theirs[4:]
-
-
-def of_midair(address: str) -> None:
-    for act in acts(described(f"autd3:{address}")):
-        act()
-
-
-def of_the_makers(address: str) -> None:
-    tables = [act_codes(k) for k in range(7)]
-    silencer = [SetSilencer(FixedCompletionTime(*times, strict_mode=False)) for times in TIMES]
-    half = np.floor(127.5 * (1 + np.sin(2 * np.pi * np.arange(80) * 3 / 80)) + 0.5).astype(np.uint8)
-    sine, steady = (ModulationBuffer.from_bytes(samples) for samples in (half.tobytes(), b"\xff\xff"))
-    several = [[table[k] for table in tables[1:6]] for k in (0, 1)]
-    commands = [
-        Pattern(*tables[0]),
-        silencer[0],
-        PatternStm(SamplingConfig(3), *several, PatternStmOption(bank=PatternBank.B1)),
-        Modulation(SamplingConfig.FREQ_4K, sine),
-        silencer[1],
-        Pattern(*tables[6]),
-        Modulation(SamplingConfig.FREQ_4K, steady),
-    ]
-
-    async def send() -> None:
-        devices = geometry([((192.0 * k, 0, 0), (1, 0, 0, 0)) for k in range(BOARDS)])
-        patient = autd3.ClientConfig(ack_timeout=autd3.Duration.from_secs(1))
-        there = autd3.UdpOption(iface=autd3.Interface.Addr(address))
-        client = await autd3.Client.open(devices, there, patient)
-        for command in commands:
-            await client.send(command)
-        await client.silent_stop()
-        await client.close()
-
-    asyncio.run(send())
-
-
-#: Times of an intensity and a phase: three periods of the ultrasound, and those of the default silencer.
-TIMES = [[autd3.Duration.from_micros(us) for us in pair] for pair in ((75, 75), (250, 1000))]
-
-
-def act_codes(frame: int) -> tuple[PhaseBuffer, IntensityBuffer]:
-    codes = np.array([k * k % 251 for k in range(7 * BOARDS * SIZE)], np.uint8)
-    planes = codes.reshape(7, BOARDS, 2, 249)[frame]
-    return PhaseBuffer.from_array(planes[:, 0].copy()), IntensityBuffer.from_array(planes[:, 1].copy())

@@ -1,19 +1,13 @@
 """Pictures, by the data on their axes: fields in planes, asked and got, contact sheets."""
 
-from contextlib import nullcontext
-from pathlib import Path
-
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from matplotlib import colormaps, rc_context, rcdefaults, rcParams
-from matplotlib.axes import Axes
+from matplotlib import colormaps
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle
-from matplotlib.quiver import Quiver
-from matplotlib.text import Text
 
 import midair
+from figures import flat, images, marks, titles
 from midair._pictures.answer import answer
 from midair._pictures.colours import table
 from midair._pictures.plot import contact_sheet
@@ -25,34 +19,6 @@ BOARD = {"phases": 32, "amplitudes": [0, 1]}
 @pytest.fixture(autouse=True)
 def no_window():
     plt.switch_backend("agg")
-
-
-def flat(**scene) -> midair.Scene:
-    """Three points of one height."""
-    points = scene.pop("points", [[-0.02, 0, 0.15], [0.02, 0.01, 0.15], [0, -0.02, 0.15]])
-    return small(points=points, **scene)
-
-
-def marks(ax: Axes) -> dict[str, np.ndarray]:
-    """Positions in mm of the dots, rings and crosses."""
-    found = {name: np.zeros((0, 2)) for name in ("dots", "rings", "crosses")}
-    for mark in ax.collections:
-        name = "rings" if len(mark.get_facecolor()) == 0 else "dots"
-        name = (
-            name
-            if mark.get_paths()[0].codes is not None and len(mark.get_paths()[0].codes) > 10
-            else "crosses"
-        )
-        found[name] = np.concatenate([found[name], np.asarray(mark.get_offsets())])
-    return found
-
-
-def images(figure: Figure) -> list[np.ndarray]:
-    return [image.get_array() for ax in figure.axes for image in ax.images]
-
-
-def titles(figure: Figure) -> str:
-    return "\n".join([figure.get_suptitle(), *(ax.get_title() for ax in figure.axes)])
 
 
 def test_plot_draws_into_the_axes_given_and_marks_the_points() -> None:
@@ -315,6 +281,12 @@ def test_pictures_have_one_map_of_fields_and_one_of_phases() -> None:
     assert np.abs(table("field") - 255 * colormaps["magma"](shades)[:, :3]).max() < 3
     assert np.abs(table("phase") - 255 * colormaps["midair.phase"](shades)[:, :3]).max() < 1
     assert (table("phase")[0] == table("phase")[-1]).all(), "a turn is none"
+    # On light ground silence is the page's own colour, and louder is darker.
+    light = table("field_light")
+    assert light[0].tolist() == [246, 248, 250]
+    assert light[-1].tolist() == table("field")[0].tolist()
+    assert (np.diff(light @ [0.2126, 0.7152, 0.0722]) < 0.5).all()
+    assert np.abs(light - 255 * colormaps["midair.light"](shades)[:, :3]).max() < 1
 
 
 def test_axes_of_ones_own_hold_one_panel() -> None:
@@ -335,109 +307,8 @@ def test_axes_of_ones_own_hold_one_panel() -> None:
             draw(panels="gs")
 
 
-def test_a_style_holds_within_its_statement_or_from_now_on() -> None:
-    solution = midair.solve(small(points=[[-0.02, 0, 0.15], [0.02, 0, 0.15]]), "naive")
-    before = dict(rcParams)
-    with midair.style("ieee"):
-        assert solution.plot(panels="field").get_figwidth() == 3.5
-        figure = solution.plot()
-        assert (figure.get_figwidth(), figure.get_suptitle()) == (7.16, "")
-        assert plt.figure().get_figwidth() == 3.5
-        figure.draw_without_rendering()
-        texts = [text for text in figure.findobj(Text) if text.get_text()]
-        assert {text.get_fontsize() for text in texts} == {8.0}
-        assert solution.plot(size=5).get_figwidth() == 5
-        assert midair.plot(solution).get_title() == "z = 150 mm"
-    assert dict(rcParams) == before
-    assert solution.plot().get_suptitle().startswith("naive")
-    with rc_context():
-        midair.style("ieee")
-        assert solution.plot(panels="points").get_figwidth() == 3.5
-        rcdefaults()
-        assert solution.plot(panels="points").get_figwidth() == 6.4
-    with pytest.raises(midair.SceneError, match=r"style is .nature.: give"):
-        midair.style("nature")
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("style", [None, "ieee"])
-def test_no_file_of_ours_has_a_type_3_font(style: str | None, tmp_path: Path) -> None:
-    solution = midair.solve(flat(), "naive")
-    with nullcontext() if style is None else midair.style(style):
-        figures = {
-            "solution": solution.plot(),
-            "window": midair.plot(solution).figure,
-            "table": midair.compare(flat(), ["naive", "gspat"]).plot(),
-            "tolerance": midair.tolerate(solution, phase=5, trials=3).plot(),
-        }
-        for name, figure in figures.items():
-            for ending in ("pdf", "svg"):
-                figure.savefig(tmp_path / f"{name}.{ending}")
-            pdf = (tmp_path / f"{name}.pdf").read_bytes()
-            assert b"/Type3" not in pdf
-            assert b"/CIDFontType2" in pdf, "TrueType"
-            assert b"<text" in (tmp_path / f"{name}.svg").read_bytes()
-
-
 def test_a_solution_of_a_matrix_plots_what_was_asked_and_got_alone() -> None:
     solution = midair.solve(midair.Propagation(small().propagation()), "naive", pressures=500)
     figure = answer(solution)
     assert not images(figure)
     assert [bar.get_height() for bar in figure.axes[0].patches] == pytest.approx(np.abs(solution.pressures))
-
-
-PAIR = midair.Array.preset("sonicsurface_pair")
-
-
-def test_traps_are_drawn_in_two_upright_planes_each_with_the_force_on_a_bead() -> None:
-    scene = midair.Scene(PAIR, [[-0.02, 0, 0], [0.02, 0.01, 0]], signature="trap")
-    solution = midair.solve(scene, "uniform")
-    panels = solution.field().panels
-    assert [(panel.plane.axis, panel.plane.at) for panel in panels] == [
-        ("y", 0), ("y", 0.01), ("x", -0.02), ("x", 0.02)
-    ]  # fmt: skip
-    figure = solution.plot()
-    for image, panel in zip(images(figure), panels, strict=True):
-        assert np.asarray(image) == pytest.approx(np.abs(panel.pressure), rel=1e-6)
-        # The shell is as loud as the focus was that is a trap.
-        assert image.max() > 0.5 * np.abs(solution.pressures).max()
-    assert "arrows" in titles(figure)
-    for ax, trap in zip(figure.axes, [0, 1, 0, 1], strict=False):
-        (arrows,) = (mark for mark in ax.collections if isinstance(mark, Quiver))
-        across = [axis for axis in range(3) if "xyz"[axis] != panels[figure.axes.index(ax)].plane.axis]
-        place = np.full((len(arrows.X), 3), scene.points[trap])
-        place[:, across] = 1e-3 * np.column_stack([arrows.X, arrows.Y])
-        force = solution.gorkov(place).force[:, across]
-        drawn = np.column_stack([arrows.U, arrows.V])
-        assert (drawn * force).sum(1) == pytest.approx(
-            np.linalg.norm(drawn, axis=1) * np.linalg.norm(force, axis=1), abs=1e-9
-        )
-
-
-@pytest.mark.filterwarnings("ignore:no point lies in")
-def test_a_plane_of_next_to_nothing_says_so_and_is_dark() -> None:
-    # A soft wall holds the pressure down to rounding.
-    wall = midair.Wall([0, 0, 0.2], [0, 0, -1], kind="soft")
-    solution = midair.solve(small(points=[[0, 0, 0.15]], obstacles=[wall]), "uniform")
-    node = solution.field(midair.Plane(0.2, 0.06))
-    ax = midair.plot(node)
-    factor = {"|p| / Pa": 1, "|p| / mPa": 1e-3, "|p| / µPa": 1e-6}[ax.figure.axes[-1].get_ylabel()]
-    high = factor * ax.images[0].get_clim()[1]
-    assert high >= 0.99e-4 * np.abs(solution.pressures).max() > np.abs(node.pressure).max()
-    assert "dark: |p| is below 1e-4 of what the points get" in ax.get_title()
-    assert "dark" not in titles(solution.plot())
-
-
-def test_a_ball_is_seen_in_the_default_picture() -> None:
-    ball = midair.Sphere([0, 0, 0.1], 0.02)
-    solution = midair.solve(small(points=[[0.03, 0.01, 0.18], [-0.03, 0, 0.18]], obstacles=[ball]), "uniform")
-    circles = [patch for ax in solution.plot().axes for patch in ax.patches if isinstance(patch, Circle)]
-    assert [(circle.center, circle.radius) for circle in circles] == [((0, 100), pytest.approx(20))]
-
-
-def test_two_plots_are_two_pictures() -> None:
-    field = midair.field(flat(), np.ones(64))
-    first = midair.plot(field)
-    second = midair.plot(field)
-    assert first.figure is not second.figure
-    assert [len(ax.images) for ax in (first, second)] == [1, 1]

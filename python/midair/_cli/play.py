@@ -24,6 +24,7 @@ from .._boards.playing import LOOK, keep
 from .._motion import document
 from .._points.ear import REFERENCE
 from .._support.arguments import number, warn
+from .._support.text import counted
 from .progress import progress_bar, tell
 
 #: Seconds of a unit of --for.
@@ -191,4 +192,4 @@ def _status(
         stats = connection.stats
         connection.close()
         passed = time.monotonic() - begin
-        tell(f"off after {passed:.1f} s: {stats.frames} frames, {stats.late} late")
+        tell(f"off after {passed:.1f} s: {counted(stats.frames, 'frame')}, {stats.late} late")

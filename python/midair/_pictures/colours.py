@@ -38,15 +38,16 @@ DARK = 1e-4
 #: Wavelengths around the points within which a field sets its own scale.
 MARGIN = 2.0
 
-#: Colour maps of matplotlib; `sheet` adds that of the phase.
+#: Colour maps of matplotlib; `sheet` adds those of midair.
 MAPS = {"pressure": "magma", "radiation": "magma", "spl": "magma", "phase": "midair.phase"}
 
 
 @cache
-def table(name: Literal["field", "phase"]) -> NDArray[np.uint8]:
-    """The 256 colours (256, 3) of the map of fields, matplotlib's magma, or of phases from -pi to pi.
+def table(name: Literal["field", "field_light", "phase"]) -> NDArray[np.uint8]:
+    """The 256 colours (256, 3) of the map of fields, matplotlib's magma, of its twin, or of phases.
 
-    The phase's is safe for the colour-blind; all bindings have it from colours.json.
+    The twin is for light ground: silence has the colour of the page. Phases go from -pi to pi, in colours
+    that are safe for the colour-blind. All bindings have these maps from colours.json.
     """
     stops = np.array(json.loads(Path(__file__).with_name("colours.json").read_text("utf-8"))[name])
     at = np.linspace(0, len(stops) - 1, 256)

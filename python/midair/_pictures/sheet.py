@@ -163,6 +163,7 @@ def chosen(panels: Name | Iterable[Name] | None, known: Sequence[Name], ax: Axes
 
 
 colormaps.register(ListedColormap(table("phase") / 255, MAPS["phase"]), force=True)
+colormaps.register(ListedColormap(table("field_light") / 255, "midair.light"), force=True)
 
 
 def colour_map(cmap: Map | None, own: str) -> Map:
