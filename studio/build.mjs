@@ -23,12 +23,17 @@ const shaders = {
   transform: (code, id) => (/painter\/\w+\.ts$/.test(id) ? code.replace(/`[^`]*`/g, (text) => (text.includes("\n") ? short(text) : text)) : undefined),
 };
 
+/** The licence of the one library that the page brings along. */
+const notice = `/*! gifenc: ${(await readFile(`${here}/node_modules/gifenc/LICENSE.md`, "utf8")).trim()} */\n`;
+
 /** What Vite's own minifier leaves, .7 kB as gzip counts. */
 const smaller = {
   name: "smaller",
   async generateBundle(_, bundle) {
     for (const chunk of Object.values(bundle)) {
-      if (chunk.type === "chunk") chunk.code = (await minify(chunk.code, { module: true, compress: { passes: 3, ecma: 2020, unsafe_arrows: true } })).code;
+      if (chunk.type !== "chunk") continue;
+      const { code } = await minify(chunk.code, { module: true, compress: { passes: 3, ecma: 2020, unsafe_arrows: true } });
+      chunk.code = (chunk.moduleIds.some((id) => id.includes("gifenc")) ? notice : "") + code;
     }
   },
 };

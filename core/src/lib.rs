@@ -90,7 +90,7 @@ pub use problem::{Beyond, Metrics, Precision, Problem, Reach, Setup, Solution, S
 pub use propagation::gorkov::{Gorkov, gorkov};
 pub use propagation::gradient::{Gradient, Quantity, gradient};
 pub use propagation::rest::{Rest, rest};
-pub use propagation::{Boundary, Model, Particle, Propagation, field};
+pub use propagation::{Boundary, KeptField, Model, Particle, Propagation, field};
 pub use rng::Rng;
 pub use scene::{
     Aim, Array, Axis, Body, Choice, Directivity, Doubt, Key, Medium, Mesh, Obstacle, OptionValue, Options, Origin,

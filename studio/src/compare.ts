@@ -61,7 +61,8 @@ export function createCompare(context: Context): Compare {
   const rings: HTMLElement[] = [];
   listen();
   const order = createInstrument(context, picture, (right) => (wiper.hidden ? (shownOf(studio.view)[0].lattice ? 0 : 1) : right < +wiper.value ? 0 : 1));
-  const table = element("table", { className: "numbers" });
+  // Its roles are named, as a row of numbers is no table to the style.
+  const table = element("table", { className: "numbers", role: "table" });
   const warnings = element("ul", { className: "warnings" });
 
   /** Points are dragged in a slice, too; a double click makes a new one. */
@@ -119,14 +120,14 @@ export function createCompare(context: Context): Compare {
     const rows = (JSON.parse(text) as Row[]).map(({ word, values, better }) =>
       element(
         "tr",
-        {},
-        explained(element("th", { scope: "row" }, say(word)), say(`${word}Tip`)),
+        { role: "row" },
+        explained(element("th", { scope: "row", role: "rowheader" }, say(word)), say(`${word}Tip`)),
         ...values.map((value, slot) =>
-          element("td", { className: better === slot ? "better" : "", colSpan: values.length === 1 ? 2 : 1 }, value),
+          element("td", { role: "cell", className: better === slot ? "better" : "", colSpan: values.length === 1 ? 2 : 1 }, value),
         ),
       ),
     );
-    const head = element("tr", {}, element("td", {}), ...["A", "B"].map((name) => element("th", { scope: "col" }, name)));
+    const head = element("tr", { role: "row" }, element("td", { role: "cell" }), ...["A", "B"].map((name) => element("th", { scope: "col", role: "columnheader" }, name)));
     table.replaceChildren(element("caption", { className: "hidden" }, say("numbers")), head, ...rows);
   });
   const writeWarnings = changes((text: string) => {

@@ -92,7 +92,8 @@ export interface Door {
   move(points: readonly (readonly number[])[], pressures?: readonly number[]): void;
   solve(): Answer;
   judge(): Metrics;
-  load(drive: ArrayLike<number>): void;
+  /** Takes a drive, and what supply or modulation multiply it by. */
+  load(drive: ArrayLike<number>, scale?: number): void;
   /** The array of a CSV. */
   readArray(text: string, name: string): OwnArray;
   /** The drive (N of re, im) of a CSV. */
@@ -103,8 +104,6 @@ export interface Door {
   field(places: Float64Array): Float32Array;
   /** What there is at a place in m. */
   probe(place: Vec3): Probe;
-  /** At most so many points of a horizontal circle; m. */
-  circle(center: Vec3, radius: number, most: number): Vec3[];
   /** At most so many points along straight lines from vertex to vertex of each contour; m. */
   along(contours: Vec3[][], most: number): Vec3[];
   bound(): number;
@@ -202,9 +201,9 @@ export function openDoor(module: WebAssembly.Module): Door {
       done(wasm.studio_judge(studio));
       return metrics(numbers());
     },
-    load(given) {
+    load(given, scale = 1) {
       giveNumbers(given);
-      done(wasm.studio_load(studio));
+      done(wasm.studio_load(studio, scale));
     },
     readArray(given, name) {
       giveFile(given, name);
@@ -234,11 +233,6 @@ export function openDoor(module: WebAssembly.Module): Door {
       done(wasm.studio_probe(studio));
       const [re, im, level, radiation] = numbers();
       return { pressure: [re, im], level, radiation };
-    },
-    circle(center, radius, most) {
-      giveNumbers([...center, radius]);
-      done(wasm.studio_circle(studio, most));
-      return places(numbers());
     },
     along(contours, most) {
       giveNumbers(contours.flatMap((contour) => [contour.length, ...contour.flat()]));

@@ -19,19 +19,24 @@ interface Line {
   width: number;
 }
 
-function word(text: string): Line {
+/** The strokes of a letter that has none here, in a square of that height: x, y from its lower left corner. */
+type Trace = (letter: string, height: number) => number[][][];
+
+function word(text: string, trace: Trace): Line {
   const contours: Contour[] = [];
   let pen = 0;
   for (const letter of text) {
-    if (!Object.hasOwn(STROKES, letter)) {
-      throw new Error(`the text has "${letter}": give A to Z, 0 to 9, blanks and - + = / . : ! ? ♥`);
-    }
-    const strokes = STROKES[letter].split(" ").map((stroke) => stroke.match(/../g)!);
+    const own = Object.hasOwn(STROKES, letter) && STROKES[letter].split(" ").map((stroke) => stroke.match(/../g)!.map((pair) => [...pair].map(Number)));
+    const strokes = own || trace(letter, HEIGHT);
     const start = pen;
-    contours.push(...strokes.map((stroke) => stroke.map(([x, y]): Vec3 => [start + +x, +y, 0])));
-    pen += GAP + Math.max(...strokes.flat().map(([x]) => +x));
+    contours.push(...strokes.map((stroke) => stroke.map(([x, y]): Vec3 => [start + x, y, 0])));
+    pen += GAP + Math.max(...strokes.flat().map(([x]) => x));
   }
   return { contours, width: pen - GAP };
+}
+
+function refused(letter: string): never {
+  throw new Error(`the text has "${letter}": give A to Z, 0 to 9, blanks and - + = / . : ! ? ♥`);
 }
 
 const shifted = (contours: Contour[], by: number, up: number) => contours.map((contour) => contour.map(([x, y, z]): Vec3 => [x + by, y + up, z]));
@@ -53,10 +58,11 @@ function wrapped(words: Line[], most: number): Line[] {
 
 /**
  * The strokes of a text, capitals `height` high or lower so that it is at most `width` wide and high, its middle at a place; m.
- * It is broken at blanks where letters are larger then. `apart`: how far letters are from one another at least, m.
+ * It is broken at blanks where letters are larger then. `trace` draws what has no strokes here.
+ * `apart`: how far letters are from one another at least, m.
  */
-export function letters(text: string, height: number, width: number, at: Vec3): { contours: Contour[]; apart: number } {
-  const words = text.trim().toUpperCase().split(/\s+/).filter(Boolean).map(word);
+export function letters(text: string, height: number, width: number, at: Vec3, trace: Trace = refused): { contours: Contour[]; apart: number } {
+  const words = text.trim().toUpperCase().split(/\s+/).filter(Boolean).map((each) => word(each, trace));
   if (!words.length) throw new Error("the text is empty: give at least a letter");
   const widths = words.flatMap((_, k) => words.slice(k).map((_, n) => joined(words.slice(k, k + n + 1)).width));
   const ways = widths.map((most) => {

@@ -2,7 +2,7 @@
 
 import type { View } from "./studio.ts";
 import { FREQUENCY } from "./lattices.ts";
-import type { Look, Theme } from "./types.ts";
+import type { Look, Quantity, State, Theme } from "./types.ts";
 
 /** The wave is so many times slower than sound: 2 Hz, below the three flashes a second that can harm. */
 const SLOWED = 2e4;
@@ -12,6 +12,9 @@ export const turnAt = (milliseconds: number) => 2 * Math.PI * (((FREQUENCY / SLO
 
 /** A top above so many times the loudest point is something else's, such as a transducer's. */
 const MOST = 1.5;
+
+/** What the transducers show: they are in neutral ink, so that the field has all the colour, but where phases are looked at. */
+export const discsOf = ({ quantity, level }: State): Quantity => (quantity === "modulus" && level === "engineer" ? "phase" : quantity);
 
 /** The colour scale of all that is shown: its top is the loudest |p| of both slices. */
 export function lookOf(view: View, theme: Theme, turn = 0): Look {

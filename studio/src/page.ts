@@ -10,7 +10,7 @@ import type { Eye } from "./eye.ts";
 import { exportSheet, open } from "./exchange.ts";
 import { haunt } from "./ghost.ts";
 import { wavelength } from "./lattices.ts";
-import { lookOf, turnAt } from "./look.ts";
+import { discsOf, lookOf, turnAt } from "./look.ts";
 import { createFlat } from "./painter/canvas2d.ts";
 import { createPainter } from "./painter/painter.ts";
 import type { Painter } from "./painter/picture.ts";
@@ -167,8 +167,14 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   const look = () => lookOf(studio.view, theme, turn);
 
   let [said, told] = ["", ""];
+  /** The results that the page shows. */
+  let shown: unknown[] = [];
   function place() {
-    const { state } = studio.view;
+    const { state, results, moving } = studio.view;
+    // While something moves and software paints, the page waits for the answer: a picture that another one is about to replace
+    // would take the time of both.
+    if (moving && painter.slow && results.every((result, slot) => result === shown[slot])) return;
+    shown = [...results];
     bar.place();
     const level = manner.compact ? "engineer" : state.level;
     root.dataset.level = level;
@@ -182,9 +188,9 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     const [a, b] = studio.view.results.map(({ answer }) => answer?.metrics.uniformity.toFixed(3) ?? "–");
     const [methodA, methodB] = state.methods;
     said = context.say("said", { a, b, methodA, methodB });
-    // A picture that the next one is about to replace would only hold that up.
-    const same = studio.view.results.every(({ lattice }, slot) => lattice === painted[slot]);
-    if (studio.view.moving && same) stage.place();
+    // Points follow the pointer before the answer is there.
+    const same = results.every(({ lattice }, slot) => lattice === painted[slot]);
+    if (moving && same) stage.place();
     else context.repaint();
   }
 
@@ -218,6 +224,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
       positions: view.positions,
       normals: view.normals,
       drive: results[slot].answer?.drive ?? null,
+      discs: discsOf(state),
       slices: lattice && (state.view !== "volume" || !view.volume) ? [lattice, ...results[slot].crossing].map((lattice, k) => ({ lattice, key: "AB"[slot] + (k || "") })) : [],
       wavelength: wavelength(state),
       // The glow of |p| would hide the wave or the phase.

@@ -1,5 +1,6 @@
 /** Panels: groups of controls, of which each level of the page shows its own; on a phone a sheet of tabs. */
 
+import { createArrayPicker } from "./arraypicker.ts";
 import type { Compare } from "./compare.ts";
 import { type Context, millimetres } from "./context.ts";
 import { choice, element, explained, group, labelled, offer, segments, write } from "./dom.ts";
@@ -44,7 +45,7 @@ export function createPanels(context: Context, compare: Compare, player: Player,
   const change = (partial: Partial<State>, gesture?: string) => studio.change(partial, gesture);
   const { presets } = engine.catalogue;
 
-  const array = choice([], "", (preset) => change(standing({ preset, tiles: [1, 1] })));
+  const array = createArrayPicker(context, (preset) => change(standing({ preset, tiles: [1, 1] })));
   const tiles = choice(TILES.map((text) => [text, text.replace("x", " × ")]), "", (text) => {
     const [across, up] = text.split("x").map(Number);
     const { array: now } = state();
@@ -125,7 +126,7 @@ export function createPanels(context: Context, compare: Compare, player: Player,
   const made = (
     [
       ["methods", "methods", ["engineer"], true, []],
-      ["array", "array", ["play", "engineer"], false, [labelled(say("preset"), array, null, say("arrayTip")), boards, levelsField]],
+      ["array", "array", ["play", "engineer"], false, [labelled(say("preset"), array.root, null, say("arrayTip")), boards, levelsField]],
       ["shapes", "points", ["play", "engineer"], false, [shapes.root]],
       [
         "slice", "slice", ["engineer"], false,
@@ -149,7 +150,7 @@ export function createPanels(context: Context, compare: Compare, player: Player,
   });
   const of = (word: Word) => made.find((each) => each.word === word)!;
 
-  const tabs = segments(say("settings"), TABS.map((tab) => [tab, say(tab)]), (tab) => choose(tab as Tab));
+  const tabs = segments(say("settings"), TABS.map((tab) => [tab, say(tab === "points" ? "pointsTab" : tab)]), (tab) => choose(tab as Tab));
   let tab: Tab = "methods";
   /** Which groups a phone shows. */
   function choose(chosen: Tab) {
@@ -182,7 +183,7 @@ export function createPanels(context: Context, compare: Compare, player: Player,
       levelsField.hidden = now.level === "play";
       const own = "preset" in now.array ? [] : [[now.array.name, now.array.name] as const];
       const chosen = "preset" in now.array ? now.array.preset : now.array.name;
-      offer(array, [...own, ...presets.map(({ name, count }) => [name, `${name} · ${count}`] as const)], chosen);
+      array.place([...own, ...presets.map(({ name, count }) => [name, `${name} · ${count}`] as const)], chosen);
       const tiled = presets.find(({ name }) => name === chosen)?.tiles ?? false;
       boards.hidden = !tiled || own.length > 0;
       if ("preset" in now.array) {

@@ -1,7 +1,8 @@
 /** Phase key: the colours of phases around a circle, as the transducers have them. */
 
 import type { Context } from "./context.ts";
-import { element } from "./dom.ts";
+import { element, explained } from "./dom.ts";
+import { discsOf } from "./look.ts";
 import { entry } from "./painter/maps.ts";
 
 /** Colours around the circle. */
@@ -14,6 +15,6 @@ export function createPhaseKey({ studio, say }: Context): { root: HTMLElement; p
   const ring = element("span", { className: "wheel" });
   ring.style.background = `conic-gradient(${colours.join()})`;
   const marks = ["0", "π/2", "π", "−π/2"].map((text) => element("i", {}, text));
-  const root = element("div", { className: "phasekey", role: "img", "aria-label": say("phaseKey"), title: say("phaseKey") }, ring, ...marks);
-  return { root, place: () => (root.hidden = studio.view.state.quantity === "wave") };
+  const root = explained(element("div", { className: "phasekey", role: "img", "aria-label": say("phaseKey") }, ring, ...marks), say("phaseKeyTip"));
+  return { root, place: () => (root.hidden = discsOf(studio.view.state) !== "phase") };
 }

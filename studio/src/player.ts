@@ -8,7 +8,7 @@ import { gridOf } from "./lattices.ts";
 import { pressure } from "./numbers.ts";
 import { framesOf } from "./paths.ts";
 import { planesOf } from "./plane.ts";
-import { type Part, record } from "./recording.ts";
+import { type Film, FILMS, type Part, record } from "./recording.ts";
 import { sceneOf } from "./scene_file.ts";
 import { resultOf } from "./studio.ts";
 import type { Path, State, Vec3 } from "./types.ts";
@@ -64,8 +64,11 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
   const go = element("button", { className: "icon", onclick: () => (mode === "play" ? pause() : void run(at)) }, "▶");
   const line = element("input", { type: "range", min: 0, max: 1, value: 0, "aria-label": say("frameShown"), "data-tip": say("frameTip"), oninput: () => void seek(+line.value) });
   const time = explained(element("output"), say("frameTip"));
-  const film = element("button", { title: say("recordHint"), "aria-label": say("recordHint"), onclick: () => void save(), hidden: typeof MediaRecorder === "undefined" }, "WebM");
-  const root = element("div", { className: "timeline", hidden: true, role: "group", "aria-label": say("motion") }, go, explained(element("label", {}, line, time), say("frameTip")), film);
+  const films = FILMS.map((film) => {
+    const name = say("recordHint", { film });
+    return element("button", { title: name, "aria-label": name, onclick: () => void save(film) }, film);
+  });
+  const root = element("div", { className: "timeline", hidden: true, role: "group", "aria-label": say("motion") }, go, explained(element("label", {}, line, time), say("frameTip")), ...films);
   let mode: "rest" | "pause" | "play" = "rest";
   let followed: Followed | null = null;
   let at = 0;
@@ -158,14 +161,14 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
   }
 
   /** One turn, frame by frame, as a film. */
-  async function save() {
+  async function save(kind: Film) {
     const mine = ++run_;
     [mode, begun] = ["play", asked()];
     place();
-    film.disabled = true;
+    films.forEach((each) => (each.disabled = true));
     try {
       const all = await follow();
-      await record(canvas, async (shoot) => {
+      await record(kind, canvas, async (shoot) => {
         for (let t = 0; run_ === mine && t < all.frames.length; t += STRIDE) {
           if (!(await show(all, t, () => run_ === mine))) break;
           await new Promise(requestAnimationFrame);
@@ -175,7 +178,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
     } catch (error) {
       context.alarm(say("failed", { line: (error as Error).message }));
     }
-    film.disabled = false;
+    films.forEach((each) => (each.disabled = false));
     if (run_ === mine) pause();
   }
 

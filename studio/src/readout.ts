@@ -3,7 +3,7 @@
 import { type Context, millimetres } from "./context.ts";
 import { element } from "./dom.ts";
 import { pressure } from "./numbers.ts";
-import { shownOf } from "./studio.ts";
+import { playedOf, shownOf } from "./studio.ts";
 import type { Slot, Vec3 } from "./types.ts";
 
 /** Makes one; it is shown for a place of a slot's field, and hidden. */
@@ -19,9 +19,9 @@ export function createReadout({ studio, engine, say }: Context, shown: (line: st
     while (wanted) {
       const [slot, place] = wanted;
       wanted = null;
-      const drive = shownOf(studio.view)[slot].answer?.drive;
-      if (!drive) continue;
-      const found = await engine.slots[slot].probe(studio.scene(slot), drive, place).catch(() => null);
+      const { answer } = shownOf(studio.view)[slot];
+      if (!answer) continue;
+      const found = await engine.slots[slot].probe(studio.scene(slot), playedOf(answer), place).catch(() => null);
       if (!found || root.hidden) continue;
       const [re, im] = found.pressure;
       const lines = [

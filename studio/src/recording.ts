@@ -1,4 +1,6 @@
-/** Recording: pictures of a canvas, one after another, as a film in WebM. */
+/** Recording: pictures of a canvas, one after another, as a film in WebM or as a moving GIF. */
+
+import { applyPalette, GIFEncoder, quantize } from "gifenc/dist/gifenc.esm.js";
 
 import { save } from "./exchange.ts";
 
@@ -8,32 +10,74 @@ export interface Part {
   box: DOMRect;
 }
 
-/** The last picture stays for so long, in ms. */
+/** The films there are. */
+export const FILMS = ["WebM", "GIF"] as const;
+export type Film = (typeof FILMS)[number];
+
+/** The last picture of a film stays for so long, and each of a GIF, in ms. */
 const LAST = 100;
+const EACH = 50;
+
+/** A GIF, which is large for what it shows, is no wider, in px. */
+const WIDEST = 720;
 
 const KINDS = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"];
 
-/** Films what `act` shoots of a canvas, as fast as it does, and saves it; the size is that of the first picture. */
-export async function record(source: () => Part, act: (shoot: () => void) => Promise<void>): Promise<void> {
-  const mimeType = KINDS.find((kind) => MediaRecorder.isTypeSupported(kind));
-  if (!mimeType) throw new Error("this browser records no WebM: take Chrome, Edge or Firefox");
-  const sheet = document.createElement("canvas");
-  const { box } = source();
-  [sheet.width, sheet.height] = [Math.round(box.width), Math.round(box.height)];
-  const pen = sheet.getContext("2d")!;
+/** What keeps the pictures of a sheet, and makes a film of them. */
+interface Recorder {
+  shoot(): void;
+  end(): Promise<Blob>;
+}
+
+function webm(sheet: HTMLCanvasElement): Recorder {
+  const mimeType = globalThis.MediaRecorder && KINDS.find((kind) => MediaRecorder.isTypeSupported(kind));
+  if (!mimeType) throw new Error("this browser records no WebM: choose GIF, or take Chrome, Edge or Firefox");
   const stream = sheet.captureStream(0);
   const recorder = new MediaRecorder(stream, { mimeType, videoBitsPerSecond: 8e6 });
   const parts: Blob[] = [];
   recorder.ondataavailable = ({ data }) => parts.push(data);
   const ended = new Promise((done) => (recorder.onstop = done));
   recorder.start();
+  return {
+    shoot: () => (stream.getVideoTracks()[0] as CanvasCaptureMediaStreamTrack).requestFrame(),
+    async end() {
+      await new Promise((done) => setTimeout(done, LAST));
+      recorder.stop();
+      await ended;
+      return new Blob(parts, { type: mimeType });
+    },
+  };
+}
+
+function gif(sheet: HTMLCanvasElement): Recorder {
+  const encoder = GIFEncoder();
+  const { width, height } = sheet;
+  return {
+    shoot() {
+      const { data } = sheet.getContext("2d")!.getImageData(0, 0, width, height);
+      const palette = quantize(data, 256);
+      encoder.writeFrame(applyPalette(data, palette), width, height, { palette, delay: EACH });
+    },
+    async end() {
+      encoder.finish();
+      return new Blob([encoder.bytes()], { type: "image/gif" });
+    },
+  };
+}
+
+/** Films what `act` shoots of a canvas, as fast as it does, and saves it; the size is that of the first picture. */
+export async function record(film: Film, source: () => Part, act: (shoot: () => void) => Promise<void>): Promise<void> {
+  const sheet = document.createElement("canvas");
+  const { box } = source();
+  const scale = film === "GIF" ? Math.min(1, WIDEST / box.width) : 1;
+  [sheet.width, sheet.height] = [Math.round(scale * box.width), Math.round(scale * box.height)];
+  const pen = sheet.getContext("2d", { willReadFrequently: film === "GIF" })!;
+  const recorder = film === "GIF" ? gif(sheet) : webm(sheet);
   await act(() => {
     const { canvas, box } = source();
     pen.drawImage(canvas, box.x, box.y, box.width, box.height, 0, 0, sheet.width, sheet.height);
-    (stream.getVideoTracks()[0] as CanvasCaptureMediaStreamTrack).requestFrame();
+    recorder.shoot();
   });
-  await new Promise((done) => setTimeout(done, LAST));
-  recorder.stop();
-  await ended;
-  save("midair.webm", new Blob(parts, { type: mimeType }), mimeType);
+  const made = await recorder.end();
+  save(`midair.${film.toLowerCase()}`, made, made.type);
 }

@@ -4,6 +4,7 @@ import type { Context } from "./context.ts";
 import { element } from "./dom.ts";
 import { MOST_POINTS } from "./initial.ts";
 import { wavelength } from "./lattices.ts";
+import { traced } from "./glyphs.ts";
 import { letters } from "./lettering.ts";
 import { placeOn } from "./plane.ts";
 
@@ -50,7 +51,7 @@ export function createShapes(context: Context): { root: HTMLElement } {
     const place = ([across, up]: number[]) => placeOn(plane, 0.5 + across / plane.size, 0.5 + up / plane.size);
     try {
       const corners = CORNERS[shape]?.map((corner) => corner.map((x) => half * x));
-      const { contours, apart } = corners ? { contours: [corners], apart: Infinity } : letters(text.value, half, 0.9 * plane.size, [0, 0, 0]);
+      const { contours, apart } = corners ? { contours: [corners], apart: Infinity } : letters(text.value, half, 0.9 * plane.size, [0, 0, 0], traced);
       const points = await engine.slots[0].along(contours.map((contour) => contour.map(place)), MOST_POINTS);
       studio.change({ points, pressures: null, path: null });
       const least = wavelength(studio.view.state) / 2;

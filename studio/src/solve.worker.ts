@@ -6,6 +6,9 @@ import type { Lattice, Vec3, Volume } from "./types.ts";
 /** A lattice that is still to be filled. */
 export type Grid = Omit<Lattice, "values">;
 
+/** A drive, and what supply or modulation multiply it by. */
+export type Played = Pick<Answer, "drive" | "scale">;
+
 /** What became of a slot: its answer, its slices and |p| at the ear in Pa; or a refusal. */
 export type Outcome =
   | { answer: Answer; lattices: Lattice[]; heard: number; warnings: string[] }
@@ -102,6 +105,11 @@ const jobs = {
     return times.toSorted((a, b) => a - b)[times.length >> 1];
   },
   array: () => door.array(),
+  /** The array of another scene. */
+  arrayOf(scene: string): Float64Array {
+    openBeside(scene);
+    return beside.array();
+  },
   along: (contours: Vec3[][], most: number) => door.along(contours, most),
   field: (at: Float64Array) => door.field(at),
   save: (toml: boolean) => door.save(toml),
@@ -135,10 +143,10 @@ const jobs = {
     openBeside(scene);
     return beside.bound();
   },
-  /** A layer of |p| on a box, of a drive that was found elsewhere. */
-  layer(scene: string, drive: Float32Array, box: Omit<Volume, "moduli">, layer: number): Float32Array {
+  /** A layer of |p| on a box, of an answer that was found elsewhere. */
+  layer(scene: string, { drive, scale }: Played, box: Omit<Volume, "moduli">, layer: number): Float32Array {
     if (text !== scene) open(scene);
-    door.load(drive);
+    door.load(drive, scale);
     const { least, most, count } = box;
     const side = (axis: number) => most[axis] - least[axis];
     const grid: Grid = {
@@ -151,10 +159,10 @@ const jobs = {
     const values = door.field(places(grid));
     return Float32Array.from({ length: values.length / 2 }, (_, k) => Math.hypot(values[2 * k], values[2 * k + 1]));
   },
-  /** What a drive that was found elsewhere makes at a place. */
-  probe(scene: string, drive: Float32Array, place: Vec3): Probe {
+  /** What an answer that was found elsewhere makes at a place. */
+  probe(scene: string, { drive, scale }: Played, place: Vec3): Probe {
     openBeside(scene);
-    beside.load(drive);
+    beside.load(drive, scale);
     return beside.probe(place);
   },
   judged,

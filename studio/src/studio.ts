@@ -96,6 +96,9 @@ export function resultOf(outcome: Outcome): Result {
   return { ...nothing(), answer, lattice, crossing, heard, warnings: [...outcome.warnings, ...answer.said] };
 }
 
+/** What is played of an answer, without what need not be sent to a worker. */
+export const playedOf = ({ drive, scale }: Answer) => ({ drive, scale });
+
 /** What both slots show. */
 export const shownOf = ({ results, frame }: View) => results.map((result, slot) => frame?.results[slot] ?? result) as [Result, Result];
 
@@ -204,7 +207,7 @@ export function createStudio(engine: Engine, initial: State): Studio {
     const [nx, ny, nz] = box.count;
     const moduli = new Float32Array(nx * ny * nz);
     for (let layer = 0; answer && layer < nz; layer += 1) {
-      const given = await engine.slow.layer(text(slot), answer.drive, box, layer);
+      const given = await engine.slow.layer(text(slot), playedOf(answer), box, layer);
       if (began !== wanted || stopped) return;
       moduli.set(given, layer * nx * ny);
     }

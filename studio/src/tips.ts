@@ -42,7 +42,7 @@ export function createTips(root: HTMLElement, signal: AbortSignal): HTMLElement 
   root.addEventListener("pointerover", ({ target }) => show(target as Element), { signal });
   root.addEventListener("pointerleave", hide, { signal });
   root.addEventListener("focusin", ({ target }) => (target as Element).matches(":focus-visible") && show(target as Element), { signal });
-  root.addEventListener("focusout", hide, { signal });
+  for (const event of ["focusout", "pointerdown"]) root.addEventListener(event, hide, { signal });
   root.addEventListener("scroll", put, { signal, capture: true });
   root.addEventListener("keydown", ({ key }) => key === "Escape" && hide(), { signal });
   return tip;

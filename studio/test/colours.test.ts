@@ -2,8 +2,7 @@
 import { expect, test } from "vitest";
 
 import { entry } from "../src/painter/maps.ts";
-
-type Row = [number, number, number];
+import { lab, type Row } from "./lab.ts";
 
 /** What is seen, in linear RGB: Machado, Oliveira and Fernandes 2009, severity 1. */
 const SEEN: Record<string, [Row, Row, Row]> = {
@@ -12,22 +11,6 @@ const SEEN: Record<string, [Row, Row, Row]> = {
   deuteranopia: [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.01182, 0.04294, 0.968881]],
   tritanopia: [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.3039]],
 };
-/** Linear sRGB to CIE XYZ under D65. */
-const XYZ: [Row, Row, Row] = [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.072175], [0.0193339, 0.119192, 0.9503041]];
-
-const times = (rows: Row[], by: number[]) => rows.map((row) => row.reduce((sum, value, k) => sum + value * by[k], 0));
-const linear = (value: number) => (value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4);
-const WHITE = times(XYZ, [1, 1, 1]);
-
-function lab(rgb: number[], sight: Row[]): number[] {
-  const seen = times(sight, rgb.map((value) => linear(value / 255))).map((value) => Math.min(Math.max(value, 0), 1));
-  const [x, y, z] = times(XYZ, seen).map((value, k) => {
-    const t = value / WHITE[k];
-    return t > 216 / 24389 ? Math.cbrt(t) : ((24389 / 27) * t + 16) / 116;
-  });
-  return [116 * y - 16, 500 * (x - y), 200 * (y - z)];
-}
-
 test.each(Object.entries(SEEN))("phases a quarter of a turn apart differ by 40 or more: %s", (_, sight) => {
   const away = (s: number, t: number) => {
     const [a, b] = [s, t].map((at) => lab(entry("phase", at % 1), sight));

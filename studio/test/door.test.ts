@@ -46,6 +46,19 @@ test("a field at the points is what the answer says", () => {
   });
 });
 
+test("a drive that is loaded with its scale is as loud as the answer was", () => {
+  const points = [{ position: [0, 0, 0.15], pressure: 40 }, { position: [0.03, 0, 0.15], pressure: 30 }];
+  door.open(ring("uniform", { points, solver: { name: "uniform", balance: true } }));
+  const { drive, scale, metrics, pressures } = door.solve();
+  expect(scale).toBeLessThan(0.5);
+  door.load(drive, scale);
+  expect(door.judge().level).toBeCloseTo(metrics.level, 4);
+  const { pressure } = door.probe([0, 0, 0.15]);
+  expect(Math.hypot(...pressure) / Math.hypot(...pressures[0])).toBeCloseTo(1, 3);
+  door.load(drive);
+  expect(door.judge().level * scale).toBeCloseTo(metrics.level, 4);
+});
+
 test("no drive exceeds the bound", () => {
   door.open(ring("uniform"));
   const { metrics } = door.solve();

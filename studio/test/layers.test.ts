@@ -8,12 +8,12 @@ const SOURCES = join(import.meta.dirname, "../src");
 
 /** The layers, lowest first; a name that ends with / is a folder. */
 const LAYERS = [
-  ["types", "door", "words", "dom", "tips", "changes", "decimal", "numbering"],
-  ["initial", "scene_file", "files", "link", "gallery", "history", "points", "paths", "plane", "contours", "lettering", "drawing", "pixels", "check"],
+  ["types", "gifenc.d", "door", "words", "dom", "tips", "changes", "decimal", "numbering"],
+  ["initial", "scene_file", "files", "link", "gallery", "history", "points", "paths", "plane", "contours", "lettering", "glyphs", "drawing", "pixels", "check"],
   ["solve.worker", "lattices", "engine", "studio", "serial", "served"],
   ["painter/", "eye", "look", "numbers"],
   [
-    "context", "announce", "refusals", "chart", "recording", "player", "readout", "instrument", "viewing", "handles", "slicechoice", "phasekey", "stage", "compare", "exchange", "boardbutton", "gallerybox", "bar", "table",
+    "context", "announce", "refusals", "chart", "recording", "player", "readout", "instrument", "viewing", "handles", "slicechoice", "phasekey", "stage", "compare", "exchange", "boardbutton", "gallerybox", "bar", "table", "arraypicker",
     "shaping", "motion", "panels", "sheet", "sentence", "ghost",
   ],
   ["page", "hook", "main", "widget"],

@@ -1,23 +1,26 @@
 import { expect, test } from "vitest";
 import { colour, entry, mapOf, modulusAt, shade, TABLES, ticks, tone } from "../src/painter/maps.ts";
 import type { Look } from "../src/types.ts";
+import { lab } from "./lab.ts";
 
 const look = (scale: Look["scale"], top = 6900): Look => ({ quantity: "modulus", scale, top, turn: 0, theme: "dark" });
 
-test("the map of |p| is matplotlib's, on light ground the other way", () => {
-  const at = (map: "magma" | "magma_r", i: number) => [...TABLES[map].subarray(4 * i, 4 * i + 3)];
-  expect([0, 128, 255].map((i) => at("magma", i))).toEqual([
-    [0, 0, 4],
-    [183, 55, 121],
-    [252, 253, 191],
-  ]);
-  for (let i = 0; i < 256; i += 1) expect(at("magma_r", i)).toEqual(at("magma", 255 - i));
+test("the map of |p| goes from dark to bright, on light ground from the page's own colour to black", () => {
+  const at = (map: "field" | "field_light", i: number) => [...TABLES[map].subarray(4 * i, 4 * i + 3)];
+  expect([at("field", 0), at("field", 255)]).toEqual([[0, 0, 4], [252, 253, 191]]);
+  // matplotlib's magma, to what its 25 stops leave.
+  at("field", 128).forEach((value, k) => expect(Math.abs(value - [183, 55, 121][k])).toBeLessThan(3));
+  expect([at("field_light", 0), at("field_light", 255)]).toEqual([[246, 248, 250], [0, 0, 4]]);
+  for (const [map, way] of [["field", 1], ["field_light", -1]] as const) {
+    const light = Array.from({ length: 256 }, (_, i) => lab(at(map, i))[0]);
+    expect(light.slice(1).every((value, i) => way * (value - light[i]) > 0)).toBe(true);
+  }
 });
 
 test("the scales", () => {
-  expect(colour(look("linear"), 3450)).toEqual(entry("magma", 0.5));
-  expect(colour(look("squared"), 3450)).toEqual(entry("magma", 0.25));
-  expect(colour(look("decibel"), 690)).toEqual(entry("magma", 1 - 20 / 30));
+  expect(colour(look("linear"), 3450)).toEqual(entry("field", 0.5));
+  expect(colour(look("squared"), 3450)).toEqual(entry("field", 0.25));
+  expect(colour(look("decibel"), 690)).toEqual(entry("field", 1 - 20 / 30));
   for (const scale of ["linear", "squared", "decibel"] as const) {
     expect(tone(look(scale), modulusAt(look(scale), 0.3))).toBeCloseTo(0.3, 12);
     expect(colour(look(scale), 0)).toEqual([0, 0, 4]);

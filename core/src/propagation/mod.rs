@@ -23,7 +23,7 @@ pub(crate) mod strips;
 pub(crate) mod taylor;
 
 pub use boundary::Boundary;
-pub use field::field;
+pub use field::{KeptField, field};
 pub(crate) use field::field_of;
 pub use model::Model;
 pub use particle::Particle;

@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use midair::{
-    Array, Axis, Complex32, Complex64, Control, Directivity, Error, InstructionSet, Medium, Model, Obstacle, Plane,
-    Progress, Request, Rng, Scene, Signature, Surface, Transducer,
+    Array, Axis, Complex32, Complex64, Control, Directivity, Error, InstructionSet, KeptField, Medium, Model, Obstacle,
+    Plane, Progress, Request, Rng, Scene, Signature, Surface, Transducer,
 };
 
 use crate::oracle;
@@ -19,8 +19,12 @@ fn random_drive(count: usize, seed: u64) -> Vec<Complex32> {
         .collect()
 }
 
+fn model_of(scene: &Scene) -> Model {
+    Model::of(scene, InstructionSet::best())
+}
+
 fn field(scene: &Scene, drive: &[Complex32], points: &[[f64; 3]]) -> Vec<Complex32> {
-    midair::field(&Model::of(scene, InstructionSet::best()), drive, points, &mut Control::none()).expect("a field")
+    midair::field(&model_of(scene), drive, points, &mut Control::none()).expect("a field")
 }
 
 /// Real air and transducers.
@@ -51,6 +55,31 @@ fn planes_and_points_have_the_oracles_field() {
         assert_field(&scene, &Plane::new(0.15, 0.1, 40, [0.01, -0.02]).expect("a plane").points());
         assert_field(&scene, &random_points(300, 0.1, 1));
     }
+}
+
+#[test]
+fn a_field_that_is_kept_is_the_field_of_every_drive() {
+    let scene = real();
+    let model = model_of(&scene);
+    // Some places lie on transducers.
+    let mut places = Plane::new(0.0, 0.2, 21, [0.01, -0.02]).expect("a plane").points();
+    places.extend_from_slice(&scene.array().positions()[..9]);
+    places.extend(random_points(100, 0.1, 1));
+    let kept = KeptField::new(&model, &places, &mut Control::none()).expect("room");
+    for seed in [1, 2] {
+        let drive = random_drive(scene.array().len(), seed);
+        let own = kept.field(&drive, &mut Control::none()).expect("a drive");
+        let field = field(&scene, &drive, &places);
+        let most = field.iter().map(|p| p.norm()).fold(0.0, f32::max);
+        for (own, p) in own.iter().zip(&field) {
+            assert!((own - p).norm() < 2e-6 * most, "{own} for {p} where {most} is the most");
+        }
+    }
+    assert!(kept.field(&[], &mut Control::none()).is_err());
+    assert!(KeptField::new(&model, &[], &mut Control::none()).is_err());
+    let wall = Obstacle::Wall { point: [0.2, 0.0, 0.0], normal: [-1.0, 0.0, 0.0], kind: Surface::Rigid };
+    let walled = model.with_obstacles(&[wall]).expect("a wall");
+    assert!(KeptField::new(&walled, &places, &mut Control::none()).is_err());
 }
 
 #[test]

@@ -1,17 +1,11 @@
-//! Drawn: points along circles and contours, spaced so that they are few enough.
+//! Drawn: points along contours, spaced so that they are few enough.
 
 use midair::Error;
-use midair::points::{Curve, along, fitted};
+use midair::points::{along, fitted};
 
 use crate::studio::Studio;
 
 impl Studio {
-    pub(crate) fn circle(&mut self, most: usize) -> Result<(), Error> {
-        let &[x, y, z, radius] = &self.numbers_in[..] else { return Err(wrong("give a center and a radius")) };
-        let circle = Curve::circle([x, y, z], radius, [0.0, 0.0, 1.0], 0.0)?;
-        self.draw(most, |step| circle.points(step))
-    }
-
     pub(crate) fn along(&mut self, most: usize) -> Result<(), Error> {
         let (mut contours, mut left) = (Vec::new(), &self.numbers_in[..]);
         while let Some((&count, rest)) = left.split_first() {
@@ -20,11 +14,7 @@ impl Studio {
             contours.push(vertices.as_chunks().0.to_vec());
             left = rest;
         }
-        self.draw(most, |step| along(&contours, step))
-    }
-
-    fn draw(&mut self, most: usize, make: impl FnMut(f64) -> Result<Vec<[f64; 3]>, Error>) -> Result<(), Error> {
-        self.numbers = fitted(most, make)?.into_flattened();
+        self.numbers = fitted(most, |step| along(&contours, step))?.into_flattened();
         Ok(())
     }
 }

@@ -7,6 +7,7 @@
 
 mod catalogue;
 mod drawn;
+mod lattices;
 mod opened;
 mod play;
 mod studio;
@@ -155,10 +156,10 @@ pub extern "C" fn studio_judge(studio: &mut Studio) -> u32 {
     studio.work(Studio::judge)
 }
 
-/// Takes the drive (N, 2) of the numbers handed in.
+/// Takes the drive (N, 2) of the numbers handed in, and what supply or modulation multiply it by.
 #[unsafe(no_mangle)]
-pub extern "C" fn studio_load(studio: &mut Studio) -> u32 {
-    studio.work(Studio::load)
+pub extern "C" fn studio_load(studio: &mut Studio, scale: f32) -> u32 {
+    studio.work(|studio| studio.load(scale))
 }
 
 /// The field of the drive, its scale counted in, at the places (K, 3) in m handed in, into the pressures.
@@ -171,12 +172,6 @@ pub extern "C" fn studio_field(studio: &mut Studio) -> u32 {
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_probe(studio: &mut Studio) -> u32 {
     studio.work(Studio::probe)
-}
-
-/// Points (K, 3) in m of a horizontal circle, at most `most`: its center (3,) and radius are the numbers handed in.
-#[unsafe(no_mangle)]
-pub extern "C" fn studio_circle(studio: &mut Studio, most: usize) -> u32 {
-    studio.work(|studio| studio.circle(most))
 }
 
 /// Points (K, 3) in m along contours, at most `most`: of each its number of vertices, then those (V, 3), are handed in.

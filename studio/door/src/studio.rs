@@ -1,8 +1,9 @@
 //! Studio: the buffers between the page and the core, and what a page may do with a scene.
 
 use midair::files::{read_array, read_drive, write_drive};
-use midair::{Array, Complex32, Control, Error, InstructionSet, Precision, Status, bound, field, spl};
+use midair::{Array, Complex32, Control, Error, InstructionSet, Precision, Status, bound, spl};
 
+use crate::lattices::Lattices;
 use crate::opened::Opened;
 
 /// One scene, its session and the buffers.
@@ -21,6 +22,7 @@ pub struct Studio {
     /// What supply or modulation multiply the drive by.
     scale: f32,
     opened: Option<Opened>,
+    lattices: Lattices,
 }
 
 impl Studio {
@@ -125,21 +127,21 @@ impl Studio {
         Ok(())
     }
 
-    pub(crate) fn load(&mut self) -> Result<(), Error> {
+    pub(crate) fn load(&mut self, scale: f32) -> Result<(), Error> {
         let (count, given) = (self.opened()?.scene.array().len(), self.numbers_in.as_chunks().0);
         if given.len() != count {
             let cure = format!("the array has {count} transducers: give as many");
             return Err(Error::invalid("drive", format!("{} values", given.len()), cure));
         }
         self.drive = given.iter().map(|&[re, im]| Complex32::new(re as f32, im as f32)).collect();
-        self.scale = 1.0;
+        self.scale = scale;
         Ok(())
     }
 
     pub(crate) fn field(&mut self) -> Result<(), Error> {
         let drive = played(&self.drive, self.scale);
         let Opened { model, .. } = self.opened.as_mut().ok_or_else(none)?;
-        self.pressures = field(model, &drive, self.numbers_in.as_chunks().0, &mut Control::none())?;
+        self.pressures = self.lattices.field(model, &drive, self.numbers_in.as_chunks().0)?;
         Ok(())
     }
 

@@ -77,7 +77,7 @@ export function createFlat(canvas: HTMLCanvasElement): Painter {
         if (depth <= 0) continue;
         const k = (2 * i) / 3;
         const amplitude = drive ? Math.hypot(drive[k], drive[k + 1]) : 0;
-        pen.fillStyle = amplitude ? `rgb(${colour({ ...picture.look, quantity: "phase" }, drive![k], drive![k + 1])})` : ink;
+        pen.fillStyle = amplitude && picture.discs === "phase" ? `rgb(${colour({ ...picture.look, quantity: "phase" }, drive![k], drive![k + 1])})` : ink;
         pen.beginPath();
         pen.arc(box.x + x, box.y + y, Math.max(1.5, (0.0042 * 1.6 * box.height) / depth), 0, 2 * Math.PI);
         pen.fill();

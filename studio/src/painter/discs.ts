@@ -1,4 +1,4 @@
-/** The transducers: small lit cans that face their normals; the face has the colour of the phase, or of the wave while it is shown. */
+/** The transducers: small lit cans that face their normals, in neutral ink, which pulses with the wave; or in the colours of their phases. */
 
 import { changes } from "../changes.ts";
 import { COLOUR, type FieldPainter } from "./field.ts";
@@ -45,6 +45,7 @@ void main() { colour = vec4(paint, 1); }`;
 
 const FACE_VERTEX = `${CAN}${COLOUR}
 uniform float known;
+uniform vec3 lit;
 out vec3 outward;
 out vec2 at;
 flat out vec3 axis, halfway, face, rim;
@@ -59,8 +60,9 @@ void main() {
   axis = normal;
   halfway = normalize(light + to);
   bool back = dot(normal, to) < 0.;
-  // Dimmed, so that the field is what shines.
-  face = back ? metal * .45 : mix(off, entry(shade(drive)), .72 * known * min(length(drive), 1.));
+  // Dim, so that the field is what shines; a crest is lit.
+  float t = shade(drive), share = quantity < .5 ? 0. : quantity < 1.5 ? t * t : .72 * min(length(drive), 1.);
+  face = back ? metal * .45 : mix(off, quantity < 1.5 ? lit : entry(t), known * share);
   rim = back ? face : metal * (.5 + .5 * max(dot(normal, light), 0.));
   // From behind, a can is seen to be closed.
   gl_Position = matrix * vec4(position + radius * (back ? outward - normal * ${HEIGHT} : outward), 1);
@@ -125,13 +127,14 @@ export function createDiscs(gl: Gl, field: FieldPainter): (view: View, picture: 
       Object.entries(lists).forEach(([name, list], unit) => part.bind(name, unit, gl.TEXTURE_2D, list.texture));
       part.set("radius", canRadius(picture.positions));
       part.set("metal", dark ? [0.34, 0.37, 0.42] : [0.93, 0.94, 0.96]);
-      part.set("off", dark ? [0.1, 0.115, 0.14] : [0.42, 0.44, 0.48]);
+      part.set("off", dark ? [0.1, 0.115, 0.14] : [0.78, 0.8, 0.83]);
+      part.set("lit", dark ? [0.62, 0.68, 0.76] : [0.36, 0.4, 0.46]);
       part.set("known", known ? 1 : 0);
       gl.drawArrays(gl.TRIANGLES, 0, corners * count);
     };
     draw(sides, 6 * SIDES);
     faces.use();
-    field.setLook(faces, { ...picture.look, top: 1, quantity: picture.look.quantity === "wave" ? "wave" : "phase" });
+    field.setLook(faces, { ...picture.look, top: 1, quantity: picture.discs });
     draw(faces, 6);
   };
 }

@@ -1,25 +1,10 @@
 /** Colour maps, and how p becomes a colour: the arithmetic of the shaders, for all that is not a shader. */
 
-import { phase } from "../../../python/midair/_pictures/colours.json";
+import colours from "../../../python/midair/_pictures/colours.json";
 import type { Look } from "../types.ts";
-import packed from "./maps.json";
 
 /** How far below the top the decibel scale reaches, dB. */
 export const RANGE = 30;
-
-/** First colour, then the steps of red, green and blue ("M": none), made from matplotlib's table (CC0). */
-function unpack({ first, steps }: typeof packed.magma): Uint8Array<ArrayBuffer> {
-  const table = new Uint8Array(256 * 4).fill(255);
-  for (let channel = 0; channel < 3; channel++) {
-    let value = first[channel];
-    table[channel] = value;
-    for (let i = 1; i < 256; i++) {
-      value += steps.charCodeAt(channel * 255 + i - 1) - 77;
-      table[4 * i + channel] = value;
-    }
-  }
-  return table;
-}
 
 /** A table of the colours that `at` gives from 0 to 1. */
 const tableOf = (at: (t: number) => number[]) => new Uint8Array(Array.from({ length: 256 }, (_, i) => [...at(i / 255), 255].map(Math.round)).flat());
@@ -31,21 +16,19 @@ const between = (stops: number[][]) => (t: number) => {
   return stops[i].map((value, channel) => value * (1 - f) + stops[i + 1][channel] * f);
 };
 
-const magma = unpack(packed.magma);
-
 /** The maps as 256 colours of four bytes (red, green, blue, 255): |p| and the wave on dark and light ground, silence as the ground is; the phase. */
 export const TABLES = {
-  magma,
-  magma_r: new Uint8Array(new Uint32Array(magma.buffer).toReversed().buffer),
+  field: tableOf(between(colours.field)),
+  field_light: tableOf(between(colours.field_light)),
   wave: tableOf(between([[178, 216, 255], [45, 118, 200], [12, 15, 20], [200, 84, 36], [255, 208, 150]])),
-  wave_r: tableOf(between([[10, 48, 110], [88, 150, 206], [246, 248, 250], [224, 122, 84], [120, 16, 32]])),
-  phase: tableOf(between(phase)),
+  wave_light: tableOf(between([[10, 48, 110], [88, 150, 206], [246, 248, 250], [224, 122, 84], [120, 16, 32]])),
+  phase: tableOf(between(colours.phase)),
 };
 export type MapName = keyof typeof TABLES;
 
 /** The name of the map that shows what a look shows. */
 export const mapOf = ({ quantity, theme }: Look): MapName =>
-  quantity === "phase" ? quantity : `${quantity === "wave" ? "wave" : "magma"}${theme === "dark" ? "" : "_r"}`;
+  quantity === "phase" ? quantity : `${quantity === "wave" ? "wave" : "field"}${theme === "dark" ? "" : "_light"}`;
 
 /** Where `modulus` (|p| in Pa) lies on the map, 0 to 1. */
 export function tone(look: Look, modulus: number): number {

@@ -1,6 +1,6 @@
 /** What a painter is asked to paint, by WebGL2 (`createPainter`) or without (`createFlat`). */
 
-import type { Lattice, Look, Obstacle, Vec3, Volume } from "../types.ts";
+import type { Lattice, Look, Obstacle, Quantity, Vec3, Volume } from "../types.ts";
 import type { Camera } from "./camera.ts";
 
 /** A part of the page, CSS px from its left top corner. */
@@ -23,6 +23,8 @@ export interface Picture {
   normals: Float32Array;
   /** re and im of N drives of modulus 0 to 1; null: not known yet. */
   drive: Float32Array | null;
+  /** What the transducers show of the drive: nothing ("modulus"), the wave, or their phases. */
+  discs: Quantity;
   /** One, or some that cross in their middles; `key` names the texture that the lattice is kept in, as in `Painter.slice`. */
   slices: { lattice: Lattice; key: string }[];
   /** Of sound, the length of the bar on the first slice. */

@@ -52,12 +52,12 @@ test("on a phone the stage stays on top while the sheet of tabs below it scrolls
   expect([stage.width, stage.height > 300]).toEqual([390, true]);
   const tab = (name: string) => page.getByRole("group", { name: "Settings" }).getByRole("button", { name });
   expect(await seen(page, ".pane", ".points", ".shapes")).toEqual([true, false, false]);
-  await tab("Control points").tap();
+  await tab("Points").tap();
   expect(await seen(page, ".pane", ".points", ".shapes")).toEqual([false, true, true]);
   await page.locator(".panels").evaluate((panels) => panels.scrollTo(0, 400));
   expect(await page.locator(".panels").evaluate(({ scrollTop }) => scrollTop)).toBeGreaterThan(50);
   expect(await box(page.locator(".stage"))).toEqual(stage);
-  expect(await tab("Control points").isVisible()).toBe(true);
+  expect(await tab("Points").isVisible()).toBe(true);
   await context.close();
 });
 
@@ -119,7 +119,7 @@ test.each([["en-GB", 0], ["ja-JP", 1]] as const)("each number has a line that ex
   expect(new Set(lines).size).toBe(await rows.count());
   for (let k = 0; k < lines.length; k += 1) await explained(rows.nth(k), lines[k]!);
   await page.evaluate(() => document.querySelectorAll("details").forEach((each) => (each.open = true)));
-  const bare = await page.locator("output, .points th[scope=col], .points input, .triple input, input[type=range]:not(.wiper), .summary, .scale").evaluateAll((all) =>
+  const bare = await page.locator("output, .points th[scope=col], .points input, .triple input, .timeline input, input[type=number], input[type=range]:not(.wiper), .summary, .scale, .phasekey").evaluateAll((all) =>
     all.filter((each) => !each.closest("[data-tip]")).map((each) => each.outerHTML),
   );
   expect(bare).toEqual([]);

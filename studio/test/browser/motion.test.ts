@@ -77,12 +77,12 @@ test("the time line plays, stops where it is, and is moved by keys", async () =>
   await expect.poll(() => line().isVisible()).toBe(false);
 });
 
-test("one turn is filmed as WebM", async () => {
+test.each([["WebM", "1a45dfa3"], ["GIF", "47494638"]])("one turn is filmed as %s", async (kind, begins) => {
   await page.evaluate(() => window.midair!.set({ path: { kind: "circle", radius: 0.01, frequency: 50 } }));
-  const [file] = await Promise.all([page.waitForEvent("download", { timeout: 90_000 }), page.getByRole("button", { name: /as a film/ }).click()]);
+  const [file] = await Promise.all([page.waitForEvent("download", { timeout: 90_000 }), page.getByRole("button", { name: `Record one turn as a film (${kind})` }).click()]);
   const film = await readFile((await file.path())!);
-  expect(file.suggestedFilename()).toBe("midair.webm");
-  expect(film.subarray(0, 4).toString("hex")).toBe("1a45dfa3");
+  expect(file.suggestedFilename()).toBe(`midair.${kind.toLowerCase()}`);
+  expect(film.subarray(0, 4).toString("hex")).toBe(begins);
   expect(film.length).toBeGreaterThan(2000);
   expect(complaints).toEqual([]);
 });

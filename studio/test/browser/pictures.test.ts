@@ -99,7 +99,7 @@ test("at the points the wave follows the cosine of their phases, half a period a
     for (const [k, [x, y]] of pixels.slice(0, 2).entries()) {
       const [re, im] = field[k];
       const now = (Math.hypot(re, im) / top) * Math.cos(Math.atan2(im, re) - (2 * Math.PI * instant) / 500);
-      const want = entry("wave_r", Math.min(Math.max(0.5 + now / 2, 0), 1));
+      const want = entry("wave_light", Math.min(Math.max(0.5 + now / 2, 0), 1));
       const off = async () => Math.max(...(await pixel(x, y)).map((value, channel) => Math.abs(value - want[channel])));
       await expect.poll(off, { message: `point ${k + 1} at ${instant} ms`, timeout: 10_000 }).toBeLessThanOrEqual(10);
     }

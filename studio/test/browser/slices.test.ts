@@ -46,16 +46,18 @@ test("the slice is chosen by its axes, three can be shown, and undo goes back", 
   await choice.getByRole("button", { name: "Three slices" }).click();
   await settled();
   expect((await state()).view).toBe("planes");
-  for (const axis of ["x", "y", "z"]) expect(await handle(axis).isVisible()).toBe(true);
+  for (const axis of ["x", "y", "z"]) await handle(axis).waitFor();
   await page.keyboard.press("Control+z");
   await page.keyboard.press("Control+z");
   expect((await state()).plane.axis).toBe("y");
-  expect(await handle("z").isVisible()).toBe(false);
+  await handle("z").waitFor({ state: "hidden" });
 });
 
 test("a handle pushes its slice along its normal, by the pointer and by keys", async () => {
   await set({ view: "planes" });
   const before = (await state()).plane;
+  // The slices of the state before may still be seen.
+  await handle("x").waitFor();
   const box = (await handle("z").boundingBox())!;
   await page.mouse.move(box.x + 12, box.y + 12);
   await page.mouse.down();
@@ -64,8 +66,7 @@ test("a handle pushes its slice along its normal, by the pointer and by keys", a
   const pushed = (await state()).plane;
   expect(pushed.z).toBeGreaterThan(before.z + 0.003);
   expect(pushed).toEqual({ ...before, z: pushed.z });
-  const there = (await handle("z").boundingBox())!;
-  expect(Math.abs(there.y - box.y + 30)).toBeLessThan(2);
+  await expect.poll(async () => Math.abs((await handle("z").boundingBox())!.y - box.y + 30)).toBeLessThan(2);
   await handle("x").focus();
   await page.keyboard.press("Shift+ArrowUp");
   expect((await state()).plane.center[0]).toBeCloseTo(0.01, 9);

@@ -1,0 +1,60 @@
+//! Lattices: places whose field is asked for again and again, as while a point is dragged along its slice.
+
+use midair::{Array, Complex32, Control, Error, KeptField, Medium, Model, field};
+
+/// Entries of G that are kept at most, 64 MB; and the fewest that are worth it.
+const MOST: usize = 1 << 23;
+const LEAST: usize = 1 << 18;
+
+/// A lattice that no field was asked of for so long is forgotten.
+const PATIENCE: usize = 4;
+
+/// Places above an array, and G there from the second field on.
+struct Lattice {
+    array: Array,
+    medium: Medium,
+    places: Vec<[f64; 3]>,
+    kept: Option<KeptField>,
+    /// Fields of other places since.
+    age: usize,
+}
+
+impl Lattice {
+    fn entries(&self) -> usize {
+        self.places.len() * self.array.len()
+    }
+}
+
+/// The lattices that were met lately.
+#[derive(Default)]
+pub(crate) struct Lattices(Vec<Lattice>);
+
+impl Lattices {
+    /// The field of a drive.
+    pub(crate) fn field(
+        &mut self,
+        model: &Model,
+        drive: &[Complex32],
+        places: &[[f64; 3]],
+    ) -> Result<Vec<Complex32>, Error> {
+        let control = &mut Control::none();
+        let (array, medium) = (model.array(), model.medium());
+        let entries = array.len() * places.len();
+        if !(LEAST..=MOST).contains(&entries) || !model.obstacles().is_empty() {
+            return field(model, drive, places, control);
+        }
+        self.0.iter_mut().for_each(|each| each.age += 1);
+        let known = |each: &Lattice| each.places == places && each.medium == medium && each.array == *array;
+        self.0.retain(|each| each.age <= PATIENCE || known(each));
+        let full: usize = self.0.iter().filter(|each| each.kept.is_some()).map(Lattice::entries).sum();
+        let Some(lattice) = self.0.iter_mut().find(|each| known(each)) else {
+            self.0.push(Lattice { array: array.clone(), medium, places: places.to_vec(), kept: None, age: 0 });
+            return field(model, drive, places, control);
+        };
+        lattice.age = 0;
+        if lattice.kept.is_none() && full + entries <= MOST {
+            lattice.kept = Some(KeptField::new(model, places, control)?);
+        }
+        lattice.kept.as_ref().map_or_else(|| field(model, drive, places, control), |kept| kept.field(drive, control))
+    }
+}

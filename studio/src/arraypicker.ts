@@ -1,0 +1,71 @@
+/** Array picker: a select of arrays, each beside a small picture of its transducers where the browser shows pictures in a select. */
+
+import type { Context } from "./context.ts";
+import { element } from "./dom.ts";
+import { initial } from "./initial.ts";
+import { sceneOf } from "./scene_file.ts";
+
+/** Side of a picture, in its own units. */
+const SIDE = 24;
+
+/** Above this part of its width an array is seen from the side: boards that face one another. */
+const TALL = 0.25;
+
+/** The transducers as dots, from positions (N, 3) in m. */
+function drawn(positions: Float64Array): SVGElement {
+  const along = (axis: number) => Array.from(positions).filter((_, k) => k % 3 === axis);
+  const ends = [0, 1, 2].map((axis) => along(axis).reduce(([least, most], x) => [Math.min(least, x), Math.max(most, x)], [Infinity, -Infinity]));
+  const wide = ends.map(([least, most]) => most - least);
+  const up = wide[2] > TALL * Math.max(wide[0], wide[1]) ? 2 : 1;
+  const scale = (0.86 * SIDE) / Math.max(wide[0], wide[up], 1e-3);
+  const at = (value: number, axis: number) => (value - (ends[axis][0] + ends[axis][1]) / 2) * scale;
+  const [across, above] = [along(0), along(up)];
+  const dots = across.map((x, k) => `M${(SIDE / 2 + at(x, 0)).toFixed(1)} ${(SIDE / 2 - at(above[k], up)).toFixed(1)}h0`);
+  const picture = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  picture.setAttribute("viewBox", `0 0 ${SIDE} ${SIDE}`);
+  picture.setAttribute("aria-hidden", "true");
+  picture.innerHTML = `<path stroke="currentColor" stroke-linecap="round" stroke-width="${up === 2 ? 1.6 : Math.min(2.4, (0.66 * SIDE) / Math.sqrt(across.length)).toFixed(2)}" d="${dots.join("")}"/>`;
+  return picture;
+}
+
+/** Makes it; `change` is given the name of the array that is chosen. */
+export function createArrayPicker({ engine, studio }: Context, change: (name: string) => void) {
+  const select = element("select", { className: "arrays", onchange: () => change(select.value) });
+  // What stands for the select while it is closed: its choice with the picture.
+  const face = element("button");
+  const pictures = new Map<string, SVGElement>();
+  let offered = "";
+
+  function illustrate() {
+    for (const option of select.options) {
+      const picture = pictures.get(option.value);
+      if (picture && !option.contains(picture)) option.prepend(picture);
+    }
+    // It holds a copy of the choice as that was.
+    face.replaceChildren(document.createElement("selectedcontent"));
+  }
+
+  /** Draws all arrays. */
+  async function draw() {
+    if (!CSS.supports("appearance", "base-select")) return;
+    for (const { name } of engine.catalogue.presets) {
+      const scene = JSON.stringify(sceneOf({ ...initial, array: { preset: name, tiles: [1, 1] }, points: [[0, 0, 0.1]] }, 0));
+      const array = await engine.slow.arrayOf(scene).catch(() => null);
+      if (array) pictures.set(name, drawn(array.subarray(0, array.length / 2)));
+    }
+    illustrate();
+  }
+  // The field comes first.
+  void studio.settled().then(draw);
+
+  return {
+    root: select,
+    /** Offers [name, text] pairs, one of them chosen. */
+    place(pairs: (readonly [string, string])[], chosen: string) {
+      const same = offered === (offered = pairs.join());
+      if (!same) select.replaceChildren(face, ...pairs.map(([name, text]) => new Option(text, name)));
+      if (select.value !== chosen) select.value = chosen;
+      if (!same) illustrate();
+    },
+  };
+}
