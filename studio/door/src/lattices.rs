@@ -55,6 +55,9 @@ impl Lattices {
         if lattice.kept.is_none() && full + entries <= MOST {
             lattice.kept = Some(KeptField::new(model, places, control)?);
         }
-        lattice.kept.as_ref().map_or_else(|| field(model, drive, places, control), |kept| kept.field(drive, control))
+        match &lattice.kept {
+            Some(kept) => kept.field(drive, control),
+            None => field(model, drive, places, control),
+        }
     }
 }
