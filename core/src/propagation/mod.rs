@@ -23,8 +23,8 @@ pub(crate) mod strips;
 pub(crate) mod taylor;
 
 pub use boundary::Boundary;
-pub use field::{KeptField, field};
 pub(crate) use field::field_of;
+pub use field::{KeptField, field};
 pub use model::Model;
 pub use particle::Particle;
 pub(crate) use sources::Sources;

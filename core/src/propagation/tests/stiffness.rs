@@ -3,9 +3,9 @@
 use super::*;
 use crate::control::Control;
 use crate::kernels::InstructionSet;
-use crate::propagation::kept::Kept;
 use crate::propagation::Model;
 use crate::propagation::gorkov::gorkov;
+use crate::propagation::kept::Kept;
 use crate::rng::Rng;
 use crate::scene::{Array, Directivity, Obstacle, Signature, Surface, Transducer};
 
