@@ -1,6 +1,6 @@
-"""Four usual techniques on the skin, by `midair.skin`: docs/touch.png, and their strength.
+"""Four usual techniques on the skin, by `midair.skin`: docs/touch.png, and their strength; `midair.haptic`.
 
-`make touch` runs it.
+`make touch` runs it, and prints the tables of docs/touch.md.
 """
 
 from __future__ import annotations
@@ -8,9 +8,12 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import numpy as np
 from matplotlib import pyplot as plt
+from numpy.typing import NDArray
 
 import midair
+from midair._judging.haptic import _Curve, _Judge
 
 HEIGHT = 0.2
 MIDDLE = (0.0, 0.0, HEIGHT)
@@ -25,8 +28,77 @@ TECHNIQUES = {
 }
 
 
+#: Boards, the height of the hand in m, and frames a second.
+BOARDS = {
+    "four AUTD3 boards": (midair.Array.preset("autd3", tiles=(2, 2)), HEIGHT, 4e3),
+    "SonicSurface": (midair.Array.preset("sonicsurface"), 0.15, 89.0),
+}
+
+#: Sweeps of the bound over the lines.
+SWEEPS = 12
+
+
+def letter(height: float) -> NDArray[np.float64]:
+    """An S of 3 cm, of two arcs of three quarters."""
+    turn = np.linspace(0, 1.5 * np.pi, 80)
+    upper = 0.0075 * np.stack([np.cos(turn), 1 + np.sin(turn)], axis=1)
+    lower = 0.0075 * np.stack([np.sin(turn), np.cos(turn) - 1], axis=1)
+    places = np.concatenate([upper, lower])
+    return np.column_stack([places, np.full(len(places), height)])
+
+
+def bound(answers: NDArray[np.complex64]) -> float:
+    """The most that the fast channel can feel on a curve, in the root of the mean square, of a schedule.
+
+    Of one focus a frame, the lines I_f of a schedule of T frames have sum_f (I_f I_f^H + conj.) <= T diag(n),
+    n the frames of each focus. So sum_f I_f^H M_f I_f <= T^2 max(diag Z), for every real symmetric Z with
+    2 Z >= M_f for all f, where M_f = A_f^H A_f / X.
+    """
+    strongest = np.argsort([-np.linalg.norm(a, 2) for a in answers])
+    matrices = [a.conj().T @ a / len(a) for a in answers[strongest].astype(np.complex128)]
+    total = np.zeros(matrices[0].shape)
+    least = 1e-9 * max(float(np.trace(m).real) for m in matrices)
+    for _ in range(SWEEPS):
+        enough = True
+        for matrix in matrices:
+            values, vectors = np.linalg.eigh(matrix / 2 - total)
+            if values[-1] > least:
+                part = vectors[:, values > 0]
+                total += ((part * values[values > 0]) @ part.conj().T).real
+                enough = False
+        if enough:
+            break
+    return float(np.sqrt(np.diag(total).max()))
+
+
+def chosen() -> None:
+    """Print what `midair.haptic` gains, and the bound."""
+    for board, (array, height, rate) in BOARDS.items():
+        circle = midair.path.circle([0, 0, height], 0.015, speed=1)
+        line = [[-0.025, 0, height], [0.025, 0, height]]
+        for name, shape in (
+            ("circle of 3 cm", circle),
+            ("line of 5 cm", line),
+            ("S of 3 cm", letter(height)),
+        ):
+            for aim in ("strong", "even"):
+                found = midair.haptic(shape, array, rate=rate, aim=aim)
+                usual = ", ".join(f"{value:.1f}" for value in found.standards.values())
+                print(
+                    f"{board}, {name}, {aim}: {usual}; {found.strength:.1f} dB, weakest {found.weakest:.1f}, "
+                    f"{found.gain:+.1f} dB, {found.technique}"
+                )
+            if rate > 1e3:
+                judge = _Judge(array, _Curve.of(shape, closed=False), rate, 0.014, {})
+                foci = judge.foci
+                best = max(foci.strengths(foci.climb(start, "strong")).mean() for start in judge.starts())
+                above = 20 * np.log10(foci.frames * bound(foci.answers) / best)
+                print(f"{board}, {name}: no schedule of these foci is more than {above:.1f} dB above it")
+
+
 def main() -> None:
     """Draw and print."""
+    chosen()
     array = midair.Array.preset("autd3", tiles=(2, 2))
     figure, axes = plt.subplots(4, 3, figsize=(10, 12.5), layout="constrained")
     for row, (name, path) in zip(axes, TECHNIQUES.items(), strict=True):

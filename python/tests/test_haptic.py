@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 import midair
+from midair._judging.schedule import Foci
+from midair._motion.sheet import Sheet
 
 ARRAY = midair.Array.preset("autd3")
 Z = 0.15
@@ -20,9 +22,9 @@ def along(touch: midair.Skin, places: Any) -> float:
 
 
 @pytest.mark.slow
-def test_strokes_are_felt_more_than_the_usual_techniques() -> None:
+def test_a_schedule_is_felt_more_than_the_usual_techniques() -> None:
     found = midair.haptic(LINE, ARRAY, rate=4e3)
-    assert found.gain > 0.2
+    assert found.gain > 1
     assert len(found.standards) == 4
     assert found.technique not in found.standards
     assert len(found.sequence) <= 1024
@@ -30,8 +32,52 @@ def test_strokes_are_felt_more_than_the_usual_techniques() -> None:
     again = midair.skin(found.sequence, found.skin.hand)
     places = np.linspace(*np.array(LINE), 20)
     assert along(again, places) == pytest.approx(found.strength, abs=0.2)
-    assert "strokes" in repr(found)
+    assert "schedule of" in repr(found)
     assert "dB" in found._repr_html_()
+
+
+def foci(rate: float, frames: int) -> tuple[Foci, Any, midair.Plane]:
+    curve = np.linspace(*np.array(LINE), 20)
+    plane = midair.Plane(z=Z, size=0.07, pixels=33)
+    return Foci.beside(ARRAY, curve, plane, 0.008, Sheet(), rate, frames), curve, plane
+
+
+def scores(found: Foci, schedule: Any) -> Any:
+    """The fast channel along the curve, by a plain sum over the lines."""
+    moved = 0
+    total = np.zeros(found.answers.shape[1])
+    for k, answer in enumerate(found.answers):
+        moved = sum(
+            answer[:, focus] * np.exp(-2j * np.pi * (k + 1) * t / found.frames)
+            for t, focus in enumerate(schedule)
+            if focus >= 0
+        )
+        total += np.abs(moved) ** 2
+    return np.sqrt(total)
+
+
+@pytest.mark.slow
+def test_an_ascent_counts_what_the_skin_feels_and_does_not_fall() -> None:
+    found, curve, plane = foci(4e3, 80)
+    assert np.all(np.linalg.norm(found.places[:, None] - curve, axis=2).min(axis=1) <= 0.008 + 1e-9)
+    start = np.arange(80) % 20
+    start[5] = -1
+    strong, even = found.climb(start, "strong"), found.climb(start, "even")
+    assert scores(found, strong).mean() > scores(found, start).mean()
+    assert scores(found, even).min() >= scores(found, start).min()
+    # An end stays where it is.
+    again = found.climb(strong, "strong")
+    assert scores(found, again).mean() == pytest.approx(scores(found, strong).mean(), rel=1e-3)
+    on = (strong >= 0)[:, None]
+    played = midair.Sequence(
+        ARRAY, found.places[strong][:, None], 1.0 * on, found.drives[strong] * on, rate=4e3, closed=True
+    )
+    felt = midair.skin(played, plane).fast
+    nearest = [
+        int(np.linalg.norm(midair.skin(played, plane).places - place, axis=1).argmin()) for place in curve
+    ]
+    ratio = felt[nearest] / scores(found, strong)
+    assert ratio == pytest.approx(ratio.mean(), rel=0.08)
 
 
 @pytest.mark.slow
@@ -68,6 +114,10 @@ def test_the_bound_is_kept_and_a_slow_board_has_its_frames() -> None:
     [
         (lambda: midair.haptic(LINE, ARRAY, rate=0), "rate is 0: give a number above 0"),
         (lambda: midair.haptic(LINE, ARRAY, rate=4e3, aim="loud"), 'aim is "loud": give "strong" or "even"'),
+        (
+            lambda: midair.haptic(LINE, ARRAY, rate=4e3, beside=-1),
+            "beside is -1: give a number of at least 0",
+        ),
         (lambda: midair.haptic([[0, 0, Z]], ARRAY, rate=4e3), "shape is .*: give at least two places"),
         (lambda: midair.haptic([[0, 0, Z]] * 2, ARRAY, rate=4e3), 'shape is "0 m long": give places'),
         (

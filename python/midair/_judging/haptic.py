@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from html import escape
 from typing import Any
@@ -15,21 +15,26 @@ from numpy.typing import ArrayLike, NDArray
 from .._midair import Array, Plane, SceneError, SceneWarning, solve_batch
 from .._motion import Sequence, Skin, sequence, skin
 from .._motion.request import bound
+from .._motion.sheet import Sheet
 from .._support.arguments import flag, number, real, refused, word
 from ..path import Path
 from .exposure import Exposure, exposure
+from .schedule import Foci
 
 #: Places of a focus along the shape: so far apart in m, and at most so many.
 STEP, MOST = 2e-3, 200
 
-#: Places of the skin along each side, and what it shows around the shape, in m.
+#: Places of the skin along each side, and how much of it is around the shape, in m.
 COARSE, MARGIN = 33, 0.015
 
-#: Techniques that are solved as frames, of those that foci by themselves promise most.
-TRIED = 3
-
-#: Laps a second of the pieces that strokes draw: the fast channel sums over some 0.2 s (Verrillo 1965).
+#: Laps a second of a schedule, over which the fast channel sums (0.2 s, Verrillo 1965).
 LAPS = 5.0
+
+#: Jumps from which a schedule climbs: how many in a period, at what frequency in Hz, and over what way in m.
+JUMPS = ((5, 285.0, 0.03), (2, 285.0, 0.018))
+
+#: Draw speeds of the usual techniques, and of others where a bound holds, in m/s.
+USUAL, SPEEDS = 7.0, (5.0, 6.0, 8.0, 10.0)
 
 
 @dataclass(frozen=True)
@@ -37,13 +42,11 @@ class Technique:
     """Where foci are along a shape, frame after frame.
 
     name : as it is reported
-    standard : whether it is one of the four usual ones
     ways : (T, M) along the shape, 0 to 1
     amplitudes : (T,) of the drive
     """
 
     name: str
-    standard: bool
     ways: NDArray[np.float64]
     amplitudes: NDArray[np.float64]
 
@@ -55,15 +58,18 @@ class Haptic:
     sequence : the drives, frame after frame
     skin : the skin's motion under it
     technique : what was chosen
+    aim : "strong" or "even"
     strength : in dB above what is just felt, the mean along the shape
     weakest : the same at the shape's weakest place
-    standards : strength of the four usual techniques by name, at the same array, rate and bound
+    standards : of the four usual techniques by name, at the same array, rate and bound: the strength, or with
+        the aim "even" the weakest
     exposure : at the ears, if any were given
     """
 
     sequence: Sequence
     skin: Skin
     technique: str
+    aim: str
     strength: float
     weakest: float
     standards: dict[str, float]
@@ -71,8 +77,9 @@ class Haptic:
 
     @property
     def gain(self) -> float:
-        """By how many dB it is above the strongest of the usual techniques."""
-        return self.strength - max(self.standards.values())
+        """By how many dB it is above the best of the usual techniques, by the measure of its aim."""
+        reached = self.strength if self.aim == "strong" else self.weakest
+        return reached - max(self.standards.values())
 
     def __repr__(self) -> str:
         return "\n".join(f"{name:18}  {value}" for name, value in self._rows())
@@ -82,14 +89,13 @@ class Haptic:
         return f"<table>{''.join(rows)}</table>"
 
     def _rows(self) -> list[tuple[str, str]]:
+        level = f"{self.strength:.1f} dB above threshold, {self.weakest:.1f} dB where it is weakest"
+        where = "in the mean" if self.aim == "strong" else "at the weakest place"
         rows = [
             ("technique", self.technique),
-            (
-                "strength",
-                f"{self.strength:.1f} dB above threshold, {self.weakest:.1f} dB where it is weakest",
-            ),
+            ("strength", level),
             *((name, f"{value:.1f} dB") for name, value in self.standards.items()),
-            ("gain", f"{self.gain:+.1f} dB"),
+            ("gain", f"{self.gain:+.1f} dB {where}"),
         ]
         if self.exposure is not None:
             rows.append(("loudest ear", f"{self.exposure.worst.spl:.1f} dB SPL"))
@@ -104,32 +110,34 @@ def haptic(
     aim: str = "strong",
     change: float | None = None,
     closed: bool = False,
+    beside: float = 0.014,
     ears: Mapping[str, Any] | None = None,
     limit: str | float = "howard",
     **model: Any,
 ) -> Haptic:
-    """Draw speed, foci, modulation and level with which a shape is felt best, by the model of `midair.skin`.
+    """The foci, frame by frame, with which a shape is felt best, by the model of `midair.skin`.
 
     shape : a midair.path of one point, or places (K, 3) in m in the order in which they are drawn
     rate : frames a second that the board plays
     aim : "strong", the largest mean strength along the shape, or "even", the largest at its weakest place
     change : the bound in rad a frame; left out, none
     closed : whether places go on from the last to the first; a path knows it
+    beside : how far in m foci may lie from the shape, half a wave of the skin; 0 keeps them on it
     ears, limit : places that must not be louder than a limit, as `midair.exposure` takes them: the level is
         lowered, of a board with amplitudes
     model : speed, loss, mass and reach of the skin
 
     The four usual techniques are amplitude modulation, lateral modulation, one focus at 7 m/s, and two of
-    them. Beside them, other draw speeds are tried, and what dwells: a focus that draws a piece of the shape
-    again and again at a frequency, while the piece goes along it 5 times a second. Where none is better, the
-    answer is the best of the usual four. Frequencies are those that whole frames allow.
+    them. Beside them a schedule of single foci, 5 laps a second, climbs until no other focus in any frame
+    promises more. With a bound other draw speeds are tried instead. Where none is better, the answer is the
+    best of the usual four. Frequencies are those that whole frames allow.
 
     Raises SceneError for what is not in order, and where the ears cannot be spared.
 
     >>> import midair
     >>> array = midair.Array.preset("autd3")
     >>> found = midair.haptic(midair.path.circle([0, 0, 0.15], 0.015, speed=1), array, rate=4e3)
-    >>> found.gain > 0, "mm" in found.technique
+    >>> found.gain > 1, "foci" in found.technique
     (True, True)
     """
     if not isinstance(array, Array):
@@ -138,13 +146,21 @@ def haptic(
     most = math.pi if change is None else bound(frames, change, None)
     if word("aim", aim) not in ("strong", "even"):
         raise refused("aim", aim, 'give "strong" or "even"')
+    reach = number("beside", beside, least=0)
     curve = _Curve.of(shape, closed)
-    judge = _Judge(array, curve, frames, aim, dict(model))
-    techniques = list(_techniques(curve, frames))
-    order = sorted((t for t in techniques if not t.standard), key=judge.promise, reverse=True)
-    tried = [(t, *judge.felt(t, most)) for t in order[:TRIED]]
-    standards = [(t, *judge.felt(t, most)) for t in techniques if t.standard]
-    best, played, touch = max([*tried, *standards], key=lambda one: judge.score(judge.along(one[2])))
+    judge = _Judge(array, curve, frames, reach, dict(model))
+    standards = [(t.name, *judge.felt(t, most)) for t in _usual(curve, frames)]
+    if most < math.pi:
+        drawn = (_drawn(curve, frames, speed, 1) for speed in SPEEDS)
+        tried = [(t.name, *judge.felt(t, most)) for t in drawn]
+    else:
+        tried = list(judge.climbed(aim))
+
+    def score(touch: Skin) -> float:
+        along = judge.along(touch)
+        return float(along.mean() if aim == "strong" else along.min())
+
+    name, played, touch = max([*tried, *standards], key=lambda one: score(one[2]))
     loudness = None
     if ears is not None:
         played, loudness = _spared(played, ears, limit)
@@ -153,10 +169,11 @@ def haptic(
     return Haptic(
         played,
         touch,
-        best.name,
+        name,
+        aim,
         _decibels(along.mean()),
         _decibels(along.min()),
-        {t.name: _decibels(judge.along(one).mean()) for t, _, one in standards},
+        {usual: _decibels(score(one)) for usual, _, one in standards},
         loudness,
     )
 
@@ -223,63 +240,40 @@ class _Curve:
         return found
 
 
-def _techniques(curve: _Curve, rate: float) -> Iterator[Technique]:
-    """The four usual ones, and what is tried beside them."""
-    length, laps = curve.length, 1 if curve.closed else 2
+def _times(rate: float, frequency: float) -> NDArray[np.float64]:
+    """Parts of a period, in whole frames."""
+    count = max(round(rate / frequency), 2)
+    return np.arange(count) / count
 
-    def times(frequency: float) -> NDArray[np.float64]:
-        """Parts of a period, in frames."""
-        return np.arange(max(round(rate / frequency), 2)) / max(round(rate / frequency), 2)
 
-    def drawn(speed: float, points: int) -> NDArray[np.float64]:
-        t = times(speed / (laps * length))
-        return laps * t[:, None] + laps * np.arange(points) / points
+def _drawn(curve: _Curve, rate: float, speed: float, points: int) -> Technique:
+    """Foci that draw a curve, to and fro where it is open."""
+    laps = 1 if curve.closed else 2
+    t = _times(rate, speed / (laps * curve.length))
+    ways = laps * t[:, None] + laps * np.arange(points) / points
+    name = f"STM at {laps * curve.length * rate / len(t):.3g} m/s"
+    return Technique(name if points == 1 else f"{name}, {points} foci", ways, np.ones(len(t)))
 
-    def steady(ways: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.ones(len(ways))
 
-    spread = max(round(length / 0.01), 2)
+def _usual(curve: _Curve, rate: float) -> Iterator[Technique]:
+    """The four usual ones: AM and LM by foci 1 cm apart, one focus and two that draw."""
+    spread = max(round(curve.length / 0.01), 2)
     rest = (np.arange(spread) + 0.5 * (not curve.closed)) / spread
-    t = times(200.0)
+    t = _times(rate, 200.0)
     amplitudes = np.sqrt((1 + np.cos(2 * np.pi * t)) / 2)
     still = np.tile(rest, (len(t), 1))
-    yield Technique(f"AM at {rate / len(t):.4g} Hz, {spread} foci", True, still, amplitudes)
-    t = times(100.0)
+    yield Technique(f"AM at {rate / len(t):.4g} Hz, {spread} foci", still, amplitudes)
+    t = _times(rate, 100.0)
     ways = rest + 0.25 / spread * np.sin(2 * np.pi * t)[:, None]
-    yield Technique(f"LM at {rate / len(t):.4g} Hz, {spread} foci", True, ways, steady(t))
-    for points, speed in ((1, 7.0), (2, 7.0), (1, 5.0), (1, 6.0), (1, 8.0), (1, 10.0)):
-        ways = drawn(speed, points)
-        told = f"STM at {laps * length * rate / len(ways):.3g} m/s"
-        name = told if points == 1 else f"{told}, {points} foci"
-        yield Technique(name, speed == 7.0, ways, steady(ways))
-    count, there = max(round(rate / LAPS), 4), set()
-    for frequency in (160.0, 200.0, 220.0, 250.0):
-        # Whole passes in a lap: else they would drift.
-        one = max(round(rate / frequency), 2)
-        passes = max(count // one, 1)
-        frames = np.arange(passes * one)
-        along = (frames // one) / passes
-        for piece in (0.018, 0.024, 0.032, 0.04, 0.056, 0.08):
-            if piece > length / 2 or (one, piece) in there:
-                continue
-            there.add((one, piece))
-            sweep = along if curve.closed else (1 - piece / length) * np.abs(1 - 2 * along)
-            ways = sweep + (frames % one) / one * piece / length
-            name = f"strokes of {1e3 * piece:g} mm at {rate / one:.4g} Hz, {rate / len(frames):.3g} laps/s"
-            yield Technique(name, False, ways[:, None], steady(ways))
+    yield Technique(f"LM at {rate / len(t):.4g} Hz, {spread} foci", ways, np.ones(len(t)))
+    yield from (_drawn(curve, rate, USUAL, points) for points in (1, 2))
 
 
 class _Judge:
     """What techniques are felt like along a curve."""
 
-    def __init__(self, array: Array, curve: _Curve, rate: float, aim: str, model: dict[str, Any]) -> None:
+    def __init__(self, array: Array, curve: _Curve, rate: float, reach: float, model: dict[str, Any]) -> None:
         self._array, self._curve, self._rate, self._model = array, curve, rate, model
-        self.score: Callable[[NDArray[np.float64]], float] = (
-            (lambda along: float(along.mean())) if aim == "strong" else (lambda along: float(along.min()))
-        )
-        single = solve_batch(array, curve.places[:, None], solver="fast")
-        self._drives = single.drives
-        self._levels = np.abs(single.pressures[:, 0])
         middle = (curve.places.min(axis=0) + curve.places.max(axis=0)) / 2
         normal = int(np.abs(middle - array.positions.mean(axis=0)).argmax())
         across = [axis for axis in range(3) if axis != normal]
@@ -287,6 +281,9 @@ class _Judge:
         center = (float(middle[across[0]]), float(middle[across[1]]))
         at = float(middle[normal])
         self._plane = Plane(axis="xyz"[normal], at=at, size=size, pixels=COARSE, center=center)
+        sheet = Sheet(**{name: model[name] for name in ("speed", "loss", "mass") if name in model})
+        frames = max(round(rate / LAPS), 4)
+        self.foci = Foci.beside(array, curve.places, self._plane, reach, sheet, rate, frames)
 
     def skin(self, played: Sequence) -> Skin:
         return skin(played, self._plane, **self._model)
@@ -294,10 +291,35 @@ class _Judge:
     def along(self, touch: Skin) -> NDArray[np.float64]:
         return touch.along(self._curve.places)
 
-    def promise(self, technique: Technique) -> float:
-        """The score of the first focus alone, no phase bound."""
-        index = self._curve.index(technique.ways[:, :1])
-        return self.score(self.along(self.skin(self._played(technique, index, self._drives[index[:, 0]]))))
+    def starts(self) -> Iterator[NDArray[np.int64]]:
+        """Schedules to climb from: jumps over a piece of the curve, which goes along it once a lap."""
+        t, curve = np.arange(self.foci.frames), self._curve
+        for jumps, frequency, piece in JUMPS:
+            part = min(piece / curve.length, 0.5)
+            lap = t / len(t) if curve.closed else (1 - part) * np.abs(1 - 2 * t / len(t))
+            period = t * (min(frequency, self._rate / 2) / self._rate) % 1
+            yield curve.index(lap + part * np.floor(period * jumps) / jumps)
+
+    def climbed(self, aim: str) -> Iterator[tuple[str, Sequence, Skin]]:
+        """What the ascents end at, each by its name."""
+        for start in self.starts():
+            chosen = self.foci.climb(start, aim)
+            on = (chosen >= 0)[:, None]
+            played = Sequence(
+                self._array,
+                self.foci.places[chosen][:, None],
+                self.foci.levels[chosen][:, None] * on,
+                self.foci.drives[chosen] * on,
+                rate=self._rate,
+                closed=True,
+                solver="haptic",
+            )
+            count = len(np.unique(chosen[chosen >= 0]))
+            yield (
+                f"schedule of {count} foci, {self._rate / len(chosen):.3g} laps/s",
+                played,
+                self.skin(played),
+            )
 
     def felt(self, technique: Technique, change: float) -> tuple[Sequence, Skin]:
         """The technique's frames, solved within the bound, and the skin's motion under them."""
@@ -309,26 +331,21 @@ class _Judge:
                 warnings.simplefilter("ignore", SceneWarning)
                 drives = sequence(self._array, points, rate=self._rate, change=change).drives
         elif index.shape[1] == 1:
-            drives = self._drives[index[:, 0]]
+            drives = self.foci.drives[index[:, 0]]
         else:
             sets, which = np.unique(index, axis=0, return_inverse=True)
             drives = solve_batch(self._array, self._curve.places[sets], solver="fast").drives[which.ravel()]
-        played = self._played(technique, index, drives)
-        return played, self.skin(played)
-
-    def _played(
-        self, technique: Technique, index: NDArray[np.int64], drives: NDArray[np.complex64]
-    ) -> Sequence:
         amplitudes = technique.amplitudes[:, None]
-        return Sequence(
+        played = Sequence(
             self._array,
-            self._curve.places[index],
-            self._levels[index] * amplitudes / math.sqrt(index.shape[1]),
+            points,
+            self.foci.levels[index] * amplitudes / math.sqrt(index.shape[1]),
             drives * amplitudes.astype(np.float32),
             rate=self._rate,
             closed=True,
             solver="haptic",
         )
+        return played, self.skin(played)
 
 
 def _decibels(strength: float) -> float:

@@ -32,9 +32,9 @@ LEAST, MOST, ENTRIES = 1e-5, 400.0, 6000
 class Sheet:
     """A membrane: wave speed in m/s, loss factor, and mass in kg/m^2."""
 
-    speed: float
-    loss: float
-    mass: float
+    speed: float = 6.0
+    loss: float = 0.4
+    mass: float = 6.4
 
     @property
     def tension(self) -> complex:

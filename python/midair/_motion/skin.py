@@ -40,9 +40,9 @@ def skin(
     sequence: Sequence,
     hand: Plane | Mesh | None = None,
     *,
-    speed: float = 6.0,
-    loss: float = 0.4,
-    mass: float = 6.4,
+    speed: float = Sheet.speed,
+    loss: float = Sheet.loss,
+    mass: float = Sheet.mass,
     reach: float = 2e-3,
     tau: float = 0.0,
 ) -> Skin:
@@ -82,7 +82,7 @@ def skin(
     if hand is None:
         hand = _around(sequence)
     if isinstance(hand, Plane):
-        places, step = _squares(hand), hand.size / max(hand.pixels - 1, 1)
+        places, step = squares(hand), hand.size / max(hand.pixels - 1, 1)
         shape = (hand.pixels, hand.pixels)
         frequencies, lines = _lines(sequence, places, tau)
         moved = sheet.on_plane(frequencies, lines[1:].reshape(-1, *shape), step)
@@ -297,7 +297,7 @@ def _around(sequence: Sequence) -> Plane:
     return Plane(axis="xyz"[normal], at=float(middle[normal]), size=size, pixels=SIDE, center=center)
 
 
-def _squares(plane: Plane) -> NDArray[np.float64]:
+def squares(plane: Plane) -> NDArray[np.float64]:
     """Places (pixels^2, 3) of a plane, row after row upwards."""
     axes = [plane.along(name) for name in "xyz"]
     across, up = (axis for axis in axes if axis is not None)
