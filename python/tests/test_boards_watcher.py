@@ -16,7 +16,7 @@ import pytest
 import midair
 from lines import Line
 from midair._boards import watcher
-from midair._boards.presence import runs
+from midair._boards.watcher import runs
 from test_boards_guard import ended, programs, started  # noqa: F401, a fixture among them
 
 TRIALS = 20 if os.environ.get("MIDAIR_SLOW") else 5

@@ -23,9 +23,8 @@ from typing import Any
 
 from . import wire
 from .errors import BoardError, BoardLost, BoardTimeout, named
-from .presence import Stops
 from .transport import Transport, before_what_computes, open_transport
-from .watcher import Watch
+from .watcher import Stops, Watch
 from .wire import Kind, Late
 
 #: How often the guard looks whether its owner lives, in s.

@@ -19,8 +19,8 @@ from typing import Any
 
 from . import wire
 from .errors import KINDS, BoardError, BoardLost, BoardTimeout
-from .presence import Stops
 from .transport import SIMULATED, open_transport
+from .watcher import Stops
 from .wire import Kind
 
 #: How long a call is waited for, in s, and one that opens a device: more than the transports' own limits.

@@ -4,7 +4,8 @@ The guard forks it first of all, twice and into a session of its own, so that wh
 processes does not find it. It reads the guard's beats. Where these end without a word, the owner turns the
 device off; where the owner is gone, too, the watcher does. A guard that is stopped or silent is ended.
 
-It does not survive what ends all three, and Windows, which cannot fork, has none.
+It does not survive what ends all three, and Windows, which cannot fork, has none. Whether a process
+runs or is stopped is as /proc has it; elsewhere, whether it is there.
 """
 
 from __future__ import annotations
@@ -17,11 +18,14 @@ import sys
 import threading
 import time
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
-from .presence import Stops, is_stopped, runs
 from .transport import open_transport
 from .wire import BEATS
+
+#: A dead process that its parent has not waited for, and stopped ones, by a signal and by a debugger.
+DEAD, STOPPED, TRACED = "ZX", "T", "t"
 
 #: Links behind which a board plays on: AUTD3 mutes itself, others are no device.
 WATCHED = ("serial", "fifo")
@@ -38,6 +42,43 @@ PAUSE = 0.02
 LOOK = 0.04
 
 BEAT, END = b".", b"E"
+
+
+def runs(process: int) -> bool:
+    """Whether a process is there and neither stopped nor a zombie."""
+    if state := _state(process):
+        return state not in DEAD + STOPPED + TRACED
+    try:
+        os.kill(process, 0)
+    except OSError:
+        return False
+    # Where there is no /proc, a process that is there runs.
+    return not Path("/proc/self/stat").exists()
+
+
+def is_stopped(process: int) -> bool:
+    """Whether a process is stopped by a signal."""
+    return _state(process) == STOPPED
+
+
+class Stops:
+    """Notes whether a process is stopped by a signal; one that is stopped but at a single look goes on."""
+
+    def __init__(self, process: int) -> None:
+        self._process = process
+        self._before = False
+
+    def look(self) -> bool:
+        """Whether it is stopped now and was at the look before."""
+        before, self._before = self._before, is_stopped(self._process)
+        return before and self._before
+
+
+def _state(process: int) -> str:
+    """The letter of a process's state, none where it cannot be read."""
+    with suppress(OSError):
+        return Path(f"/proc/{process}/stat").read_text(errors="replace").rpartition(")")[2].split()[0]
+    return ""
 
 
 class Watch:
