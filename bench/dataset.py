@@ -1,7 +1,7 @@
 """How many training scenes a core makes in a second: adds a line to bench/records/dataset.csv.
 
-The request is docs/sweeps/dataset.toml with a tenth of its trials, written as Parquet and Zarr like the
-recipe's. Time is CPU time of the process with all its threads: other work on the machine does not count.
+The request is docs/sweeps/dataset.toml with a tenth of its trials, made by `midair.dataset`. Time is
+CPU time of the process with all its threads: other work on the machine does not count.
 """
 
 import platform
@@ -10,6 +10,8 @@ import tempfile
 import tomllib
 from datetime import date
 from pathlib import Path
+
+import numpy as np
 
 import midair
 
@@ -29,10 +31,10 @@ def main() -> None:
     request["seeds"] //= 10
     began = seconds()
     with tempfile.TemporaryDirectory() as folder:
-        table = midair.sweep(request, Path(folder, "scenes.parquet"), drives=Path(folder, "scenes.zarr"))
-    spent = seconds() - began
-    rows = len(table["index"])
-    accuracy = table["accuracy"].mean()
+        made = midair.dataset(request, Path(folder, "scenes"))
+        spent = seconds() - began
+        rows = made.manifest["scenes"]
+        accuracy = np.mean(np.concatenate([part["accuracy"] for part in made.read()]))
     if not RECORD.exists():
         RECORD.write_text("date,cpu,version,solver,scenes,cpu_s,scenes_per_second_per_core,accuracy\n")
     line = [date.today(), platform.machine(), midair.__version__, request["solver"]["name"], rows]

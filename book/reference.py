@@ -61,7 +61,12 @@ PYTHON = [
         "connect Connection Board ports Port BoardError BoardBusy BoardLost BoardNotFound BoardPermission "
         "BoardTimeout read write",
     ),
-    ("sweeps", "Sweeps", "Many problems, one table.", "sweep"),
+    (
+        "sweeps",
+        "Sweeps and data sets",
+        "Many problems, one table; many drives to learn from.",
+        "sweep dataset Dataset",
+    ),
     ("notebooks", "Notebooks", "The studio in a cell.", "view View"),
 ]
 

@@ -73,7 +73,7 @@ if TYPE_CHECKING:
     from ._points.ear import Ear, ear
     from ._points.image import Picture, image
     from ._studio.view import View, view
-    from ._sweep import sweep
+    from ._sweep import Dataset, dataset, sweep
 
     __version__: str
 else:
@@ -93,6 +93,7 @@ __all__ = [
     "Calibration",
     "Comparison",
     "Connection",
+    "Dataset",
     "Ear",
     "Exposed",
     "Exposure",
@@ -133,6 +134,7 @@ __all__ = [
     "calibration_drives",
     "compare",
     "connect",
+    "dataset",
     "doctor",
     "ear",
     "exposure",

@@ -40,7 +40,7 @@ HOMES = {
     "_points.ear": "Ear ear",
     "_points.image": "Picture image",
     "_studio.view": "View view",
-    "_sweep": "sweep",
+    "_sweep": "Dataset dataset sweep",
     "grad": "",
     "path": "",
     "shape": "",

@@ -11,7 +11,7 @@ import zarr
 
 import midair
 from midair import _cli as cli
-from midair._sweep import files
+from midair._sweep import table as files
 from sweeps import ASKED, TOML, changed
 
 

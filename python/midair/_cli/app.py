@@ -23,6 +23,7 @@ COMMANDS = {
     "presets": ("presets", "List the arrays known by name."),
     "reproduce": ("sweep", "Make the figures of Suzuki et al. 2021 anew, and judge them."),
     "sweep": ("sweep", "Solve every problem of a sweep file: one table."),
+    "dataset": ("sweep", "Make a data set of scenes and drives, or judge drives by one."),
     "tolerate": ("tolerate", "Play a drive with faults: how much of its level is kept."),
     "exposure": ("tolerate", "Solve a scene: how loud it is at ears and eyes."),
     "motion": ("motion", "Solve the frames of points that move, and judge them."),

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 from collections import Counter
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 from rich import box
 from rich.table import Table
 
+from .. import SceneError
+from .._support.output import METRICS
 from .._support.text import counted
 from .progress import progress_bar
-from .tables import console, print_line, print_written
+from .tables import console, print_columns, print_line, print_written
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 def reproduce_command(
@@ -86,3 +91,59 @@ def sweep_command(
     files = f"{output_file}" if drives is None else f"{output_file} and {drives}"
     print_written(f"{counted(asked.problems, 'row')} to {files}")
     return 0
+
+
+def dataset_command(
+    request: Path,
+    *,
+    output_folder: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
+    bounds: bool = False,
+    judge: Path | None = None,
+    scheduler: str | None = None,
+) -> int:
+    """Make a data set of random scenes and their drives, every tenth held out; or judge drives by one.
+
+    Stopped and started again, it goes on where it was.
+
+    Parameters
+    ----------
+    request
+        Sweep file with one solver and random points: docs/sweeps.md. With --judge: the folder of a data set.
+    output_folder
+        The folder of the data set.
+    bounds
+        Compute each scene's bound, which no drive exceeds, too.
+    judge
+        Drives for the held-out scenes, in their order: a .npy file of complex numbers, (scenes, N).
+    scheduler
+        Address of a Dask scheduler, tcp://host:port; left out, this machine works.
+    """
+    from .. import Dataset, dataset
+
+    if judge is None:
+        if output_folder is None:
+            raise SceneError("--output is missing: give a folder for the data set")
+        with progress_bar("solving") as tell:
+            made = dataset(request, output_folder, bounds=bounds, scheduler=scheduler, progress=tell)
+        print_written(f"{counted(made.manifest['scenes'], 'scene')} to {output_folder}, every tenth held out")
+        return 0
+    judged = Dataset(request).judge(drives_of(judge))
+    columns = {"metric": list(METRICS)}
+    for title, prefix in (("these drives", ""), ("the data set's", "reference_")):
+        columns[title] = [f"{judged[prefix + name].mean():.4f}" for name in METRICS]
+    print_columns(columns)
+    print_line(f"means over {counted(len(judged['accuracy']), 'held-out scene')}")
+    return 0
+
+
+def drives_of(path: Path) -> np.ndarray[Any, Any]:
+    """The drives of a .npy file."""
+    import numpy as np
+
+    try:
+        found = np.load(path, allow_pickle=False)
+    except (OSError, ValueError, EOFError) as error:
+        raise SceneError(f'"{path}" cannot be read as drives: give a .npy file of complex numbers') from error
+    if not isinstance(found, np.ndarray) or found.dtype.kind not in "fc":
+        raise SceneError(f'"{path}" has no drives: give a .npy file of complex numbers')
+    return found

@@ -9,15 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 from .._support.arguments import callback, path_of, warn
 from .._support.kept import Arrays, locked
-from . import engine, files, table
+from . import engine, table
 from .block import solve_block
 from .engine import Job, run
 from .problems import whole
 from .request import Request, read
+from .shards import Dataset, dataset
 from .table import Shortfall
 
 if TYPE_CHECKING:
     import numpy as np
+
+__all__ = ["Dataset", "dataset", "sweep", "work"]
 
 #: Problems that are handed out and kept together: seconds of work at most, and lanes enough for a batch.
 CHUNK = 64
@@ -79,7 +82,7 @@ def work(
         None if path is None else path_of(name, path)
         for name, path in (("output", output), ("drives", drives))
     ]
-    folder = files.check(asked, *places)
+    folder = table.check(asked, *places)
     if threads is not None:
         whole(threads, "threads", least=1)
     shortfall = Shortfall()

@@ -140,6 +140,7 @@ def run(
     chunks: Path | None = None,
     scheduler: str | None = None,
     threads: int | None = None,
+    keep: Callable[[Job, Arrays], None] | None = None,
     tell: Callable[[int], None] = lambda items: None,
     fits: Callable[[Job, Arrays], bool] = lambda job, arrays: True,
 ) -> None:
@@ -148,6 +149,7 @@ def run(
     chunks : folder that keeps each result as soon as it is there; a job found in it is not done again
     scheduler : address of a Dask scheduler; left out, the work is done by threads of this process
     threads : how many at most; left out, one a processor
+    keep : called with each new result as soon as it is there, in any order
     tell : called with the number of items of each job that is done
     fits : whether a kept result can be the job's; else it is done again
     """
@@ -162,14 +164,19 @@ def run(
         waiting: deque[tuple[Job, Future[Arrays]]] = deque()
         unsaved: dict[Future[Arrays], Job] = {}
 
+        def put(job: Job, arrays: Arrays) -> None:
+            if chunks is not None:
+                save(chunks / job.path, arrays)
+            if keep is not None:
+                keep(job, arrays)
+
         def collect() -> None:
             done, _ = wait(unsaved, INTERVAL, FIRST_COMPLETED)
             if interrupted():
                 raise interrupted.error()
             for future in done:
                 job = unsaved.pop(future)
-                if chunks is not None:
-                    save(chunks / job.path, future.result())
+                put(job, future.result())
                 tell(job.stop - job.start)
 
         def hand_over(most: int) -> None:
@@ -200,8 +207,7 @@ def run(
             for future in unsaved:
                 future.cancel()
             executor.shutdown(wait=scheduler is None)
-            if chunks is not None:
-                _keep(chunks, unsaved)
+            _put_finished(unsaved, put)
             raise
 
 
@@ -243,12 +249,12 @@ def _workers(
             yield found
 
 
-def _keep(chunks: Path, unsaved: Mapping[Future[Arrays], Job]) -> None:
-    """Save what was finished while the run was being stopped, as far as there is room."""
+def _put_finished(unsaved: Mapping[Future[Arrays], Job], put: Callable[[Job, Arrays], None]) -> None:
+    """Keep what was finished while the run was being stopped, as far as there is room."""
     for future, job in unsaved.items():
         if future.done() and not future.cancelled() and future.exception() is None:
             try:
-                save(chunks / job.path, future.result())
+                put(job, future.result())
             except SceneError:
                 return
 

@@ -1,23 +1,29 @@
-"""The output of a sweep: a table as CSV or Parquet, drives as Zarr, under temporary names until whole."""
+"""Output of a sweep, checked before any work: a table as CSV or Parquet, drives as Zarr, written whole."""
 
 from __future__ import annotations
 
 import csv
+import json
+import os
 import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .._support import output
+from .._midair import SceneError
+from .._support import kept, output
 from .._support.kept import Arrays, refusing
 from .._support.output import METRICS
-from . import files
 from .block import trial_seed
 from .engine import Job
 from .request import Block, Request
+
+#: Rows of a chunk of a group of drives.
+ROWS = 1024
 
 
 class Shortfall:
@@ -50,6 +56,72 @@ class Shortfall:
                 " this weak come out smeared, balance = true cures it"
             )
         return "; ".join(parts)
+
+
+TABLES = (".csv", ".parquet")
+
+#: What marks a Zarr group as a sweep's, among its attributes, and what such a group may hold.
+MARK = {"midair": "sweep"}
+ARRAYS = ("drive", "scale", "pressures", "points", "targets")
+
+
+def check(asked: Request, table: Path | None, drives: Path | None) -> Path | None:
+    """Refuse files that cannot be written, or that no sweep made; returns the folder of finished chunks."""
+    if table is not None:
+        output.check(table, TABLES, asked.files)
+        if table.suffix.lower() == ".parquet":
+            _need("pyarrow", table)
+    if drives is not None:
+        _need("zarr", drives)
+        check_drives(drives)
+        _spare([*asked.files, *([] if table is None else [table])], drives)
+        output.tidy(output.real(drives))
+    beside = table or drives
+    if beside is None:
+        return None
+    folder = beside.with_name(f".{beside.name}.chunks")
+    kept.check(folder)
+    return folder
+
+
+def _need(package: str, path: Path) -> None:
+    if find_spec(package) is None:
+        raise SceneError(
+            f'"{path}" needs {package}: pip install "midair[sweep]", or give a .csv and no drives'
+        )
+
+
+def _spare(files: Sequence[Path], drives: Path) -> None:
+    """Refuse to replace a folder that files of the sweep lie in, whatever links lead there."""
+    for file in files:
+        if output.real(drives) in output.real(file).parents:
+            raise SceneError(f'drives "{drives}" would replace "{file}" in it: give another name')
+
+
+def check_drives(path: Path) -> None:
+    """Refuse a folder of drives that cannot be made, or that is there and not a former sweep's."""
+    if path.suffix != ".zarr":
+        raise SceneError(f'drives "{path}" has another ending: give a name that ends in .zarr')
+    check_replaceable(path)
+    folder = output.real(path).parent
+    if not folder.is_dir() or not os.access(folder, os.W_OK):
+        raise SceneError(f'folder "{folder}" cannot be written: make it first, or choose another')
+
+
+def check_replaceable(path: Path) -> None:
+    """Refuse to replace what is not wholly a former sweep's group of drives."""
+    if not path.exists():
+        return
+    try:
+        group = json.loads((path / "zarr.json").read_text(encoding="utf-8"))
+        ours = MARK.items() <= group["attributes"].items()
+        strange = {part.name for part in path.iterdir()} - {"zarr.json", *ARRAYS}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        ours, strange = False, set()
+    if not ours:
+        raise SceneError(f'drives "{path}" is there and was made by no sweep: choose another name')
+    if strange:
+        raise SceneError(f'drives "{path}" holds "{min(strange)}", which no sweep made: choose another name')
 
 
 Columns = dict[str, list[Any]]
@@ -108,7 +180,7 @@ def _temporary(path: Path) -> Iterator[Path]:
             yield part
             if path.is_dir():
                 # Somebody's own may have come there meanwhile.
-                files.check_replaceable(path)
+                check_replaceable(path)
                 shutil.rmtree(path)
             part.replace(path)
     finally:
@@ -174,25 +246,44 @@ def open_drives(path: Path, request: Request) -> Iterator[Callable[[Arrays, int]
     import zarr
 
     with _temporary(output.real(path)) as part:
-        group = zarr.open_group(part, mode="w", attributes=dict(files.MARK))
+        layout = _layout(request.blocks)
+        group = zarr.open_group(part, mode="w", attributes=dict(MARK))
         arrays = {
             name: group.create_array(
                 name,
                 shape=(request.problems, *shape),
-                chunks=(min(request.problems, 1024), *shape),
+                chunks=(min(request.problems, ROWS), *shape),
                 dtype=dtype,
                 fill_value=fill,
             )
-            for name, (dtype, shape, fill) in _layout(request.blocks).items()
+            for name, (dtype, shape, fill) in layout.items()
         }
+        # A chunk of the file is written once, not anew with each result.
+        memory = {name: np.full((ROWS, *shape), fill, dtype) for name, (dtype, shape, fill) in layout.items()}
+        held = written = 0
+
+        def flush() -> None:
+            nonlocal held, written
+            for name, rows in memory.items():
+                arrays[name][written : written + held] = rows[:held]
+                rows[:] = layout[name][2]
+            written, held = written + held, 0
 
         def give(chunk: Arrays, first: int) -> None:
-            for name in arrays.keys() & chunk.keys():
-                values = chunk[name]
-                place = (slice(first, first + len(values)), *(slice(length) for length in values.shape[1:]))
-                arrays[name][place] = values
+            nonlocal held
+            count, taken = len(chunk["scale"]), 0
+            while taken < count:
+                more = min(count - taken, ROWS - held)
+                for name in arrays.keys() & chunk.keys():
+                    values = chunk[name][taken : taken + more]
+                    place = (slice(held, held + more), *(slice(length) for length in values.shape[1:]))
+                    memory[name][place] = values
+                held, taken = held + more, taken + more
+                if held == ROWS:
+                    flush()
 
         yield give
+        flush()
 
 
 def as_columns(parts: Sequence[Mapping[str, list[Any]]], request: Request) -> dict[str, np.ndarray[Any, Any]]:

@@ -1,0 +1,298 @@
+"""Data sets: random scenes with their drives in Parquet files, every tenth scene held out."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.util import find_spec
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._midair import Array, Scene, SceneError, bound, judge, solvers
+from .._support import output
+from .._support.arguments import callback, path_of, warn
+from .._support.kept import Arrays, locked, refusing
+from .._support.output import METRICS
+from .block import array_and_medium, solve_block, trial_seed
+from .engine import Job, go_on, run
+from .problems import whole
+from .request import Block, Request, read
+from .table import Shortfall
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+#: Trials of a file and of the one held out beside it: seconds of work, megabytes of drives.
+SHARD = 4096
+
+#: Every so many trials one is held out, whatever the size of the set.
+EVERY = 10
+
+#: The file that describes a data set, and the parts that it has.
+MANIFEST, SPLITS = "dataset.json", ("train", "held_out")
+
+
+@dataclass(frozen=True)
+class Dataset:
+    """A data set in a folder: `Dataset("folder")` opens one that `midair.dataset` made.
+
+    Files of both parts, "train" and "held_out", have a row for each scene: trial; points (M, 3) in m; targets
+    (M,) in Pa where the request has pressures; pressures (M,) and drive (N,), complex numbers as re and im in
+    turn; scale; the metrics; status; the bound, if requested.
+    """
+
+    folder: Path
+
+    def __post_init__(self) -> None:
+        folder = path_of("folder", self.folder)
+        object.__setattr__(self, "folder", folder)
+        if not (folder / MANIFEST).is_file():
+            raise SceneError(f'"{folder}" is no data set, it has no {MANIFEST}: `midair dataset` makes one')
+
+    @cached_property
+    def manifest(self) -> dict[str, Any]:
+        """The request's blocks, the version, and how many scenes there are."""
+        try:
+            found: dict[str, Any] = json.loads((self.folder / MANIFEST).read_text(encoding="utf-8"))
+            _ = found["blocks"], found["scenes"]
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise SceneError(f'"{self.folder / MANIFEST}" is damaged: make the data set anew') from error
+        return found
+
+    @property
+    def array(self) -> Array:
+        """The array of all scenes."""
+        return array_and_medium(self.manifest["blocks"][0])[0]
+
+    def files(self, split: str = "train") -> list[Path]:
+        """The Parquet files of a part, in order."""
+        if split not in SPLITS:
+            raise SceneError(f'split is "{split}": give "train" or "held_out"')
+        return sorted(self.folder.glob(f"{split}-*.parquet"))
+
+    def read(self, split: str = "train") -> Iterator[dict[str, NDArray[Any]]]:
+        """One file after another as arrays of B rows: points (B, M, 3), drive (B, N) and so on.
+
+        >>> for part in midair.Dataset("scenes").read("held_out"):  # doctest: +SKIP
+        ...     learn(part["points"], part["drive"])
+        """
+        from pyarrow import parquet
+
+        for file in self.files(split):
+            yield _arrays(parquet.read_table(file))
+
+    def judge(self, drives: Any) -> dict[str, NDArray[np.float64]]:
+        """The metrics of other drives (B, N) for the B held-out scenes, in their order.
+
+        Each is an array (B,); "reference_accuracy" and so on are those of the data set's own drives. Targets
+        are the request's; without pressures each scene's are equal.
+        """
+        given = np.asarray(drives)
+        count = sum(part["trial"].size for part in self.read("held_out"))
+        if given.shape != (count, len(self.array)):
+            cure = f"give ({count}, {len(self.array)}), a row for each held-out scene"
+            raise SceneError(f"drives have the shape {given.shape}: {cure}")
+        found: list[list[NDArray[np.float64]]] = []
+        first = 0
+        for part in self.read("held_out"):
+            rows = given[first : first + part["trial"].size]
+            first += len(rows)
+            own = judge(self.array, rows, points=part["points"], pressures=part.get("targets"))
+            found.append(
+                [*(np.asarray(getattr(own, name)) for name in METRICS), *(part[name] for name in METRICS)]
+            )
+        names = [*METRICS, *(f"reference_{name}" for name in METRICS)]
+        return dict(zip(names, map(np.concatenate, zip(*found, strict=True)), strict=True))
+
+
+def dataset(
+    request: str | PathLike[str] | Mapping[str, Any],
+    folder: str | PathLike[str],
+    *,
+    bounds: bool = False,
+    scheduler: str | None = None,
+    threads: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Dataset:
+    """Make a data set of random scenes and their drives; started again, it goes on where it was.
+
+    request : as of `midair.sweep`, with arrays of one size and one solver; all scenes share a solver's seed
+    folder : where the Parquet files and dataset.json go; one that holds the same set is completed
+    bounds : whether each scene's bound, which no drive exceeds, is computed too
+    scheduler, threads, progress : as of `midair.sweep`
+
+    Every tenth trial is held out, in files of its own. The numbers depend on the request alone. Raises
+    SceneError for a request that is not in order or a folder that holds anything else; warns as a sweep does.
+
+    >>> import midair
+    >>> made = midair.dataset({
+    ...     "array": {"preset": "paper20"}, "solver": {"name": "fast"}, "seeds": 50,
+    ...     "points": {"count": 4, "x": [-0.05, 0.05], "y": [-0.05, 0.05], "z": 0.15},
+    ... }, "scenes")
+    >>> [next(made.read(split))["drive"].shape for split in ("train", "held_out")]
+    [(45, 400), (5, 400)]
+    """
+    if find_spec("pyarrow") is None:
+        raise SceneError('a data set needs pyarrow: pip install "midair[sweep]"')
+    if threads is not None:
+        whole(threads, "threads", least=1)
+    callback(progress, "scenes done, scenes")
+    place = path_of("folder", folder)
+    blocks = _blocks(read(request, drives=True), bounds)
+    scenes = sum(block.trials for block in blocks)
+    manifest = {
+        "made by": "midair dataset",
+        "scenes": scenes,
+        "held out": f"every {EVERY}th trial",
+        "blocks": [dict(block.settings) for block in blocks],
+    }
+    _claim(place, manifest)
+    done, shortfall = 0, Shortfall()
+
+    def tell(items: int) -> None:
+        nonlocal done
+        done += items
+        if progress is not None:
+            progress(done, scenes)
+
+    def keep(job: Job, arrays: Arrays) -> None:
+        shortfall.add(arrays)
+        seeds = np.array([trial_seed(job.settings, index) for index in range(job.start, job.stop)])
+        held = np.arange(job.start, job.stop) % EVERY == EVERY - 1
+        for split, rows in zip(SPLITS, (~held, held), strict=True):
+            _write(_file(place, split, job), _table({"trial": seeds} | arrays, rows, _identity(job)))
+
+    with locked(place / ".lock"):
+        missing = []
+        for job in _jobs(blocks):
+            kept = all(_kept(_file(place, split, job)) == _identity(job) for split in SPLITS)
+            tell(job.stop - job.start) if kept else missing.append(job)
+        run(missing, lambda job, arrays: None, keep=keep, scheduler=scheduler, threads=threads, tell=tell)
+    if text := shortfall.text():
+        warn(text)
+    return Dataset(place)
+
+
+def solve_scenes(settings: Mapping[str, Any], start: int, stop: int) -> Arrays:
+    """The arrays of a sweep's block, and each scene's bound if that is wanted."""
+    arrays = solve_block(settings, start, stop)
+    if settings["bounds"]:
+        array, medium = array_and_medium(settings)
+        targets = arrays.get("targets", np.ones(arrays["points"].shape[:2]))
+        scenes = (Scene(array, *one, **medium) for one in zip(arrays["points"], targets, strict=True))
+        arrays["bound"] = np.array([bound(scene) if go_on() else np.nan for scene in scenes])
+    return arrays
+
+
+def _blocks(asked: Request, bounds: bool) -> list[Block]:
+    """The blocks of a request that a data set can have, with one seed for all scenes."""
+    methods = {json.dumps([block.settings["solver"], block.settings["options"]]) for block in asked.blocks}
+    sizes = {block.columns["transducers"] for block in asked.blocks}
+    if len(methods) > 1:
+        raise SceneError(f"the data set has {len(methods)} methods: give one [solver] without lists")
+    if len(sizes) > 1:
+        raise SceneError(f"the data set has arrays of {sorted(sizes)} transducers: give arrays of one size")
+    if any(block.settings.get("region") is None for block in asked.blocks):
+        raise SceneError("the data set has fixed points: give points.count and the ranges x, y and z")
+    made = []
+    for block in asked.blocks:
+        options = dict(block.settings["options"])
+        if "seed" in solvers()[block.settings["solver"]].options:
+            options.setdefault("seed", block.settings["seed"])
+        settings = {**block.settings, "options": options, "bounds": bounds}
+        made.append(Block(settings, block.columns, block.trials))
+    return made
+
+
+def _jobs(blocks: list[Block]) -> Iterator[Job]:
+    for number, block in enumerate(blocks):
+        for start in range(0, block.trials, SHARD):
+            yield Job(solve_scenes, block.settings, start, min(start + SHARD, block.trials), number)
+
+
+def _file(folder: Path, split: str, job: Job) -> Path:
+    return folder / f"{split}-{job.owner:04}-{job.start // SHARD:05}.parquet"
+
+
+def _identity(job: Job) -> str:
+    """The settings, the version and the build, and the trials: a file of others is made anew."""
+    return job.path.with_suffix("").as_posix()
+
+
+def _claim(folder: Path, manifest: dict[str, Any]) -> None:
+    """Make the folder, or refuse one that holds anything but the same data set."""
+    if folder.exists() and not folder.is_dir():
+        raise SceneError(f'"{folder}" is a file: give the name of a folder')
+    text = json.dumps(manifest, indent=1)
+    if folder.is_dir() and any(folder.iterdir()):
+        file = folder / MANIFEST
+        if not file.is_file():
+            raise SceneError(f'"{folder}" holds other files: give an empty folder, or a new name')
+        if file.read_text(encoding="utf-8") != text:
+            raise SceneError(f'"{folder}" holds another data set: give its request again, or a new name')
+        return
+    with refusing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        output.write(folder / MANIFEST, text.encode())
+
+
+def _table(arrays: Arrays, rows: NDArray[np.bool_], identity: str) -> pa.Table:
+    """Rows of arrays as a table: lists of one length for a scene's arrays, complex numbers as re and im."""
+    import pyarrow as pa
+
+    columns: dict[str, Any] = {}
+    for name, values in arrays.items():
+        if name in ("beyond", "weak"):
+            continue
+        own = np.ascontiguousarray(values[rows])
+        if own.ndim == 1:
+            columns[name] = pa.array(own)
+            continue
+        flat = own.reshape(len(own), -1)
+        flat = flat.view(np.float32) if np.iscomplexobj(flat) else flat
+        columns[name] = pa.FixedSizeListArray.from_arrays(pa.array(flat.ravel()), flat.shape[1])
+    return pa.table(columns, metadata={"midair": identity})
+
+
+def _arrays(table: pa.Table) -> dict[str, NDArray[Any]]:
+    """What `_table` made of arrays."""
+    found: dict[str, NDArray[Any]] = {}
+    for name, column in zip(table.column_names, table.columns, strict=True):
+        own = column.combine_chunks()
+        if not hasattr(own.type, "list_size"):
+            found[name] = own.to_numpy(zero_copy_only=False)
+            continue
+        values = own.flatten().to_numpy().reshape(len(own), -1)
+        found[name] = values.view(np.complex64) if name in ("drive", "pressures") else values
+    found["points"] = found["points"].reshape(len(found["points"]), -1, 3)
+    return found
+
+
+def _write(path: Path, table: pa.Table) -> None:
+    from pyarrow import parquet
+
+    part = output.part_of(path)
+    try:
+        with refusing(path):
+            parquet.write_table(table, part, compression="none", use_dictionary=False)
+            os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _kept(path: Path) -> str | None:
+    """The identity of a file that is whole; None where there is none."""
+    from pyarrow import ArrowException, parquet
+
+    try:
+        metadata = parquet.read_schema(path).metadata or {}
+    except (OSError, ArrowException):
+        return None
+    return str(metadata.get(b"midair", b""), "utf-8")

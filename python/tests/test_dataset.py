@@ -1,0 +1,137 @@
+"""Data sets: what their files hold, what is held out, going on after a stop, judging, refusals."""
+
+import json
+import re
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import midair
+from midair._sweep import shards
+
+pytest.importorskip("pyarrow")
+
+REQUEST: dict[str, Any] = {
+    "array": {"preset": "sonicsurface"},
+    "points": {"count": [2, 3], "x": [-0.04, 0.04], "y": [-0.04, 0.04], "z": [0.1, 0.15], "pressure": 900.0},
+    "solver": {"name": "fast"},
+    "seeds": 40,
+}
+
+
+@pytest.fixture
+def small(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shards, "SHARD", 16)
+
+
+def whole(made: midair.Dataset, split: str, count: int) -> dict[str, Any]:
+    """All rows of a number of points."""
+    parts = [part for part in made.read(split) if part["points"].shape[1] == count]
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+@pytest.mark.usefixtures("small")
+def test_rows_are_those_of_the_same_sweep_and_of_a_solve(tmp_path: Path) -> None:
+    made = midair.dataset(REQUEST, tmp_path / "scenes")
+    request = {**REQUEST, "solver": {"name": "fast", "seed": 0}}
+    table = midair.sweep(request)
+    for count in (2, 3):
+        parts = {split: whole(made, split, count) for split in ("train", "held_out")}
+        assert parts["held_out"]["trial"].tolist() == [9, 19, 29, 39]
+        assert sorted([*parts["train"]["trial"], *parts["held_out"]["trial"]]) == list(range(40))
+        for part in parts.values():
+            chosen = (table["points"] == count) & np.isin(table["trial"], part["trial"])
+            assert part["accuracy"].tolist() == table["accuracy"][chosen].tolist()
+            assert part["drive"].shape == (len(part["trial"]), 256)
+        one = parts["train"]
+        scene = midair.Scene(made.array, one["points"][5], one["targets"][5])
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", midair.SceneWarning)  # the board's amplitudes are few
+            solution = midair.solve(scene, "fast", seed=0)
+        assert (solution.drive == one["drive"][5]).all()
+        assert (solution.pressures == one["pressures"][5]).all()
+        assert one["status"][5] == solution.status
+
+
+@pytest.mark.usefixtures("small")
+def test_a_set_that_was_stopped_goes_on_and_ends_alike(tmp_path: Path) -> None:
+    first = midair.dataset(REQUEST, tmp_path / "first")
+
+    def stop(done: int, scenes: int) -> None:
+        if done >= 32:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        midair.dataset(REQUEST, tmp_path / "second", threads=1, progress=stop)
+    kept = {file.name: file.stat().st_mtime_ns for file in (tmp_path / "second").glob("*.parquet")}
+    second = midair.dataset(REQUEST, tmp_path / "second")
+    names = sorted(path.name for path in first.folder.iterdir())
+    assert names == sorted(path.name for path in second.folder.iterdir())
+    assert 0 < len(kept) < len(names)
+    for name in names:
+        assert (first.folder / name).read_bytes() == (second.folder / name).read_bytes(), name
+    assert all((tmp_path / "second" / name).stat().st_mtime_ns == then for name, then in kept.items())
+
+
+def test_drives_are_judged_by_the_scenes_held_out(tmp_path: Path) -> None:
+    made = midair.dataset(REQUEST, tmp_path / "scenes")
+    own = np.concatenate([part["drive"] * part["scale"][:, None] for part in made.read("held_out")])
+    judged = made.judge(own)
+    for name in ("accuracy", "sigma", "level"):
+        assert judged[name] == pytest.approx(judged[f"reference_{name}"], abs=1e-4), name
+    worse = made.judge(own * 0.5)
+    assert worse["level"] == pytest.approx(0.5 * judged["level"], rel=1e-3)
+    with pytest.raises(midair.SceneError, match=r"shape \(7, 256\): give \(8, 256\)"):
+        made.judge(own[:7])
+
+
+def test_bounds_are_above_the_levels(tmp_path: Path) -> None:
+    request = {**REQUEST, "seeds": 10, "points": {**REQUEST["points"], "count": 2}}
+    made = midair.dataset(request, tmp_path / "scenes", bounds=True)
+    part = whole(made, "train", 2)
+    assert (part["bound"] > part["level"]).all()
+
+
+REFUSED = [
+    ({"solver": [{"name": "fast"}, {"name": "naive"}]}, "2 methods: give one"),
+    ({"array": [{"preset": "sonicsurface"}, {"preset": "paper20"}]}, "transducers: give arrays of one size"),
+    ({"points": {"positions": [[0, 0, 0.1]]}}, "fixed points: give points.count"),
+    ({"seeds": 0}, "seeds is 0"),
+]
+
+
+@pytest.mark.parametrize(("change", "said"), REFUSED)
+def test_a_request_that_makes_no_set_is_refused(tmp_path: Path, change: dict[str, Any], said: str) -> None:
+    with pytest.raises(midair.SceneError, match=re.escape(said)):
+        midair.dataset({**REQUEST, **change}, tmp_path / "scenes")
+    assert not (tmp_path / "scenes").exists()
+
+
+def test_nobodys_files_are_replaced(tmp_path: Path) -> None:
+    request = {**REQUEST, "seeds": 10}
+    (tmp_path / "notes.txt").write_text("mine")
+    with pytest.raises(midair.SceneError, match="holds other files"):
+        midair.dataset(request, tmp_path)
+    with pytest.raises(midair.SceneError, match="is a file"):
+        midair.dataset(request, tmp_path / "notes.txt")
+    midair.dataset(request, tmp_path / "scenes")
+    with pytest.raises(midair.SceneError, match="holds another data set"):
+        midair.dataset({**request, "seeds": 11}, tmp_path / "scenes")
+    with pytest.raises(midair.SceneError, match="is no data set"):
+        midair.Dataset(tmp_path)
+    (tmp_path / "scenes" / "dataset.json").write_text("{")
+    with pytest.raises(midair.SceneError, match="is damaged"):
+        _ = midair.Dataset(tmp_path / "scenes").array
+    assert (tmp_path / "notes.txt").read_text() == "mine"
+
+
+def test_the_manifest_says_what_is_in_it(tmp_path: Path) -> None:
+    made = midair.dataset({**REQUEST, "seeds": 20}, tmp_path / "scenes")
+    manifest = json.loads((made.folder / "dataset.json").read_text())
+    assert manifest["scenes"] == 40
+    assert [block["count"] for block in manifest["blocks"]] == [2, 3]
+    with pytest.raises(midair.SceneError, match='"test": give "train" or "held_out"'):
+        made.files("test")
