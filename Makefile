@@ -25,7 +25,7 @@ RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml $(shell find cor
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards gateware test-studio npm test-npm lint fuzz sanitize bench bench-capi bench-peers gallery figures motion touch exposure measuring obstacles paper docs schema golden map header stubs pins wheels clean
+.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards gateware test-studio npm test-npm lint fuzz sanitize bench bench-capi bench-peers gallery figures motion touch exposure measuring obstacles paper docs schema golden map header stubs pins wheels release clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -256,6 +256,9 @@ pins: ## Pin what pyproject.toml asks for, names and versions only
 
 wheels: setup studio ## Wheels for Linux, x86-64 and 64-bit ARM, with the studio, into dist (15 min)
 	python/wheels.sh
+
+release: setup studio npm ## Rehearse a release: all parts into out/release, each tried in an empty environment (25 min)
+	$(PYTHON) python/release.py
 
 clean: ## Remove what was built
 	$(CARGO) clean

@@ -2,8 +2,10 @@
 
 import json
 import re
+import runpy
 import tomllib
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -48,6 +50,11 @@ def test_the_changelog_begins_with_it_or_with_what_comes_next() -> None:
     (word, newest), *_ = re.findall(r"^## (Unreleased: )?(\d+\.\d+\.\d+)", changelog, re.MULTILINE)
     ours, theirs = ([int(part) for part in version.split(".")] for version in (VERSION, newest))
     assert ours < theirs if word else ours == theirs
+
+
+def test_the_list_of_bundled_software_is_that_of_the_lock_file() -> None:
+    release = SimpleNamespace(**runpy.run_path(str(ROOT / "python" / "release.py")))
+    assert release.third_party() == (ROOT / "python" / "THIRD-PARTY.md").read_text()
 
 
 def test_the_crate_brings_its_licence() -> None:

@@ -1,0 +1,246 @@
+"""Rehearses a release: builds it into out/release, tries each part in an empty environment, lists uploads.
+
+Needs what `make wheels` and `make npm` need. Environments for Python 3.11 and newer are made of the
+interpreters that uv finds; none of them sees Rust.
+"""
+
+import json
+import os
+import re
+import shutil
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import tomllib
+import urllib.request
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parents[1]
+OUT = ROOT / "out" / "release"
+BIN = Path(sys.executable).parent
+VERSION = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]["version"]
+PYTHONS = ("3.11", "3.12", "3.13", "3.14")
+THIRD_PARTY = ROOT / "python" / "THIRD-PARTY.md"
+#: Licences that a wheel may bundle: each asks for its text or less.
+ALLOWED = {
+    "MIT",
+    "Apache-2.0",
+    "Apache-2.0 WITH LLVM-exception",
+    "BSD-2-Clause",
+    "BSD-3-Clause",
+    "ISC",
+    "Zlib",
+}
+ALLOWED |= {"Unicode-3.0", "Unlicense", "CC0-1.0", "BSL-1.0"}
+#: Bytes of a wheel at most.
+MOST = 6_000_000
+
+
+def say(text: str) -> None:
+    print(f"== {text}", flush=True)
+
+
+def run(*command: object, cwd: Path = ROOT, env: dict[str, str] | None = None) -> str:
+    done = subprocess.run([str(word) for word in command], cwd=cwd, env=env, capture_output=True, text=True)
+    if done.returncode:
+        raise SystemExit(f"{' '.join(map(str, command))}:\n{done.stdout}{done.stderr}")
+    return done.stdout
+
+
+def bundled() -> list[tuple[str, str, str]]:
+    """Name, version and licence of each crate that is compiled into a wheel."""
+    metadata: dict[str, Any] = json.loads(run("cargo", "metadata", "--format-version", "1", "--locked"))
+    needs = {node["id"]: node["deps"] for node in metadata["resolve"]["nodes"]}
+    packages = {package["id"]: package for package in metadata["packages"]}
+    waiting = [id for id, package in packages.items() if package["name"] == "midair-python"]
+    found: set[str] = set()
+    while waiting:
+        id = waiting.pop()
+        if id not in found:
+            found.add(id)
+            compiled = [need for need in needs[id] if any(kind["kind"] is None for kind in need["dep_kinds"])]
+            waiting += [need["pkg"] for need in compiled]
+    rows = [
+        (one["name"], one["version"], one["license"] or "none") for one in map(packages.get, found) if one
+    ]
+    return sorted(row for row in rows if not row[0].startswith("midair"))
+
+
+def is_allowed(licence: str) -> bool:
+    """Whether one way to read a licence's expression needs known licences alone."""
+    parts = [part.strip(" ()") for part in licence.split(" AND ")]
+    return all(any(one in ALLOWED for one in re.split(" OR |/", part)) for part in parts)
+
+
+def third_party() -> str:
+    """The list of what a wheel bundles, as Markdown."""
+    for name, _, licence in bundled():
+        if not is_allowed(licence):
+            raise SystemExit(f"{name} has the licence {licence}: read it, then add it to ALLOWED")
+    rows = "\n".join(f"| {name} | {version} | {licence} |" for name, version, licence in bundled())
+    return (
+        "# Bundled software\n\nCrates that are compiled into midair's wheels, and their licences."
+        f" `make release` writes this list.\n\n| crate | version | licence |\n|---|---|---|\n{rows}\n"
+    )
+
+
+def build() -> None:
+    """sdist, wheels, crate and package for Node."""
+    shutil.rmtree(OUT, ignore_errors=True)
+    OUT.mkdir(parents=True)
+    say("licences of what is bundled")
+    THIRD_PARTY.write_text(third_party(), encoding="utf-8")
+    say("source distribution")
+    run(BIN / "maturin", "sdist", "--out", OUT)
+    say("wheels (10 min)")
+    shutil.rmtree(ROOT / "dist", ignore_errors=True)
+    run("python/wheels.sh")
+    for wheel in (ROOT / "dist").glob("*.whl"):
+        shutil.move(wheel, OUT / wheel.name)
+        size = (OUT / wheel.name).stat().st_size
+        if size > MOST:
+            raise SystemExit(f"{wheel.name} has {size} bytes: at most {MOST}")
+    say("crate")
+    run("cargo", "package", "--quiet", "--no-verify", "--allow-dirty", "--package", "midair")
+    shutil.copy(ROOT / "target" / "package" / f"midair-{VERSION}.crate", OUT)
+    say("package for Node")
+    run("npm", "pack", "./npm", "--pack-destination", OUT)
+
+
+@contextmanager
+def empty(python: str) -> Iterator[tuple[Path, dict[str, str]]]:
+    """An environment of one Python with the wheel installed, in an empty folder and without Rust."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        run(BIN / "uv", "venv", "--quiet", "--python", python, folder / "env")
+        (wheel,) = OUT.glob("*manylinux*x86_64*.whl")
+        run(BIN / "uv", "pip", "install", "--quiet", "--python", folder / "env" / "bin" / "python", wheel)
+        env = {"PATH": f"{folder}/env/bin:/usr/bin:/bin", "HOME": name, "MPLBACKEND": "Agg"}
+        if shutil.which("cargo", path=env["PATH"]) or shutil.which("rustc", path=env["PATH"]):
+            say("note: /usr/bin has a Rust compiler; nothing here calls it")
+        (folder / "work").mkdir()
+        yield folder / "work", env
+
+
+def example() -> str:
+    """The first Python program of the README."""
+    found = re.search(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    assert found
+    return found[1]
+
+
+def try_wheel(python: str) -> None:
+    """README's example, the command line, the studio's page and a board's loop, by the installed wheel."""
+    with empty(python) as (folder, env):
+        run("python", "-c", example(), cwd=folder, env=env)
+        run("midair", "new", "scene.toml", cwd=folder, env=env)
+        run(
+            "midair",
+            "solve",
+            "scene.toml",
+            "--output",
+            "drive.npz",
+            "--image",
+            "field.png",
+            cwd=folder,
+            env=env,
+        )
+        run(
+            "midair",
+            "play",
+            "scene.toml",
+            "--on",
+            "sonicsurface:loop",
+            "--seconds",
+            "0.5",
+            cwd=folder,
+            env=env,
+        )
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        command = ["midair", "studio", "--no-browser", "--port", str(port)]
+        with subprocess.Popen(command, cwd=folder, env=env, stdout=subprocess.PIPE, text=True) as served:
+            try:
+                page = fetched(f"http://127.0.0.1:{port}/")
+            finally:
+                served.terminate()
+        if "<canvas" not in page:
+            raise SystemExit(f"midair studio serves no page: {page[:80]}")
+
+
+def fetched(address: str) -> str:
+    """A page, as soon as it is served."""
+    for _ in range(100):
+        try:
+            with urllib.request.urlopen(address, timeout=5) as answer:
+                return str(answer.read(), "utf-8")
+        except OSError:
+            time.sleep(0.1)
+    raise SystemExit(f"{address} does not answer")
+
+
+def try_node() -> None:
+    """The package's example in an empty folder."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "package.json").write_text('{"name": "empty", "private": true, "type": "module"}')
+        run("npm", "install", "--silent", "--no-audit", "--no-fund", *OUT.glob("midair-*.tgz"), cwd=folder)
+        run("node", "node_modules/midair/example.mjs", cwd=folder)
+
+
+def try_crate() -> None:
+    """A program that depends on the packed crate."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        run("tar", "xzf", OUT / f"midair-{VERSION}.crate", cwd=folder)
+        run("cargo", "init", "--quiet", "--vcs", "none", "--name", "first", "first", cwd=folder)
+        program = folder / "first"
+        run("cargo", "add", "--quiet", "midair", "--path", f"../midair-{VERSION}", cwd=program)
+        text = (ROOT / "docs" / "rust.md").read_text()
+        found = re.search(r"```rust\n(.*?)```", text, re.DOTALL)
+        assert found
+        body = found[1].replace("# Ok::<(), midair::Error>(())", "Ok(())")
+        uses, _, rest = body.partition("\n\n")
+        (program / "src" / "main.rs").write_text(
+            f"{uses}\n\nfn main() -> Result<(), midair::Error> {{\n{rest}}}\n"
+        )
+        run(
+            "cargo",
+            "run",
+            "--quiet",
+            cwd=program,
+            env={**os.environ, "CARGO_TARGET_DIR": str(folder / "target")},
+        )
+
+
+def main() -> None:
+    build()
+    for python in PYTHONS:
+        try:
+            run(BIN / "uv", "python", "find", python)
+        except SystemExit:
+            say(f"Python {python} is not on this machine: not tried")
+            continue
+        say(f"wheel on Python {python}: example, command line, board, studio")
+        try_wheel(python)
+    say("package for Node: example")
+    try_node()
+    say("crate: a program that uses it (2 min)")
+    try_crate()
+    say("upload in this order")
+    print(f"1. cargo publish -p midair                  midair-{VERSION}.crate, which cannot be taken back")
+    print("2. twine upload out/release/*.whl out/release/*.tar.gz")
+    print(f"3. npm publish out/release/midair-{VERSION}.tgz")
+    print(f"4. git tag v{VERSION}; the workflow wheels adds macOS and Windows")
+    for file in sorted(OUT.iterdir()):
+        print(f"   {file.stat().st_size:>10,} {file.name}")
+
+
+if __name__ == "__main__":
+    main()
