@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
-from matplotlib import colormaps
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 import midair
+from midair._pictures.colours import table
 
 #: Frames of a turn, of which a third is seen again and again, and every which of them is drawn.
 FRAMES, EVERY = 480, 5
 SIDE, SIZE, HEIGHT = 280, 0.1, 0.12
 BACK, GAP = (12, 15, 20), 16
+
+
+def shades(parts: NDArray[np.floating], name: Literal["field", "phase"]) -> NDArray[np.uint8]:
+    """The colours of parts of a map, 0 to 1."""
+    return table(name)[np.rint(255 * parts).astype(int)]
 
 
 def board(drive: NDArray[np.complex64]) -> Image.Image:
@@ -23,11 +29,11 @@ def board(drive: NDArray[np.complex64]) -> Image.Image:
     pen = ImageDraw.Draw(picture)
     side = round(len(drive) ** 0.5)
     step = 2 * SIDE / side
-    colours = colormaps["twilight"]((np.angle(drive) / (2 * np.pi)) % 1, bytes=True)
+    colours = shades(np.angle(drive) / (2 * np.pi) + 0.5, "phase")
     for i, colour in enumerate(colours):
         x, y = i % side + 0.5, side - i // side - 0.5
         box = [step * (x - 0.42), step * (y - 0.42), step * (x + 0.42), step * (y + 0.42)]
-        pen.ellipse(box, fill=tuple(map(int, colour[:3])))
+        pen.ellipse(box, fill=tuple(map(int, colour)))
     return picture.resize((SIDE, SIDE), Image.Resampling.LANCZOS)
 
 
@@ -48,7 +54,7 @@ def main() -> None:
     for drive, field in zip(drives, fields, strict=True):
         frame = Image.new("RGB", (2 * SIDE + GAP, SIDE), BACK)
         frame.paste(board(drive), (0, 0))
-        seen = Image.fromarray(colormaps["viridis"](field / top, bytes=True)[..., :3])
+        seen = Image.fromarray(shades(field / top, "field"))
         frame.paste(seen.resize((SIDE, SIDE), Image.Resampling.BICUBIC), (SIDE + GAP, 0))
         frames.append(frame)
     path = Path(__file__).parents[1] / "docs" / "moving.webp"

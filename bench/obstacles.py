@@ -9,7 +9,6 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.colors import PowerNorm
 from numpy.typing import NDArray
 
 import midair
@@ -49,22 +48,11 @@ def main() -> None:
             p = heard(array, POINTS, solution.drive)
             cells.append(f"{p.mean():.0f}, {p.min() / p.max():.3f}")
             if solver == "uniform":
-                draw(ax, behind, solution.drive, plane)
+                midair.plot(midair.field(behind, solution.drive, plane), ax, vmax=4000)
         print(f"| `{solver}` | {cells[0]} | {cells[1]} |")
     axes[0].set_title("solved without the wall", fontsize="medium")
     axes[1].set_title("solved with the wall", fontsize="medium")
-    axes[0].set_ylabel("z / mm")
     figure.savefig(Path(__file__).parent.parent / "docs" / "obstacles.png", dpi=90)
-
-
-def draw(ax: plt.Axes, scene: midair.Scene, drive: NDArray[np.complex64], plane: midair.Plane) -> None:
-    """|p| of a drive before the wall."""
-    field = midair.field(scene, drive, plane)
-    x, z = 1e3 * field.x, 1e3 * field.z
-    ax.pcolormesh(x, z, np.abs(field.pressure), norm=PowerNorm(0.6, 0, 4000), cmap="inferno", rasterized=True)
-    ax.plot(*1e3 * POINTS[:, [0, 2]].T, "o", mfc="none", mec="deepskyblue")
-    ax.axvline(1e3 * SIDE, color="orange")
-    ax.set(xlabel="x / mm", aspect="equal")
 
 
 if __name__ == "__main__":

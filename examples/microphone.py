@@ -67,8 +67,8 @@ def draw(heard: Mapping[str, Any]) -> None:
     ax = figure.subplots()
     for k, (way, pressures) in enumerate(heard.items()):
         print(f"{way}:", np.round(pressures), "Pa")
-        ax.bar(np.arange(len(pressures)) + 0.27 * (k - 1), pressures, width=0.25, label=way)
-    ax.set(xlabel="focus", ylabel="|p| at the microphone / Pa", xticks=range(4), ylim=(0, 4200))
+        ax.bar(np.arange(1, len(pressures) + 1) + 0.27 * (k - 1), pressures, width=0.25, label=way)
+    ax.set(xlabel="focus", ylabel="|p| at the microphone / Pa", xticks=range(1, 5), ylim=(0, 4200))
     ax.legend()
     figure.savefig("microphone.png")
 

@@ -13,6 +13,9 @@ const LEADING = 3;
 /** Strokes of each letter: pairs of digits x, y in units from its lower left corner. */
 const STROKES: Record<string, string> = strokes;
 
+/** What is traced has more strokes to a letter: it is so many times as high. */
+const LARGER = 2;
+
 /** A word or line in units: its strokes from its lower left corner, and its width. */
 interface Line {
   contours: Contour[];
@@ -57,18 +60,21 @@ function wrapped(words: Line[], most: number): Line[] {
 }
 
 /**
- * The strokes of a text, capitals `height` high or lower so that it is at most `width` wide and high, its middle at a place; m.
+ * The strokes of a text, capitals `height` high, larger where some are traced, or lower so that it is at most `width` wide and
+ * high, its middle at a place; m.
  * It is broken at blanks where letters are larger then. `trace` draws what has no strokes here.
  * `apart`: how far letters are from one another at least, m.
  */
 export function letters(text: string, height: number, width: number, at: Vec3, trace: Trace = refused): { contours: Contour[]; apart: number } {
-  const words = text.trim().toUpperCase().split(/\s+/).filter(Boolean).map((each) => word(each, trace));
+  const plain = text.trim().toUpperCase().split(/\s+/).filter(Boolean);
+  const high = plain.some((each) => [...each].some((letter) => !Object.hasOwn(STROKES, letter))) ? LARGER * height : height;
+  const words = plain.map((each) => word(each, trace));
   if (!words.length) throw new Error("the text is empty: give at least a letter");
   const widths = words.flatMap((_, k) => words.slice(k).map((_, n) => joined(words.slice(k, k + n + 1)).width));
   const ways = widths.map((most) => {
     const lines = wrapped(words, most);
     const tall = lines.length * (HEIGHT + LEADING) - LEADING;
-    return { lines, tall, unit: Math.min(height / HEIGHT, width / Math.max(...lines.map((line) => line.width), 1), width / tall) };
+    return { lines, tall, unit: Math.min(high / HEIGHT, width / Math.max(...lines.map((line) => line.width), 1), width / tall) };
   });
   const { lines, tall, unit } = ways.toSorted((a, b) => b.unit - a.unit || a.lines.length - b.lines.length)[0];
   const middle = Math.max(...lines.map((line) => line.width)) / 2;

@@ -152,6 +152,24 @@ test("eight letters are typed, drawn by Enter, and fit the slice", async () => {
   for (const [x, y] of await points()) expect(Math.max(Math.abs(x), Math.abs(y))).toBeLessThan(0.09);
 });
 
+test("a character without strokes of ours is traced from a font; one that no font has is refused", async () => {
+  await unfold(page, "Shapes");
+  await page.getByRole("button", { name: "Letters" }).click();
+  const field = page.getByRole("textbox", { name: "Letters" });
+  await field.fill("Ω");
+  await field.press("Enter");
+  // A bow that is open below, with two feet.
+  await expect.poll(async () => (await points()).some(([x, y]) => Math.abs(x) < 0.003 && y > 0.027)).toBe(true);
+  const all = await points();
+  const [x, y] = [0, 1].map((axis) => all.map((at) => at[axis]));
+  expect(Math.max(...y) - Math.min(...y)).toBeGreaterThan(0.057);
+  expect(Math.max(...x) + Math.min(...x)).toBeCloseTo(0, 2);
+  expect(all.filter(([x, y]) => Math.abs(x) < 0.004 && y < 0.02)).toEqual([]);
+  await field.fill("\u{10fffd}");
+  await field.press("Enter");
+  await expect.poll(() => page.getByRole("alert").innerText()).toContain("which no font here draws: give another");
+});
+
 test("a path is played with its changes and weakest points as curves; what stands still is told", async () => {
   await page.evaluate(() =>
     window.midair!.set({ view: "slice", path: { kind: "circle", radius: 0.004, frequency: 40 } }),
