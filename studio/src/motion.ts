@@ -26,7 +26,7 @@ export function createMotion({ studio, say }: Context, player: Player): { root: 
   const size = number((mm) => (state().path?.kind === "line" ? { length: mm / 1000 } : { radius: mm / 1000 }), 1, 100);
   const turns = number((frequency) => ({ frequency }), 0.1, 50);
   const move = element("button", { className: "small", onclick: player.toggle }, say("move"));
-  const more = element("div", {}, labelled(say("radius"), size, null, say("radiusTip")), labelled(say("frequency"), turns, null, say("frequencyTip")), move, player.found);
+  const more = element("div", { className: "stack" }, labelled(say("radius"), size, null, say("radiusTip")), labelled(say("frequency"), turns, null, say("frequencyTip")), move, player.found);
 
   function pathOf(name: string): Path | null {
     if (name === "circle") return { kind: "circle", radius: 0.01, frequency: 4 };
@@ -45,5 +45,5 @@ export function createMotion({ studio, say }: Context, player: Player): { root: 
     }
   }
 
-  return { root: element("div", {}, labelled(say("path"), kind), more), place };
+  return { root: element("div", { className: "stack" }, labelled(say("path"), kind), more), place };
 }
