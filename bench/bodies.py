@@ -35,8 +35,8 @@ def main() -> None:
     seconds = time.process_time() - begin
     behind = scene.replace(obstacles=[midair.Sphere(CENTER, RADIUS)])
     k = 2 * np.pi * scene.frequency / scene.sound_speed
-    heard = array.source_pressure * total(POINTS, array.positions, CENTER, RADIUS, k, "rigid").T
-    off = np.abs(meshed.propagation() - behind.propagation()).max() / np.abs(heard).max()
+    received = array.source_pressure * total(POINTS, array.positions, CENTER, RADIUS, k, "rigid").T
+    off = np.abs(meshed.propagation() - behind.propagation()).max() / np.abs(received).max()
     print(f"{len(ball.faces)} faces: {seconds:.2f} s of CPU, off by {off:.4f} of the largest |p|")
     print("| method | ball ignored: mean Pa, min/max | as a mesh | by its series |")
     print("|---|---|---|---|")
@@ -44,9 +44,9 @@ def main() -> None:
     figure, axes = plt.subplots(1, 2, figsize=(9, 4.2), layout="constrained", sharey=True)
     for solver in SOLVERS:
         cells = []
-        for ax, asked in zip((axes[0], None, axes[1]), (scene, meshed, behind), strict=True):
-            solution = midair.solve(asked, solver)
-            p = np.abs(heard @ solution.drive)
+        for ax, requested in zip((axes[0], None, axes[1]), (scene, meshed, behind), strict=True):
+            solution = midair.solve(requested, solver)
+            p = np.abs(received @ solution.drive)
             cells.append(f"{p.mean():.0f}, {p.min() / p.max():.3f}")
             if ax is not None and solver == "uniform":
                 played = midair.field(behind.replace(plane=plane), solution.drive)

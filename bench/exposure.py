@@ -36,7 +36,7 @@ def ears() -> None:
         print(midair.exposure(scene, solution, places), "\n")
 
 
-def held_out() -> None:
+def others() -> None:
     """What is stated of a box, minus the loudest of 400 and of 40,000 places held out in it, in dB."""
     array = midair.Array.grid(20, 20, 10e-3)
     random = np.random.default_rng(0)
@@ -117,7 +117,7 @@ def draw(scene: midair.Scene, drives: dict[str, midair.Solution]) -> None:
 def main() -> None:
     """Print the tables and draw the pictures."""
     ears()
-    held_out()
+    others()
     tolerance()
     streaming()
 

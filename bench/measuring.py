@@ -39,7 +39,7 @@ class Rig:
     microphones: int = 4
     height: float = 0.15
     misplaced: float = 0.0
-    held: bool = False
+    fixed: bool = False
 
     def __post_init__(self) -> None:
         """Draw what is off."""
@@ -107,10 +107,10 @@ def calibrated(
 ) -> tuple[midair.Calibration, float]:
     """A calibration and its CPU seconds."""
     drives = midair.calibration_drives(rig.array, readings, microphones=rig.microphones, seed=rig.seed)
-    heard = rig.read(drives, decibels, phased)
+    received = rig.read(drives, decibels, phased)
     began = time.process_time()
     error = 0 if rig.held else None
-    found = midair.calibrate(rig.array, drives, heard, microphones=rig.given, microphones_error=error)
+    found = midair.calibrate(rig.array, drives, received, microphones=rig.given, microphones_error=error)
     return found, time.process_time() - began
 
 
@@ -132,8 +132,8 @@ def row(
         dead += [right, len(rig.silent), len(found.dead) - right]
     found_level = f"{np.mean(levels):.3f} | {min(levels):.3f} | {np.mean(evens):.2f}"
     found_dead = f"{dead[0]} of {dead[1]}, {dead[2]}"
-    told = f"{max(speeds):.1f} | {np.mean(seconds):.1f}"
-    print(f"| {name} | {np.mean(models):.3f} | {found_level} | {found_dead} | {told} |", flush=True)
+    reported = f"{max(speeds):.1f} | {np.mean(seconds):.1f}"
+    print(f"| {name} | {np.mean(models):.3f} | {found_level} | {found_dead} | {reported} |", flush=True)
 
 
 def tuned(name: str, decibels: float | None, method: Any, **keywords: Any) -> None:
@@ -151,9 +151,9 @@ def tuned(name: str, decibels: float | None, method: Any, **keywords: Any) -> No
         after.append(rig.kept(found.drive))
         readings = found.readings
     (level0, even0), (level, even) = np.mean(before, axis=0), np.mean(after, axis=0)
-    told = "-" if decibels is None else f"{decibels:g} dB"
+    reported = "-" if decibels is None else f"{decibels:g} dB"
     print(
-        f"| {name} | {told} | {readings} | {level0:.3f} / {even0:.2f} | {level:.3f} / {even:.2f} |",
+        f"| {name} | {reported} | {readings} | {level0:.3f} / {even0:.2f} | {level:.3f} / {even:.2f} |",
         flush=True,
     )
 
@@ -165,7 +165,7 @@ def main() -> None:
     print("| readings | model | calibrated | worst | min/max | dead found, wrongly | m/s off | CPU s |")
     print("|---|---|---|---|---|---|---|---|")
     row("4 a transducer of \\|p\\|, 40 dB", 4, 40)
-    row("4, 40 dB, microphones held", 4, 40, held=True)
+    row("4, 40 dB, microphones fixed", 4, 40, fixed=True)
     row("4, 40 dB, microphones 1 mm off", 4, 40, misplaced=1e-3)
     row("4, 30 dB, 15 % dead", 4, 30, dead=0.15)
     row("4, 60 dB", 4, 60)

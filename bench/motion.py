@@ -46,13 +46,13 @@ def moduli(
 ) -> NDArray[np.float64]:
     """|p| (T, M) at the frames' ends: eq. (5) in f64, with envelopes of a time constant."""
     kept = np.exp(-1 / (RATE * tau)) if tau else 0.0
-    number, heard = 2 * np.pi * 40e3 / 340, np.zeros(points.shape[:2])
+    number, received = 2 * np.pi * 40e3 / 340, np.zeros(points.shape[:2])
     envelope = drives[0].astype(complex)
     for frame, (places, drive) in enumerate(zip(points, drives, strict=True)):
         envelope = kept * envelope + (1 - kept) * drive
         distance = np.linalg.norm(places[:, None] - array.positions, axis=2)
-        heard[frame] = np.abs((np.exp(1j * number * distance) / distance) @ envelope)
-    return heard
+        received[frame] = np.abs((np.exp(1j * number * distance) / distance) @ envelope)
+    return received
 
 
 def row(
@@ -115,8 +115,8 @@ def draw(array: midair.Array, path: Path) -> None:
             cmap="magma",
         )
         axis.set(title=name, xlabel="time / ms", ylabel="transducer")
-        heard = moduli(array, points, own, 0.2e-3)
-        axes[2].plot(time, heard.min(axis=1) / heard.max(axis=1), label=name)
+        received = moduli(array, points, own, 0.2e-3)
+        axes[2].plot(time, received.min(axis=1) / received.max(axis=1), label=name)
     figure.colorbar(image, ax=axes[:2], label="phase change / rad a frame")
     axes[2].set(
         title="8 foci at 0.5 m/s, envelopes of 0.2 ms",
@@ -140,18 +140,18 @@ def main() -> None:
     for count in (4, 16):
         for speed, parts, tau in ((0.5, 16, 0.0), (0.5, 32, 0.0), (2.0, 32, 0.0), (2.0, 8, 0.2e-3)):
             ratio, even, moving, least, mean = row(array, count, speed, parts, tau)
-            told = f"{tau * 1e3:g} ms" if tau else "-"
+            reported = f"{tau * 1e3:g} ms" if tau else "-"
             print(
-                f"| {count} | {speed:g} m/s | pi/{parts} | {told} | {ratio:.3f} | {even:.4f} | {moving:.3f} "
-                f"| {least:.3f} | {mean:.3f} |"
+                f"| {count} | {speed:g} m/s | pi/{parts} | {reported} | {ratio:.3f} | {even:.4f} "
+                f"| {moving:.3f} | {least:.3f} | {mean:.3f} |"
             )
     print("| M | speed | bound | " + " | ".join(f"ahead={ahead}" for ahead in AHEAD) + " |")
     print("|---|---|---" + "|---" * len(AHEAD) + "|")
     for count in (4, 16):
         for speed, parts in ((0.5, 16), (0.5, 32), (2.0, 16), (2.0, 32)):
             both = zip(*foreseen(array, count, speed, parts), strict=True)
-            told = " | ".join(f"{level:.3f} ({even:.4f})" for level, even in both)
-            print(f"| {count} | {speed:g} m/s | pi/{parts} | {told} |", flush=True)
+            reported = " | ".join(f"{level:.3f} ({even:.4f})" for level, even in both)
+            print(f"| {count} | {speed:g} m/s | pi/{parts} | {reported} |", flush=True)
 
 
 if __name__ == "__main__":

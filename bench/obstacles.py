@@ -19,7 +19,7 @@ SIDE = 0.045
 POINTS = np.array([[-0.03, 0, 0.15], [-0.01, 0, 0.15], [0.01, 0, 0.15], [0.03, 0, 0.15]])
 
 
-def heard(
+def received(
     array: midair.Array, points: NDArray[np.float64], drive: NDArray[np.complex64]
 ) -> NDArray[np.float64]:
     """|p| at points (P, 3): eq. (5) of point sources and their images in the rigid wall, in f64."""
@@ -43,9 +43,9 @@ def main() -> None:
     figure, axes = plt.subplots(1, 2, figsize=(9, 4), layout="constrained", sharey=True)
     for solver in SOLVERS:
         cells = []
-        for ax, asked in zip(axes, (scene, behind), strict=True):
-            solution = midair.solve(asked, solver)
-            p = heard(array, POINTS, solution.drive)
+        for ax, requested in zip(axes, (scene, behind), strict=True):
+            solution = midair.solve(requested, solver)
+            p = received(array, POINTS, solution.drive)
             cells.append(f"{p.mean():.0f}, {p.min() / p.max():.3f}")
             if solver == "uniform":
                 midair.plot(midair.field(behind, solution.drive, plane), ax, vmax=4000)

@@ -63,9 +63,9 @@ class Entry:
             raise SystemExit(f"{self}: transducers are {apart:.1e} m from where they should be")
         re, im = np.array(answer["drive"])
         found = judge.metrics(self.task.propagation(points), re + 1j * im, self.task.targets)
-        for name, told in answer.get("metrics", {}).items():
-            if not abs(told - found[name]) <= CLAIM:
-                both = f"reports {name} {told:.6f}, judged {found[name]:.6f}"
+        for name, reported in answer.get("metrics", {}).items():
+            if not abs(reported - found[name]) <= CLAIM:
+                both = f"reports {name} {reported:.6f}, judged {found[name]:.6f}"
                 raise SystemExit(f"{self}, scene {scene}: {both}")
         self.answers.append(found)
 

@@ -42,8 +42,8 @@ def main() -> None:
             for method, drive in drives.items():
                 parts[method].append(traps.least(scene, drive).min() / best)
         for method, found in parts.items():
-            held = sum(part > 0 for part in found)
-            rows[method].append(f"{np.mean(found):.2f} ({min(found):.2f}), {held} of {SCENES} held")
+            kept = sum(part > 0 for part in found)
+            rows[method].append(f"{np.mean(found):.2f} ({min(found):.2f}), {kept} of {SCENES} held")
     for method, cells in rows.items():
         print(f"| {method} | " + " | ".join(cells) + " |")
 

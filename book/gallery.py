@@ -53,7 +53,7 @@ def run(path: Path) -> dict[str, Any]:
         return runpy.run_path(str(path), run_name="__main__")
 
 
-def told(path: Path) -> tuple[str, str]:
+def reported(path: Path) -> tuple[str, str]:
     """An example's title and what it says of itself."""
     if path.suffix == ".ipynb":
         title, text = cells(path, "markdown")[0].split("\n", 1)
@@ -72,7 +72,7 @@ def page() -> str:
         for theme, names in ORDER.items():
             yield f"## {theme}\n"
             for name in names:
-                title, text = told(EXAMPLES / name)
+                title, text = reported(EXAMPLES / name)
                 picture = f"![{title}](gallery/{Path(name).stem}.webp)"
                 yield f"### {title}\n\n{text}\n\n{picture}\n\n[{name}](../examples/{name})\n"
 

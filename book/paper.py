@@ -116,8 +116,8 @@ def text(place: Path) -> str:
     rows = {name: tables.read(place / f"{name}.csv") for name in FIGURES}
     verdicts = {name: figure.judge(rows[name]) for name, figure in FIGURES.items()}
     outcomes = [verdict.verdict for judged in verdicts.values() for verdict in judged]
-    told = ", ".join(f"{outcomes.count(kind)} {words}" for kind, words in PLURAL.items())
-    parts = [HEAD.format(trials=rows["fig3"][0]["trials"], count=len(outcomes), outcomes=told)]
+    reported = ", ".join(f"{outcomes.count(kind)} {words}" for kind, words in PLURAL.items())
+    parts = [HEAD.format(trials=rows["fig3"][0]["trials"], count=len(outcomes), outcomes=reported)]
     for name, (title, words) in WORDS.items():
         judged = [[it.statement, f"**{it.verdict}**", it.evidence] for it in verdicts[name]]
         parts += [

@@ -53,19 +53,19 @@ def sound_card(
 
     def read(drive: Any) -> Any:
         play(drive)
-        heard = sounddevice.rec(count, samplerate=rate, channels=channels, device=device, blocking=True)
-        if np.abs(heard).max() > 0.99:
+        received = sounddevice.rec(count, samplerate=rate, channels=channels, device=device, blocking=True)
+        if np.abs(received).max() > 0.99:
             raise midair.SceneError("the sound card clips: turn its gain down, or play at a lower intensity")
-        return pascals * 2 * np.abs(np.sum(heard[-kept:] * tone, axis=0)) / window.sum()
+        return pascals * 2 * np.abs(np.sum(received[-kept:] * tone, axis=0)) / window.sum()
 
     return read
 
 
-def draw(heard: Mapping[str, Any]) -> None:
+def draw(received: Mapping[str, Any]) -> None:
     """Print what each way has made of the foci, and draw it as microphone.png."""
     figure = Figure(figsize=(7, 3.8), layout="constrained")
     ax = figure.subplots()
-    for k, (way, pressures) in enumerate(heard.items()):
+    for k, (way, pressures) in enumerate(received.items()):
         print(f"{way}:", np.round(pressures), "Pa")
         ax.bar(np.arange(1, len(pressures) + 1) + 0.27 * (k - 1), pressures, width=0.25, label=way)
     ax.set(xlabel="focus", ylabel="|p| at the microphone / Pa", xticks=range(1, 5), ylim=(0, 4200))
@@ -87,11 +87,11 @@ def main() -> None:
         array = midair.Array.grid(16, 16, 10e-3)
         scene = midair.Scene(array, [[x, y, 0.15] for x in (-0.02, 0.02) for y in (-0.02, 0.02)])
         read = simulated(scene)
-        heard = {"the model's answer": read(midair.solve(scene, "uniform").drive)}
+        received = {"the model's answer": read(midair.solve(scene, "uniform").drive)}
         for method in ("feedback", "greedy"):
             found = midair.tune(read, scene, method, start="model")  # type: ignore[arg-type]
-            heard[f"{method}, {found.readings} readings"] = found.pressures
-        draw(heard)
+            received[f"{method}, {found.readings} readings"] = found.pressures
+        draw(received)
         return
     array = midair.Array.preset(given.board)
     middle = array.positions.mean(axis=0)

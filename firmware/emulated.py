@@ -73,10 +73,12 @@ def emulated(target: Path, method: str, array: str, board: str, points: int) -> 
         quiet = ["-display", "none", "-monitor", "none"]
         semihosting = ",".join(["enable=on", "target=native", *words])
         ends = ["-serial", f"file:{line}", "-semihosting-config", semihosting, "-kernel", str(program)]
-        told = subprocess.run([*machine, *quiet, *ends], capture_output=True, text=True, timeout=300)
-        if told.returncode != 0:
-            raise RuntimeError(f"{method} {array} {board} {points}: {told.stdout[-500:]}{told.stderr[-500:]}")
-        pairs = [text.split() for text in told.stdout.splitlines()]
+        reported = subprocess.run([*machine, *quiet, *ends], capture_output=True, text=True, timeout=300)
+        if reported.returncode != 0:
+            raise RuntimeError(
+                f"{method} {array} {board} {points}: {reported.stdout[-500:]}{reported.stderr[-500:]}"
+            )
+        pairs = [text.split() for text in reported.stdout.splitlines()]
         numbers = {name: int(value) for name, value in pairs if name != "drive"}
         return Run(numbers, [value for name, value in pairs if name == "drive"], line.read_bytes())
 
@@ -85,8 +87,8 @@ def here(target: Path, method: str, array: str, board: str, points: int) -> Run:
     """The same frames on this machine, by the scalar instruction set."""
     program = target / "release" / "examples" / "pc"
     words = [str(program), method, array, board, str(points)]
-    told = subprocess.run(words, capture_output=True, text=True, check=True)
-    pairs = [text.split() for text in told.stdout.splitlines()]
+    reported = subprocess.run(words, capture_output=True, text=True, check=True)
+    pairs = [text.split() for text in reported.stdout.splitlines()]
     line = b"".join(bytes.fromhex(value) for name, value in pairs if name == "frame")
     return Run({}, [value for name, value in pairs if name == "drive"], line)
 

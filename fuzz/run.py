@@ -101,8 +101,8 @@ def slice_of(name: str, code: str, seconds: int, executions: int) -> bool:
     begun = time.monotonic()
     log = WORK / f"{name}.log"
     with log.open("wb") as file:
-        told = command(name, seconds, executions)
-        process = subprocess.Popen(told, stdout=file, stderr=file, cwd=WORK, env=environment(name))
+        reported = command(name, seconds, executions)
+        process = subprocess.Popen(reported, stdout=file, stderr=file, cwd=WORK, env=environment(name))
         try:
             process.wait()
         except KeyboardInterrupt:
@@ -174,8 +174,8 @@ def main() -> int:
     parser.add_argument("--time", type=int, default=60, help="seconds a target, over all runs on this code")
     parser.add_argument("--runs", type=int, default=10**8, help="executions that are enough")
     parser.add_argument("targets", nargs="*", help="all unless named", metavar="TARGET")
-    asked = parser.parse_args()
-    names = asked.targets or [*RUST, *PYTHON]
+    requested = parser.parse_args()
+    names = requested.targets or [*RUST, *PYTHON]
     WORK.mkdir(exist_ok=True)
     # As it is built now, whatever is changed while it runs.
     codes = {name: record.code("core/src", *([] if name in RUST else ["python"])) for name in names}
@@ -187,7 +187,7 @@ def main() -> int:
     while names:
         for name in list(names):
             had = Had.of(name, codes[name])
-            seconds, executions = asked.time - had.seconds, asked.runs - had.executions
+            seconds, executions = requested.time - had.seconds, requested.runs - had.executions
             if seconds <= 0 or executions <= 0:
                 print(f"{name}: {had.executions} executions in {had.seconds} s over this code")
                 names.remove(name)

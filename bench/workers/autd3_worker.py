@@ -41,8 +41,8 @@ def prepare(task: dict[str, Any]) -> Prepared:
 
     def foci() -> list[holo.AmplitudeTarget]:
         # Of Python's numbers, which is faster than of NumPy's rows.
-        asked = zip(points.tolist(), pressures.tolist(), strict=True)
-        return [holo.AmplitudeTarget(point, pressure * holo.Pa) for point, pressure in asked]
+        requested = zip(points.tolist(), pressures.tolist(), strict=True)
+        return [holo.AmplitudeTarget(point, pressure * holo.Pa) for point, pressure in requested]
 
     def buffers() -> list[Any]:
         """Phases, and amplitudes where the method chooses them."""

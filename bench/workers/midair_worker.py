@@ -33,8 +33,8 @@ def prepare(task: dict[str, Any]) -> Prepared:
 
     def answer(drive: Any) -> dict[str, Any]:
         solution = solve()
-        told = {name: getattr(solution.metrics, name) for name in ("accuracy", "sigma", "uniformity")}
-        return {"drive": solution.scale * drive, "positions": array.positions, "metrics": told}
+        reported = {name: getattr(solution.metrics, name) for name in ("accuracy", "sigma", "uniformity")}
+        return {"drive": solution.scale * drive, "positions": array.positions, "metrics": reported}
 
     if task["form"] == "solve":
         return lambda: solve().drive, answer

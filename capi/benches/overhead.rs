@@ -84,10 +84,10 @@ fn main() {
         drive.copy_from_slice(&own.solve(&ask, &mut Control::none()).expect("an answer").drive);
     };
     let (mut answer, mut message) = ([0.0; 9], [0; 512]);
-    let mut c = |call: usize, drive: &mut [Complex32], told: bool| {
+    let mut c = |call: usize, drive: &mut [Complex32], reported: bool| {
         let (points, pressures) = request(call);
-        let answer = if told { &raw mut answer } else { null_mut() };
-        let size = if told { 512 } else { 0 };
+        let answer = if reported { &raw mut answer } else { null_mut() };
+        let size = if reported { 512 } else { 0 };
         let (points, pressures) = (points.as_ptr(), pressures.as_ptr());
         // SAFETY: lists of M and N entries, an answer, 512 characters.
         let outcome = unsafe {
@@ -108,14 +108,14 @@ fn main() {
         times[1].push(round(|call| c(call, other, false)));
         times[2].push(round(|call| c(call, other, true)));
     }
-    let [rust, bare, told] = times.map(|mut times| {
+    let [rust, bare, reported] = times.map(|mut times| {
         times.sort_by(f64::total_cmp);
         times[ROUNDS / 2]
     });
     println!("fast, N = {N}, M = {M}, medians of {ROUNDS} rounds in turns: Rust {rust:.2} us");
     println!(
-        "C, drive alone {bare:.2} us ({:.3} times); with answer and message {told:.2} us ({:.3} times)",
+        "C, drive alone {bare:.2} us ({:.3} times); with answer and message {reported:.2} us ({:.3} times)",
         bare / rust,
-        told / rust
+        reported / rust
     );
 }

@@ -6,8 +6,8 @@ use midair::{Error, InstructionSet};
 
 /// The instruction set that `MIDAIR_SIMD` names, else the best of this machine. The environment is read once.
 pub(crate) fn instruction_set() -> Result<InstructionSet, Error> {
-    static ASKED: OnceLock<Option<String>> = OnceLock::new();
-    let Some(name) = ASKED.get_or_init(|| std::env::var("MIDAIR_SIMD").ok().filter(|name| !name.is_empty())) else {
+    static REQUESTED: OnceLock<Option<String>> = OnceLock::new();
+    let Some(name) = REQUESTED.get_or_init(|| std::env::var("MIDAIR_SIMD").ok().filter(|name| !name.is_empty())) else {
         return Ok(InstructionSet::best());
     };
     InstructionSet::named(name).ok_or_else(|| {

@@ -80,7 +80,7 @@ mod tests {
     use super::*;
 
     /// The outcome and the text of a buffer of `size` bytes.
-    fn told(size: usize, work: impl FnOnce() -> Result<&'static str, Error>) -> (Outcome, String) {
+    fn reported(size: usize, work: impl FnOnce() -> Result<&'static str, Error>) -> (Outcome, String) {
         let mut buffer = vec![b'?'; size];
         let outcome = outcome(Message { text: buffer.as_mut_ptr().cast(), size }, work);
         let end = buffer.iter().position(|&byte| byte == 0).expect("a NUL");
@@ -91,17 +91,17 @@ mod tests {
     fn a_panic_is_an_outcome() {
         let text = "a fault of midair's own, please report it: two is 3".to_string();
         let number = 3;
-        assert_eq!(told(80, || panic!("two is {number}")), (Outcome::Fault, text.clone()));
-        assert_eq!(told(80, || panic!("two is 3")), (Outcome::Fault, text));
+        assert_eq!(reported(80, || panic!("two is {number}")), (Outcome::Fault, text.clone()));
+        assert_eq!(reported(80, || panic!("two is 3")), (Outcome::Fault, text));
     }
 
     #[test]
     fn a_message_is_cut_after_a_whole_character() {
         let refused = || Err(Error::invalid("ä", "ö", "ü"));
-        assert_eq!(told(80, refused), (Outcome::Invalid, "ä is ö: ü".to_string()));
+        assert_eq!(reported(80, refused), (Outcome::Invalid, "ä is ö: ü".to_string()));
         for (size, kept) in [(13, "ä is ö: ü"), (12, "ä is ö: "), (9, "ä is ö"), (8, "ä is "), (2, ""), (1, "")]
         {
-            assert_eq!(told(size, refused).1, kept, "{size} bytes");
+            assert_eq!(reported(size, refused).1, kept, "{size} bytes");
         }
         let nowhere = Message { text: std::ptr::null_mut(), size: 80 };
         assert_eq!(outcome(nowhere, || Ok("")), Outcome::Ok);

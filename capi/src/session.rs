@@ -31,10 +31,10 @@ pub(crate) struct State {
 
 impl State {
     /// That of a setting; its doubts that are not among those told before are to be heard.
-    fn open(setting: Setting, told: &[String]) -> Result<(Self, String), Error> {
+    fn open(setting: Setting, reported: &[String]) -> Result<(Self, String), Error> {
         let (model, session) = setting.open()?;
         let doubts = setting.doubts();
-        let news: Vec<&str> = doubts.iter().filter(|doubt| !told.contains(doubt)).map(String::as_str).collect();
+        let news: Vec<&str> = doubts.iter().filter(|doubt| !reported.contains(doubt)).map(String::as_str).collect();
         let news = news.join("\n");
         let ask = SolveRequest { aim: setting.aim(), ..SolveRequest::default() };
         Ok((Self { setting, doubts, model, session, ask, own: None }, news))

@@ -54,7 +54,7 @@ def numbers(name: str, *values: float) -> Call:
     return lambda h: ("session_set_numbers", h.session, name, np.array(values, float), len(values))
 
 
-def asked(**changed: object) -> Call:
+def requested(**changed: object) -> Call:
     return lambda h: solve(h, **changed)
 
 
@@ -139,19 +139,19 @@ REFUSED: dict[str, tuple[Call, str]] = {
         "order[1] is NaN: give whole numbers",
     ),
     "point": (
-        asked(points=np.array([[0, NAN, 0.15]])),
+        requested(points=np.array([[0, NAN, 0.15]])),
         "points[0].position is [0.0, NaN, 0.15]: give three finite numbers",
     ),
     "point on a transducer": (
-        asked(points=np.array([[0.00525, 0.00525, 0]])),
+        requested(points=np.array([[0.00525, 0.00525, 0]])),
         "points[0] is 0.000e0 m from transducer",
     ),
     "pressure": (
-        asked(pressures=np.array([-3.0])),
+        requested(pressures=np.array([-3.0])),
         "points[0].pressure is -3.0: give a number of at least 0",
     ),
-    "weight": (asked(weights=np.array([NAN])), "points[0].weight is NaN: give a finite number"),
-    "no points": (asked(points=None, count=0), "points is empty: give at least one point"),
+    "weight": (requested(weights=np.array([NAN])), "points[0].weight is NaN: give a finite number"),
+    "no points": (requested(points=None, count=0), "points is empty: give at least one point"),
     "drive of NaN": (
         lambda h: ("session_field", h.session, np.full(64, NAN, np.complex64), 64, POINT, 1, h.drive),
         "drive[0] is NaN+0i: give finite numbers",
@@ -165,20 +165,20 @@ REFUSED: dict[str, tuple[Call, str]] = {
         lambda h: ("session_new", None, "fast", h.place),
         "array is NULL: make one with midair_array_new() or the like",
     ),
-    "session": (asked(session=None), "session is NULL: make one with midair_session_new()"),
+    "session": (requested(session=None), "session is NULL: make one with midair_session_new()"),
     "no board": (
         lambda h: ("board_encode", None, h.drive, 64, np.zeros(3, np.uint8), 3),
         "board is NULL: make one",
     ),
     "place": (lambda h: ("array_grid", 8, 8, 0.01, None), "array is NULL: give an address"),
-    "points": (asked(points=None), "points is NULL: give an address"),
-    "drive": (asked(drive=None), "drive is NULL: give an address"),
+    "points": (requested(points=None), "points is NULL: give an address"),
+    "drive": (requested(drive=None), "drive is NULL: give an address"),
     "name": (lambda h: ("session_set_number", h.session, None, 1), "name is NULL: give text"),
     "metrics": (
         lambda h: ("session_judge", h.session, h.drive, 64, POINT, None, None, 1, None),
         "metrics is NULL: give an address",
     ),
-    "short drive": (asked(transducers=63), "drive is room for 63: give room for 64"),
+    "short drive": (requested(transducers=63), "drive is room for 63: give room for 64"),
     "short drive to judge": (
         lambda h: ("session_judge", h.session, h.drive, 63, POINT, None, None, 1, h.metrics),
         "drive is 63 values: give one for each of the 64 transducers",
@@ -199,10 +199,10 @@ REFUSED: dict[str, tuple[Call, str]] = {
         lambda h: ("board_new", "nano", 9, h.place),
         "transducers is 9: nano has 1 to 8 channels",
     ),
-    "misaligned points": (asked(points=misaligned(np.float64, 3)), "points is at address 0x"),
-    "misaligned drive": (asked(drive=misaligned(np.complex64, 64)), "drive is at address 0x"),
-    "misaligned answer": (asked(answer=misaligned(np.float64, 9)), "answer is at address 0x"),
-    "count": (asked(count=2**61), "points is 2305843009213693952 of them: no memory holds so many"),
+    "misaligned points": (requested(points=misaligned(np.float64, 3)), "points is at address 0x"),
+    "misaligned drive": (requested(drive=misaligned(np.complex64, 64)), "drive is at address 0x"),
+    "misaligned answer": (requested(answer=misaligned(np.float64, 9)), "answer is at address 0x"),
+    "count": (requested(count=2**61), "points is 2305843009213693952 of them: no memory holds so many"),
 }
 
 
@@ -252,7 +252,7 @@ def test_frees_take_null(library: Library) -> None:
     assert [library.plain(name, None) for name in sizes] == [0, 0, 0]
 
 
-def test_warnings_are_told_once(library: Library, have: SimpleNamespace) -> None:
+def test_warnings_are_reported_once(library: Library, have: SimpleNamespace) -> None:
     session = library.session(have.array, "greedy")
     loud = np.array([1e6])
     call = solve(have, session=session, pressures=loud)
@@ -271,7 +271,7 @@ def test_sessions_of_their_own_and_one_for_all(library: Library) -> None:
     points = np.array([[0.02 * np.cos(t), 0.02 * np.sin(t), 0.15] for t in range(8)])
     shared = library.session(array, "greedy")
     alone, _ = library.solve(shared, 400, points)
-    own, told = [], []
+    own, reported = [], []
 
     def work() -> None:
         session = library.session(array, "greedy")
@@ -279,7 +279,7 @@ def test_sessions_of_their_own_and_one_for_all(library: Library) -> None:
             own.append(library.solve(session, 400, points)[0].tobytes())
             drive = np.zeros(400, np.complex64)
             result, message = library.call("session_solve", shared, points, None, None, 8, drive, 400, None)
-            told.append(message if result else drive.tobytes())
+            reported.append(message if result else drive.tobytes())
         library.plain("session_free", session)
 
     threads = [threading.Thread(target=work) for _ in range(4)]
@@ -288,9 +288,9 @@ def test_sessions_of_their_own_and_one_for_all(library: Library) -> None:
     for thread in threads:
         thread.join()
     assert set(own) == {alone.tobytes()}
-    assert len(own) == len(told) == 80
+    assert len(own) == len(reported) == 80
     busy = "session is at work in another thread: give each thread a session of its own"
-    assert set(told) <= {alone.tobytes(), busy}
+    assert set(reported) <= {alone.tobytes(), busy}
     library.plain("session_free", shared)
     library.plain("array_free", array)
 
@@ -302,6 +302,6 @@ def test_version_and_interface(library: Library) -> None:
 
 @pytest.mark.parametrize("make", [number("phases", 8), text("aim", "max"), numbers("mask", 1)])
 def test_options_of_no_session_are_refused(library: Library, make: Call) -> None:
-    nobody = SimpleNamespace(session=None)
+    no_one = SimpleNamespace(session=None)
     refused = (INVALID, "session is NULL: make one with midair_session_new() or the like")
-    assert library.call(*make(nobody)) == refused
+    assert library.call(*make(no_one)) == refused

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use midair::solvers::{Entry, SOLVERS};
 use midair::{Array, Control, Medium, Options, Problem, Request, Rng, Scene, Workspace};
 
-static HELD: AtomicUsize = AtomicUsize::new(0);
+static KEPT: AtomicUsize = AtomicUsize::new(0);
 static MOST: AtomicUsize = AtomicUsize::new(0);
 
 struct Counting;
@@ -19,13 +19,13 @@ struct Counting;
 // SAFETY: every call is the system allocator's own.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        MOST.fetch_max(HELD.fetch_add(layout.size(), Relaxed) + layout.size(), Relaxed);
+        MOST.fetch_max(KEPT.fetch_add(layout.size(), Relaxed) + layout.size(), Relaxed);
         // SAFETY: as the caller's.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
-        HELD.fetch_sub(layout.size(), Relaxed);
+        KEPT.fetch_sub(layout.size(), Relaxed);
         // SAFETY: as the caller's.
         unsafe { System.dealloc(block, layout) }
     }
@@ -47,7 +47,7 @@ fn problem(side: usize, count: usize) -> Problem {
 /// Median time, steps taken and memory of one solve.
 fn measured(entry: &Entry, problem: &Problem) -> (Duration, usize, usize) {
     let solver = entry.configure(&Options::new()).expect("defaults").solver;
-    let before = HELD.load(Relaxed);
+    let before = KEPT.load(Relaxed);
     MOST.store(before, Relaxed);
     let mut work = Workspace::new();
     let mut solved = || {

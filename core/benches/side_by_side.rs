@@ -182,7 +182,7 @@ fn batch(array: &Array, name: &str, points: usize, count: usize, rounds: usize) 
     let solver = solvers::find(name).and_then(|entry| entry.configure(&Options::new())).expect("a method");
     let balance = solver.info.balance;
     let mut work = Workspace::new();
-    let mut lone = |out: &mut [Complex32]| {
+    let mut single = |out: &mut [Complex32]| {
         for (k, out) in out.chunks_mut(array.len()).enumerate() {
             let problem = problem(k).expect("a problem");
             let solution =
@@ -201,21 +201,21 @@ fn batch(array: &Array, name: &str, points: usize, count: usize, rounds: usize) 
     let mut together =
         |out: &mut [Complex32]| session.solve_batch(count, points, &ask, out, &mut Control::none()).expect("answers");
     let mut drives = [(); 2].map(|()| vec![Complex32::ZERO; count * array.len()]);
-    lone(&mut drives[0]);
+    single(&mut drives[0]);
     together(&mut drives[1]);
     assert_eq!(drives[0], drives[1], "a batch is lone solves");
     let mut times = [const { Vec::new() }; 3];
     for _ in 0..rounds {
         times[0].push(timed(|| (0..count).for_each(|k| drop(black_box(problem(k))))));
-        times[1].push(timed(|| lone(&mut drives[0])));
+        times[1].push(timed(|| single(&mut drives[0])));
         times[2].push(timed(|| together(&mut drives[1])));
     }
-    let [made, lone, together] = times.map(|times| median(times) / count as u32);
+    let [made, single, together] = times.map(|times| median(times) / count as u32);
     println!(
-        "batch of {count}, {name}, N={} M={points}, one problem: alone {lone:.2?}, together {together:.2?} ({:.2} times); \
+        "batch of {count}, {name}, N={} M={points}, one problem: alone {single:.2?}, together {together:.2?} ({:.2} times); \
          making it is {made:.2?} of both",
         array.len(),
-        lone.as_secs_f64() / together.as_secs_f64()
+        single.as_secs_f64() / together.as_secs_f64()
     );
 }
 

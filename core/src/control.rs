@@ -77,10 +77,10 @@ const SMALL: u64 = 1 << 26;
 pub struct Control<'a> {
     observer: Option<&'a mut (dyn Observe + 'a)>,
     /// Whether steps are told, too, or pulses alone.
-    told: bool,
+    reported: bool,
     stop: Option<&'a AtomicBool>,
     /// Whether a stop has been heard: what is finished then is not interrupted again.
-    heard: bool,
+    received: bool,
     pulses: u32,
     trace: Option<Vec<f64>>,
     threads: Threads,
@@ -90,7 +90,16 @@ pub struct Control<'a> {
 impl Default for Control<'_> {
     fn default() -> Self {
         let threads = Threads::default();
-        Self { observer: None, told: true, stop: None, heard: false, pulses: 0, trace: None, threads, memory: MEMORY }
+        Self {
+            observer: None,
+            reported: true,
+            stop: None,
+            received: false,
+            pulses: 0,
+            trace: None,
+            threads,
+            memory: MEMORY,
+        }
     }
 }
 
@@ -147,10 +156,10 @@ impl<'a> Control<'a> {
             trace.push(residual());
         }
         let answer = match &mut self.observer {
-            Some(observer) if self.told => observer.step(Progress { step, steps, residual: &residual }),
+            Some(observer) if self.reported => observer.step(Progress { step, steps, residual: &residual }),
             _ => ControlFlow::Continue(()),
         };
-        self.heard |= answer.is_break();
+        self.received |= answer.is_break();
         answer
     }
 
@@ -161,7 +170,7 @@ impl<'a> Control<'a> {
     #[inline]
     pub fn pulse(&mut self) -> Result<(), Error> {
         self.pulses = self.pulses.wrapping_add(1);
-        if !self.pulses.is_multiple_of(PULSES) || self.heard {
+        if !self.pulses.is_multiple_of(PULSES) || self.received {
             return Ok(());
         }
         self.beat()
@@ -170,9 +179,9 @@ impl<'a> Control<'a> {
     /// A pulse that is passed on.
     #[inline(never)]
     fn beat(&mut self) -> Result<(), Error> {
-        self.heard = self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
+        self.received = self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
             || self.observer.as_mut().is_some_and(|observer| observer.pulse().is_break());
-        if self.heard { Err(Error::Stopped) } else { Ok(()) }
+        if self.received { Err(Error::Stopped) } else { Ok(()) }
     }
 
     /// Asks for memory before it is taken: `bytes` for `what`, of N transducers and M points.
@@ -196,7 +205,7 @@ impl<'a> Control<'a> {
     pub(crate) fn part(&mut self) -> Control<'_> {
         Control {
             observer: self.observer.as_mut().map(|observer| &mut **observer as &mut dyn Observe),
-            told: false,
+            reported: false,
             stop: self.stop,
             memory: self.memory,
             ..Control::default()

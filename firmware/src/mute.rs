@@ -7,7 +7,7 @@
 #[derive(Clone, Copy, Debug)]
 pub struct Mute {
     patience: u32,
-    heard: u32,
+    received: u32,
     silent: bool,
 }
 
@@ -15,17 +15,17 @@ impl Mute {
     /// A board that is silent, and that may play for `patience` ticks, fewer than 2^31, without a word.
     #[must_use]
     pub const fn new(patience: u32) -> Self {
-        Self { patience, heard: 0, silent: true }
+        Self { patience, received: 0, silent: true }
     }
 
     /// Something was heard, points or a word that they stay.
     pub const fn hear(&mut self, now: u32) {
-        (self.heard, self.silent) = (now, false);
+        (self.received, self.silent) = (now, false);
     }
 
     /// Whether the board is to be silenced now; once, until something is heard again. To be called within 2^31 ticks.
     pub const fn is_due(&mut self, now: u32) -> bool {
-        let due = !self.silent && now.wrapping_sub(self.heard) >= self.patience;
+        let due = !self.silent && now.wrapping_sub(self.received) >= self.patience;
         self.silent |= due;
         due
     }

@@ -112,9 +112,9 @@ def matrix(data: Data) -> None:
 
 def layouts(data: Data) -> None:
     """However points, pressures and weights lie in memory, they are the same."""
-    where, asked = numbers(data, 3, 3) + ABOVE, abs(numbers(data, 3)) + 1.0
-    plain = midair.solve(midair.Scene(ARRAY, where, asked, weights=asked), "fast")
-    lying = [laid_out(data, array) for array in (where, asked, asked)]
+    where, requested = numbers(data, 3, 3) + ABOVE, abs(numbers(data, 3)) + 1.0
+    plain = midair.solve(midair.Scene(ARRAY, where, requested, weights=requested), "fast")
+    lying = [laid_out(data, array) for array in (where, requested, requested)]
     found = midair.solve(midair.Scene(ARRAY, lying[0], lying[1], weights=lying[2]), "fast")
     assert np.array_equal(plain.drive, found.drive), lying
     follow = midair.Solver(ARRAY, "fast")(lying[0], lying[1], weights=lying[2])
@@ -124,7 +124,7 @@ def layouts(data: Data) -> None:
     assert np.array_equal(plain.drive, both.drives[1]), lying
     out = laid_out(data, np.zeros(12, np.complex64))
     if isinstance(out, np.ndarray):
-        midair.Solver(ARRAY, "fast")(where, asked, weights=asked, out=out)
+        midair.Solver(ARRAY, "fast")(where, requested, weights=requested, out=out)
         assert np.array_equal(plain.drive, out), out
 
 

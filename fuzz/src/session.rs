@@ -22,26 +22,26 @@ fn run(draw: &mut Draw) -> Result<(), Error> {
     let asks: Vec<SolveRequest> = (0..6).map_while(|_| draw.more().then(|| ask(draw, transducers))).collect();
     let mut session = Session::new(model.clone(), Arc::clone(&solver), balance);
     for ask in &asks {
-        let lone = alone(&model, ask, &*solver, balance);
+        let single = alone(&model, ask, &*solver, balance);
         if !session.last().is_empty() {
             // A solver that remembers goes on from its last frame. Cleared, it begins as a solve of its own does.
-            if let (Ok(next), Ok((problem, _))) = (session.solve(ask, &mut Control::none()), &lone) {
+            if let (Ok(next), Ok((problem, _))) = (session.solve(ask, &mut Control::none()), &single) {
                 let allowed = Allowed::of(model.array(), model.medium(), &ask.points);
                 allowed.check(problem, &model.propagation(&ask.points)?, next, configured.info.name);
             }
             session.last().clear();
         }
-        match (session.solve(ask, &mut Control::none()), lone) {
-            (Ok(found), Ok((problem, lone))) => {
+        match (session.solve(ask, &mut Control::none()), single) {
+            (Ok(found), Ok((problem, single))) => {
                 let allowed = Allowed::of(model.array(), model.medium(), &ask.points);
-                allowed.check(&problem, &model.propagation(&ask.points)?, &lone, configured.info.name);
-                assert_eq!((&found.drive, &found.pressures), (&lone.drive, &lone.pressures));
-                assert_eq!((found.metrics(), found.status, found.steps), (lone.metrics(), lone.status, lone.steps));
-                assert_eq!(found.scale, lone.scale);
+                allowed.check(&problem, &model.propagation(&ask.points)?, &single, configured.info.name);
+                assert_eq!((&found.drive, &found.pressures), (&single.drive, &single.pressures));
+                assert_eq!((found.metrics(), found.status, found.steps), (single.metrics(), single.status, single.steps));
+                assert_eq!(found.scale, single.scale);
             }
             // Of two faults a session names that of the start first, a problem of its own that of the points.
             (Err(_), Err(_)) if ask.start.is_some() => {}
-            (found, lone) => assert_eq!(found.err(), lone.err()),
+            (found, single) => assert_eq!(found.err(), single.err()),
         }
     }
     if let Some(size) = asks.first().map(|ask| ask.points.len()) {
@@ -61,15 +61,15 @@ fn batch(model: &Model, asks: &[SolveRequest], solver: &Solver, balance: bool) {
     };
     let mut session = Session::new(model.clone(), Arc::clone(solver), balance);
     let batch = session.solve_batch(count, size, &read, &mut drives, &mut Control::none());
-    let lone: Result<Vec<_>, (usize, Error)> = asks
+    let single: Result<Vec<_>, (usize, Error)> = asks
         .iter()
         .enumerate()
         .map(|(k, ask)| alone(model, ask, &**solver, balance).map_err(|error| (k, error)))
         .collect();
-    match (batch, lone) {
-        (Ok(batch), Ok(lone)) => {
+    match (batch, single) {
+        (Ok(batch), Ok(single)) => {
             for k in 0..count {
-                let one = &lone[k % asks.len()].1;
+                let one = &single[k % asks.len()].1;
                 assert_eq!(one.drive, drives[k * transducers..(k + 1) * transducers], "problem {k}");
                 assert_eq!(one.pressures, batch.pressures[k * size..(k + 1) * size], "problem {k}");
                 assert_eq!((one.metrics(), one.scale), (batch.metrics[k], batch.scale[k]), "problem {k}");
@@ -79,8 +79,8 @@ fn batch(model: &Model, asks: &[SolveRequest], solver: &Solver, balance: bool) {
         (Err(Error::InBatch { index, .. }), Err((first, _))) if asks[first].start.is_some() => {
             assert_eq!(index, first);
         }
-        (batch, lone) => {
-            let named = lone.err().map(|(index, error)| Error::InBatch { index, error: error.into() });
+        (batch, single) => {
+            let named = single.err().map(|(index, error)| Error::InBatch { index, error: error.into() });
             assert_eq!(batch.err(), named);
         }
     }

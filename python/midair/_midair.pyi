@@ -241,7 +241,7 @@ class Gorkov:
 @final
 class Rest:
     place: Final[NDArray[np.float64]]
-    held: Final[NDArray[np.bool_]]
+    kept: Final[NDArray[np.bool_]]
     stiffness: Final[NDArray[np.float64]]
     axes: Final[NDArray[np.float64]]
     basin: Final[NDArray[np.float64]]

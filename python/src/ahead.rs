@@ -34,14 +34,14 @@ pub(crate) fn tracks<'py>(
 ) -> PyResult<Bound<'py, PyArray2<u16>>> {
     let model = scene.get().model();
     let (points, [frames, count]) = read::batch_of_points("points", points)?;
-    let asked = read::batch_of_pressures(targets, [frames, count])?;
-    let targets = asked.pressures.ok_or_else(|| invalid("targets", "None", "give (T, M) pressures in Pa"))?;
+    let requested = read::batch_of_pressures(targets, [frames, count])?;
+    let targets = requested.pressures.ok_or_else(|| invalid("targets", "None", "give (T, M) pressures in Pa"))?;
     let whole = |item: &str, value| Ok::<_, PyErr>(u32::try_from(read::count(item, value)?).unwrap_or(u32::MAX));
     let how = Ahead {
         change: read::real("change", change)?,
         phases: whole("phases", phases)?,
         ends: match read::flag("closed", closed)? {
-            _ if start.is_some() => Ends::Held,
+            _ if start.is_some() => Ends::Kept,
             true => Ends::Closed,
             false => Ends::Open,
         },

@@ -28,7 +28,7 @@ pub(crate) fn attend<R: Send>(
 pub(crate) struct Watch {
     progress: Option<Py<PyAny>>,
     /// What the callback was told last, and when.
-    told: (usize, usize, f64),
+    reported: (usize, usize, f64),
     called: Instant,
     /// When signals were last looked at.
     last: Instant,
@@ -48,8 +48,8 @@ impl Watch {
 
     pub(crate) fn new(progress: Option<Py<PyAny>>) -> Self {
         let now = Instant::now();
-        let told = (0, 1, 1.0);
-        Self { progress, told, called: now, last: now, clock: now, stride: 1, left: 0, raised: None }
+        let reported = (0, 1, 1.0);
+        Self { progress, reported, called: now, last: now, clock: now, stride: 1, left: 0, raised: None }
     }
 
     /// Looks at signals if that is due, and calls the callback if it is to be.
@@ -60,7 +60,7 @@ impl Watch {
                 self.last = Instant::now();
             }
             let Some(callback) = self.progress.as_ref().filter(|_| call) else { return Ok(true) };
-            let answer = callback.call1(py, self.told)?;
+            let answer = callback.call1(py, self.reported)?;
             self.called = Instant::now();
             // Only False stops: a callback that returns nothing goes on.
             Ok(answer.extract::<bool>(py).unwrap_or(true))
@@ -107,7 +107,7 @@ impl Observe for Watch {
         if self.progress.is_none() {
             return if self.due(Self::STEPS) { self.ask(false) } else { ControlFlow::Continue(()) };
         }
-        self.told = (progress.step, progress.steps, progress.residual());
+        self.reported = (progress.step, progress.steps, progress.residual());
         self.ask(true)
     }
 

@@ -134,14 +134,14 @@ impl Field {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
-        let told = |picture: &Picture| -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let reported = |picture: &Picture| -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
             let places = match &picture.places {
                 Places::Plane(inner) => Bound::new(py, Plane { inner: *inner })?.into_any(),
                 Places::Points(points) => rows(py, points)?.into_any(),
             };
             Ok((places, give::list(py, picture.pressure.to_vec()).into_any()))
         };
-        let pictures = std::iter::once(&self.picture).chain(&self.others).map(told);
+        let pictures = std::iter::once(&self.picture).chain(&self.others).map(reported);
         restored::<Self>(py, (self.scene(), self.solution(py), pictures.collect::<PyResult<Vec<_>>>()?))
     }
 

@@ -118,7 +118,7 @@ impl Rest {
 
     fn __repr__(&self) -> String {
         let held = self.inner.held.iter().filter(|held| **held).count();
-        format!("<midair.Rest: {held} of {} beads held>", self.inner.held.len())
+        format!("<midair.Rest: {kept} of {} beads held>", self.inner.held.len())
     }
 }
 
@@ -151,7 +151,7 @@ getters! {
 }
 
 /// What a trap is asked with.
-struct Asked {
+struct Requested {
     model: Model,
     drive: Vec<Complex32>,
     points: Vec<[f64; 3]>,
@@ -162,12 +162,12 @@ struct Asked {
 
 type Bead<'a, 'py> = [Argument<'a, 'py>; 4];
 
-fn asked<'py>(
+fn requested<'py>(
     scene: &Bound<'py, PyAny>,
     drive: Option<Bound<'py, PyAny>>,
     points: Option<Bound<'py, PyAny>>,
     [radius, density, sound_speed, gravity]: Bead<'_, 'py>,
-) -> PyResult<Asked> {
+) -> PyResult<Requested> {
     let (scene, drive, points) = about(scene, drive, points)?;
     let (inner, model) = (&scene.get().inner, scene.get().model());
     let drive = played(&drive)?;
@@ -181,7 +181,7 @@ fn asked<'py>(
     };
     let gravity = gravity.map_or(Ok(GRAVITY), |gravity| read::place("gravity", gravity))?;
     let remark = particle.remark(inner.medium());
-    Ok(Asked { model, drive, points, particle, gravity, remark })
+    Ok(Requested { model, drive, points, particle, gravity, remark })
 }
 
 /// In m/s^2, down the z axis.
@@ -220,8 +220,8 @@ pub(crate) fn gorkov<'py>(
     sound_speed: Argument<'_, 'py>,
     gravity: Argument<'_, 'py>,
 ) -> PyResult<Gorkov> {
-    let Asked { model, drive, points, particle, gravity, remark } =
-        asked(scene, drive, points, [radius, density, sound_speed, gravity])?;
+    let Requested { model, drive, points, particle, gravity, remark } =
+        requested(scene, drive, points, [radius, density, sound_speed, gravity])?;
     let threads = limits::threads(py)?;
     let felt = attend(py, None, |control| midair::gorkov(&model, &drive, &points, particle, &mut control.on(threads)))?;
     warn_all(py, remark)?;
@@ -257,8 +257,8 @@ pub(crate) fn rest<'py>(
     sound_speed: Argument<'_, 'py>,
     gravity: Argument<'_, 'py>,
 ) -> PyResult<Rest> {
-    let Asked { model, drive, points, particle, gravity, remark } =
-        asked(scene, drive, points, [radius, density, sound_speed, gravity])?;
+    let Requested { model, drive, points, particle, gravity, remark } =
+        requested(scene, drive, points, [radius, density, sound_speed, gravity])?;
     let threads = limits::threads(py)?;
     let inner =
         attend(py, None, |control| midair::rest(&model, &drive, &points, particle, gravity, &mut control.on(threads)))?;

@@ -9,8 +9,8 @@ use crate::error::invalid;
 
 /// The instruction set that `MIDAIR_SIMD` names, else the best of this machine. The environment is read once.
 pub(crate) fn instruction_set() -> PyResult<InstructionSet> {
-    static ASKED: OnceLock<Option<String>> = OnceLock::new();
-    let Some(name) = ASKED.get_or_init(|| std::env::var("MIDAIR_SIMD").ok().filter(|name| !name.is_empty())) else {
+    static REQUESTED: OnceLock<Option<String>> = OnceLock::new();
+    let Some(name) = REQUESTED.get_or_init(|| std::env::var("MIDAIR_SIMD").ok().filter(|name| !name.is_empty())) else {
         return Ok(InstructionSet::best());
     };
     InstructionSet::named(name).ok_or_else(|| {

@@ -46,18 +46,18 @@ pub(crate) fn at_most(py: Python<'_>, given: Option<&Bound<'_, PyAny>>) -> PyRes
 /// The most bytes that a computation may take at once: `MIDAIR_MEMORY`, such as 2e9, 500MB or 16GB, else 8 GB, but no
 /// more than three quarters of the machine's. The environment is read once.
 pub(crate) fn memory() -> PyResult<u64> {
-    static ASKED: OnceLock<Result<u64, String>> = OnceLock::new();
-    ASKED.get_or_init(asked).clone().map_err(no_bytes)
+    static REQUESTED: OnceLock<Result<u64, String>> = OnceLock::new();
+    REQUESTED.get_or_init(requested).clone().map_err(no_bytes)
 }
 
 /// The same, read anew, for what Python computes.
 #[pyfunction]
 pub(crate) fn memory_limit() -> PyResult<u64> {
-    asked().map_err(no_bytes)
+    requested().map_err(no_bytes)
 }
 
 /// The limit, or the text of the environment that is none.
-fn asked() -> Result<u64, String> {
+fn requested() -> Result<u64, String> {
     match std::env::var("MIDAIR_MEMORY").ok().filter(|text| !text.is_empty()) {
         None => Ok(installed().map_or(MEMORY, |bytes| MEMORY.min(bytes / 4 * 3))),
         Some(text) => read(&text).ok_or(text),

@@ -14,7 +14,7 @@ use crate::error::{invalid, refused};
 use crate::getters::getters;
 use crate::give::rows;
 use crate::limits;
-use crate::numbers::{Numbers, numbers, told};
+use crate::numbers::{Numbers, numbers, reported};
 use crate::pickle::{Reduced, restored};
 use crate::read;
 use crate::toolbox;
@@ -142,7 +142,7 @@ pub(crate) fn indices(value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
                 .map(|face| face.map(|v| if v < 0.0 { u32::MAX } else { v as u32 }))
                 .collect())
         }
-        _ => Err(invalid(item, &told(&shape), cure)),
+        _ => Err(invalid(item, &reported(&shape), cure)),
     }
 }
 

@@ -36,7 +36,7 @@ impl<T: Element + Copy> Numbers<T> {
 }
 
 /// How a shape reads in an error.
-pub(crate) fn told(shape: &[usize]) -> String {
+pub(crate) fn reported(shape: &[usize]) -> String {
     let sizes: Vec<String> = shape.iter().map(ToString::to_string).collect();
     format!("of shape ({}{})", sizes.join(", "), if sizes.len() == 1 { "," } else { "" })
 }
@@ -106,8 +106,8 @@ pub(crate) fn refuse_hidden(item: &str, value: &Bound<'_, PyAny>) -> PyResult<()
     if hidden == 0 {
         return Ok(());
     }
-    let told = format!("masked in {hidden} of {} entries", value.getattr("size")?);
-    Err(invalid(item, &told, "fill what the mask hides, or leave it out"))
+    let reported = format!("masked in {hidden} of {} entries", value.getattr("size")?);
+    Err(invalid(item, &reported, "fill what the mask hides, or leave it out"))
 }
 
 /// An array that can be read where it lies.

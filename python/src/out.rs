@@ -6,7 +6,7 @@ use numpy::{BorrowError, PyArray, PyArray1, PyArrayMethods, PyReadwriteArray, Py
 use pyo3::prelude::*;
 
 use crate::error::invalid;
-use crate::numbers::{quoted, refuse_hidden, told};
+use crate::numbers::{quoted, refuse_hidden, reported};
 
 /// An array of a shape that can be written, borrowed so that no other call writes it; of a batch a contiguous one.
 pub(crate) fn borrowed<'py, D: Dimension>(
@@ -16,12 +16,12 @@ pub(crate) fn borrowed<'py, D: Dimension>(
     let contiguous = if shape.len() > 1 { "C-contiguous " } else { "" };
     // Named only when refused: this runs for every frame of a moving hand.
     let refusal = |value: &str| {
-        let cure = format!("give a writable {contiguous}complex64 array {}", told(shape));
+        let cure = format!("give a writable {contiguous}complex64 array {}", reported(shape));
         invalid("out", value, &cure)
     };
     let Ok(any) = value.cast::<PyUntypedArray>() else { return Err(refusal(&quoted(value))) };
     if any.shape() != shape {
-        return Err(refusal(&told(any.shape())));
+        return Err(refusal(&reported(any.shape())));
     }
     let Ok(array) = value.cast::<PyArray<Complex32, D>>() else {
         return Err(refusal(&format!("of dtype {}", any.dtype())));

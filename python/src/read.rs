@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString};
 
 use crate::error::{invalid, refused};
-use crate::numbers::{Numbers, array, numbers, quoted, told};
+use crate::numbers::{Numbers, array, numbers, quoted, reported};
 
 /// Boards along x and y, one where none are given.
 pub(crate) fn tiles(value: Option<&Bound<'_, PyAny>>) -> PyResult<[usize; 2]> {
@@ -30,7 +30,7 @@ pub(crate) fn vectors(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64
     match shape[..] {
         _ if values.is_empty() => Ok(Vec::new()),
         [_, 3] => Ok(values.as_chunks().0.to_vec()),
-        _ => Err(invalid(item, &told(&shape), cure)),
+        _ => Err(invalid(item, &reported(&shape), cure)),
     }
 }
 
@@ -40,7 +40,7 @@ pub(crate) fn place(item: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> 
     let Numbers { values, shape } = numbers(item, value, REAL, cure)?;
     match (values.first_chunk(), &shape[..]) {
         (Some(place), [3]) => Ok(*place),
-        _ => Err(invalid(item, &told(&shape), cure)),
+        _ => Err(invalid(item, &reported(&shape), cure)),
     }
 }
 
@@ -66,7 +66,7 @@ fn for_all<T: Copy>(item: &str, numbers: Numbers<T>, count: usize, cure: &str) -
     match shape[..] {
         [] => Ok(values.repeat(count)),
         [length] if length == count => Ok(values),
-        _ => Err(invalid(item, &told(&shape), cure)),
+        _ => Err(invalid(item, &reported(&shape), cure)),
     }
 }
 
@@ -76,7 +76,7 @@ pub(crate) fn real(item: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     let Numbers { values, shape } = numbers(item, value, REAL, cure)?;
     match (&values[..], &shape[..]) {
         (&[value], []) => Ok(value),
-        _ => Err(invalid(item, &told(&shape), cure)),
+        _ => Err(invalid(item, &reported(&shape), cure)),
     }
 }
 
@@ -111,7 +111,7 @@ pub(crate) fn batch_of_points(item: &str, value: &Bound<'_, PyAny>) -> PyResult<
     let Numbers { values, shape } = numbers(item, value, REAL, cure)?;
     match shape[..] {
         [count, size, 3] if count * size > 0 => Ok((values.as_chunks().0.to_vec(), [count, size])),
-        _ => Err(invalid(item, &told(&shape), cure)),
+        _ => Err(invalid(item, &reported(&shape), cure)),
     }
 }
 
@@ -122,20 +122,20 @@ pub(crate) fn batch_size(item: &str, value: Option<&Bound<'_, PyAny>>, size: usi
     let shape = numbers::<Complex64>(item, value, NUMBER, &cure)?.shape;
     match shape[..] {
         [count, columns] if columns == size && count > 0 => Ok(count),
-        _ => Err(invalid(item, &told(&shape), &cure)),
+        _ => Err(invalid(item, &reported(&shape), &cure)),
     }
 }
 
 /// Numbers (B, M) of a batch; (M,) stand for every problem, one number for every point.
 pub(crate) fn batch_of_numbers(item: &str, value: &Bound<'_, PyAny>, size: [usize; 2]) -> PyResult<Vec<f64>> {
-    let cure = format!("give one real number, {} of them, or an array {}", size[1], told(&size));
+    let cure = format!("give one real number, {} of them, or an array {}", size[1], reported(&size));
     for_each(item, numbers(item, value, REAL, &cure)?, size, &cure)
 }
 
 /// Pressures (B, M) of a batch, likewise; complex ones have phases.
 pub(crate) fn batch_of_pressures(value: &Bound<'_, PyAny>, size: [usize; 2]) -> PyResult<Request> {
     let item = "pressures";
-    let cure = format!("give one real or complex number, {} of them, or an array {}", size[1], told(&size));
+    let cure = format!("give one real or complex number, {} of them, or an array {}", size[1], reported(&size));
     let (array, kind) = array(item, value, NUMBER, &cure)?;
     if kind == 'c' {
         return for_each(item, Numbers::of(&array)?, size, &cure).map(|values| Request::of_complex(&values));
@@ -150,7 +150,7 @@ fn for_each<T: Copy>(item: &str, numbers: Numbers<T>, size: [usize; 2], cure: &s
         [] => Ok(values.repeat(size[0] * size[1])),
         [length] if length == size[1] => Ok(values.repeat(size[0])),
         _ if shape == size => Ok(values),
-        _ => Err(invalid(item, &told(&shape), cure)),
+        _ => Err(invalid(item, &reported(&shape), cure)),
     }
 }
 
@@ -161,14 +161,14 @@ pub(crate) fn batch_of_starts(
     drives: [usize; 2],
     phases: [usize; 2],
 ) -> PyResult<Starts> {
-    let cure = format!("give complex drives {} or real point phases", told(&drives));
+    let cure = format!("give complex drives {} or real point phases", reported(&drives));
     let (array, kind) = array(item, value, NUMBER, &cure)?;
     if kind != 'c' {
         return batch_of_numbers(item, value, phases).map(Starts::Phases);
     }
     let Numbers { values, shape } = Numbers::of(&array)?;
     if shape != drives {
-        return Err(invalid(item, &told(&shape), &cure));
+        return Err(invalid(item, &reported(&shape), &cure));
     }
     Ok(Starts::Drives(rounded(&values)))
 }
@@ -183,7 +183,7 @@ pub(crate) fn batch_of_drives(
     let Numbers { values, shape } = numbers(item, value, NUMBER, &cure)?;
     match shape[..] {
         [count, columns] if columns == transducers => Ok((rounded(&values), count)),
-        _ => Err(invalid(item, &told(&shape), &cure)),
+        _ => Err(invalid(item, &reported(&shape), &cure)),
     }
 }
 
@@ -230,7 +230,7 @@ pub(crate) fn reals(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> 
 /// Values of shape (K,).
 fn one_each<T: Element + Copy>(item: &str, value: &Bound<'_, PyAny>, kinds: &str, cure: &str) -> PyResult<Vec<T>> {
     let Numbers { values, shape } = numbers(item, value, kinds, cure)?;
-    if shape.len() == 1 { Ok(values) } else { Err(invalid(item, &told(&shape), cure)) }
+    if shape.len() == 1 { Ok(values) } else { Err(invalid(item, &reported(&shape), cure)) }
 }
 
 /// Rounded here and not by numpy: what does not fit f32 becomes infinite and is refused by name.
@@ -244,7 +244,7 @@ pub(crate) fn matrix(item: &str, value: &Bound<'_, PyAny>) -> PyResult<(Vec<Comp
     let Numbers { values, shape } = numbers(item, value, NUMBER, cure)?;
     match shape[..] {
         [points, _] => Ok((values, points)),
-        _ => Err(invalid(item, &told(&shape), cure)),
+        _ => Err(invalid(item, &reported(&shape), cure)),
     }
 }
 
@@ -322,7 +322,7 @@ fn option(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     let Numbers { values, shape } = numbers(item, value, "iu", cure)?;
     match shape[..] {
         [_] => Ok(Value::Integers(values)),
-        _ => Err(invalid(item, &told(&shape), cure)),
+        _ => Err(invalid(item, &reported(&shape), cure)),
     }
 }
 

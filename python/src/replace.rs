@@ -54,18 +54,18 @@ fn replaced(py: Python<'_>, scene: &Scene, changes: &Bound<'_, PyDict>) -> PyRes
         }
         own => Ok(own.clone()),
     };
-    let asked = own.request();
+    let requested = own.request();
     let given = match keywords.take_or_none("pressures")? {
         None => Request {
-            pressures: kept("pressures", &asked.pressures)?,
-            phases: asked.phases.clone(),
+            pressures: kept("pressures", &requested.pressures)?,
+            phases: requested.phases.clone(),
             ..Request::default()
         },
         Some(value) if value.is_none() => Request::default(),
         Some(value) => read::pressures(&value, points.len())?,
     };
     let weights = match keywords.take_or_none("weights")? {
-        None => kept("weights", &asked.weights)?,
+        None => kept("weights", &requested.weights)?,
         Some(value) if value.is_none() => None,
         Some(value) => Some(read::list("weights", &value, points.len())?),
     };

@@ -96,7 +96,7 @@ impl Scene {
     }
 
     /// The same, and a warning of what is hardly meant of it.
-    pub(crate) fn told(self, py: Python<'_>) -> PyResult<Self> {
+    pub(crate) fn reported(self, py: Python<'_>) -> PyResult<Self> {
         warn_all(py, self.doubts())?;
         Ok(self)
     }
@@ -146,7 +146,7 @@ impl Scene {
         let obstacles = obstacles.map_or_else(|| Ok(Vec::new()), read_obstacles)?;
         let scene = midair::Scene::new(array.inner.clone(), medium, points, request);
         let scene = scene.and_then(|scene| scene.with_signature(signature)?.with_obstacles(obstacles));
-        Self::with(&array, scene.map_err(refused)?)?.told(py)
+        Self::with(&array, scene.map_err(refused)?)?.reported(py)
     }
 
     /// Reads a scene file: JSON by its ending .json, TOML by .toml, else by looking at it.
@@ -155,7 +155,7 @@ impl Scene {
     /// as FileNotFoundError, where it cannot be read.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        Self::of(crate::files::load(py, &path)?)?.told(py)
+        Self::of(crate::files::load(py, &path)?)?.reported(py)
     }
 
     /// Reads a scene from text (str or bytes), TOML or JSON by looking at it.
@@ -166,7 +166,7 @@ impl Scene {
     #[staticmethod]
     #[pyo3(signature = (text, *, name="scene", folder=None))]
     fn parse(text: &Bound<'_, PyAny>, name: &str, folder: Option<PathBuf>) -> PyResult<Self> {
-        Self::of(crate::files::parse(text, name, folder.as_deref())?)?.told(text.py())
+        Self::of(crate::files::parse(text, name, folder.as_deref())?)?.reported(text.py())
     }
 
     /// Writes the scene as TOML or (by the ending .json) JSON, whole or not at all.
@@ -313,7 +313,7 @@ pub(crate) fn remade(
     let mut scene = scene.map_err(refused)?;
     scene.solver.clone_from(&own.inner.solver);
     scene.plane = plane;
-    let (scene, told) = (Scene::with(array, scene)?, own.doubts());
-    warn_all(py, scene.doubts().iter().filter(|doubt| !told.contains(doubt)))?;
+    let (scene, reported) = (Scene::with(array, scene)?, own.doubts());
+    warn_all(py, scene.doubts().iter().filter(|doubt| !reported.contains(doubt)))?;
     Ok(scene)
 }

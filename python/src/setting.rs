@@ -164,8 +164,8 @@ impl Setting {
         let medium = keywords.medium(medium, &array)?;
         let ready = keywords.array(array)?.ready(medium)?;
         let Ready { model, doubts, .. } = &*ready;
-        let told = scene.map_or(&[][..], |scene| &scene.ready.doubts);
-        warn_all(object.py(), doubts.iter().filter(|doubt| !told.contains(doubt)))?;
+        let reported = scene.map_or(&[][..], |scene| &scene.ready.doubts);
+        warn_all(object.py(), doubts.iter().filter(|doubt| !reported.contains(doubt)))?;
         let own = scene.and_then(|scene| scene.inner.solver.as_ref());
         let (choice, Configured { solver, info, .. }) = chosen(own, model.array().quantization())?;
         let behind = scene.map_or(&[][..], |scene| scene.inner.obstacles());

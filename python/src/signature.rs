@@ -6,7 +6,7 @@ use pyo3::types::PyString;
 
 use crate::error::{invalid, refused};
 use crate::give;
-use crate::numbers::{Numbers, numbers, told};
+use crate::numbers::{Numbers, numbers, reported};
 use crate::read::NUMBER;
 
 /// A name, or factors (N,) or (M, N) for `transducers` of them.
@@ -17,7 +17,7 @@ pub(crate) fn read_signature(value: &Bound<'_, PyAny>, transducers: usize) -> Py
     let cure = "give \"trap\", \"twin\", \"vortex\" or complex factors of shape (N,) or (M, N)";
     let Numbers { values, shape } = numbers::<Complex64>("signature", value, NUMBER, cure)?;
     if shape.len() > 2 || shape.last() != Some(&transducers) {
-        return Err(invalid("signature", &told(&shape), cure));
+        return Err(invalid("signature", &reported(&shape), cure));
     }
     Ok(Signature::Given(values.into()))
 }

@@ -108,11 +108,11 @@ impl Solution {
         let status = Status::named(&part("status")?.extract::<String>()?).map_err(refused)?;
         let outcome = (status, read::count("steps", &part("steps")?)?, read::real("scale", &part("scale")?)?);
         let drive = read::drive("drive", &part("drive")?)?;
-        let heard = read::drive("pressures", &part("pressures")?)?;
+        let received = read::drive("pressures", &part("pressures")?)?;
         let targets = read::reals("targets", &part("targets")?)?;
         let inner = attend(record.py(), None, |mut control| {
             let problem = subject.problem(&mut control)?;
-            midair::Solution::restored(&problem, drive, heard, outcome, Some(targets), &mut control)
+            midair::Solution::restored(&problem, drive, received, outcome, Some(targets), &mut control)
         })?;
         let choice = read::choice(part("solver")?.extract()?, part("options")?.cast()?)?;
         let trace = maybe("trace")?.map(|trace| read::reals("trace", &trace)).transpose()?;

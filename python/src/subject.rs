@@ -48,8 +48,8 @@ impl Beside<'_, '_> {
         })?;
         let (array, own) = (scene.array().with_parts(given)?, &scene.inner);
         let given = read::request(own.points().len(), pressures, weights)?;
-        let asked = if given.pressures.is_some() { given.clone() } else { own.request().clone() };
-        let request = Request { weights: given.weights.or_else(|| own.request().weights.clone()), ..asked };
+        let requested = if given.pressures.is_some() { given.clone() } else { own.request().clone() };
+        let request = Request { weights: given.weights.or_else(|| own.request().weights.clone()), ..requested };
         let rest = (own.plane, own.signature().cloned(), own.obstacles().to_vec());
         remade(py, scene, (&array, own.medium()), own.points().to_vec(), request, rest)
     }

@@ -108,10 +108,10 @@ def of_kind(kind: str) -> tuple[Board, Rig]:
 
 def played(board: Board, rig: Rig, drive: Complex) -> Complex:
     """What the board plays when it is sent this drive."""
-    return heard(board, rig, board.encode(drive))
+    return received(board, rig, board.encode(drive))
 
 
-def heard(board: Board, rig: Rig, frame: bytes) -> Complex:
+def received(board: Board, rig: Rig, frame: bytes) -> Complex:
     """The drive that the board plays of a frame, a half wave from the start of the period being 1.
 
     Its pins are late by the board's response, which its array has and a solver counts in.

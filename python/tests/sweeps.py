@@ -8,7 +8,7 @@ import numpy as np
 #: There so that a hang is a failure and not a hung suite.
 HANG = 60
 
-ASKED: dict[str, Any] = {
+REQUESTED: dict[str, Any] = {
     "seed": 3,
     "seeds": 5,
     "array": [{"preset": "paper20"}, {"grid": {"nx": 8, "ny": 8, "pitch": 0.01}}],
@@ -47,7 +47,7 @@ limit = ["clamp", "full"]
 
 def changed(**tables: Any) -> dict[str, Any]:
     """ASKED with other tables, or without those given as None."""
-    return {key: value for key, value in {**deepcopy(ASKED), **tables}.items() if value is not None}
+    return {key: value for key, value in {**deepcopy(REQUESTED), **tables}.items() if value is not None}
 
 
 def equal(a: dict[str, np.ndarray], b: dict[str, np.ndarray]) -> bool:

@@ -59,7 +59,7 @@ def test_metrics_of_one_point_have_no_spread() -> None:
         assert metrics.accuracy == metrics.level > 0.49, solver
 
 
-def test_quiet_point_is_quieter_for_being_asked_to() -> None:
+def test_quiet_point_is_quieter_for_being_requested_to() -> None:
     for solver in SOLVERS:
         # `glide` has no quiet points: it reports what they leak as a miss.
         missed = solver == "glide"

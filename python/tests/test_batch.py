@@ -14,7 +14,7 @@ PRESSURES = RNG.uniform(0.7, 1.1, (B, M))
 ARRAY = midair.Array.preset("paper20")
 
 
-def lone(k: int, solver: str, **options: object) -> midair.Solution:
+def single(k: int, solver: str, **options: object) -> midair.Solution:
     scene = midair.Scene(ARRAY, POINTS[k], PRESSURES[k])
     return midair.solve(scene, solver, **options)
 
@@ -38,7 +38,7 @@ def test_a_batch_is_its_problems_bit_for_bit(solver: str) -> None:
         assert (array.shape, array.dtype) == (shape, dtype)
     assert batch.elapsed > 0
     for k in range(B):
-        alone = lone(k, solver)
+        alone = single(k, solver)
         assert batch.drives[k].tobytes() == alone.drive.tobytes()
         assert batch.pressures[k].tobytes() == alone.pressures.tobytes()
         assert (batch.status[k], batch.steps[k], batch.scale[k]) == (alone.status, alone.steps, alone.scale)
@@ -104,15 +104,15 @@ def test_starts_of_both_kinds() -> None:
     phases = np.zeros((B, M))
     for start in (first.drives, phases):
         batch = midair.solve_batch(ARRAY, POINTS, PRESSURES, "gs", start=start)
-        alone = lone(1, "gs", start=start[1])
+        alone = single(1, "gs", start=start[1])
         assert batch.drives[1].tobytes() == alone.drive.tobytes()
 
 
 def test_progress_and_stop() -> None:
-    told: list[tuple[int, int, float]] = []
-    midair.solve_batch(ARRAY, POINTS, PRESSURES, "fast", progress=lambda *now: told.append(now))
-    assert told[-1][:2] == (B, B)
-    assert 0 <= told[-1][2] < 1
+    reported: list[tuple[int, int, float]] = []
+    midair.solve_batch(ARRAY, POINTS, PRESSURES, "fast", progress=lambda *now: reported.append(now))
+    assert reported[-1][:2] == (B, B)
+    assert 0 <= reported[-1][2] < 1
     many = np.tile(POINTS, (60, 1, 1))
     out = np.full((60 * B, 400), 7, np.complex64)
     stopped = midair.solve_batch(ARRAY, many, 0.5, "fast", threads=1, out=out, progress=lambda *now: False)
@@ -162,11 +162,11 @@ def test_a_first_argument_of_another_class() -> None:
 
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 @pytest.mark.parametrize("solver", KINDS)
-def test_a_solver_gives_lone_answers_into_out(solver: str) -> None:
+def test_a_solver_gives_single_answers_into_out(solver: str) -> None:
     fixed = midair.Solver(ARRAY, solver, points=M)
     out = np.empty(400, np.complex64)
     for k in range(3):
-        alone = lone(k, solver)
+        alone = single(k, solver)
         answer = fixed(POINTS[k], PRESSURES[k], out=out)
         assert answer is fixed
         assert out.tobytes() == alone.drive.tobytes() == answer.drive.tobytes()

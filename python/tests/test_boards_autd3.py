@@ -94,11 +94,11 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("name", REFUSED)
-def test_what_is_no_autd3_board_is_told(name: str) -> None:
-    make, told = REFUSED[name]
+def test_what_is_no_autd3_board_is_reported(name: str) -> None:
+    make, reported = REFUSED[name]
     with pytest.raises(midair.SceneError) as caught:
         autd3_boards(make())
-    assert told in str(caught.value)
+    assert reported in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
@@ -116,12 +116,12 @@ def test_sines_have_whole_periods(hz: float) -> None:
     assert np.abs(buffer - wanted).max() <= 0.5 + 1e-6
 
 
-def test_the_nearest_sine_that_is_told_can_be_had() -> None:
+def test_the_nearest_sine_that_is_reported_can_be_had() -> None:
     with pytest.raises(BoardError) as caught:
         commands.modulation(100.00001)
-    told = str(caught.value)
-    assert "modulation at 100.00001 Hz: no whole number of periods fits the 65536 samples" in told
-    commands.modulation(float(told.split()[-2]))
+    reported = str(caught.value)
+    assert "modulation at 100.00001 Hz: no whole number of periods fits the 65536 samples" in reported
+    commands.modulation(float(reported.split()[-2]))
 
 
 LIMITS = {
@@ -173,11 +173,11 @@ def sequence(count: int, frames: bytes | None = None) -> object:
 
 
 @pytest.mark.parametrize("name", LIMITS)
-def test_limits_are_told_in_one_line(name: str) -> None:
-    ask, told = LIMITS[name]
+def test_limits_are_reported_in_one_line(name: str) -> None:
+    ask, reported = LIMITS[name]
     with pytest.raises(BoardError) as caught:
         ask()
-    assert told in str(caught.value)
+    assert reported in str(caught.value)
     assert "\n" not in str(caught.value)
 
 

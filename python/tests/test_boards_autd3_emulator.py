@@ -79,16 +79,16 @@ def test_their_field_is_that_of_the_drive(count: int) -> None:
     option = RmsRecordOption(340.0 * autd3.units.m / autd3.units.s)
     rms = record.sound_field(Grid((-80, 80), (-80, 80), 160.0, 5.0, "xyz"), option)
     points = 1e-3 * rms.observe_points().to_numpy().astype(float)
-    heard = rms.next(autd3.Duration.from_millis(1)).to_numpy()[:, -1].astype(float)
-    assert len(heard) == 33 * 33
-    assert heard.max() > 200
+    received = rms.next(autd3.Duration.from_millis(1)).to_numpy()[:, -1].astype(float)
+    assert len(received) == 33 * 33
+    assert received.max() > 200
 
     scene = midair.Scene(array, [[0, 0, 0.16]])
 
     def apart(pulses: bool) -> float:
         """Relative L2 of the emulator's field against midair's."""
         ours = np.abs(midair.field(scene, played(drive, pulses=pulses), points).pressure) / math.sqrt(2)
-        return float(np.linalg.norm(heard - ours) / np.linalg.norm(ours))
+        return float(np.linalg.norm(received - ours) / np.linalg.norm(ours))
 
     assert apart(pulses=False) < 2.5e-3
     assert apart(pulses=True) < 1e-4

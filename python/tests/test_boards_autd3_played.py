@@ -26,7 +26,7 @@ WANTED = [
 ]
 
 
-class Told:
+class Reported:
     """A link that keeps the steps it is given, for a `Recorder`, which stays in one thread."""
 
     protocol = OLDER
@@ -34,7 +34,7 @@ class Told:
     def __init__(self) -> None:
         self.log: list[Step | int] = []
 
-    def open(self, address: str, boards: int) -> "Told":
+    def open(self, address: str, boards: int) -> "Reported":
         assert (address, boards) == ("autd3", BOARDS)
         return self
 
@@ -54,17 +54,17 @@ GEOMETRY = geometry(some_poses(BOARDS))
 
 
 @pytest.fixture
-def told(monkeypatch: pytest.MonkeyPatch) -> Told:
-    made = Told()
+def reported(monkeypatch: pytest.MonkeyPatch) -> Reported:
+    made = Reported()
     monkeypatch.setattr(module, "Link", made.open)
     return made
 
 
-def samples(told: Told) -> np.ndarray:
+def samples(reported: Reported) -> np.ndarray:
     """Phases and pulse widths (T, 2 N), from what was told and the times that were waited in between."""
 
     def play(recorder: Recorder) -> None:
-        for each in told.log:
+        for each in reported.log:
             if isinstance(each, int):
                 recorder.tick(autd3.Duration.from_micros(25 * each))
             else:
@@ -78,7 +78,7 @@ def sequence(*which: int) -> bytes:
     return b"".join(frame(DRIVES[k]) for k in which)
 
 
-def test_one_thing_after_the_other(told: Told) -> None:
+def test_one_thing_after_the_other(reported: Reported) -> None:
     boards = Autd3Transport("autd3", BOARDS)
     steps: list[tuple[Any, set[int | None]]] = [
         (lambda: None, {None}),
@@ -98,8 +98,8 @@ def test_one_thing_after_the_other(told: Told) -> None:
     half = 120
     for act, _ in steps:
         act()
-        told.log.append(2 * half)
-    played = samples(told).reshape(len(steps), 2 * half, -1)[:, half:]
+        reported.log.append(2 * half)
+    played = samples(reported).reshape(len(steps), 2 * half, -1)[:, half:]
     for (_, expected), rows in zip(steps, played, strict=True):
         seen = [played_by(row) for row in rows]
         assert set(seen) - {-1} == expected
@@ -113,19 +113,19 @@ def played_by(row: np.ndarray) -> int | None:
     return next((k for k, wanted in enumerate(WANTED) if np.array_equal(row, wanted)), -1)
 
 
-def test_modulation_goes_on_over_frames_and_silence(told: Told) -> None:
+def test_modulation_goes_on_over_frames_and_silence(reported: Reported) -> None:
     boards = Autd3Transport("autd3", BOARDS)
     boards.modulate(500)
     for _ in range(2):
         boards.play(frame(np.ones(len(ARRAY))))
-        told.log.append(800)
+        reported.log.append(800)
         boards.silence()
-        told.log.append(800)
+        reported.log.append(800)
     boards.play(frame(np.ones(len(ARRAY))))
     boards.modulate(None)
-    told.log.append(800)
+    reported.log.append(800)
     boards.close()
-    widest = samples(told)[:, len(ARRAY)].reshape(5, 800)[:, 100:]
+    widest = samples(reported)[:, len(ARRAY)].reshape(5, 800)[:, 100:]
     for k in (0, 2):
         assert widest[k].min() < 5
         assert widest[k].max() > 240

@@ -73,7 +73,7 @@ def test_the_makers_emulators_had_what_was_meant(firmware: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("version", "told"),
+    ("version", "reported"),
     [
         (
             2,
@@ -82,11 +82,11 @@ def test_the_makers_emulators_had_what_was_meant(firmware: str) -> None:
         (7, "speaks UDP protocol 7, midair 5 (firmware 0.13) and 3 (firmware 0.12): put one of these on it"),
     ],
 )
-def test_other_firmware_is_named(version: int, told: str) -> None:
+def test_other_firmware_is_named(version: int, reported: str) -> None:
     fake = Fake(version, 1, bytes([0, 11, 0, 0, 11, 0]))
     with pytest.raises(BoardError) as caught:
         Autd3Transport(fake.address, 1)
-    assert told in str(caught.value)
+    assert reported in str(caught.value)
     fake.close()
 
 

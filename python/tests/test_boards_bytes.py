@@ -20,12 +20,12 @@ from rigs import (
     every,
     forbidden,
     full,
-    heard,
     made,
     of_kind,
     off_grid,
     playable,
     played,
+    received,
     single,
 )
 
@@ -157,7 +157,7 @@ def test_boards_of_autd3_follow_one_another_along_x_then_y() -> None:
         np.testing.assert_allclose(four[249 * k : 249 * (k + 1)] - four[249 * k], one - one[0], atol=1e-9)
 
 
-def test_a_channel_is_heard_on_its_own_transducer_alone() -> None:
+def test_a_channel_is_noticed_on_its_own_transducer_alone() -> None:
     for case in [("sonicsurface", 2), ("openmpd", 2), ("mega64", 3), ("nano16", 1), ("nano", 1)]:
         board, rig = made(case)
         for t in np.linspace(0, len(board.array) - 1, 8, dtype=int):
@@ -204,8 +204,8 @@ def test_corrections_are_taken_off_before_rounding(kind: str) -> None:
         sent = wanted * np.exp(-1j * corrections)
         got = played(board, rig, wanted)
         np.testing.assert_array_equal(got, played(plain, rig, sent))
-        heard = got * np.exp(1j * corrections)
-        np.testing.assert_allclose(board.decode(board.encode(wanted)), heard, atol=1e-6)
+        received = got * np.exp(1j * corrections)
+        np.testing.assert_allclose(board.decode(board.encode(wanted)), received, atol=1e-6)
 
 
 @single
@@ -313,7 +313,7 @@ def test_decode_says_what_the_firmware_plays(case: tuple[str, int]) -> None:
     rng = np.random.default_rng(19)
     for _ in range(3 if case == ("mega64", 14) else 30):
         frame = board.encode(off_grid(rng, len(board.array)))
-        got = heard(board, rig, frame)
+        got = received(board, rig, frame)
         np.testing.assert_allclose(board.decode(frame), got, atol=1e-6)
         assert board.encode(board.decode(frame)) == frame
 
@@ -332,7 +332,7 @@ def test_broken_frames_are_refused_in_a_line_or_read_as_they_are_played(case: tu
         if read is not None and case[1] < 14 and not odd:
             rig = Rig(*case)
             rig.receive(board.off_frame)
-            got = heard(board, rig, bytes(broken))
+            got = received(board, rig, bytes(broken))
             np.testing.assert_allclose(
                 read, got, atol=1e-6, err_msg=f"byte {at}: {frame[at]} -> {broken[at]}"
             )
@@ -350,7 +350,7 @@ def test_a_burst_of_homies_with_an_odd_count_is_refused_or_read_as_it_is_played(
 
 
 @every
-def test_frames_are_as_long_as_the_line_is_told(case: tuple[str, int]) -> None:
+def test_frames_are_as_long_as_the_line_is_reported(case: tuple[str, int]) -> None:
     kind, boards = case
     board, _ = made(case)
     length = KINDS[kind].length(boards)

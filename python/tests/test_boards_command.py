@@ -31,7 +31,7 @@ def scene(tmp_path: Path) -> Path:
 
 
 @pytest.mark.slow
-def test_boards_are_listed_and_told() -> None:
+def test_boards_are_listed_and_reported() -> None:
     known = json.loads(midair("boards", "--json").stdout)
     assert set(known) == set(firmware.KINDS)
     assert known["sonicsurface"]["frame_bytes"] == 258
@@ -50,11 +50,11 @@ def test_ports_opens_none() -> None:
 
 @pytest.mark.slow
 def test_a_scene_a_drive_and_a_sequence_are_played(scene: Path, tmp_path: Path) -> None:
-    told = midair(
+    reported = midair(
         "play", str(scene), "--on", "sonicsurface:loop", "--for", "300ms", "--modulate", "200"
     ).stderr
-    assert "dB SPL" in told
-    assert "1 frames, 0 late" in told
+    assert "dB SPL" in reported
+    assert "1 frames, 0 late" in reported
     drive = tmp_path / "drive.npz"
     midair("solve", str(scene), "-o", str(drive))
     frames = tmp_path / "frames.bin"
@@ -92,7 +92,7 @@ def test_ctrl_c_turns_off(scene: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reported"),
     [
         (["--on", "sonicsurface:loop", "--for", "ten"], '--for is "ten": give a time such as'),
         (["--on", "nano:loop"], "transducers is 256: nano has 1 to 8 channels"),
@@ -105,15 +105,15 @@ def test_ctrl_c_turns_off(scene: Path) -> None:
         (["--on", "sonicsurface:loop", "--modulate", "0"], "--modulate is 0.0: give a number above 0"),
     ],
 )
-def test_what_cannot_be_played_is_one_line(scene: Path, words: list[str], told: str) -> None:
+def test_what_cannot_be_played_is_one_line(scene: Path, words: list[str], reported: str) -> None:
     error = midair("play", str(scene), *words, status=2).stderr
     lines = [line for line in error.splitlines() if line.startswith("error")]
     assert len(lines) == 1
-    assert told in lines[0]
+    assert reported in lines[0]
 
 
 @pytest.mark.slow
-def test_modulation_is_asked_before_anything_is_read_or_solved() -> None:
+def test_modulation_is_requested_before_anything_is_read_or_solved() -> None:
     error = midair(
         "play", "not-there.toml", "--on", "sonicsurface:loop", "--modulate", "nan", status=2
     ).stderr
@@ -121,7 +121,7 @@ def test_modulation_is_asked_before_anything_is_read_or_solved() -> None:
 
 
 @pytest.mark.slow
-def test_off_says_which_board_it_was_told_as() -> None:
+def test_off_says_which_board_it_was_reported_as() -> None:
     assert "null is off" in midair("off", "null").stdout
     assert "a file plays nothing" in midair("off", "file:mine.bin", status=2).stderr
     assert "is not there" in midair("off", "/dev/no-such-port", status=2).stderr
@@ -152,9 +152,9 @@ def test_ports_say_what_an_adapter_could_lead_to(monkeypatch: pytest.MonkeyPatch
         port.vid, port.pid, port.product = 0x0403, 0x6001, product
         found.append(port)
     monkeypatch.setattr(list_ports, "comports", lambda: found)
-    (serial, fifo, *told) = [port.could_be for port in boards.ports()]
+    (serial, fifo, *reported) = [port.could_be for port in boards.ports()]
     assert "sonicsurface" in serial
     assert fifo == "an FT245: openmpd"
-    assert "mega64" in told[0]
-    assert "sonicsurface" in told[1]
-    assert told[2:] == ["", ""]
+    assert "mega64" in reported[0]
+    assert "sonicsurface" in reported[1]
+    assert reported[2:] == ["", ""]

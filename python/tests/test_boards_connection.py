@@ -248,7 +248,7 @@ def test_a_limit_refuses_what_is_too_loud():
             null.send(quiet)
             with pytest.raises(
                 midair.BoardError, match=r"limit at \(.*\) m is 900 Pa, this drive makes"
-            ) as told:
+            ) as reported:
                 null.send(loud)
             np.testing.assert_allclose(null.emitting, quiet.drive, atol=1e-6)
             with pytest.raises(midair.BoardError, match="limit"):
@@ -257,7 +257,7 @@ def test_a_limit_refuses_what_is_too_loud():
             assert null.state == "off"
     scene = midair.Scene(array, [[0.0, 0.1, 0.15]])
     pressure = abs(midair.field(scene, loud, [[0.0, 0.1, 0.15]]).pressure[0])
-    assert f"{pressure:.4g} Pa" in str(told.value)
+    assert f"{pressure:.4g} Pa" in str(reported.value)
 
 
 def test_a_limit_in_the_air_that_is_there():
@@ -287,7 +287,7 @@ def test_a_file_begins_and_ends_off(tmp_path):
         midair.connect(f"file:{tmp_path}/mine.txt")
 
 
-def test_a_board_that_is_louder_than_asked_is_told_once():
+def test_a_board_that_is_louder_than_requested_is_reported_once():
     board = midair.Board("sonicsurface")
     soft = midair.Scene(board.array, [[0, 0, 0.15]], pressures=500)
     with warnings.catch_warnings():
@@ -331,10 +331,10 @@ def test_a_forked_child_does_not_speak_for_its_owner(loop):
         os.write(write, script.encode())
         os._exit(0)
     os.waitpid(child, 0)
-    told = os.read(read, 1000).decode()
+    reported = os.read(read, 1000).decode()
     os.close(read)
     os.close(write)
-    assert f"is that of process {os.getpid()}" in told
+    assert f"is that of process {os.getpid()}" in reported
     assert loop.state == "playing"
 
 
@@ -393,6 +393,6 @@ try:
 except midair.BoardError as error:
     print(error)
 """
-    told = python(script)
-    assert told.endswith(message)
-    assert "\n" not in told
+    reported = python(script)
+    assert reported.endswith(message)
+    assert "\n" not in reported

@@ -56,12 +56,12 @@ def test_quiet_points_of_a_sonicsurface_are_as_quiet_as_reported() -> None:
     )
     solution = midair.solve(scene, aim="max")
     pins = emitted(board, solution.drive, "sonicsurface")
-    got, told = pressures(board, scene, pins), np.abs(solution.pressures)
-    np.testing.assert_allclose(got, told, atol=1e-4 * told[0])
+    got, stated = pressures(board, scene, pins), np.abs(solution.pressures)
+    np.testing.assert_allclose(got, stated, atol=1e-4 * stated[0])
     # The multiplexer's eighth channel, a tick late, is what made them loud.
     late = np.where(board.channels % 8 == 3, np.exp(2j * np.pi / 32), 1)
     before = pressures(board, scene, pins * late)
-    assert before[1:].max() / before[0] > 3 * told[1:].max() / told[0]
+    assert before[1:].max() / before[0] > 3 * stated[1:].max() / stated[0]
     assert before[1:].max() / before[0] == pytest.approx(QUIET, abs=0.015)
 
 
@@ -88,9 +88,9 @@ def test_what_a_mega64_solves_is_what_its_pins_do() -> None:
     for solver in ("uniform", "fast", "greedy", "glide", "naive", "descent"):
         solution = midair.solve(scene, solver)
         np.testing.assert_allclose(board.decode(board.encode(solution)), solution.drive, atol=1e-6)
-        told = np.abs(solution.pressures)
+        stated = np.abs(solution.pressures)
         seen = np.abs(midair.field(scene, solution.drive, scene.points).pressure) * solution.scale
-        np.testing.assert_allclose(seen, told, atol=1e-5 * told[0])
+        np.testing.assert_allclose(seen, stated, atol=1e-5 * stated[0])
 
 
 @pytest.mark.slow
@@ -111,9 +111,9 @@ def test_an_openmpd_gets_the_nearest_pulses_of_all() -> None:
                 solution = midair.solve(scene, solver)
                 played = board.decode(board.encode(solution))
                 np.testing.assert_allclose(played, solution.drive, atol=1e-6)
-                told = np.abs(solution.pressures)
+                stated = np.abs(solution.pressures)
                 seen = np.abs(midair.field(scene, played, points).pressure) * solution.scale
-                np.testing.assert_allclose(seen, told, atol=1e-5 * told.max())
+                np.testing.assert_allclose(seen, stated, atol=1e-5 * stated.max())
                 pair.append(seen[-1] / seen.max())
             leaks.append(pair[0] / pair[1])
     # What searches the grid ends on it.
@@ -135,7 +135,7 @@ def test_pulses_are_a_quantization_that_files_keep(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
+    ("given", "stated"),
     [
         ({"pulses": [1, 1, 1]}, "pulses is 3 ticks: give an even number of 4 to"),
         ({"pulses": [1, 1, 1, 0]}, r"pulses\[3\] is 0"),
@@ -143,8 +143,8 @@ def test_pulses_are_a_quantization_that_files_keep(tmp_path: Path) -> None:
         ({"pulses": [1, 1, 1, 1], "amplitudes": [0, 0.5, 1]}, "amplitudes is 3 of them: leave them out"),
     ],
 )
-def test_pulses_that_are_none(given: dict[str, list[float]], told: str) -> None:
-    with pytest.raises(midair.SceneError, match=told):
+def test_pulses_that_are_none(given: dict[str, list[float]], stated: str) -> None:
+    with pytest.raises(midair.SceneError, match=stated):
         midair.Array([[0, 0, 0]], quantization=given)
 
 

@@ -66,9 +66,9 @@ def started(programs, act, line, hold=60.0):
     programs.stdin.write(f"{act} {line.port} {hold}\n")
     programs.stdin.flush()
     # A test that failed has not waited for the end of its program.
-    while (told := programs.stdout.readline()) == "ended\n":
+    while (reported := programs.stdout.readline()) == "ended\n":
         pass
-    process = int(told)
+    process = int(reported)
     line.wait(lambda surface: surface.loud, 20)
     assert programs.stdout.readline() == "playing\n"
     time.sleep(0.03)

@@ -107,7 +107,7 @@ def test_swaps_that_come_late_do_not_drift(clock):
     assert (late < 2e-3).all()
 
 
-def test_swaps_that_were_held_up_stay_in_step(clock):
+def test_swaps_that_were_delayed_stay_in_step(clock):
     clock.late = itertools.chain([0.0] * 10, [0.5031], itertools.repeat(0.0))
     times = swings(Kept(clock), 1.0001)
     assert np.count_nonzero(np.diff(times) < 1e-9) <= 2
@@ -117,7 +117,7 @@ def test_swaps_that_were_held_up_stay_in_step(clock):
     assert [round(at * 400) % 2 for at in later] == [(first + 1 + k) % 2 for k in range(len(later))]
 
 
-def test_a_swap_that_fails_is_told_at_the_next_call(clock, monkeypatch):
+def test_a_swap_that_fails_is_reported_at_the_next_call(clock, monkeypatch):
     kept = Kept(clock)
     kept.play(bytes(258))
 

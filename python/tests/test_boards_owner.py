@@ -140,8 +140,8 @@ def test_a_program_in_place_of_an_interpreter_starts_itself_once(monkeypatch, tm
         f"sys.executable = '{application}'\nimport midair\nmidair.connect('sonicsurface:loop')\"\n"
     )
     application.chmod(0o700)
-    told = subprocess.run([application], capture_output=True, text=True, timeout=60)
-    assert told.returncode == 1
+    reported = subprocess.run([application], capture_output=True, text=True, timeout=60)
+    assert reported.returncode == 1
     assert starts.read_text().count("started") == 2
 
 

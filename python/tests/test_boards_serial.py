@@ -130,7 +130,7 @@ def test_a_stream_above_the_rate_skips(line, surface):
     assert order[-1] > 180
 
 
-def test_a_stream_above_the_rate_is_an_error_where_asked(surface):
+def test_a_stream_above_the_rate_is_an_error_where_requested(surface):
     with pytest.raises(midair.BoardTimeout, match=r"rate is 400 frames/s, sonicsurface takes 89\.3"):
         surface.stream(drives(3)[0], rate=400, late="error")
     surface.stream(drives(3)[0], rate=30, late="error")
@@ -138,7 +138,7 @@ def test_a_stream_above_the_rate_is_an_error_where_asked(surface):
 
 
 @pytest.mark.slow
-def test_a_late_frame_is_an_error_where_asked(line, surface):
+def test_a_late_frame_is_an_error_where_requested(line, surface):
     def slow():
         for drive in drives(3)[0]:
             yield drive
@@ -196,7 +196,7 @@ def test_modulation_commits_twice_a_period_and_ends_off(line, surface):
 
 
 @pytest.mark.slow
-def test_a_new_frame_is_modulated_until_no_modulation_is_asked_for(line, surface):
+def test_a_new_frame_is_modulated_until_no_modulation_is_requested(line, surface):
     surface.modulate(100)
     assert surface.state == "off"
     surface.send(np.ones(256))
@@ -304,7 +304,7 @@ def test_a_modulated_board_that_is_unplugged_is_lost(line, surface):
 
 
 @pytest.mark.slow
-def test_a_port_is_held_by_one(line, surface):
+def test_a_port_is_kept_by_one(line, surface):
     with pytest.raises(midair.BoardBusy, match=f'port "{line.port}" is in use'):
         midair.connect(f"sonicsurface:{line.port}")
     surface.close()

@@ -25,11 +25,11 @@ def test_zero_is_the_boards_own_off(case: tuple[str, int]) -> None:
 
 
 @every
-def test_dead_and_masked_transducers_are_off_whatever_they_are_told(case: tuple[str, int]) -> None:
+def test_dead_and_masked_transducers_are_off_whatever_they_are_reported(case: tuple[str, int]) -> None:
     board, rig = made(case)
     size = len(board.array)
     rng = np.random.default_rng(18)
-    masked, dead, told_off = rng.random((3, size)) < 0.2
+    masked, dead, sent_off = rng.random((3, size)) < 0.2
     array = midair.Array(
         board.array.positions,
         board.array.normals,
@@ -38,9 +38,9 @@ def test_dead_and_masked_transducers_are_off_whatever_they_are_told(case: tuple[
     )
     channels = board.channels
     board = Board(case[0], array, channels=channels)
-    wanted = np.where(told_off, 0, 1)
+    wanted = np.where(sent_off, 0, 1)
     got = played(board, rig, wanted)
-    assert list(np.flatnonzero(np.abs(got) < 1e-9)) == list(np.flatnonzero(masked | dead | told_off))
+    assert list(np.flatnonzero(np.abs(got) < 1e-9)) == list(np.flatnonzero(masked | dead | sent_off))
     np.testing.assert_allclose(got, full(case[0]) * wanted * ~masked * ~dead, atol=1e-6)
     assert (board.decode(board.encode(wanted))[masked | dead] == 0).all()
 

@@ -95,9 +95,9 @@ def test_a_sphere_is_its_series(kind: Any, radius: float, away: float) -> None:
 
 @pytest.mark.filterwarnings("ignore:array.positions")
 def test_a_sphere_of_pistons_is_what_least_squares_find() -> None:
-    told = json.loads((Path(__file__).parent / "sphere_pistons.json").read_text())
-    air = {name: told[name] for name in ("frequency", "sound_speed")}
-    for case in told["cases"]:
+    reported = json.loads((Path(__file__).parent / "sphere_pistons.json").read_text())
+    air = {name: reported[name] for name in ("frequency", "sound_speed")}
+    for case in reported["cases"]:
         sphere = midair.Sphere(case["center"], case["radius"], case["kind"])
         array = midair.Array(
             case["sources"], case["normals"], directivity=case["directivity"], source_pressure=1.0
@@ -134,13 +134,13 @@ def test_a_mesh_of_a_sphere_is_the_sphere(kind: Any, frequency: float) -> None:
 @pytest.mark.slow
 def test_solving_beside_a_sphere() -> None:
     scene = midair.Scene(midair.Array.preset("paper20"), POINTS)
-    heard = exact(scene, POINTS)
+    received = exact(scene, POINTS)
     behind = scene.replace(obstacles=[midair.Sphere(CENTER, RADIUS)])
     meshed = scene.replace(obstacles=[ball()])
     level = np.abs(midair.solve(behind, "uniform").pressures).mean()
     found = {}
     for name, one in {"ignored": scene, "sphere": behind, "mesh": meshed}.items():
-        p = np.abs(heard @ midair.solve(one, "uniform").drive)
+        p = np.abs(received @ midair.solve(one, "uniform").drive)
         found[name] = (p.min() / p.max(), p.mean() / level)
     assert found["ignored"][0] < 0.85
     assert found["sphere"][0] > 0.999
@@ -267,11 +267,11 @@ def test_files_of_modellers(tmp_path: Path) -> None:
     (tmp_path / "seams.obj").write_text("\n".join([*corners, *seams, "f 1/1 1/2 2/3"]) + "\n")
     assert len(midair.Mesh.from_file(tmp_path / "seams.obj", scale=1e-3).faces) == 80
     (tmp_path / "half.stl").write_bytes((tmp_path / "ball.stl").read_bytes()[:1000])
-    for name, told in [
+    for name, reported in [
         ("", "it is a folder"),
         ("half.stl", "trimesh cannot read it .*, export it again, as .stl"),
     ]:
-        with pytest.raises(midair.SceneError, match=told):
+        with pytest.raises(midair.SceneError, match=reported):
             midair.Mesh.from_file(tmp_path / name)
     # In millimetres taken as metres.
     big = midair.Mesh.from_file(tmp_path / "ball.stl", offset=[0, 0, 20])
@@ -282,7 +282,7 @@ def test_files_of_modellers(tmp_path: Path) -> None:
 def test_what_cannot_be_is_refused_in_a_line() -> None:
     array = midair.Array.grid(6, 5, 10e-3)
     vertices, faces = icosphere(1, 0.008)
-    for made, told in [
+    for made, reported in [
         ((vertices, faces[1:]), r"mesh.faces\[\d+\] is beside a hole, along its edge"),
         ((vertices, np.r_[faces[1:], faces[:1, ::-1]]), r"mesh.faces\[\d+\] is turned against faces\[\d+\]"),
         ((vertices, faces[:, ::-1]), r"mesh is inside out .*: swap two corners of every face"),
@@ -293,7 +293,7 @@ def test_what_cannot_be_is_refused_in_a_line() -> None:
         ((vertices, faces, "hard"), 'mesh.kind is "hard": give "rigid" or "soft"'),
         ((vertices, faces.astype(float)), "mesh.faces is"),
     ]:
-        with pytest.raises(midair.SceneError, match=told) as refusal:
+        with pytest.raises(midair.SceneError, match=reported) as refusal:
             midair.Mesh(*made)
         assert "\n" not in str(refusal.value)
     mesh = midair.Mesh(vertices, faces)
@@ -302,7 +302,7 @@ def test_what_cannot_be_is_refused_in_a_line() -> None:
     )
     inside = r"points\[0\].position is .*: inside the"
     sphere = midair.Sphere(CENTER, RADIUS)
-    for given, told in [
+    for given, reported in [
         ([sphere, mesh], r"obstacles\[0\] is a sphere among others: its series knows of no other obstacle"),
         ([midair.Sphere([0, 0, 0.01], RADIUS)], r"obstacles\[0\] is a sphere that crosses the array"),
         ([midair.Sphere(CENTER, -1.0)], r"obstacles\[0\].radius is -1"),
@@ -313,11 +313,11 @@ def test_what_cannot_be_is_refused_in_a_line() -> None:
         ([midair.Sphere([0, 0, 0.145], RADIUS)], inside + r" sphere obstacles\[0\]"),
         ([high], inside + r" mesh obstacles\[0\]"),
     ]:
-        with pytest.raises(midair.SceneError, match=told) as refusal:
+        with pytest.raises(midair.SceneError, match=reported) as refusal:
             midair.Scene(array, [[0, 0, 0.145]], obstacles=given)
         assert "\n" not in str(refusal.value)
     text: dict[str, Any] = json.loads(midair.Scene(array, [[0, 0, 0.145]], obstacles=[sphere]).json())
-    for changed, told in [
+    for changed, reported in [
         (
             {"center": [0, 0, 0.1], "point": [0, 0, 0]},
             r"obstacles\[0\] is described in two ways: give",
@@ -331,12 +331,12 @@ def test_what_cannot_be_is_refused_in_a_line() -> None:
         ({"scale": 2}, r"obstacles\[0\].file is left out"),
     ]:
         text["obstacles"] = [changed]
-        with pytest.raises(midair.SceneError, match=told):
+        with pytest.raises(midair.SceneError, match=reported):
             midair.Scene.parse(json.dumps(text))
 
 
 @pytest.mark.slow
-def test_memory_is_asked_for_before_it_is_taken() -> None:
+def test_memory_is_requested_before_it_is_taken() -> None:
     code = (
         "import midair, test_bodies\n"
         "midair.Scene(midair.Array.grid(4, 3, 0.01), [[0, 0, 0.145]], obstacles=[test_bodies.ball()])"
@@ -350,7 +350,7 @@ def test_memory_is_asked_for_before_it_is_taken() -> None:
 
 
 @pytest.mark.slow
-def test_ctrl_c_is_heard_while_a_mesh_is_solved(tmp_path: Path) -> None:
+def test_ctrl_c_is_noticed_while_a_mesh_is_solved(tmp_path: Path) -> None:
     code = (
         "import midair, numpy as np, test_bodies\n"
         "mesh = midair.Mesh(*test_bodies.icosphere(4, 0.04, np.array([0, 0, 0.1])))\n"

@@ -43,9 +43,9 @@ UNSOLVABLE = {
 
 @pytest.mark.parametrize("name", UNSOLVABLE)
 def test_bodies_that_cannot_be_solved_are_refused_in_one_line(name: str, cache: Path) -> None:
-    bodies, told = UNSOLVABLE[name]
+    bodies, reported = UNSOLVABLE[name]
     kept = set(cache.rglob("*.npz"))
-    with pytest.raises(midair.SceneError, match=told) as error:
+    with pytest.raises(midair.SceneError, match=reported) as error:
         midair.Scene(midair.Array.grid(4, 4, 10e-3), POINTS[:1], obstacles=bodies)
     assert "\n" not in str(error.value)
     assert set(cache.rglob("*.npz")) == kept
@@ -74,7 +74,7 @@ def test_bodies_that_touch_are_their_union() -> None:
     assert np.abs(split - union).max() < 0.05 * np.abs(union).max()
 
 
-def test_sound_that_is_left_inside_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_sound_that_is_left_inside_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     from midair._points import boundary
 
     monkeypatch.setattr(boundary, "LEFT", 1e-4)

@@ -24,7 +24,9 @@ def test_every_public_name_is_on_one_page(reference: ModuleType) -> None:
     assert sorted(re.findall(r"^      heading: midair\.(\w+)$", text, re.MULTILINE)) == sorted(midair.__all__)
 
 
-def test_a_name_that_is_on_no_page_is_told(reference: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_name_that_is_on_no_page_is_reported(
+    reference: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(midair, "__all__", [*midair.__all__, "new"])
     with pytest.raises(ValueError, match="new"):
         list(reference.python())

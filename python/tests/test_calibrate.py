@@ -15,8 +15,8 @@ def calibrated(
     rig: Rig, readings: float, decibels: float, phased: bool = False, **keywords: Any
 ) -> midair.Calibration:
     drives = midair.calibration_drives(rig.array, readings, microphones=rig.microphones, seed=rig.seed)
-    heard = rig.read(drives, decibels, phased)
-    return midair.calibrate(rig.array, drives, heard, microphones=rig.places, **keywords)
+    received = rig.read(drives, decibels, phased)
+    return midair.calibrate(rig.array, drives, received, microphones=rig.places, **keywords)
 
 
 @pytest.mark.slow
@@ -75,9 +75,9 @@ def test_microphones_out_of_place_are_found() -> None:
     rig = Rig(16, jitter=0.1e-3)
     true = rig.places.copy()
     drives = midair.calibration_drives(rig.array, 6)
-    heard = rig.read(drives, 60)
+    received = rig.read(drives, 60)
     off = true + np.random.default_rng(1).normal(0, 1e-3, true.shape)
-    found = midair.calibrate(rig.array, drives, heard, microphones=off, microphones_error=1e-3)
+    found = midair.calibrate(rig.array, drives, received, microphones=off, microphones_error=1e-3)
     assert np.abs(found.microphones - true).max() < 0.6 * np.abs(off - true).max()
     assert rig.kept(found.array, found.sound_speed) > 0.985
 
@@ -98,25 +98,25 @@ def test_the_pose_of_a_second_board_is_found() -> None:
 
 
 @pytest.mark.slow
-def test_readings_of_another_order_are_told_of() -> None:
+def test_readings_of_another_order_are_reported() -> None:
     rig = Rig(22)
     drives = midair.calibration_drives(rig.array, 4)
-    heard = rig.read(drives, 60)[::-1]
+    received = rig.read(drives, 60)[::-1]
     with pytest.warns(midair.SceneWarning, match="readings are off the model by"):
-        midair.calibrate(rig.array, drives, heard, microphones=rig.places)
+        midair.calibrate(rig.array, drives, received, microphones=rig.places)
     with pytest.warns(midair.SceneWarning, match="times as loud as"):
-        midair.calibrate(rig.array, drives, 10 * heard[::-1], microphones=rig.places)
+        midair.calibrate(rig.array, drives, 10 * received[::-1], microphones=rig.places)
     off = midair.Array(rig.array.positions, mask=np.zeros(256, bool))
     with pytest.raises(midair.SceneError, match="array has no transducer that was played"):
-        midair.calibrate(off, drives, heard, microphones=rig.places)
+        midair.calibrate(off, drives, received, microphones=rig.places)
 
 
 @pytest.mark.slow
 def test_same_readings_same_bits() -> None:
     rig = Rig(18)
     drives = midair.calibration_drives(rig.array, 2)
-    heard = rig.read(drives, 60)
-    first, again = (midair.calibrate(rig.array, drives, heard, microphones=rig.places) for _ in range(2))
+    received = rig.read(drives, 60)
+    first, again = (midair.calibrate(rig.array, drives, received, microphones=rig.places) for _ in range(2))
     assert first.response.tobytes() == again.response.tobytes()
 
 
@@ -147,25 +147,25 @@ def test_drives_are_the_boards() -> None:
     assert np.array_equal(drives, midair.calibration_drives(array, 2, microphones=2, seed=3))
 
 
-def spoilt(kind: str, heard: Any) -> Any:
-    heard = heard.copy()
+def spoilt(kind: str, received: Any) -> Any:
+    received = received.copy()
     if kind == "nan":
-        heard[3, 1] = np.nan
+        received[3, 1] = np.nan
     elif kind == "few":
-        heard = heard[:20]
+        received = received[:20]
     elif kind == "shape":
-        heard = heard.T
+        received = received.T
     elif kind == "clipped":
-        heard = np.minimum(heard, np.quantile(heard, 0.9))
+        received = np.minimum(received, np.quantile(received, 0.9))
     elif kind == "negative":
-        heard[2, 0] = -1
+        received[2, 0] = -1
     elif kind == "deaf":
-        heard[:, 2] = 0
-    return heard
+        received[:, 2] = 0
+    return received
 
 
 @pytest.mark.parametrize(
-    ("kind", "told"),
+    ("kind", "reported"),
     [
         ("nan", r"readings\[3, 1\] is nan: give finite numbers"),
         ("few", "readings are too few: 80 of 256 transducers"),
@@ -175,18 +175,18 @@ def spoilt(kind: str, heard: Any) -> Any:
         ("deaf", "microphone 2 hears nothing"),
     ],
 )
-def test_what_are_no_readings_is_refused(kind: str, told: str) -> None:
+def test_what_are_no_readings_is_refused(kind: str, reported: str) -> None:
     rig = Rig(20)
     drives = midair.calibration_drives(rig.array, 2)
-    heard = spoilt(kind, rig.read(drives, 60))
-    drives = drives[: len(heard)] if kind == "few" else drives
-    with pytest.raises(midair.SceneError, match=told) as refusal:
-        midair.calibrate(rig.array, drives, heard, microphones=rig.places)
+    received = spoilt(kind, rig.read(drives, 60))
+    drives = drives[: len(received)] if kind == "few" else drives
+    with pytest.raises(midair.SceneError, match=reported) as refusal:
+        midair.calibrate(rig.array, drives, received, microphones=rig.places)
     assert "\n" not in str(refusal.value)
 
 
 @pytest.mark.parametrize(
-    ("keywords", "told"),
+    ("keywords", "reported"),
     [
         ({"microphones": None}, "microphones are left out"),
         ({"microphones": [0, 0]}, "microphones is"),
@@ -197,30 +197,32 @@ def test_what_are_no_readings_is_refused(kind: str, told: str) -> None:
         ({"pose_error": 1}, "pose_error is 1"),
     ],
 )
-def test_arguments_are_refused(keywords: dict[str, Any], told: str) -> None:
+def test_arguments_are_refused(keywords: dict[str, Any], reported: str) -> None:
     rig = Rig(20)
     drives = midair.calibration_drives(rig.array, 2)
-    with pytest.raises(midair.SceneError, match=told):
+    with pytest.raises(midair.SceneError, match=reported):
         midair.calibrate(rig.array, drives, rig.read(drives, 60), **({"microphones": rig.places} | keywords))
 
 
 @pytest.mark.slow
-def test_memory_is_asked_for_before_it_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_memory_is_requested_before_it_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
     rig = Rig(20)
     drives = midair.calibration_drives(rig.array, 2)
-    heard = rig.read(drives, 60)
+    received = rig.read(drives, 60)
     # 8 bytes, 515 unknowns squared, 6 times.
-    for given, told in [("12MB", "0.012"), ("1e3", "0.000"), (" 2 kb ", "0.000"), ("0", "0.000")]:
+    for given, reported in [("12MB", "0.012"), ("1e3", "0.000"), (" 2 kb ", "0.000"), ("0", "0.000")]:
         monkeypatch.setenv("MIDAIR_MEMORY", given)
-        with pytest.raises(MemoryError, match=rf"needs 0\.013 GB, the limit is {told} GB: .*MIDAIR_MEMORY"):
-            midair.calibrate(rig.array, drives, heard, microphones=rig.places)
+        with pytest.raises(
+            MemoryError, match=rf"needs 0\.013 GB, the limit is {reported} GB: .*MIDAIR_MEMORY"
+        ):
+            midair.calibrate(rig.array, drives, received, microphones=rig.places)
     for given in ("lots", "-1", "nan", "1 PB", "MB"):
         monkeypatch.setenv("MIDAIR_MEMORY", given)
         with pytest.raises(midair.SceneError, match=f'^MIDAIR_MEMORY is "{given}": give bytes, such as 2e9'):
-            midair.calibrate(rig.array, drives, heard, microphones=rig.places)
+            midair.calibrate(rig.array, drives, received, microphones=rig.places)
     for given in ("14MB", "1GB", ""):
         monkeypatch.setenv("MIDAIR_MEMORY", given)
-        midair.calibrate(rig.array, drives, heard, microphones=rig.places)
+        midair.calibrate(rig.array, drives, received, microphones=rig.places)
 
 
 def test_the_diagonal_of_an_inverse() -> None:
@@ -283,18 +285,18 @@ def test_a_wired_array_is_calibrated_by_its_channels() -> None:
     assert drives.shape == (39, 24)
     assert (drives == drives[:, 4 * rows]).all()
 
-    def heard(array: midair.Array, played: Any) -> Any:
+    def received(array: midair.Array, played: Any) -> Any:
         scene = midair.Scene(array, places)
         return np.abs([midair.field(scene, drive, places).pressure for drive in played])
 
-    readings = heard(real, drives) * (1 + 2e-3 * rng.standard_normal((39, 5)))
+    readings = received(real, drives) * (1 + 2e-3 * rng.standard_normal((39, 5)))
     found = midair.calibrate(
         believed, drives, readings, microphones=places, sound_speed_error=0, microphones_error=0
     )
     others = midair.calibration_drives(believed, 8, microphones=5, seed=1)
-    truth = heard(real, others)
+    truth = received(real, others)
     before, after = (
-        np.sqrt(np.mean((heard(array, others) - truth) ** 2)) for array in (believed, found.array)
+        np.sqrt(np.mean((received(array, others) - truth) ** 2)) for array in (believed, found.array)
     )
     assert after < 0.1 * before
     with pytest.raises(

@@ -83,7 +83,7 @@ def test_noise_as_loud_as_the_readings_lets_nothing_be_dead_or_reversed() -> Non
 
 
 @pytest.mark.slow
-def test_microphones_whose_error_is_0_are_held() -> None:
+def test_microphones_whose_error_is_0_are_kept() -> None:
     made = rig(21, decibels=40, dead=0, off=0)
     array = midair.Array(board())
     drives = midair.calibration_drives(array, 2)

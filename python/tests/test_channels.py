@@ -123,8 +123,8 @@ def test_what_cannot_be_wired_or_played_is_refused_in_one_line() -> None:
         (lambda: board.encode(drive), "drive[0] on the same channel 0"),
         (lambda: midair.judge(midair.Scene(levitator, [[0, 0, 0]]), drive), "drive[0] on the same channel 0"),
     ]
-    for make, told in cases:
+    for make, reported in cases:
         with pytest.raises(midair.SceneError) as refusal:
             make()
-        assert told in str(refusal.value)
+        assert reported in str(refusal.value)
         assert "\n" not in str(refusal.value)

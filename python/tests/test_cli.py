@@ -237,7 +237,7 @@ def test_a_file_that_was_there_is_replaced_whole(run: Run) -> None:
     assert files() == {"scene.toml", "drive.csv"}
 
 
-def test_names_are_told_as_they_are(run: Run) -> None:
+def test_names_are_reported_as_they_are(run: Run) -> None:
     for name in ("a[bold].csv", "b[red].csv", "µ 1 :smile:.json"):
         status, out, err = run("solve", "scene.toml", "-o", name)
         assert (status, err) == (0, "")
@@ -264,7 +264,7 @@ def test_image_is_a_picture_of_sane_size(run: Run) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("quantity", ["pressure", "radiation", "spl", "phase"])
-def test_images_count_the_scale_in_and_show_the_quantity_asked_for(
+def test_images_count_the_scale_in_and_show_the_quantity_requested(
     run: Run, monkeypatch: pytest.MonkeyPatch, quantity: str
 ) -> None:
     board = "grid = { nx = 8, ny = 6, pitch = 0.01 }\nquantization = { phases = 32, amplitudes = [0, 1] }"
@@ -317,7 +317,7 @@ def test_compare_takes_some_solvers_in_the_order_given(run: Run) -> None:
     assert [row.split()[0] for row in out.strip().splitlines()[2:-2]] == ["naive", "greedy"]
 
 
-def test_leak_is_told_where_there_are_quiet_points(run: Run) -> None:
+def test_leak_is_reported_where_there_are_quiet_points(run: Run) -> None:
     Path("quiet.toml").write_text(SCENE.replace("pressure = 1700.0", "pressure = 0"))
     leak = midair.solve(midair.Scene.load("quiet.toml")).metrics.leak
     out = run("solve", "quiet.toml")[1]

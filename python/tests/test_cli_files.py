@@ -179,7 +179,7 @@ def test_text_is_a_scene_too() -> None:
     for given in (text, text.encode()):
         assert same_bits(midair.Scene.parse(given).array.positions, scene.array.positions)
     assert len(midair.Scene.parse(SCENE, folder=".").array) == 12
-    for given, name, told in [
+    for given, name, reported in [
         (
             SCENE,
             "scene",
@@ -191,7 +191,7 @@ def test_text_is_a_scene_too() -> None:
     ]:
         with pytest.raises(midair.SceneError) as refused:
             midair.Scene.parse(given, name=name)
-        assert str(refused.value).startswith(told)
+        assert str(refused.value).startswith(reported)
 
 
 def program(*arguments: str, **options: object) -> subprocess.CompletedProcess[str]:
@@ -243,14 +243,14 @@ def test_any_environment_will_do(environment: dict[str, str] | None) -> None:
     assert Path("µ.png").exists()
 
 
-def test_what_nobody_foresaw_is_one_line(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_no_one_foresaw_is_one_line(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     def failing(error: BaseException) -> Callable[..., None]:
         def fail(*_: object, **__: object) -> None:
             raise error
 
         return fail
 
-    for error, status, told in [
+    for error, status, reported in [
         (
             ZeroDivisionError("no\nway"),
             70,
@@ -263,7 +263,7 @@ def test_what_nobody_foresaw_is_one_line(run: Run, monkeypatch: pytest.MonkeyPat
         monkeypatch.setattr(cli.solve, "solve", failing(error))
         left, out, err = run("solve", "scene.toml", "-o", "drive.csv")
         assert (left, out, len(err.splitlines())) == (status, "", 1)
-        assert told in err, err
+        assert reported in err, err
 
 
 @pytest.mark.slow

@@ -79,7 +79,7 @@ def test_a_scene_is_typed_in_one_line(run: Run) -> None:
 
 
 @pytest.mark.parametrize(
-    ("line", "told"),
+    ("line", "reported"),
     [
         ("", "scene is left out: give a scene file (midair new writes one), or --preset autd3 --at 0,0,0.15"),
         ("--preset autd3", "--at is left out"),
@@ -107,11 +107,11 @@ def test_a_scene_is_typed_in_one_line(run: Run) -> None:
         ("--preset autd3 --at 0,0,0.1 --solver unifrom", 'unknown solver "unifrom": did you mean uniform?'),
     ],
 )  # fmt: skip
-def test_slips_of_the_pen_are_told_with_their_cure(run: Run, line: str, told: str) -> None:
+def test_slips_of_the_pen_are_reported_with_their_cure(run: Run, line: str, reported: str) -> None:
     status, out, err = run("solve", *line.split())
     assert (status, out, len(err.splitlines())) == (2, "", 1)
     assert err.startswith("error: ")
-    assert told in err
+    assert reported in err
 
 
 def test_names_are_typed_as_one_likes(run: Run) -> None:
@@ -141,10 +141,10 @@ def test_lists_and_one_of_them_in_full(run: Run) -> None:
     solvers = json.loads(run("solvers", "--json")[1])
     assert [*solvers] == [*midair.solvers()]
     for name, info in midair.solvers().items():
-        told = {
+        reported = {
             option: (about["default"], about["doc"]) for option, about in solvers[name]["options"].items()
         }
-        assert told == {option: (about.default, about.doc) for option, about in info.options.items()}
+        assert reported == {option: (about.default, about.doc) for option, about in info.options.items()}
         out = run("solvers", name)[1]
         assert all(f" {option} " in out for option in info.options)
         assert f"midair solve scene.toml --solver {name} --" in out
@@ -177,6 +177,6 @@ def test_a_comparison_is_a_table_for_programs_too(run: Run) -> None:
     assert record["bound"] == midair.bound(scene)
     assert json.loads(Path("table.json").read_text()) == record
     assert run(*line, "-o", "-")[1].startswith("solver,accuracy,")
-    for more, told in [("-o table.txt", ".csv or .json"), ("-o - --json", "both want standard output")]:
+    for more, reported in [("-o table.txt", ".csv or .json"), ("-o - --json", "both want standard output")]:
         status, _, err = run(*line, *more.split())
-        assert (status, told in err) == (2, True)
+        assert (status, reported in err) == (2, True)

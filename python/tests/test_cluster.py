@@ -135,7 +135,9 @@ def test_a_scheduler_that_does_not_answer_is_one_line_within_ten_seconds(tmp_pat
 def test_trials_of_faults_are_the_same_on_the_cluster(cluster: Cluster) -> None:
     array = midair.Array.grid(12, 12, 10e-3)
     scene = midair.Scene(array, [[-0.02, 0, 0.12], [0.03, 0.01, 0.12]])
-    asked = {"phase": 20, "tilt": 1, "temperature": 5, "trials": 40}
-    near, far = (midair.tolerate(scene, scheduler=address, **asked) for address in (None, cluster.address))
+    requested = {"phase": 20, "tilt": 1, "temperature": 5, "trials": 40}
+    near, far = (
+        midair.tolerate(scene, scheduler=address, **requested) for address in (None, cluster.address)
+    )
     assert far.status == "done"
     assert near.to_dict() == far.to_dict()

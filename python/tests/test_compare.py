@@ -42,7 +42,7 @@ def test_a_comparison_prints_as_a_table() -> None:
     assert all(cell in html for cell in row.split())
 
 
-def test_a_solver_that_is_there_twice_is_told_apart_by_its_options() -> None:
+def test_a_solver_that_is_there_twice_is_distinguished_by_its_options() -> None:
     given = [("greedy", {"phases": 4}), ("greedy", {"phases": 8}), "naive", "naive"]
     table = midair.compare(small(), given)
     assert table.names == ("greedy, phases=4", "greedy, phases=8", "naive", "naive (2)")

@@ -157,11 +157,11 @@ def test_a_scene_file_has_phases() -> None:
               { position = [0.02, 0.0, 0.15], pressure = 300.0 }]
     """
     np.testing.assert_allclose(midair.Scene.parse(text).pressures, [500j, 300], atol=1e-12)
-    for wrong, told in [
+    for wrong, reported in [
         ("phase = inf", r"points\[0\].phase is inf: give finite numbers"),
         ("phase = true", r"points\[0\].phase"),
     ]:
-        with pytest.raises(midair.SceneError, match=told):
+        with pytest.raises(midair.SceneError, match=reported):
             midair.Scene.parse(text.replace("phase = 1.5707963267948966", wrong))
     without = text.replace("pressure = 500.0, ", "").replace(", pressure = 300.0", "")
     with pytest.raises(midair.SceneError, match=r"points\[0\].phase is given without a pressure"):
@@ -169,7 +169,7 @@ def test_a_scene_file_has_phases() -> None:
 
 
 def test_bad_complex_pressures_are_refused() -> None:
-    for wrong, told in [
+    for wrong, reported in [
         ([np.nan, 1j, 1], r"points\[0\].pressure"),
         ([1j, 1, complex(0, np.inf)], r"points\[2\].pressure"),
         ([1j, 1], "pressures is of shape"),
@@ -177,7 +177,7 @@ def test_bad_complex_pressures_are_refused() -> None:
         ("loud", "pressures is 'loud': give one real or complex number"),
         ([True, 1j, 1], "pressures"),
     ]:
-        with pytest.raises(midair.SceneError, match=told):
+        with pytest.raises(midair.SceneError, match=reported):
             midair.Scene(ARRAY, POINTS, wrong)
     with pytest.raises(midair.SceneError, match="weights"):
         midair.Scene(ARRAY, POINTS, 1.0, weights=[1j, 1, 1])
@@ -235,14 +235,14 @@ def test_every_solver_says_whether_it_uses_phases() -> None:
             warnings.simplefilter("always")
             solution = midair.solve(scene, name)
             free = midair.solve(scene.replace(pressures=np.abs(PRESSURES)), name)
-        told = [str(warning.message) for warning in caught if "phases" in str(warning.message)]
+        reported = [str(warning.message) for warning in caught if "phases" in str(warning.message)]
         assert solution.complex_error is not None
         if name in USERS:
-            assert told == []
+            assert reported == []
             assert solution.complex_error < 0.4
         else:
-            assert len(told) == 1
-            assert "these use them: bounded, tikhonov, naive" in told[0]
+            assert len(reported) == 1
+            assert "these use them: bounded, tikhonov, naive" in reported[0]
             # Nothing but the warning depends on them.
             np.testing.assert_array_equal(solution.drive, free.drive)
 

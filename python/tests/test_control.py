@@ -84,31 +84,31 @@ for array in (field.pressure, scene.propagation(), solution.drive, solution.pres
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
-def test_progress_is_told_every_step(solver: str) -> None:
-    told = []
+def test_progress_is_reported_every_step(solver: str) -> None:
+    reported = []
     scene = small()
-    solution = midair.solve(scene, solver, progress=lambda *step: told.append(step), trace=True)
-    assert [step for step, _, _ in told] == list(range(1, solution.steps + 1))
+    solution = midair.solve(scene, solver, progress=lambda *step: reported.append(step), trace=True)
+    assert [step for step, _, _ in reported] == list(range(1, solution.steps + 1))
     # An iterative method may be done before its steps run out.
-    (steps,) = {steps for _, steps, _ in told}
-    assert steps >= len(told) == solution.steps
-    assert {tuple(map(type, step)) for step in told} == {(int, int, float)}
-    assert np.array_equal([residual for _, _, residual in told], solution.trace)
+    (steps,) = {steps for _, steps, _ in reported}
+    assert steps >= len(reported) == solution.steps
+    assert {tuple(map(type, step)) for step in reported} == {(int, int, float)}
+    assert np.array_equal([residual for _, _, residual in reported], solution.trace)
     # The last step's residual is the answer's: an f32 field kept along the way, and one computed anew.
-    assert told[-1][2] == pytest.approx(solution.metrics.residual, abs=1e-5)
+    assert reported[-1][2] == pytest.approx(solution.metrics.residual, abs=1e-5)
     assert same_bits(midair.solve(scene, solver).drive, solution.drive)
 
 
 def test_progress_of_a_balanced_solve_speaks_of_the_final_drive() -> None:
-    told = []
+    reported = []
     scene = small(pressures=1.0)
-    midair.solve(scene, "greedy", balance=True, progress=lambda *step: told.append(step[2]))
+    midair.solve(scene, "greedy", balance=True, progress=lambda *step: reported.append(step[2]))
     solution = midair.solve(scene, "greedy", balance=True)
     # As loud as it was before it was brought down to the targets.
     before = np.abs(solution.pressures) / solution.amplitudes.max() / scene.reach().level
-    assert told[-1] == pytest.approx(np.mean((1 - before) ** 2), abs=1e-4)
-    assert solution.metrics.residual <= told[-1]
-    assert told[0] > 0.9
+    assert reported[-1] == pytest.approx(np.mean((1 - before) ** 2), abs=1e-4)
+    assert solution.metrics.residual <= reported[-1]
+    assert reported[0] > 0.9
 
 
 @pytest.mark.parametrize(("solver", "no"), [("greedy", False), ("gs", np.False_)])

@@ -52,14 +52,14 @@ def test_everything_public_has_a_docstring() -> None:
             assert attribute.startswith("_") or getattr(value, "__doc__", None), f"{name}.{attribute}"
 
 
-def test_every_field_of_what_is_handed_out_is_told() -> None:
+def test_every_field_of_what_is_handed_out_is_reported() -> None:
     for name in midair.__all__:
         thing = getattr(midair, name)
         if dataclasses.is_dataclass(thing):
             entries = re.findall(r"^ *(\w+(?:, \w+)*) : ", thing.__doc__ or "", re.MULTILINE)
-            told = {one for entry in entries for one in entry.split(", ")}
+            reported = {one for entry in entries for one in entry.split(", ")}
             own = {field.name for field in dataclasses.fields(thing) if not field.name.startswith("_")}
-            assert own <= told, f"{name}: {own - told}"
+            assert own <= reported, f"{name}: {own - reported}"
 
 
 #: What takes arguments and refuses none of them; what functions make and users do not.

@@ -68,9 +68,9 @@ class Air:
         return read
 
     def report(self, noise: float = 0.01, phased: bool = False) -> midair.Report:
-        told = self.places + 0.1e-3 * self.rng.normal(size=self.places.shape)
+        reported = self.places + 0.1e-3 * self.rng.normal(size=self.places.shape)
         read = self.reader(noise, phased)
-        return midair.doctor(self.array, read, microphones=told, boards=2, sound_speed=self.believed)
+        return midair.doctor(self.array, read, microphones=reported, boards=2, sound_speed=self.believed)
 
 
 def named(report: midair.Report) -> Named:

@@ -103,7 +103,7 @@ pressure = 10
 
 
 @pytest.mark.parametrize(
-    ("table", "told"),
+    ("table", "reported"),
     [
         (
             "kind = 'square'",
@@ -146,10 +146,10 @@ pressure = 10
         ),
     ],
 )
-def test_a_wrong_table_is_refused_with_its_place(table: str, told: str) -> None:
+def test_a_wrong_table_is_refused_with_its_place(table: str, reported: str) -> None:
     with pytest.raises(midair.SceneError) as error:
         parse(f"[shape]\n{table}\n")
-    assert told in str(error.value)
+    assert reported in str(error.value)
     assert "\n" not in str(error.value)
 
 

@@ -52,7 +52,7 @@ def test_the_tolerance_is_heeded_and_so_are_weights(array):
         midair.solve(scene, quiet=-1)
 
 
-def test_more_quiet_points_than_can_be_silenced_are_told():
+def test_more_quiet_points_than_can_be_silenced_are_reported():
     few = midair.Array.grid(6, 6, 10e-3)
     quiet = np.stack(np.meshgrid(*[np.linspace(-0.04, 0.04, 9)] * 2), axis=-1).reshape(-1, 2)
     points = np.r_[[[0.0, 0.0, 0.1]], np.c_[quiet + 0.005, np.full(len(quiet), 0.1)]]
@@ -81,7 +81,7 @@ def test_an_ear_is_a_box_that_falls_silent(array):
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
+    ("given", "reported"),
     [
         ({"position": [0, 0]}, "position"),
         ({"position": [0, 0, 0.1], "size": 0}, "size is 0"),
@@ -89,8 +89,8 @@ def test_an_ear_is_a_box_that_falls_silent(array):
         ({"position": [0, 0, float("nan")]}, "position"),
     ],
 )
-def test_bad_boxes_are_refused(given, told):
-    with pytest.raises(midair.SceneError, match=told):
+def test_bad_boxes_are_refused(given, reported):
+    with pytest.raises(midair.SceneError, match=reported):
         midair.ear(**given)
 
 

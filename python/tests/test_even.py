@@ -17,15 +17,15 @@ def ratios(solution: midair.Solution) -> np.ndarray:
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
-def test_pressures_mean_as_loud_as_asked_and_none_mean_as_loud_as_can_be(solver: str) -> None:
+def test_pressures_mean_as_loud_as_requested_and_none_mean_as_loud_as_can_be(solver: str) -> None:
     weak = midair.Scene(ARRAY, POINTS, [0.05, 0.1, 0.07])
-    asked, loud = midair.solve(weak, solver), midair.solve(weak, solver, aim="max")
-    assert asked.options["aim"] == "target"
-    assert ratios(asked) == pytest.approx(np.ones(3), abs=1e-4)
+    requested, loud = midair.solve(weak, solver), midair.solve(weak, solver, aim="max")
+    assert requested.options["aim"] == "target"
+    assert ratios(requested) == pytest.approx(np.ones(3), abs=1e-4)
     # The same field, brought down by one factor.
     assert loud.metrics.sigma < 1e-5
     assert np.abs(loud.drive) == pytest.approx(np.ones(400), abs=1e-5)
-    assert asked.drive * loud.metrics.level == pytest.approx(loud.drive, abs=1e-4)
+    assert requested.drive * loud.metrics.level == pytest.approx(loud.drive, abs=1e-4)
     left_out = midair.solve(midair.Scene(ARRAY, POINTS), solver)
     assert left_out.options["aim"] == "max"
     assert np.abs(left_out.drive).max() == pytest.approx(1, abs=1e-5)

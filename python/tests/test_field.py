@@ -108,7 +108,7 @@ def test_an_upright_plane_is_indexed_up_across(axis: str, across: int, up: int) 
     assert eval(repr(plane), {"Plane": midair.Plane}) == plane
 
 
-def test_a_plane_asked_for_without_a_point_in_it_is_warned_of(tmp_path: Path) -> None:
+def test_a_plane_requested_without_a_point_in_it_is_warned_of(tmp_path: Path) -> None:
     scene = small(points=[[0.01, 0, 0.15]])
     planes = [midair.Plane(0.152, 0.1), midair.Plane(0.15, 0.01), midair.Plane(axis="y", size=0.1)]
     for plane in planes:

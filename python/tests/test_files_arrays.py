@@ -103,9 +103,9 @@ BROKEN_PAT = {
 
 @pytest.mark.parametrize("name", BROKEN_PAT)
 def test_a_broken_board_file_names_its_line(name: str, tmp_path: Path) -> None:
-    changed, told = BROKEN_PAT[name]
+    changed, reported = BROKEN_PAT[name]
     path = pat_file(tmp_path / "broken.pat", **changed)
-    with pytest.raises(midair.SceneError, match=rf'file "{path}", {told}') as refused:
+    with pytest.raises(midair.SceneError, match=rf'file "{path}", {reported}') as refused:
         pat.read(path)
     assert "\n" not in str(refused.value)
 
@@ -337,10 +337,10 @@ def test_odd_files_are_read_alike_and_refused_in_the_same_words(data: bytes, tmp
 
 @pytest.mark.parametrize("name", WRONG_CSV)
 def test_what_scene_files_refuse_is_refused(name: str, tmp_path: Path) -> None:
-    text, told = WRONG_CSV[name]
+    text, reported = WRONG_CSV[name]
     path = tmp_path / "row.csv"
     path.write_text(text)
-    with pytest.raises(midair.SceneError, match=told):
+    with pytest.raises(midair.SceneError, match=reported):
         read_array(path)
     scene = '[array]\npositions = { file = "row.csv" }\n[[points]]\nposition = [0, 0, 0.1]\n'
     with pytest.raises(midair.SceneError):

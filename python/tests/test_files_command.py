@@ -71,7 +71,7 @@ def test_points_of_a_sequence(run: Run) -> None:
 def test_what_is_refused(run: Run) -> None:
     Path("bad.csv").write_text("index,amplitude,phase\n0,2,0\n")
     before = sorted(file.name for file in Path().iterdir())
-    for line, told in (
+    for line, reported in (
         ("export drive.npz drive.npz", 'error: output "drive.npz" is the file "drive.npz" itself'),
         ("export drive.npz out.mat", "has no known ending: give .npz, .csv, .json, .holo or .bin"),
         ("export gone.npz out.holo", 'error: file "gone.npz": it cannot be read (No such file'),
@@ -83,6 +83,6 @@ def test_what_is_refused(run: Run) -> None:
     ):
         status, out, err = run(line)
         assert (status, out) == (2, ""), line
-        assert told in err
+        assert reported in err
         assert err.count("\n") == 1
         assert sorted(file.name for file in Path().iterdir()) == before

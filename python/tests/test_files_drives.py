@@ -67,9 +67,9 @@ def oracle_holo(path: Path) -> list[tuple[list[int], list[int]]]:
 def test_holo_holds_32_steps_of_phase_and_amplitude(transducers: int, tmp_path: Path) -> None:
     drives, path = random_drives(3, transducers), tmp_path / "a.holo"
     midair.write(path, drives)
-    held = oracle_holo(path)
-    assert len(held) == 3
-    for (phases, amplitudes), drive in zip(held, drives, strict=True):
+    kept = oracle_holo(path)
+    assert len(kept) == 3
+    for (phases, amplitudes), drive in zip(kept, drives, strict=True):
         assert set(phases) <= set(range(33))
         assert set(amplitudes) <= set(range(33))
         decoded = [
@@ -83,7 +83,7 @@ def test_holo_holds_32_steps_of_phase_and_amplitude(transducers: int, tmp_path: 
     back = midair.read(path)
     assert isinstance(back, np.ndarray)
     assert back.dtype == np.complex64
-    (phases, amplitudes), first = held[0], back[0]
+    (phases, amplitudes), first = kept[0], back[0]
     same = [a / 32 * np.exp(1j * (p - 16) * 2 * 3.1415 / 32) for p, a in zip(phases, amplitudes, strict=True)]
     same = list(by_place(same, acoustools_places())) if transducers == 512 else same
     np.testing.assert_allclose(first, same, atol=1e-6)

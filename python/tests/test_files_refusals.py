@@ -244,12 +244,12 @@ def test_what_unpacks_to_more_than_a_file_may(tmp_path: Path) -> None:
 
 def test_frames_that_are_not_the_boards(tmp_path: Path) -> None:
     path = tmp_path / "a.bin"
-    for data, told in (
+    for data, reported in (
         (bytes(300), "300 bytes are no whole number of frames of 258"),
         (bytes(258), "frame 0: "),
     ):
         path.write_bytes(data)
-        with pytest.raises(midair.SceneError, match=told) as refused:
+        with pytest.raises(midair.SceneError, match=reported) as refused:
             midair.read(path, board="sonicsurface")
         assert str(refused.value).startswith(f'file "{path}"')
 

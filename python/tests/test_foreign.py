@@ -104,11 +104,11 @@ HEAVY = {
 
 @pytest.mark.parametrize("name", HEAVY)
 def test_a_drawing_of_too_much_work_is_refused_at_once(name: str, tmp_path: Path) -> None:
-    content, told = HEAVY[name]
+    content, reported = HEAVY[name]
     (tmp_path / "a.svg").write_text(content)
     for given in (content, tmp_path / "a.svg"):
         begin = time.process_time()
-        with pytest.raises(midair.SceneError, match=told) as error:
+        with pytest.raises(midair.SceneError, match=reported) as error:
             shape.svg(given, size=0.05, z=0.1)
         assert "\n" not in str(error.value)
         assert time.process_time() - begin < 5

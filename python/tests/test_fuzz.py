@@ -24,5 +24,5 @@ def test_every_target_is_run_by_make_fuzz() -> None:
 @pytest.mark.parametrize("name", TARGETS)
 def test_seeds_and_past_crashes_pass(name: str) -> None:
     script = FUZZ / "python" / f"{name}.py"
-    told = subprocess.run([sys.executable, script, "replay"], capture_output=True, text=True, timeout=120)
-    assert told.returncode == 0, told.stderr
+    reported = subprocess.run([sys.executable, script, "replay"], capture_output=True, text=True, timeout=120)
+    assert reported.returncode == 0, reported.stderr

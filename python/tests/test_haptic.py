@@ -110,7 +110,7 @@ def test_the_bound_is_kept_and_a_slow_board_has_its_frames() -> None:
 
 
 @pytest.mark.parametrize(
-    ("ask", "told"),
+    ("ask", "reported"),
     [
         (lambda: midair.haptic(LINE, ARRAY, rate=0), "rate is 0: give a number above 0"),
         (lambda: midair.haptic(LINE, ARRAY, rate=4e3, aim="loud"), 'aim is "loud": give "strong" or "even"'),
@@ -126,8 +126,8 @@ def test_the_bound_is_kept_and_a_slow_board_has_its_frames() -> None:
         ),
     ],
 )
-def test_what_is_no_shape_is_refused_in_one_line(ask: Callable[[], Any], told: str) -> None:
-    with pytest.raises(midair.SceneError, match=told):
+def test_what_is_no_shape_is_refused_in_one_line(ask: Callable[[], Any], reported: str) -> None:
+    with pytest.raises(midair.SceneError, match=reported):
         ask()
 
 

@@ -132,7 +132,7 @@ def test_a_calibrated_board_is_still_one() -> None:
     board = midair.Array.preset("autd3")
     scene = midair.Scene(board, [[0, 0, 0.15], [0.03, 0.02, 0.17], [-0.04, 0.03, 0.2]])
     drives = midair.calibration_drives(board)
-    heard = np.abs(drives.astype(complex) @ scene.propagation().astype(complex).T)
-    found = midair.calibrate(board, drives, heard, microphones=scene.points)
+    received = np.abs(drives.astype(complex) @ scene.propagation().astype(complex).T)
+    found = midair.calibrate(board, drives, received, microphones=scene.points)
     assert found.array.medium == board.medium
     assert found.sound_speed == pytest.approx(SPEED, abs=0.5)

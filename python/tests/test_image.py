@@ -109,7 +109,7 @@ def test_what_is_no_picture_is_refused_in_one_line(tmp_path: Path, monkeypatch: 
     real = tmp_path / "real.tiff"
     Image.fromarray(np.ones((2, 2), np.float32)).save(real)
     good = {"size": 0.1, "z": 0.1, "pixels": 2}
-    for file, change, told in [
+    for file, change, reported in [
         (path, {"size": 0}, "size is 0: give a number above 0"),
         (path, {"z": np.nan}, "z is nan: give a finite number"),
         (path, {"pixels": 0}, "pixels is 0: give a whole number of at least 1"),
@@ -127,7 +127,7 @@ def test_what_is_no_picture_is_refused_in_one_line(tmp_path: Path, monkeypatch: 
     ]:
         with pytest.raises(midair.SceneError) as error:
             midair.image(file, **{**good, **change})
-        assert told in str(error.value)
+        assert reported in str(error.value)
         assert "\n" not in str(error.value)
     monkeypatch.setitem(sys.modules, "PIL", None)
     with pytest.raises(midair.SceneError, match=r'Pillow: pip install "midair\[shapes\]"'):

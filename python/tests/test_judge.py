@@ -27,18 +27,18 @@ def points(count: int, size: int) -> Any:
 @pytest.mark.parametrize("given", ["pressures", "weights", "nothing"])
 def test_a_table_is_each_drive_judged_alone_and_exact(count: int, size: int, given: str) -> None:
     q, at = drives(count), points(count, size)
-    asked: dict[str, Any] = {}
+    requested: dict[str, Any] = {}
     if given != "nothing":
-        asked["pressures"] = RNG.uniform(100, 400, (count, size))
+        requested["pressures"] = RNG.uniform(100, 400, (count, size))
     if given == "weights":
-        asked["weights"] = np.where(RNG.uniform(size=(count, size)) < 0.3, 0, 1.5)
-        asked["weights"][:, 0] = 1
-    one = midair.judge(ARRAY, q, points=at, threads=1, **asked)
-    table = midair.judge(ARRAY, q, points=at, threads=2, **asked)
-    exact = midair.judge(ARRAY, q, points=at, precision="double", **asked)
+        requested["weights"] = np.where(RNG.uniform(size=(count, size)) < 0.3, 0, 1.5)
+        requested["weights"][:, 0] = 1
+    one = midair.judge(ARRAY, q, points=at, threads=1, **requested)
+    table = midair.judge(ARRAY, q, points=at, threads=2, **requested)
+    exact = midair.judge(ARRAY, q, points=at, precision="double", **requested)
     assert one == table
     for k in range(count):
-        scene = midair.Scene(ARRAY, at[k], **{name: rows[k] for name, rows in asked.items()})
+        scene = midair.Scene(ARRAY, at[k], **{name: rows[k] for name, rows in requested.items()})
         alone = midair.judge(scene, q[k])
         double = midair.judge(scene, q[k], precision="double")
         for name in NAMES:
@@ -74,12 +74,12 @@ def test_many_drives_of_one_scene_of_a_matrix_and_behind_a_wall() -> None:
     assert midair.judge(scene, q, pressures=150).level[3] == midair.judge(scene, q[3], pressures=150).level
 
 
-def test_a_stop_leaves_the_rest_unknown_and_progress_is_told() -> None:
+def test_a_stop_leaves_the_rest_unknown_and_progress_is_reported() -> None:
     q, at = drives(4000), np.repeat(points(1, 2), 4000, axis=0)
-    told: list[tuple[int, int, float]] = []
-    whole = midair.judge(ARRAY, q, points=at, threads=1, progress=lambda *step: told.append(step))
-    assert told[-1][:2] == (4000, 4000)
-    assert told[-1][2] == pytest.approx(np.mean(whole.residual))
+    reported: list[tuple[int, int, float]] = []
+    whole = midair.judge(ARRAY, q, points=at, threads=1, progress=lambda *step: reported.append(step))
+    assert reported[-1][:2] == (4000, 4000)
+    assert reported[-1][2] == pytest.approx(np.mean(whole.residual))
     part = midair.judge(ARRAY, q, points=at, threads=1, progress=lambda *_: False)
     known = np.isfinite(part.level)
     assert known.any()

@@ -13,7 +13,7 @@ import midair
 import midair._motion.solve as motion
 from midair._points import boundary as cache
 from midair._support import kept, output
-from sweeps import ASKED
+from sweeps import REQUESTED
 
 BOARD = midair.Array.grid(8, 8, 10e-3, quantization=midair.Array.preset("sonicsurface").quantization)
 ANGLE = np.arange(80)[:, None] / 40
@@ -137,10 +137,10 @@ def test_a_second_run_on_one_folder_gets_one_line(tmp_path: Path, whole: midair.
         assert first.poll() is None
         time.sleep(0.02)
     second = start(path, 0)
-    told = second.communicate(timeout=60)[1]
+    reported = second.communicate(timeout=60)[1]
     assert second.returncode == 1
-    assert told.count("\n") == 1
-    assert "is in use by another run of the same work: wait until that ends" in told
+    assert reported.count("\n") == 1
+    assert "is in use by another run of the same work: wait until that ends" in reported
     assert first.communicate(timeout=60) == ("", "")
     assert first.returncode == 0
     assert midair.Sequence.load(path) == whole
@@ -164,7 +164,7 @@ def test_two_sweeps_of_one_output_do_not_meet(tmp_path: Path) -> None:
         kept.locked(tmp_path / ".table.csv.chunks"),
         pytest.raises(midair.SceneError, match="in use by another run"),
     ):
-        midair.sweep(ASKED, tmp_path / "table.csv")
+        midair.sweep(REQUESTED, tmp_path / "table.csv")
     assert not list(tmp_path.iterdir())
 
 
@@ -177,12 +177,12 @@ def test_a_lock_is_free_again_and_leaves_nothing(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="POSIX")
-def test_a_full_disk_is_told_in_one_line(tmp_path: Path) -> None:
+def test_a_full_disk_is_reported_in_one_line(tmp_path: Path) -> None:
     run = start(tmp_path / "x.npz", 0, most=1500)
-    told = run.communicate(timeout=60)[1]
+    reported = run.communicate(timeout=60)[1]
     assert run.returncode == 1
-    assert told.count("\n") == 1
-    assert '000000000000.npz" cannot be written (File too large): make room' in told
+    assert reported.count("\n") == 1
+    assert '000000000000.npz" cannot be written (File too large): make room' in reported
     assert not list(tmp_path.rglob("*.part"))
 
 

@@ -16,7 +16,7 @@ SOLUTION = midair.solve(SCENE)
 PATH = np.array([[[1e-4 * t, 0, 0.1]] for t in range(3)])
 SEQUENCE = midair.sequence(ARRAY, PATH, rate=1000)
 PLAYED = midair.calibration_drives(ARRAY, 4, microphones=1)
-HEARD = np.abs(PLAYED @ SCENE.propagation().T)
+RECEIVED = np.abs(PLAYED @ SCENE.propagation().T)
 SWEEP = {"array": {"preset": "paper20"}, "points": {"count": 2, "x": [0, 1], "y": [0, 1], "z": 1.0}}
 
 Call = Callable[[Any], Any]
@@ -37,7 +37,7 @@ TAKE_A_PATH: dict[str, Call] = {
 
 TAKE_PROGRESS: dict[str, Call] = {
     "tune": lambda call: midair.tune(lambda _: np.ones(1), SCENE, progress=call),
-    "calibrate": lambda call: midair.calibrate(SCENE, PLAYED, HEARD, progress=call),
+    "calibrate": lambda call: midair.calibrate(SCENE, PLAYED, RECEIVED, progress=call),
     "tolerate": lambda call: midair.tolerate(SCENE, phase=1, trials=1, progress=call),
     "sequence": lambda call: midair.sequence(ARRAY, PATH, rate=1000, progress=call),
     "animate": lambda call: SEQUENCE.animate("never.gif", progress=call),
@@ -60,7 +60,7 @@ def test_progress_can_be_called(name: str, bad: Any) -> None:
 
 
 def test_each_is_named() -> None:
-    for call, told in [
+    for call, reported in [
         (lambda: midair.sequence(ARRAY, PATH, rate=1000, resume=5), "resume is 5: give the name of a file"),
         (lambda: midair.sweep(5), "request is 5: give a sweep file or a mapping of its keys"),
         (
@@ -70,7 +70,7 @@ def test_each_is_named() -> None:
         (lambda: midair.tune(lambda _: np.ones(1), SCENE, seed="a"), 'seed is "a": give a whole number'),
         (lambda: midair.tune(lambda _: np.ones(1), SCENE, "feedback", solver=5), "solver is 5: give text"),
     ]:
-        with pytest.raises(midair.SceneError, match=f"^{told}"):
+        with pytest.raises(midair.SceneError, match=f"^{reported}"):
             call()
     for call in (midair.compare, lambda bad: midair.tolerate(bad, phase=1)):
         with pytest.raises(TypeError, match=r"expected a midair\.Scene"):

@@ -25,9 +25,9 @@ def scene(seed: int) -> midair.Scene:
 @pytest.mark.parametrize("options", [{}, {"amplitudes": 3}, {"sweeps": 2}, {"phases": 64, "order": "rows"}])
 def test_the_built_in_objective_makes_the_built_in_choices(options: dict[str, object]) -> None:
     for seed in range(4):
-        asked = scene(seed)
-        own = midair.solve(asked, "greedy", objective=squared, seed=seed, **options)
-        built_in = midair.solve(asked, "greedy", seed=seed, **options)
+        requested = scene(seed)
+        own = midair.solve(requested, "greedy", objective=squared, seed=seed, **options)
+        built_in = midair.solve(requested, "greedy", seed=seed, **options)
         assert (own.drive == built_in.drive).mean() > 0.85
         assert own.metrics.residual == pytest.approx(built_in.metrics.residual, abs=5e-4)
         assert own.options["objective"] == "squared"
@@ -41,8 +41,8 @@ def test_each_choice_is_the_best_of_its_turn() -> None:
         turns.append((pressures, costs))
         return costs
 
-    asked = scene(9)
-    solution = midair.solve(asked, "greedy", objective=noted, seed=9)
+    requested = scene(9)
+    solution = midair.solve(requested, "greedy", objective=noted, seed=9)
     assert len(turns) == 400
     # The field after a turn is what the next one starts from: the mean over a whole circle of phases.
     for (pressures, costs), (later, _) in pairwise(turns):
@@ -59,23 +59,23 @@ def test_a_level_of_the_worst_point_is_evener_than_squares() -> None:
         level: Real = np.abs(pressures) / targets
         return -level.min(axis=1) - 0.01 * level.mean(axis=1)
 
-    asked = scene(3)
-    own = midair.solve(asked, "greedy", objective=worst, phases=64, sweeps=3)
-    assert own.metrics.uniformity > midair.solve(asked, "greedy", phases=64).metrics.uniformity
+    requested = scene(3)
+    own = midair.solve(requested, "greedy", objective=worst, phases=64, sweeps=3)
+    assert own.metrics.uniformity > midair.solve(requested, "greedy", phases=64).metrics.uniformity
 
 
-def test_what_a_function_does_wrong_is_told() -> None:
-    asked = scene(1)
+def test_what_a_function_does_wrong_is_reported() -> None:
+    requested = scene(1)
     with pytest.raises(ZeroDivisionError):
-        midair.solve(asked, "greedy", objective=lambda *_: 1 / 0)
+        midair.solve(requested, "greedy", objective=lambda *_: 1 / 0)
     with pytest.raises(midair.SceneError, match="objective is 1 values: return one for each of the 16"):
-        midair.solve(asked, "greedy", objective=lambda *_: [1.0])
+        midair.solve(requested, "greedy", objective=lambda *_: [1.0])
     with pytest.raises(midair.SceneError, match="NaN: give a finite number for each candidate"):
-        midair.solve(asked, "greedy", objective=lambda p, *_: np.full(len(p), np.nan))
+        midair.solve(requested, "greedy", objective=lambda p, *_: np.full(len(p), np.nan))
     with pytest.raises(midair.SceneError, match="greedy alone takes one"):
-        midair.solve(asked, "uniform", objective=squared)
+        midair.solve(requested, "uniform", objective=squared)
     with pytest.raises(midair.SceneError, match="start"):
-        midair.solve(asked, "greedy", objective=squared, start=np.ones(400))
+        midair.solve(requested, "greedy", objective=squared, start=np.ones(400))
 
 
 def test_progress_stops_and_keeps_what_was_found() -> None:

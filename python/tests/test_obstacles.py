@@ -146,7 +146,7 @@ def test_pictures_show_where_they_are() -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
+    ("given", "reported"),
     [
         ([WALL, 3], "obstacles[1] is 3: give a list of midair.Wall"),
         (5, "obstacles is 5: give a list of midair.Wall"),
@@ -155,20 +155,20 @@ def test_pictures_show_where_they_are() -> None:
         ([WALL, midair.Wall([0, 0.1, 0], [0.1, 1, 0])], "obstacles[1].normal is turned by 84.289 degrees"),
     ],
 )
-def test_what_cannot_be_is_refused_in_a_line(given: Any, told: str) -> None:
+def test_what_cannot_be_is_refused_in_a_line(given: Any, reported: str) -> None:
     with pytest.raises(midair.SceneError) as refusal:
         midair.Scene(array(), POINTS, obstacles=given)
-    assert told in str(refusal.value)
+    assert reported in str(refusal.value)
     assert "\n" not in str(refusal.value)
 
 
 def test_walls_and_files_are_refused_by_name() -> None:
-    for arguments, told in [
+    for arguments, reported in [
         (([0, 0], [0, 0, 1]), "wall.point is"),
         (([0, 0, 0], "up"), "wall.normal is"),
         (([0, 0, 0], [0, 0, 1], "hard"), 'wall.kind is "hard": give "rigid" or "soft"'),
     ]:
-        with pytest.raises(midair.SceneError, match=told):
+        with pytest.raises(midair.SceneError, match=reported):
             midair.Wall(*arguments)  # type: ignore[arg-type]
     text = json.loads(midair.Scene(array(), POINTS, obstacles=[WALL]).json())
     text["obstacles"][0]["kind"] = "hard"

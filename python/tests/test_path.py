@@ -69,7 +69,7 @@ def test_a_circle_of_whole_turns_closes(turns: float, closed: bool) -> None:
         )
 
 
-def test_a_line_ends_where_it_is_told_or_comes_back() -> None:
+def test_a_line_ends_where_it_is_reported_or_comes_back() -> None:
     start, end = np.array([-0.02, 0, Z]), np.array([0.02, 0.03, Z])
     way = path.line(start, end, speed=0.5)
     assert not way.closed
@@ -221,9 +221,9 @@ def test_a_morph_goes_straight_from_set_to_set() -> None:
 
 @pytest.mark.parametrize("pressures", [1500, [1500, 1500, 1500], np.full(3, 1500.0)])
 def test_pressures_are_in_pascals(pressures: Any) -> None:
-    asked = ring(points=3, pressures=pressures)
-    assert asked.pascals
-    assert (asked.frames(1e3)[1] == 1500).all()
+    requested = ring(points=3, pressures=pressures)
+    assert requested.pascals
+    assert (requested.frames(1e3)[1] == 1500).all()
 
 
 WAVES: dict[str, Callable[[float], float]] = {

@@ -15,7 +15,7 @@ ARRAY = midair.Array.preset("paper20")
 POINTS = np.array([[-0.02, 0, 0.15], [0.02, 0, 0.15]])
 
 
-def heard(call: Callable[[], object]) -> list[str]:
+def received(call: Callable[[], object]) -> list[str]:
     """The texts of the SceneWarnings of a call."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -55,46 +55,46 @@ SLIPS: dict[str, tuple[Callable[[], object], str]] = {
 
 
 @pytest.mark.parametrize("slip", SLIPS)
-def test_a_slip_is_told_once(slip: str) -> None:
+def test_a_slip_is_reported_once(slip: str) -> None:
     make, start = SLIPS[slip]
-    (text,) = heard(make)
+    (text,) = received(make)
     assert text.startswith(start)
     assert "give " in text
     assert "\n" not in text
 
 
-def test_a_slip_of_an_array_is_told_of_each_of_its_scenes() -> None:
+def test_a_slip_of_an_array_is_reported_each_of_its_scenes() -> None:
     wide = midair.Array.grid(9, 9, 1.05)
     for _ in range(2):
-        (text,) = heard(lambda: midair.Scene(wide, POINTS))
+        (text,) = received(lambda: midair.Scene(wide, POINTS))
         assert text.startswith("array.grid.pitch is 1.05 m")
-    assert len(heard(lambda: midair.Solver(wide, "fast"))) == 1
-    assert heard(lambda: midair.Scene(wide, POINTS, frequency=40)) != [text]
+    assert len(received(lambda: midair.Solver(wide, "fast"))) == 1
+    assert received(lambda: midair.Scene(wide, POINTS, frequency=40)) != [text]
 
 
-def test_a_slip_is_told_of_each_object_once(tmp_path: Path) -> None:
+def test_a_slip_is_reported_each_object_once(tmp_path: Path) -> None:
     scenes: list[midair.Scene] = []
-    heard(lambda: scenes.append(midair.Scene(ARRAY, POINTS, frequency=40)))
+    received(lambda: scenes.append(midair.Scene(ARRAY, POINTS, frequency=40)))
     (odd,) = scenes
     path = tmp_path / "odd.toml"
     odd.save(path)
     # Made anew, it is told anew; what is done with it says no more.
-    assert len(heard(lambda: midair.Scene.load(path))) == 1
-    assert len(heard(lambda: midair.Scene.parse(path.read_text()))) == 1
+    assert len(received(lambda: midair.Scene.load(path))) == 1
+    assert len(received(lambda: midair.Scene.parse(path.read_text()))) == 1
     midair.solve(odd, "naive")
     midair.Solver(odd, "naive")
     odd.replace(points=POINTS[:1])
     assert pickle.loads(pickle.dumps(odd)) == odd
-    (text,) = heard(lambda: odd.replace(density=1180))
+    (text,) = received(lambda: odd.replace(density=1180))
     assert text.startswith("medium.density is 1180 kg/m^3")
 
 
 def test_a_solver_tells_of_far_points_and_contrary_ones_once() -> None:
     solver = midair.Solver(ARRAY, "naive")
-    assert heard(lambda: solver(POINTS)) == []
-    assert len(heard(lambda: solver(POINTS * 1e3))) == 1
-    assert heard(lambda: solver(POINTS * 1e3)) == []
-    (text,) = heard(lambda: midair.Solver(ARRAY, "naive")(POINTS[[0, 0]], [2, 0]))
+    assert received(lambda: solver(POINTS)) == []
+    assert len(received(lambda: solver(POINTS * 1e3))) == 1
+    assert received(lambda: solver(POINTS * 1e3)) == []
+    (text,) = received(lambda: midair.Solver(ARRAY, "naive")(POINTS[[0, 0]], [2, 0]))
     assert text.startswith("points[0].pressure is 2 Pa")
 
 
@@ -107,10 +107,12 @@ def test_the_command_line_tells_in_one_line(tmp_path: Path, capsys: pytest.Captu
     with pytest.raises(SystemExit) as left:
         cli.main(["solve", str(path), "--solver", "naive"])
     assert left.value.code == 0
-    told = [line for line in capsys.readouterr().err.splitlines() if line.startswith("warning: ")]
-    assert len(told) == 2
-    assert told[0].startswith("warning: array.grid.pitch is 10.5 m: no neighbours within five wavelengths")
-    assert told[1].startswith("warning: plane.z is 150 m: give m (150 mm are 0.15 m)")
+    reported = [line for line in capsys.readouterr().err.splitlines() if line.startswith("warning: ")]
+    assert len(reported) == 2
+    assert reported[0].startswith(
+        "warning: array.grid.pitch is 10.5 m: no neighbours within five wavelengths"
+    )
+    assert reported[1].startswith("warning: plane.z is 150 m: give m (150 mm are 0.15 m)")
 
 
 @pytest.mark.parametrize("shift", [0.0, 1e3])

@@ -101,26 +101,26 @@ def test_pressures_left_out_are_the_balanced_level() -> None:
 
 def test_weights_go_through_every_door() -> None:
     weights = [1, 1, 0, 1]
-    asked = {"pressures": PRESSURES[1], "weights": weights}
-    alone = midair.solve(MATRIX, "fast", **asked)
+    requested = {"pressures": PRESSURES[1], "weights": weights}
+    alone = midair.solve(MATRIX, "fast", **requested)
     rows = np.flatnonzero(weights)
     fewer = midair.solve(midair.Propagation(G[rows]), "fast", pressures=PRESSURES[1][rows])
     # A matrix is scaled by its mean modulus, to which a point without weight belongs: other rounding.
     assert alone.pressures[rows] == pytest.approx(fewer.pressures, rel=1e-5)
-    assert same_bits(midair.Solver(MATRIX, "fast")(**asked).drive, alone.drive)
+    assert same_bits(midair.Solver(MATRIX, "fast")(**requested).drive, alone.drive)
     batch = midair.solve_batch(MATRIX, None, PRESSURES[1:2], "fast", weights=[weights])
     assert same_bits(batch.drives[0], alone.drive)
 
 
 def test_columns_need_positions_and_follow_them() -> None:
     positions = midair.Array.grid(8, 8, pitch=0.01).positions
-    asked = {"order": "columns", "positions": positions}
-    alone = midair.solve(MATRIX, "greedy", pressures=PRESSURES[0], **asked)
+    requested = {"order": "columns", "positions": positions}
+    alone = midair.solve(MATRIX, "greedy", pressures=PRESSURES[0], **requested)
     order = np.arange(64).reshape(8, 8).T.ravel()
     by_hand = midair.solve(MATRIX, "greedy", pressures=PRESSURES[0], order=order)
     assert same_bits(alone.drive, by_hand.drive)
-    assert same_bits(midair.Solver(MATRIX, "greedy", **asked)(pressures=PRESSURES[0]).drive, alone.drive)
-    batch = midair.solve_batch(MATRIX, pressures=PRESSURES[:1], solver="greedy", **asked)
+    assert same_bits(midair.Solver(MATRIX, "greedy", **requested)(pressures=PRESSURES[0]).drive, alone.drive)
+    batch = midair.solve_batch(MATRIX, pressures=PRESSURES[:1], solver="greedy", **requested)
     assert same_bits(batch.drives[0], alone.drive)
     one_line(lambda: midair.solve(MATRIX, "greedy", order="columns"), "order", "columns")
 

@@ -71,7 +71,7 @@ def test_presets_carry_the_quantization_of_their_boards() -> None:
     }
 
 
-def test_what_the_device_cannot_reduce_is_left_to_the_supply_and_told() -> None:
+def test_what_the_device_cannot_reduce_is_left_to_the_supply_and_reported() -> None:
     scene = midair.Scene(board(quantization={"phases": 256, "amplitudes": [0, 1]}), POINTS, 100.0)
     with pytest.warns(midair.SceneWarning, match=r"scale all drives by 0\.\d+ by supply or modulation"):
         solution = midair.solve(scene, "wgs")

@@ -127,7 +127,7 @@ def test_bool_among_numbers_is_no_number(mixed: list) -> None:
     refused(lambda: scene(points=[[0, 0, 0.1], [0.01, mixed[0], mixed[1]]]), "points")
 
 
-def test_weights_that_leave_nothing_asked_for_are_refused() -> None:
+def test_weights_that_leave_nothing_requested_are_refused() -> None:
     refused(lambda: scene(points=TWO, pressures=[0, 1], weights=[1, 0]), "pressures", "all 0")
 
 

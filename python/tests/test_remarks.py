@@ -14,7 +14,7 @@ POINTS = np.array([[-0.03, 0, 0.15], [0.03, 0, 0.15]])
 PRESSURES = np.array([[1, 1], [800, 1], [1, 1], [1, 400], [0.01, 0.01]])
 
 
-def heard(call: Callable[[], object]) -> list[str]:
+def received(call: Callable[[], object]) -> list[str]:
     """The texts of the SceneWarnings of a call."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -28,7 +28,9 @@ def heard(call: Callable[[], object]) -> list[str]:
 def test_a_batch_tells_each_kind_once_with_counts() -> None:
     points = np.broadcast_to(POINTS, (5, 2, 3))
     batches = []
-    texts = heard(lambda: batches.append(midair.solve_batch(ARRAY, points, PRESSURES, "wgs", balance=False)))
+    texts = received(
+        lambda: batches.append(midair.solve_batch(ARRAY, points, PRESSURES, "wgs", balance=False))
+    )
     assert len(texts) == 2
     assert texts[0].startswith("in 2 of 5 problems a pressure is beyond reach, in problems[1] 3")
     assert texts[1].startswith("in 1 of 5 problems targets are weak; problems[4]: targets are 6.1e-3 of the")
@@ -49,7 +51,7 @@ def test_a_batch_without_a_shortcoming_is_silent() -> None:
 def test_a_batch_counts_what_is_left_to_the_supply() -> None:
     array = midair.Array.preset("paper20", quantization={"amplitudes": [1]})
     points, pressures = np.stack([POINTS, POINTS]), [[1, 1], [0.1, 0.1]]
-    texts = heard(lambda: midair.solve_batch(array, points, pressures, balance=True))
+    texts = received(lambda: midair.solve_batch(array, points, pressures, balance=True))
     assert len(texts) == 1
     assert texts[0].startswith("in 2 of 2 problems the device has no such amplitude: scale the drives")
     assert "those of problems[1] by 0." in texts[0]
@@ -60,7 +62,7 @@ def test_a_solver_tells_each_kind_once(out: np.ndarray | None) -> None:
     solver = midair.Solver(ARRAY, "wgs", balance=False)
 
     def texts(pressures: object) -> list[str]:
-        return heard(lambda: solver(POINTS, pressures, out=out))
+        return received(lambda: solver(POINTS, pressures, out=out))
 
     assert texts(1.0) == []
     (text,) = texts([1, 800])
@@ -73,18 +75,18 @@ def test_a_solver_tells_each_kind_once(out: np.ndarray | None) -> None:
 
 def test_as_loud_as_can_be_is_beyond_nothing() -> None:
     scene = midair.Scene(ARRAY, POINTS, 1e6)
-    assert heard(lambda: midair.solve(scene, aim="max")) == []
-    assert "beyond reach" in heard(lambda: midair.solve(scene, aim="target"))[0]
+    assert received(lambda: midair.solve(scene, aim="max")) == []
+    assert "beyond reach" in received(lambda: midair.solve(scene, aim="target"))[0]
     levitator = midair.Array.preset("tinylev")
     lift = midair.path.line([0, 0, 0], [0, 0, 0.003], speed=0.01)
-    assert heard(lambda: midair.sequence(levitator, lift, rate=100, signature="trap")) == []
+    assert received(lambda: midair.sequence(levitator, lift, rate=100, signature="trap")) == []
 
 
 def test_a_solver_looks_once_for_what_cannot_be_had_together() -> None:
     points = np.array([[-0.06, 0.05, 0.15], [0.06, 0.05, 0.15], [-0.06, -0.05, 0.15], [0.06, -0.05, 0.15]])
     solver = midair.Solver(ARRAY, "wgs")
-    assert "of all of them at the same time" in heard(lambda: solver(points, 2.0))[0]
-    assert heard(lambda: solver(points, 2.0)) == []
+    assert "of all of them at the same time" in received(lambda: solver(points, 2.0))[0]
+    assert received(lambda: solver(points, 2.0)) == []
 
 
 def test_a_warning_made_an_error_leaves_the_drive_written() -> None:
@@ -99,14 +101,14 @@ def test_the_second_harmonic_has_a_warning_where_it_is_large() -> None:
     """3 pi beta |p|/(2 rho c^2), beta = 1.2, above .25: of pressures that are requested and reached."""
     board, point = midair.Array.preset("autd3", (2, 2)), [[0, 0, 0.15]]
     air = board.medium
-    assert not heard(lambda: midair.solve(midair.Scene(board, point, 6000)))
+    assert not received(lambda: midair.solve(midair.Scene(board, point, 6000)))
     share = 1.5 * np.pi * 1.2 * 8000 / (air["density"] * air["sound_speed"] ** 2)
     line = f"at 8.0 kPa the second harmonic, which is not in the model, is estimated at {share:.2f} of |p|"
     loud = midair.Scene(board, point, 8000)
     solver = midair.Solver(loud)
     for call in (lambda: midair.solve(loud), lambda: solver(loud.points, 8000)):
-        (text,) = heard(call)
+        (text,) = received(call)
         assert text.startswith(line)
-    assert not heard(lambda: solver(loud.points, 8000))
-    (text,) = heard(lambda: midair.solve_batch(board, [point, point], [[6000], [8000]]))
+    assert not received(lambda: solver(loud.points, 8000))
+    (text,) = received(lambda: midair.solve_batch(board, [point, point], [[6000], [8000]]))
     assert text.startswith(f"in 1 of 2 problems harmonics count; problems[1]: {line}")

@@ -63,11 +63,11 @@ def test_every_figure_has_its_files(everything: Path) -> None:
 @pytest.mark.slow
 def test_every_statement_is_judged_with_its_numbers(everything: Path) -> None:
     rows = tables.read(everything / "verdicts.csv")
-    told = {figure: [row["statement"] for row in rows if row["figure"] == figure] for figure in FIGURES}
-    assert [len(told[figure]) for figure in ("fig2", "fig6", "fig7")] == [1, 2, 5]
-    assert len(told["fig3"]) >= 5
-    assert len(told["fig4"]) >= 3
-    assert len(told["fig5"]) >= 3
+    reported = {figure: [row["statement"] for row in rows if row["figure"] == figure] for figure in FIGURES}
+    assert [len(reported[figure]) for figure in ("fig2", "fig6", "fig7")] == [1, 2, 5]
+    assert len(reported["fig3"]) >= 5
+    assert len(reported["fig4"]) >= 3
+    assert len(reported["fig5"]) >= 3
     for row in rows:
         assert row["verdict"] in {"holds", "holds in part", "does not hold"}
         assert any(letter.isdigit() for letter in row["evidence"]), row
@@ -101,12 +101,12 @@ def test_figs_3_and_4_share_their_trials_and_more_trials_use_what_is_there(
 ) -> None:
     solved: list[tuple[int, int]] = []
 
-    def told(settings: Any, start: int, stop: int) -> Any:
+    def reported(settings: Any, start: int, stop: int) -> Any:
         solved.append((start, stop))
         return solve_block(settings, start, stop)
 
-    told.__module__, told.__qualname__ = solve_block.__module__, solve_block.__qualname__
-    monkeypatch.setattr(fig3, "solve_block", told)
+    reported.__module__, reported.__qualname__ = solve_block.__module__, solve_block.__qualname__
+    monkeypatch.setattr(fig3, "solve_block", reported)
     monkeypatch.setattr(fig3, "CHUNK", 2)
     cells = len(curves()) * len(scenes.COUNTS)
     reproduce(["fig3"], tmp_path, trials=2)

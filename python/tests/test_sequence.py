@@ -130,7 +130,7 @@ def test_a_stream_yields_a_drive_a_frame(board, ring):
     np.testing.assert_allclose(got, [500, 250], rtol=0.02)
 
 
-def test_a_path_above_the_speed_limit_is_told(board):
+def test_a_path_above_the_speed_limit_is_reported(board):
     quick = midair.path.line([-0.03, 0, 0.15], [0.03, 0, 0.15], speed=10.0)
     with pytest.warns(
         midair.SceneWarning, match=r"10 m/s needs .* rad a frame, 0\.196 allowed.*kHz or pi/\d+ would do"
@@ -139,23 +139,23 @@ def test_a_path_above_the_speed_limit_is_told(board):
     assert found.metrics.largest_change <= np.pi / 16 + 1e-6
 
 
-def test_a_bound_below_a_phase_step_is_told_once():
+def test_a_bound_below_a_phase_step_is_reported_once():
     coarse = midair.Array.grid(8, 8, 10e-3, quantization={"phases": 10})
     line = midair.path.line([-0.002, 0, 0.15], [0.002, 0, 0.15], speed=0.5).frames(RATE)[0]
-    asked = (
+    requested = (
         lambda: midair.sequence(coarse, line, rate=RATE),
         lambda: midair.sequence(coarse, line, "greedy", rate=RATE, change=0.2),
         lambda: midair.sequence(coarse, line, rate=RATE, ahead=10),
         lambda: midair.sequence(coarse, line, rate=RATE, ahead="all"),
         lambda: list(midair.stream(coarse, line, rate=RATE)),
     )
-    for ask in asked:
-        with warnings.catch_warnings(record=True) as told:
+    for ask in requested:
+        with warnings.catch_warnings(record=True) as reported:
             warnings.simplefilter("always")
             ask()
-        assert len(told) == 1
+        assert len(reported) == 1
         assert "less than a step of the board's 10 phases, 0.628 rad: no phase changes" in str(
-            told[0].message
+            reported[0].message
         )
 
 
@@ -178,19 +178,19 @@ def test_names_of_solvers_ignore_case(board, ring):
     assert found.metrics.largest_change <= 0.05
 
 
-def test_units_taken_for_others_are_told_once():
-    with warnings.catch_warnings(record=True) as told:
+def test_units_taken_for_others_are_reported_once():
+    with warnings.catch_warnings(record=True) as reported:
         warnings.simplefilter("always")
         midair.sequence(
             midair.Array.grid(8, 8, 10e-3),
             midair.path.line([-10, 0, 150], [10, 0, 150], speed=500),
             rate=RATE,
         )
-    assert [str(one.message).split(":")[0] for one in told] == ["points[0].position is [-10, 0, 150] m"]
+    assert [str(one.message).split(":")[0] for one in reported] == ["points[0].position is [-10, 0, 150] m"]
 
 
 @pytest.mark.parametrize(
-    ("frames", "given", "told"),
+    ("frames", "given", "reported"),
     [
         ([[0, 0, 0.1]], {}, "frame is [0, 0, 0.1]: give points x 3 numbers in m"),
         ([[[[0, 0, 0.1]], [500]]], {}, "pressures if any as the second of a pair"),
@@ -200,15 +200,15 @@ def test_units_taken_for_others_are_told_once():
         ([[[0, 0, 0.1]]], {"closed": True}, "closed is True: a stream has no last frame"),
     ],
 )
-def test_what_is_no_stream_is_refused_in_a_line(board, frames, given, told):
+def test_what_is_no_stream_is_refused_in_a_line(board, frames, given, reported):
     with pytest.raises((midair.SceneError, TypeError)) as refused:
         list(midair.stream(board, frames, rate=RATE, **given))
-    assert told in str(refused.value)
+    assert reported in str(refused.value)
     assert "\n" not in str(refused.value)
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
+    ("given", "reported"),
     [
         ({"rate": 0}, "rate is 0: give a number above 0"),
         ({"rate": float("nan")}, "rate is nan"),
@@ -222,11 +222,11 @@ def test_what_is_no_stream_is_refused_in_a_line(board, frames, given, told):
         ({"aim": "loud"}, "aim"),
     ],
 )
-def test_bad_requests_are_refused_in_a_line(board, given, told):
+def test_bad_requests_are_refused_in_a_line(board, given, reported):
     line = midair.path.line([-0.01, 0, 0.15], [0.01, 0, 0.15], speed=0.5)
     with pytest.raises(midair.SceneError) as refused:
         midair.sequence(board, line, **{"rate": RATE, **given})
-    assert told in str(refused.value)
+    assert reported in str(refused.value)
     assert "\n" not in str(refused.value)
 
 
@@ -264,7 +264,7 @@ def ran(*words: object) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.slow
-def test_the_command_writes_what_it_is_asked_for(tmp_path: Path):
+def test_the_command_writes_what_it_is_requested(tmp_path: Path):
     scene = tmp_path / "orbit.toml"
     scene.write_text(SCENE)
     out, image = tmp_path / "orbit.npz", tmp_path / "orbit.png"
@@ -273,8 +273,8 @@ def test_the_command_writes_what_it_is_asked_for(tmp_path: Path):
     assert "200 frames of 1 point at" in done.stdout
     assert image.read_bytes().startswith(b"\x89PNG")
     assert len(midair.Sequence.load(out)) == 200
-    told = ran(scene, "--json", "--solvers", "glide,uniform")
-    assert set(json.loads(told.stdout)) == {"glide", "uniform"}
+    reported = ran(scene, "--json", "--solvers", "glide,uniform")
+    assert set(json.loads(reported.stdout)) == {"glide", "uniform"}
 
 
 @pytest.mark.slow
@@ -287,7 +287,7 @@ def test_the_command_writes_a_closed_sequence(tmp_path: Path):
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "reported"),
     [
         (("rate = 10e3", ""), "motion.rate is left out"),
         (
@@ -303,7 +303,7 @@ def test_the_command_writes_a_closed_sequence(tmp_path: Path):
     ],
 )
 def test_a_bad_scene_file_is_refused_in_a_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], change: tuple[str, str], told: str
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], change: tuple[str, str], reported: str
 ):
     scene = tmp_path / "orbit.toml"
     scene.write_text(SCENE.replace(*change))
@@ -311,7 +311,7 @@ def test_a_bad_scene_file_is_refused_in_a_line(
         cli.main(["motion", str(scene)])
     error = capsys.readouterr().err
     assert left.value.code == 2
-    assert told in error
+    assert reported in error
     assert error.startswith("error: ")
     assert error.count("\n") == 1
 
@@ -344,7 +344,7 @@ def test_tracks_over_the_whole_sequence_close_without_a_seam(board):
         midair.sequence(board, circles, "uniform", rate=RATE, ahead="all")
 
 
-def test_no_board_is_asked_for_by_an_empty_quantization(ring):
+def test_no_board_is_requested_by_an_empty_quantization(ring):
     array = midair.Array.grid(6, 6, 10e-3, quantization={"phases": 16})
     path = midair.path.circle([0, 0, 0.15], 0.01, frequency=2)
     free = midair.sequence(array, path, rate=200, change=np.pi, quantization={})

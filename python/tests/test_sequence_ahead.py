@@ -52,9 +52,9 @@ def test_the_more_is_in_sight_the_louder_within_the_bound() -> None:
         codes = solved(points, ahead).codes
         assert codes.dtype == np.uint8
         assert steps(codes).max() == 4
-        heard = moduli(points, np.exp(2j * np.pi * codes / 256))
-        assert (heard.min(axis=1) / heard.max(axis=1))[1:].min() > 0.99
-        levels.append(heard[3:].mean())
+        received = moduli(points, np.exp(2j * np.pi * codes / 256))
+        assert (received.min(axis=1) / received.max(axis=1))[1:].min() > 0.99
+        levels.append(received[3:].mean())
     assert levels == sorted(levels)
     assert levels[2] > 1.01 * levels[0]
     assert levels[2] > 0.98 * levels[3]
@@ -104,7 +104,7 @@ def test_points_of_a_stream_come_and_go() -> None:
     assert not list(midair.stream(BOARD, [], rate=RATE, ahead=4))
 
 
-def test_frames_without_points_are_silent_and_bind_nobody() -> None:
+def test_frames_without_points_are_silent_and_bind_no_one() -> None:
     points, pressures = fast(40), np.full((40, 3), 1e5)
     pressures[:8], pressures[16:30] = 0, 0
     sounds = pressures.any(axis=1)
@@ -113,8 +113,8 @@ def test_frames_without_points_are_silent_and_bind_nobody() -> None:
         assert not found.drives[~sounds].any()
         np.testing.assert_allclose(np.abs(found.drives[sounds]), 1, atol=1e-6)
         assert found.metrics.largest_change <= CHANGE + 1e-6
-        heard = moduli(points, found.drives)[sounds]
-        assert (heard.min(axis=1) / heard.max(axis=1)).min() > 0.99
+        received = moduli(points, found.drives)[sounds]
+        assert (received.min(axis=1) / received.max(axis=1)).min() > 0.99
 
 
 @pytest.mark.parametrize("pressures", [None, 200.0])
@@ -153,7 +153,7 @@ print(hashlib.sha256(solved(fast(20), 6).codes.tobytes()).hexdigest())
 @pytest.mark.slow
 @pytest.mark.parametrize("threads", ["1", "3"])
 def test_threads_leave_no_trace(threads: str) -> None:
-    told = subprocess.run(
+    reported = subprocess.run(
         [sys.executable, "-c", THREADS],
         capture_output=True,
         text=True,
@@ -161,11 +161,11 @@ def test_threads_leave_no_trace(threads: str) -> None:
         cwd=os.path.dirname(__file__),
         env={**os.environ, "RAYON_NUM_THREADS": threads},
     )
-    assert told.stdout.strip() == hashlib.sha256(solved(fast(20), 6).codes.tobytes()).hexdigest()
+    assert reported.stdout.strip() == hashlib.sha256(solved(fast(20), 6).codes.tobytes()).hexdigest()
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
+    ("given", "reported"),
     [
         ({"ahead": -1}, "ahead is -1: give a whole number of at least 0"),
         ({"ahead": 2.0}, "ahead is 2.0: give a whole number"),
@@ -180,10 +180,10 @@ def test_threads_leave_no_trace(threads: str) -> None:
         ({"ahead": 3, "sweeps": 4}, "sweeps is given: with ahead there is no such option"),
     ],
 )
-def test_bad_requests_are_refused_in_a_line(given: dict[str, object], told: str) -> None:
+def test_bad_requests_are_refused_in_a_line(given: dict[str, object], reported: str) -> None:
     with pytest.raises(midair.SceneError) as refused:
         midair.sequence(BOARD, fast(10), **{"rate": RATE, **given})
-    assert told in str(refused.value)
+    assert reported in str(refused.value)
     assert "\n" not in str(refused.value)
 
 

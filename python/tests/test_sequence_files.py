@@ -119,12 +119,12 @@ def test_a_damaged_file_is_refused_and_files_are_whole_or_not_there(
 
 def test_outputs_that_cannot_be_are_refused(tmp_path: Path) -> None:
     (tmp_path / "folder.npz").mkdir()
-    for name, told in (
+    for name, reported in (
         ("a.csv", "no known ending"),
         ("folder.npz", "is a folder"),
         ("no/a.npz", "not there"),
     ):
-        with pytest.raises(midair.SceneError, match=told):
+        with pytest.raises(midair.SceneError, match=reported):
             made().save(tmp_path / name)
     with pytest.raises(midair.SceneError, match=r"no known ending: give .gif, .webp or .mp4"):
         made().animate(tmp_path / "a.png")
@@ -204,14 +204,14 @@ def test_a_still_sequence_of_one_frame_has_a_picture(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_an_animation_has_the_frames_asked_for(tmp_path: Path) -> None:
-    told: list[tuple[int, int]] = []
+def test_an_animation_has_the_frames_requested(tmp_path: Path) -> None:
+    reported: list[tuple[int, int]] = []
     path = tmp_path / "motion.gif"
-    made().animate(path, frames=6, fps=10, progress=lambda *done: told.append(done))
+    made().animate(path, frames=6, fps=10, progress=lambda *done: reported.append(done))
     with Image.open(path) as image:
         assert image.n_frames == 6
         assert image.info["duration"] == 100
-    assert told == [(k, 6) for k in range(1, 7)]
+    assert reported == [(k, 6) for k in range(1, 7)]
     made().animate(
         path, plane=midair.Plane(axis="y", at=0.0, size=0.05, center=(0, 0.1), pixels=20), frames=2
     )

@@ -38,7 +38,7 @@ def made(drives: Any = None, **given: Any) -> midair.Sequence:
     return midair.Sequence(drives=drives, **setting)
 
 
-def lone(drives: Any, **given: Any) -> midair.Sequence:
+def single(drives: Any, **given: Any) -> midair.Sequence:
     """One transducer and one point at rest, so that |p| is |y| times 4.386 / 0.1."""
     points = np.broadcast_to([0.0, 0.0, 0.1], (len(drives), 1, 3))
     setting = {"targets": 1.0, "rate": RATE} | given
@@ -112,12 +112,12 @@ def test_metrics_are_those_of_plain_loops_over_the_points_that_are_there() -> No
         [p / t for p, t in zip(ps, ts, strict=True) if t > 0]
         for ps, ts in zip(sequence.pressures, targets, strict=True)
     ]
-    heard = [x for x in ratio if x]
-    assert len(heard) == FRAMES - 1
+    received = [x for x in ratio if x]
+    assert len(received) == FRAMES - 1
     metrics = sequence.metrics
-    assert metrics.level == pytest.approx(np.mean([np.mean(x) for x in heard]))
-    assert metrics.uniformity == pytest.approx(min(min(x) / max(x) for x in heard))
-    assert metrics.uniformity_median == pytest.approx(np.median([min(x) / max(x) for x in heard]))
+    assert metrics.level == pytest.approx(np.mean([np.mean(x) for x in received]))
+    assert metrics.uniformity == pytest.approx(min(min(x) / max(x) for x in received))
+    assert metrics.uniformity_median == pytest.approx(np.median([min(x) / max(x) for x in received]))
     own = [
         [sequence.pressures[t, j] / targets[t, j] for t in range(FRAMES) if targets[t, j]] for j in range(3)
     ]
@@ -168,35 +168,37 @@ def test_a_closed_sequence_slower_than_its_transducers_is_steady_from_its_start(
     drives = np.exp(2j * np.pi * np.arange(16) / 16)
     # Three time constants a lap: what the last lap left counts.
     tau = 16 / RATE / 3
-    _, once = lone(drives, closed=True).between(tau, substeps=1)
-    _, thrice = lone(np.tile(drives, 3), closed=True).between(tau, substeps=1)
+    _, once = single(drives, closed=True).between(tau, substeps=1)
+    _, thrice = single(np.tile(drives, 3), closed=True).between(tau, substeps=1)
     assert thrice[32:] == pytest.approx(once, rel=1e-5)
 
 
 @pytest.mark.parametrize("angle", [np.pi, np.pi / 2, np.pi / 4, np.pi / 16])
 def test_one_phase_step_goes_through_the_cosine_of_its_half(angle: float) -> None:
     # Two sub-steps a frame, the first of them tau ln 2 long.
-    sequence = lone([1, np.exp(1j * angle)], rate=1 / (2 * TAU * np.log(2)))
+    sequence = single([1, np.exp(1j * angle)], rate=1 / (2 * TAU * np.log(2)))
     _, inside = sequence.between(TAU, substeps=2)
     assert inside[:, 0] * 0.1 / 4.386 == pytest.approx([1, 1, 1, np.cos(angle / 2)], abs=2e-6)
 
 
-@pytest.mark.parametrize(("steps", "told"), [(32, 0.931), (64, 0.981)])
-def test_a_steady_rate_costs_pressure(steps: int, told: float) -> None:
-    sequence = lone(np.exp(2j * np.pi * np.arange(steps) / steps), closed=True)
+@pytest.mark.parametrize(("steps", "reported"), [(32, 0.931), (64, 0.981)])
+def test_a_steady_rate_costs_pressure(steps: int, reported: float) -> None:
+    sequence = single(np.exp(2j * np.pi * np.arange(steps) / steps), closed=True)
     _, linear = sequence.between(TAU, "linear", 3)
     rate = 2 * np.pi / steps * RATE
     assert linear * 0.1 / 4.386 == pytest.approx(1 / np.sqrt(1 + (rate * TAU) ** 2), rel=1e-5)
-    assert sequence.between(TAU, substeps=8).pressures.mean() * 0.1 / 4.386 == pytest.approx(told, abs=2e-3)
+    assert sequence.between(TAU, substeps=8).pressures.mean() * 0.1 / 4.386 == pytest.approx(
+        reported, abs=2e-3
+    )
 
 
 def test_without_an_envelope_drives_are_what_is_radiated() -> None:
     sequence = made()
     assert same_bits(sequence.between(0, substeps=1).pressures, sequence.pressures)
     assert sequence.between(0, "linear", 3).pressures[::3] == pytest.approx(sequence.pressures, rel=1e-4)
-    _, turning = lone([1, 1j, 1j]).between(0, "linear", 4)
+    _, turning = single([1, 1j, 1j]).between(0, "linear", 4)
     assert turning * 0.1 / 4.386 == pytest.approx(1, abs=1e-6)
-    _, fading = lone([0, 1j, 0]).between(0, "linear", 4)
+    _, fading = single([0, 1j, 0]).between(0, "linear", 4)
     assert fading[:, 0] * 0.1 / 4.386 == pytest.approx([0, 0.25, 0.5, 0.75, 1, 0.75, 0.5, 0.25, 0, 0, 0, 0])
 
 
@@ -282,7 +284,7 @@ def test_a_weighting_is_that_of_the_standards_table() -> None:
     assert 20 * np.log10(a_weighting(np.array(list(table)))) == pytest.approx(list(table.values()), abs=0.15)
 
 
-def test_noise_is_told_beside_amplitude_modulation_at_200_hertz() -> None:
+def test_noise_is_reported_beside_amplitude_modulation_at_200_hertz() -> None:
     def plain(c: Any) -> Any:
         return (1 + c) / 2
 
@@ -292,24 +294,24 @@ def test_noise_is_told_beside_amplitude_modulation_at_200_hertz() -> None:
     # Twice the frequency: four times the bend, and the ear hears its lines 6.1 and 4.0 dB better.
     left = [1 / np.hypot(1, 2 * np.pi * f * TAU) for f in (200, 400)]
     lines = [np.array([g / 2, g**2 / 2]) for g in left]
-    heard = [
+    received = [
         lines[0] * 10 ** (np.array([-10.85, -4.77]) / 20),
         4 * lines[1] * 10 ** (np.array([-4.77, -0.79]) / 20),
     ]
-    louder = 20 * np.log10(np.linalg.norm(heard[1]) / np.linalg.norm(heard[0]))
+    louder = 20 * np.log10(np.linalg.norm(received[1]) / np.linalg.norm(received[0]))
     assert modulated(plain, 400, rate).judge(TAU, hold="linear").noise == pytest.approx(louder, abs=0.03)
     opened = modulated(plain, rate=rate, closed=False)
     assert opened.judge(TAU, hold="linear").noise == pytest.approx(0, abs=0.1)
     # Frames of 10 kHz that are held: their steps are heard, too.
     assert modulated(plain).judge(TAU).noise > 3
-    assert lone(np.ones(50)).metrics.noise == -200
+    assert single(np.ones(50)).metrics.noise == -200
 
 
 NAN = np.full((FRAMES, 3, 3), np.nan)
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
+    ("given", "reported"),
     [
         ({"points": NAN}, r"points\[0, 0, 0\] is nan: give finite"),
         ({"points": circles()[0]}, r"points.shape is \(3, 3\): give \(T, M, 3\)"),
@@ -335,14 +337,14 @@ NAN = np.full((FRAMES, 3, 3), np.nan)
         ({"density": -1.0}, "density"),
     ],
 )
-def test_what_is_no_sequence_is_refused_in_one_line(given: Any, told: str) -> None:
-    with pytest.raises(midair.SceneError, match=told) as error:
+def test_what_is_no_sequence_is_refused_in_one_line(given: Any, reported: str) -> None:
+    with pytest.raises(midair.SceneError, match=reported) as error:
         made(**given)
     assert "\n" not in str(error.value)
 
 
 @pytest.mark.parametrize(
-    ("ask", "told"),
+    ("ask", "reported"),
     [
         (lambda s: s.between(-1.0), "tau is -1.0: give a number of at least 0"),
         (lambda s: s.between(TAU, "ramp"), 'hold is "ramp": give "hold" or "linear"'),
@@ -356,8 +358,8 @@ def test_what_is_no_sequence_is_refused_in_one_line(given: Any, told: str) -> No
         (lambda s: s.felt(SPOT, area=0, bands=[]), "area is 0: give a number above 0"),
     ],
 )
-def test_what_cannot_be_asked_is_refused_in_one_line(ask: Callable[[Any], Any], told: str) -> None:
-    with pytest.raises(midair.SceneError, match=told) as error:
+def test_what_cannot_be_requested_is_refused_in_one_line(ask: Callable[[Any], Any], reported: str) -> None:
+    with pytest.raises(midair.SceneError, match=reported) as error:
         ask(made())
     assert "\n" not in str(error.value)
 

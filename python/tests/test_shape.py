@@ -125,7 +125,7 @@ def test_thinning_keeps_what_a_plain_loop_keeps() -> None:
     assert (midair._midair.along([point[None] for point in points], 0.004) == np.array(kept)).all()
 
 
-def test_a_letter_is_as_high_as_asked_in_the_middle_and_upright() -> None:
+def test_a_letter_is_as_high_as_requested_in_the_middle_and_upright() -> None:
     points = shape.text("A", height=0.03, z=0.2, step=0.001)
     assert np.ptp(points[:, 1]) == pytest.approx(0.03, abs=1e-3)
     assert middle(points) == pytest.approx([0, 0, 0.2], abs=1e-3)
@@ -236,10 +236,10 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
 
 @pytest.mark.parametrize("what", REFUSED)
 def test_what_cannot_be_drawn_is_refused_in_one_line(what: str) -> None:
-    draw, told = REFUSED[what]
+    draw, reported = REFUSED[what]
     with pytest.raises(midair.SceneError) as error:
         draw()
-    assert told in str(error.value)
+    assert reported in str(error.value)
     assert "\n" not in str(error.value)
 
 

@@ -220,7 +220,7 @@ def test_it_is_felt_wider_than_the_focus() -> None:
     assert 2 < touch.width(MIDDLE) / touch.focus_width(MIDDLE) < 10
 
 
-def test_held_frames_have_the_lines_of_their_steps() -> None:
+def test_kept_frames_have_the_lines_of_their_steps() -> None:
     """On and off at 40 Hz in two frames: a square wave, 2/pi at 40 Hz, a third of that at 120 Hz."""
     points = np.broadcast_to(MIDDLE, (2, 1, 3))
     touch = midair.skin(played(points, 80, np.array([1.0, 0.0])), PLANE)
@@ -251,7 +251,7 @@ def test_pictures_show_pressure_motion_and_spectrum() -> None:
 
 
 @pytest.mark.parametrize(
-    ("ask", "told"),
+    ("ask", "reported"),
     [
         (lambda s: midair.skin(None), "sequence is None: give a midair.Sequence"),
         (lambda s: midair.skin(s, "palm"), 'hand is "palm": give a midair.Plane or a midair.Mesh'),
@@ -260,6 +260,6 @@ def test_pictures_show_pressure_motion_and_spectrum() -> None:
         (lambda s: midair.skin(s, PLANE).width([0, 0]), "place is"),
     ],
 )
-def test_what_is_no_skin_is_refused_in_one_line(ask: Callable[[Any], Any], told: str) -> None:
-    with pytest.raises(midair.SceneError, match=told):
+def test_what_is_no_skin_is_refused_in_one_line(ask: Callable[[Any], Any], reported: str) -> None:
+    with pytest.raises(midair.SceneError, match=reported):
         ask(am(200))

@@ -65,11 +65,11 @@ def test_a_slipped_keyword_is_named_with_what_was_meant(name: str) -> None:
     for meant in known:
         with pytest.raises(TypeError) as refusal:
             CALLABLES[name](**{meant + "q": 1})
-        told = str(refusal.value)
-        assert told.startswith(f'unknown argument of {name} "{meant}q": did you mean '), told
-        assert told.endswith(f"known are {', '.join(known)}")
+        reported = str(refusal.value)
+        assert reported.startswith(f'unknown argument of {name} "{meant}q": did you mean '), reported
+        assert reported.endswith(f"known are {', '.join(known)}")
         # One that is as near, as `x` and `y` are, may be named in its place.
-        assert f"did you mean {meant}? " in told or len(meant) < 3, told
+        assert f"did you mean {meant}? " in reported or len(meant) < 3, reported
 
 
 SLIPS = {

@@ -225,9 +225,9 @@ def test_balance_solves_at_the_balanced_level_and_reduces_the_drive() -> None:
     (reduced,) = np.unique(np.round(solution.amplitudes, 9))
     factor = oracle.balanced_factor(G, ratios)
     full = solution.drive / np.abs(solution.drive)
-    asked = ratios > 0
+    requested = ratios > 0
     # Brought down to the targets, which the points then have in the mean.
-    assert 1 / reduced == pytest.approx(np.mean(np.abs(G @ full)[asked] / ratios[asked]), rel=2e-4)
+    assert 1 / reduced == pytest.approx(np.mean(np.abs(G @ full)[requested] / ratios[requested]), rel=2e-4)
     # Within f32 rounding of the level that was solved at.
     found = oracle.regrets(G, ratios * factor, full, order=order)
     assert found.max() < REGRET
@@ -260,7 +260,7 @@ def test_targets_below_half_the_balanced_level_are_warned_of() -> None:
         midair.solve(small(), "greedy")
 
 
-def test_scene_file_names_the_solver_until_told_otherwise(tmp_path) -> None:
+def test_scene_file_names_the_solver_by_default(tmp_path) -> None:
     path = tmp_path / "scene.toml"
     small().save(path)
     table = '[solver]\nname = "greedy"\nphases = 4\nseed = 9\nbalance = true\n'

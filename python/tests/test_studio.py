@@ -100,7 +100,7 @@ def test_nothing_else_is_served(served: Server, path: str) -> None:
     assert b"secret\n" not in body
 
 
-def test_only_this_machine_is_answered_and_only_asked_politely(served: Server) -> None:
+def test_only_this_machine_is_answered_and_only_requested_politely(served: Server) -> None:
     for host in ("127.0.0.1", "localhost", "LocalHost:80", f"localhost:{served.server_port}"):
         assert ask(served, "/", Host=host)[0] == 200
     for host in ("example.org", "127.0.0.1.example.org", "localhost.example.org:80", "evil@localhost", ""):
@@ -222,9 +222,9 @@ def test_the_command_serves_a_scene_until_ctrl_c(built: Path, tmp_path: Path) ->
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=HANG)
     assert (process.returncode, out, err) == (130, "", "Ctrl-C ends it\ninterrupted\n")
-    asked = midair.Scene.load(tmp_path / "scene.toml")
-    assert len(asked.points) > 10
-    assert shown == asked
+    requested = midair.Scene.load(tmp_path / "scene.toml")
+    assert len(requested.points) > 10
+    assert shown == requested
 
 
 def test_the_browser_is_opened(monkeypatch, built: Path) -> None:

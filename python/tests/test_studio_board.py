@@ -149,10 +149,10 @@ def test_a_board_that_is_gone_is_one_line(
 def test_the_page_knows_board_and_array(served: Server, tmp_path: Path) -> None:
     line = http.client.HTTPConnection("127.0.0.1", served.server_port, timeout=HANG)
     line.request("GET", "/board.json")
-    told = json.loads(line.getresponse().read())
+    reported = json.loads(line.getresponse().read())
     line.close()
-    assert told["name"] == "sonicsurface"
-    assert told["array"]["preset"] == "sonicsurface"
+    assert reported["name"] == "sonicsurface"
+    assert reported["array"]["preset"] == "sonicsurface"
     assert served.address.endswith("/?scene&board")
     with Server(folder=tmp_path / "built") as other:
         assert other.address.endswith("/")

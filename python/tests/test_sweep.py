@@ -16,7 +16,7 @@ import midair
 from midair._sweep import block, engine, work
 from midair._sweep.request import read
 from scenes import METRICS
-from sweeps import ASKED, SCENE, changed, equal
+from sweeps import REQUESTED, SCENE, changed, equal
 
 
 @pytest.fixture(autouse=True)
@@ -25,7 +25,7 @@ def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_the_table_has_a_row_for_each_problem_in_order() -> None:
-    table = midair.sweep(ASKED)
+    table = midair.sweep(REQUESTED)
     assert list(table) == [
         *("index", "array", "transducers", "points", "solver", "phases", "balance", "trial"),
         *METRICS,
@@ -41,7 +41,7 @@ def test_the_table_has_a_row_for_each_problem_in_order() -> None:
 
 def test_a_row_is_what_solve_gives_for_its_scene() -> None:
     drives = Path("drives.zarr")
-    table = midair.sweep(ASKED, drives=drives)
+    table = midair.sweep(REQUESTED, drives=drives)
     group = zarr.open(drives, mode="r")
     for index in (12, 40, 59):
         count, solver = table["points"][index], table["solver"][index]
@@ -74,7 +74,7 @@ def test_every_solver_gets_the_same_points_and_every_trial_its_own() -> None:
 
 def test_a_longer_axis_changes_no_row_that_was_there() -> None:
     few = midair.sweep(changed(array={"preset": "paper20"}))
-    points = {**ASKED["points"], "count": [5, 7]}
+    points = {**REQUESTED["points"], "count": [5, 7]}
     many = midair.sweep(changed(array={"preset": "paper20"}, seeds=9, points=points))
     for trial in range(5):
         (a,) = few["accuracy"][(few["points"] == 5) & (few["trial"] == trial) & (few["phases"] == 8)]
@@ -85,15 +85,15 @@ def test_a_longer_axis_changes_no_row_that_was_there() -> None:
 def test_seeds_may_be_listed() -> None:
     table = midair.sweep(changed(seeds=[7, 2]))
     assert table["trial"].tolist() == [7, 2] * 12
-    assert table["accuracy"][1] == midair.sweep(ASKED)["accuracy"][2]
+    assert table["accuracy"][1] == midair.sweep(REQUESTED)["accuracy"][2]
 
 
 def test_threads_and_chunks_change_no_number() -> None:
-    whole = midair.sweep(ASKED)
-    assert equal(midair.sweep(ASKED, threads=1), whole)
+    whole = midair.sweep(REQUESTED)
+    assert equal(midair.sweep(REQUESTED, threads=1), whole)
     for chunk in (1, 2, 7):
         parts: list[dict[str, list[Any]]] = []
-        work(read(ASKED), None, None, receive=parts.append, chunk=chunk)
+        work(read(REQUESTED), None, None, receive=parts.append, chunk=chunk)
         for name in METRICS:
             assert [value for part in parts for value in part[name]] == whole[name].tolist(), (chunk, name)
 
@@ -120,12 +120,12 @@ def test_the_batch_solver_takes_what_shares_a_seed(scenes: bool, monkeypatch: py
 
 @pytest.mark.slow
 def test_csv_parquet_and_python_agree() -> None:
-    table = midair.sweep(ASKED, "table.csv")
+    table = midair.sweep(REQUESTED, "table.csv")
     with Path("table.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [float(row["sigma"]) for row in rows] == table["sigma"].tolist()
     assert [row["phases"] for row in rows[8:12]] == ["16", "16", "", ""]
-    midair.sweep(ASKED, "table.parquet")
+    midair.sweep(REQUESTED, "table.parquet")
     stored = pq.read_table("table.parquet")
     for name, values in table.items():
         assert stored[name].to_pylist() == values.tolist(), name
@@ -159,24 +159,26 @@ SHORT: dict[str, tuple[float, str]] = {
 
 
 @pytest.mark.parametrize("name", SHORT)
-def test_too_much_and_too_little_is_told_once_with_counts(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_too_much_and_too_little_is_reported_once_with_counts(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     pressure, words = SHORT[name]
     # One of a batch, one with a seed for each trial; the second time all of it is kept results.
     solvers = [{"name": "gspat"}, {"name": "greedy"}, {"name": "greedy", "balance": True}]
-    points = {**ASKED["points"], "count": 3, "pressure": [0.9 * pressure, pressure]}
+    points = {**REQUESTED["points"], "count": 3, "pressure": [0.9 * pressure, pressure]}
     request = changed(array=PAPER, points=points, solver=solvers[: 3 if name == "beyond" else 2])
     request["seeds"] = 8 if name == "beyond" else 12
     monkeypatch.setattr(engine, "remove", lambda folder: None)
     for _ in range(2):
-        with pytest.warns(midair.SceneWarning) as told:
+        with pytest.warns(midair.SceneWarning) as reported:
             midair.sweep(request, "table.csv")
-        assert len(told) == 1
-        assert re.match(words, str(told[0].message))
+        assert len(reported) == 1
+        assert re.match(words, str(reported[0].message))
 
 
 def test_balanced_and_even_methods_are_not_weak() -> None:
     solvers = [{"name": "greedy", "balance": True}, {"name": "uniform"}, {"name": "best"}]
-    points = {**ASKED["points"], "count": 3, "pressure": 0.1}
+    points = {**REQUESTED["points"], "count": 3, "pressure": 0.1}
     midair.sweep(changed(array=PAPER, points=points, solver=solvers))
 
 

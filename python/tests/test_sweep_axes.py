@@ -232,7 +232,7 @@ def test_an_axis_of_presets_brings_their_own_pressure_even_to_an_object() -> Non
         assert np.array_equal(zarr.open("drives.zarr", mode="r")["pressures"][:], expected)
 
 
-def test_numbers_and_kept_results_depend_on_what_is_asked_and_not_on_how() -> None:
+def test_numbers_and_kept_results_depend_on_what_is_requested_and_not_on_how() -> None:
     objects = read({**STILL, "array": midair.Array.grid(8, 8, 0.01)}).blocks
     again = read({**STILL, "array": midair.Array.grid(np.int64(8), 8, 0.01)}).blocks
     other = read({**STILL, "array": midair.Array.grid(8, 8, 0.01, mask=np.arange(64) > 0)}).blocks

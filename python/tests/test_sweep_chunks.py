@@ -15,7 +15,7 @@ from midair._sweep import engine, table
 from midair._sweep.block import solve_block
 from midair._sweep.engine import Job
 from midair._sweep.request import read
-from sweeps import ASKED, equal
+from sweeps import REQUESTED, equal
 
 
 @pytest.fixture(autouse=True)
@@ -24,7 +24,7 @@ def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def job(number: int = 0) -> Job:
-    block = read(ASKED, drives=True).blocks[number]
+    block = read(REQUESTED, drives=True).blocks[number]
     return Job(solve_block, block.settings, 0, 5, block)
 
 
@@ -129,10 +129,10 @@ def test_what_is_forged_is_made_anew(name: str, kept: tuple[Path, dict[str, np.n
 
 
 def test_a_sweep_over_damaged_chunks_ends_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    whole = midair.sweep(ASKED)
+    whole = midair.sweep(REQUESTED)
     with monkeypatch.context() as patch:
         patch.setattr(engine, "remove", lambda folder: None)
-        midair.sweep(ASKED, "table.csv")
+        midair.sweep(REQUESTED, "table.csv")
     paths = sorted(Path().glob(".table.csv.chunks/*/*.npz"))
     assert len(paths) == 12
     content = paths[0].read_bytes()
@@ -144,12 +144,12 @@ def test_a_sweep_over_damaged_chunks_ends_the_same(monkeypatch: pytest.MonkeyPat
     paths[4].write_bytes(forged + kept_files.digest(engine.identity(paths[4]), forged))
     # A number changed within an array, which a zip archive alone would also notice, and its check after it.
     paths[5].write_bytes(content[:300] + b"\x01" + content[301:])
-    assert equal(midair.sweep(ASKED, "table.csv"), whole)
+    assert equal(midair.sweep(REQUESTED, "table.csv"), whole)
     assert sorted(path.name for path in Path().iterdir()) == ["table.csv"]
 
 
 def test_only_what_is_ours_is_removed() -> None:
-    midair.sweep(ASKED, "table.csv")
+    midair.sweep(REQUESTED, "table.csv")
     folder, own = Path(".table.csv.chunks"), job().path
     engine.save(folder / own, {"level": np.zeros(5)})
     (folder / own).with_name(".0-5.npz.4000000.part").touch()
@@ -159,7 +159,7 @@ def test_only_what_is_ours_is_removed() -> None:
         path.write_text("mine")
     link = folder / ("0" * 20)
     link.symlink_to(Path("elsewhere").resolve(), target_is_directory=True)
-    midair.sweep(ASKED, "table.csv")
+    midair.sweep(REQUESTED, "table.csv")
     assert all(path.read_text() == "mine" for path in kept)
     assert link.is_symlink()
     assert {path.name for path in folder.rglob("*")} == {"notes.txt", own.parent.name, link.name}
@@ -175,7 +175,7 @@ def test_a_folder_of_chunks_that_is_none_is_refused(kind: str) -> None:
     else:
         folder.touch()
     with pytest.raises(midair.SceneError, match=r"no folder of kept results: remove it"):
-        midair.sweep(ASKED, "table.csv")
+        midair.sweep(REQUESTED, "table.csv")
     assert not Path("table.csv").exists()
     assert [path.name for path in Path("elsewhere").iterdir()] == ["mine.txt"]
 
@@ -186,5 +186,5 @@ def test_a_link_among_the_chunks_is_not_written_through() -> None:
     folder.mkdir()
     (folder / job().path.parent.name).symlink_to(Path("elsewhere").resolve(), target_is_directory=True)
     with pytest.raises(midair.SceneError, match="is a link"):
-        midair.sweep(ASKED, "table.csv", drives="drives.zarr")
+        midair.sweep(REQUESTED, "table.csv", drives="drives.zarr")
     assert not list(Path("elsewhere").iterdir())

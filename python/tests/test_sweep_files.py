@@ -20,7 +20,7 @@ from midair._sweep import block
 from midair._sweep.block import solve_block
 from midair._sweep.engine import Job
 from midair._sweep.request import read
-from sweeps import ASKED, HANG, SCENE, TOML, changed, equal
+from sweeps import HANG, REQUESTED, SCENE, TOML, changed, equal
 
 #: The package: `midair.sweep` is its function.
 sweep_module = sys.modules["midair._sweep"]
@@ -32,7 +32,7 @@ def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_a_stopped_sweep_goes_on_and_ends_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    whole = midair.sweep(ASKED)
+    whole = midair.sweep(REQUESTED)
     written: list[Path] = []
     real = output.write
 
@@ -44,12 +44,12 @@ def test_a_stopped_sweep_goes_on_and_ends_the_same(monkeypatch: pytest.MonkeyPat
 
     monkeypatch.setattr(output, "write", full)
     with pytest.raises(midair.SceneError, match=r"No space left on device.*what is done is kept$"):
-        midair.sweep(ASKED, "table.csv", threads=1)
+        midair.sweep(REQUESTED, "table.csv", threads=1)
     assert not Path("table.csv").exists()
     assert len(list(Path().glob(".table.csv.chunks/*/*.npz"))) == 5
 
     monkeypatch.setattr(output, "write", lambda path, content: (written.append(path), real(path, content)))
-    assert equal(midair.sweep(ASKED, "table.csv"), whole)
+    assert equal(midair.sweep(REQUESTED, "table.csv"), whole)
     assert len(written) == 12, "a chunk a block, none done twice"
     assert sorted(path.name for path in Path().iterdir()) == ["table.csv"]
 
@@ -60,7 +60,7 @@ def test_another_setting_seed_or_build_is_another_chunk(monkeypatch: pytest.Monk
     def path(**tables: Any) -> Path:
         return Job(solve_block, read(changed(**tables)).blocks[0].settings, 0, 5).path
 
-    other = {**ASKED["points"], "pressure": 1.5}
+    other = {**REQUESTED["points"], "pressure": 1.5}
     paths = [path(), path(seed=4), path(points=other), path(medium={"temperature": 25.0}), path(seeds=[1])]
     monkeypatch.setattr(engine, "build", lambda: "another")
     paths.append(path())
@@ -85,7 +85,7 @@ def test_a_stopped_sweep_leaves_its_chunks_in_their_midst(
     monkeypatch.setattr(block, "_arrays", finished)
     # Some seconds of work a chunk.
     solver = {"name": "lm", "eps": 0.0, "steps": 1000, **seed}
-    points = {**ASKED["points"], "count": 8}
+    points = {**REQUESTED["points"], "count": 8}
     with pytest.raises(KeyboardInterrupt):
         midair.sweep(changed(seeds=128, points=points, solver=solver), threads=1, progress=stop)
     assert len(whole) == 1, "the first chunk, and the second left"
@@ -130,10 +130,10 @@ def group(path: Path, **attributes: Any) -> None:
 FOREIGN: dict[str, Callable[[Path], None]] = {
     "somebody's group": group,
     "a group of another program": lambda path: group(path, midair="calibration"),
-    "a group within ours": lambda path: (midair.sweep(ASKED, drives=path), group(path / "mine")),
-    "a file within ours": lambda path: (midair.sweep(ASKED, drives=path), (path / "notes.txt").touch()),
+    "a group within ours": lambda path: (midair.sweep(REQUESTED, drives=path), group(path / "mine")),
+    "a file within ours": lambda path: (midair.sweep(REQUESTED, drives=path), (path / "notes.txt").touch()),
     "ours without its mark": lambda path: (
-        midair.sweep(ASKED, drives=path),
+        midair.sweep(REQUESTED, drives=path),
         (path / "zarr.json").write_text("[]"),
     ),
     "a plain folder": lambda path: (path.mkdir(), (path / "notes.txt").touch()),
@@ -157,13 +157,13 @@ def test_drives_of_somebody_else_are_not_replaced(
         before = tree(Path())
     monkeypatch.setattr(sweep_module, "run", lambda *_, **__: pytest.fail("work was done"))
     with pytest.raises(midair.SceneError, match=r"by no sweep|which no sweep made"):
-        midair.sweep(ASKED, drives=drives)
+        midair.sweep(REQUESTED, drives=drives)
     assert tree(Path()) == before
 
 
 @pytest.mark.slow
 def test_drives_of_a_former_sweep_are_replaced_where_links_lead() -> None:
-    midair.sweep(ASKED, drives="real.zarr")
+    midair.sweep(REQUESTED, drives="real.zarr")
     Path("link.zarr").symlink_to("real.zarr", target_is_directory=True)
     midair.sweep(changed(seeds=3), drives="link.zarr")
     assert Path("link.zarr").is_symlink()
@@ -182,7 +182,7 @@ def test_drives_that_came_meanwhile_are_not_replaced(monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr(sweep_module, "run", slow)
     with pytest.raises(midair.SceneError, match="by no sweep"):
-        midair.sweep(ASKED, drives="drives.zarr")
+        midair.sweep(REQUESTED, drives="drives.zarr")
     assert (zarr.open("drives.zarr", mode="r")["data"][:] == np.arange(3)).all()
     assert not list(Path().glob(".*.part"))
 
@@ -211,7 +211,7 @@ def test_what_is_read_is_not_written_over(file: str, way: str, monkeypatch: pyte
 
 
 def test_a_sweep_file_within_the_drives_is_not_removed() -> None:
-    midair.sweep(ASKED, drives="drives.zarr")
+    midair.sweep(REQUESTED, drives="drives.zarr")
     Path("drives.zarr", "sweep.toml").write_text(TOML)
     with pytest.raises(midair.SceneError, match=r"sweep\.toml"):
         midair.sweep("drives.zarr/sweep.toml", drives="drives.zarr")
@@ -220,7 +220,7 @@ def test_a_sweep_file_within_the_drives_is_not_removed() -> None:
 
 def test_another_table_is_replaced() -> None:
     Path("table.csv").write_text("an older one")
-    midair.sweep(ASKED, "table.csv")
+    midair.sweep(REQUESTED, "table.csv")
     assert len(Path("table.csv").read_text().splitlines()) == 61
 
 
@@ -233,13 +233,13 @@ def test_what_dead_processes_left_is_removed() -> None:
     for path in (stale[0], *live):
         path.touch()
     group(stale[1])
-    midair.sweep(ASKED, "table.csv", drives="drives.zarr")
+    midair.sweep(REQUESTED, "table.csv", drives="drives.zarr")
     assert not any(path.exists() for path in stale)
     assert all(path.exists() for path in live)
 
 
 @pytest.mark.parametrize(
-    ("name", "text", "told"),
+    ("name", "text", "reported"),
     [
         (
             "a.json",
@@ -264,12 +264,12 @@ def test_what_dead_processes_left_is_removed() -> None:
         ("a.toml", "", "empty"),
     ],
 )
-def test_a_mistake_in_a_sweep_file_is_reported_in_its_line(name: str, text: str, told: str) -> None:
+def test_a_mistake_in_a_sweep_file_is_reported_in_its_line(name: str, text: str, reported: str) -> None:
     Path(name).write_text(text)
     with pytest.raises(midair.SceneError) as error:
         midair.sweep(name)
-    assert told in str(error.value)
-    assert ", line " not in told or str(error.value).startswith(f"{name}, {told}")
+    assert reported in str(error.value)
+    assert ", line " not in reported or str(error.value).startswith(f"{name}, {reported}")
     assert "\n" not in str(error.value)
 
 

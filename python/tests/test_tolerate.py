@@ -75,8 +75,8 @@ def test_every_trial_is_that_of_numpy() -> None:
 
 
 def test_a_seed_is_the_same_table_whatever_the_threads() -> None:
-    asked = {"phase": 15, "tilt": 0.5, "trials": 25}
-    one, other = (midair.tolerate(SCENE, "naive", seed=3, threads=count, **asked) for count in (1, 2))
+    requested = {"phase": 15, "tilt": 0.5, "trials": 25}
+    one, other = (midair.tolerate(SCENE, "naive", seed=3, threads=count, **requested) for count in (1, 2))
     for name in ("phase", "tilt", "together"):
         np.testing.assert_array_equal(one[name].level, other[name].level)
         np.testing.assert_array_equal(one[name].uniformity, other[name].uniformity)
@@ -111,14 +111,14 @@ def test_traps_keep_their_signature() -> None:
 
 
 def test_progress_may_stop_and_what_is_done_stays() -> None:
-    told = []
+    reported = []
     full = midair.tolerate(SCENE, "naive", dead=0.1, trials=60)
     part = midair.tolerate(
-        SCENE, "naive", dead=0.1, trials=60, progress=lambda *step: told.append(step) or step[0] < 20
+        SCENE, "naive", dead=0.1, trials=60, progress=lambda *step: reported.append(step) or step[0] < 20
     )
     assert (full.status, part.status) == ("done", "stopped")
     assert part.trials == 20
-    assert told == [(10, 60), (20, 60)]
+    assert reported == [(10, 60), (20, 60)]
     np.testing.assert_array_equal(part["dead"].level, full["dead"].level[:20])
     assert "stopped" in repr(part)
 
@@ -138,7 +138,7 @@ def test_the_table_is_of_its_trials() -> None:
 
 
 @pytest.mark.parametrize(
-    ("asked", "told"),
+    ("requested", "reported"),
     [
         ({}, "give at least one of phase"),
         ({"phase": -1}, "phase is -1"),
@@ -152,13 +152,13 @@ def test_the_table_is_of_its_trials() -> None:
         ({"phase": 1, "threads": 0}, "threads is 0"),
     ],
 )
-def test_bad_requests_are_refused(asked: dict[str, float], told: str) -> None:
-    with pytest.raises(midair.SceneError, match=told):
-        midair.tolerate(SCENE, "naive", **asked)
+def test_bad_requests_are_refused(requested: dict[str, float], reported: str) -> None:
+    with pytest.raises(midair.SceneError, match=reported):
+        midair.tolerate(SCENE, "naive", **requested)
 
 
 @pytest.mark.parametrize("name", ["fase", "dedd"])
-def test_a_fault_mistyped_is_told_by_name(name: str) -> None:
+def test_a_fault_mistyped_is_reported_by_name(name: str) -> None:
     with pytest.raises(TypeError, match=rf'midair\.tolerate "{name}": .*known are phase, gain'):
         midair.tolerate(SCENE, "naive", **{name: 1})
 
@@ -180,12 +180,12 @@ def test_a_silent_scene_is_refused() -> None:
 
 
 def test_a_drive_is_played_as_it_is() -> None:
-    asked = {"phase": 20, "dead": 0.1, "trials": 20}
-    table = midair.tolerate(SCENE, "naive", **asked)
+    requested = {"phase": 20, "dead": 0.1, "trials": 20}
+    table = midair.tolerate(SCENE, "naive", **requested)
     solution = table.solution
     assert solution is not None
     for drive in (solution, solution.drive, solution.drive.tolist()):
-        same = midair.tolerate(SCENE, drive=drive, **asked)
+        same = midair.tolerate(SCENE, drive=drive, **requested)
         for name in table.rows:
             np.testing.assert_array_equal(same[name].level, table[name].level)
             np.testing.assert_array_equal(same[name].uniformity, table[name].uniformity)
@@ -204,7 +204,7 @@ def test_a_drive_is_played_as_it_is() -> None:
 
 
 @pytest.mark.parametrize(
-    ("asked", "told"),
+    ("requested", "reported"),
     [
         ({"drive": np.ones(3)}, "drive is 3 values: give one for each of the 256"),
         ({"drive": "naive"}, "drive is 'naive': give numbers"),
@@ -212,9 +212,9 @@ def test_a_drive_is_played_as_it_is() -> None:
         ({"drive": np.ones(256), "phases": 8}, "phases is 8: drive is played as it is"),
     ],
 )
-def test_a_drive_that_cannot_be_played_is_refused(asked: dict[str, object], told: str) -> None:
-    with pytest.raises(midair.SceneError, match=told):
-        midair.tolerate(SCENE, phase=1, **asked)
+def test_a_drive_that_cannot_be_played_is_refused(requested: dict[str, object], reported: str) -> None:
+    with pytest.raises(midair.SceneError, match=reported):
+        midair.tolerate(SCENE, phase=1, **requested)
 
 
 FILE = """
@@ -233,9 +233,9 @@ def test_the_command_prints_what_python_gives(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("scene.toml").write_text(FILE)
-    asked = ["--phase", "20", "--dead", "0.05", "--temperature", "5", "--tilt", "1", "--trials", "20"]
+    requested = ["--phase", "20", "--dead", "0.05", "--temperature", "5", "--tilt", "1", "--trials", "20"]
     with pytest.raises(SystemExit) as left:
-        cli.main(["tolerate", "scene.toml", *asked, "--image", "t.png", "--json"])
+        cli.main(["tolerate", "scene.toml", *requested, "--image", "t.png", "--json"])
     assert left.value.code == 0
     rows = json.loads(capsys.readouterr().out)["rows"]
     table = midair.tolerate(
@@ -253,7 +253,7 @@ def test_the_command_prints_what_python_gives(
 
 
 @pytest.mark.slow
-def test_ctrl_c_is_heard_and_keeps_the_trials_that_are_done(
+def test_ctrl_c_is_noticed_and_keeps_the_trials_that_are_done(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)

@@ -232,7 +232,7 @@ def test_what_cannot_be_a_trap_is_refused_in_one_line(tmp_path: Any) -> None:
     array = midair.Array.preset("paper20")
     points = [[0, 0, 0.1]]
     scene = midair.Scene(array, points)
-    for signature, told in [
+    for signature, reported in [
         ("bottle", 'unknown signature "bottle"'),
         (np.ones(3), 'signature is of shape (3,): give "trap"'),
         (np.ones((2, 400)), "signature is 800 factors: give one for each of the 400 transducers"),
@@ -242,7 +242,7 @@ def test_what_cannot_be_a_trap_is_refused_in_one_line(tmp_path: Any) -> None:
     ]:
         with pytest.raises(midair.SceneError) as refusal:
             scene.replace(signature=signature)
-        assert told in str(refusal.value)
+        assert reported in str(refusal.value)
         assert "\n" not in str(refusal.value)
     with pytest.raises(midair.SceneError, match="signature is a list of factors: files know"):
         scene.replace(signature=np.ones(400)).save(tmp_path / "scene.toml")
@@ -253,7 +253,7 @@ def test_what_cannot_be_a_trap_is_refused_in_one_line(tmp_path: Any) -> None:
     with pytest.raises(midair.SceneError, match=r"points\[0\] is .* m from transducer 0"):
         midair.solve(midair.Scene(array, array.positions[:1], signature="trap"))
     drive = np.ones(400)
-    for keywords, told in [
+    for keywords, reported in [
         ({"radius": 0}, "radius is 0.0: give a number above 0"),
         ({"density": np.inf}, "density is inf"),
         ({"sound_speed": -1}, "sound_speed is -1.0"),
@@ -262,7 +262,7 @@ def test_what_cannot_be_a_trap_is_refused_in_one_line(tmp_path: Any) -> None:
     ]:
         with pytest.raises(midair.SceneError) as refusal:
             midair.gorkov(scene, drive, **keywords)
-        assert told in str(refusal.value)
+        assert reported in str(refusal.value)
         assert "\n" not in str(refusal.value)
     with pytest.warns(
         midair.SceneWarning, match="radius is 0.002 m: Gor'kov's potential is for spheres small"
@@ -340,7 +340,7 @@ def test_beads_of_traps_rest_at_their_points(quantization: Any, count: int) -> N
 
 
 @pytest.mark.parametrize("board", BOARDS)
-def test_traps_of_which_nothing_is_asked_are_stiffer_than_equal_foci(board: str) -> None:
+def test_traps_of_which_nothing_is_requested_are_stiffer_than_equal_foci(board: str) -> None:
     """Along the softest axis of each, whichever way it lies; on ten phases, too."""
     made, box, apart = BOARDS[board]
     for quantization in ({}, {"phases": 10}):
@@ -372,13 +372,13 @@ def test_a_stop_keeps_the_traps_that_there_are(last: int) -> None:
 
 
 @pytest.mark.slow
-def test_foci_that_are_asked_for_are_not_made_others() -> None:
+def test_foci_that_are_requested_are_not_made_others() -> None:
     array = midair.Array(*traps.openmpd())
     points = scattered(3, [0.05, 0.05, 0.02], 0.02, 1)
     scene = midair.Scene(array, points, signature="trap")
-    asked = midair.solve(scene, pressures=[2000.0, 3000.0, 1000.0])
-    np.testing.assert_allclose(abs(asked.pressures), [2000, 3000, 1000], rtol=1e-3)
-    started = midair.solve(scene, start=asked)
+    requested = midair.solve(scene, pressures=[2000.0, 3000.0, 1000.0])
+    np.testing.assert_allclose(abs(requested.pressures), [2000, 3000, 1000], rtol=1e-3)
+    started = midair.solve(scene, start=requested)
     np.testing.assert_allclose(abs(started.pressures), abs(started.pressures).mean(), rtol=1e-3)
     # Behind a sphere the derivatives are not known: foci they remain.
     ball = midair.Sphere([0.2, 0, 0], 0.02)

@@ -135,7 +135,7 @@ def test_a_reader_that_raises_keeps_the_best() -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
+    ("given", "reported"),
     [
         (np.full(4, np.nan), "read gave nan at place 0"),
         (np.zeros(3), r"read gave float64 of shape \(3,\): give \|p\| at 4 places"),
@@ -143,26 +143,26 @@ def test_a_reader_that_raises_keeps_the_best() -> None:
         (np.zeros(4, complex), "read gave complex128"),
     ],
 )
-def test_what_is_no_reading_is_refused(given: Any, told: str) -> None:
-    with pytest.raises(midair.SceneError, match=told):
+def test_what_is_no_reading_is_refused(given: Any, reported: str) -> None:
+    with pytest.raises(midair.SceneError, match=reported):
         midair.tune(lambda drive: given, scene(Rig(41)))
 
 
-@pytest.mark.parametrize("heard", [0.0, 7.5])
+@pytest.mark.parametrize("received", [0.0, 7.5])
 @pytest.mark.parametrize("method", ["greedy", "feedback", "spsa"])
-def test_a_dead_microphone_is_told_of_once(method: Any, heard: float) -> None:
+def test_a_dead_microphone_is_reported_once(method: Any, received: float) -> None:
     rig = Rig(44)
     reader = Reader(rig, 60)
 
     def read(drive: Any) -> Any:
         found = reader(drive)
-        found[[2, 3]] = heard, max(found[3], 1.0)
+        found[[2, 3]] = received, max(found[3], 1.0)
         return found
 
-    with pytest.warns(midair.SceneWarning) as told:
+    with pytest.warns(midair.SceneWarning) as reported:
         found = midair.tune(read, scene(rig), method, budget=50)
-    assert [str(one.message) for one in told] == [
-        f"read gave |p| = {heard:g} at place 2 in all {found.readings} readings: "
+    assert [str(one.message) for one in reported] == [
+        f"read gave |p| = {received:g} at place 2 in all {found.readings} readings: "
         "a dead microphone, mend it or leave its point out"
     ]
 
@@ -171,10 +171,10 @@ def test_one_drive_says_nothing_of_a_microphone() -> None:
     # Where the model is right, feedback plays one drive ten times: that all stays the same is no fault.
     rig = Rig(45)
     model = scene(rig)
-    heard = model.propagation()
+    received = model.propagation()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        midair.tune(lambda drive: np.round(np.abs(heard @ drive)), model, "feedback")
+        midair.tune(lambda drive: np.round(np.abs(received @ drive)), model, "feedback")
     with pytest.warns(midair.SceneWarning, match=r"\|p\| = 0 at place 0 and 3 more in all 1 readings"):
         midair.tune(lambda drive: np.zeros(4), model, "feedback")
 
@@ -189,20 +189,20 @@ def test_ctrl_c_keeps_the_best_within_half_a_second() -> None:
             time.sleep(20)
         return reader(drive)
 
-    asked: list[float] = []
+    requested: list[float] = []
 
     def ask() -> None:
-        asked.append(time.monotonic())
+        requested.append(time.monotonic())
         os.kill(os.getpid(), signal.SIGINT)
 
     threading.Timer(0.5, ask).start()
     found = midair.tune(read, scene(rig))
-    assert time.monotonic() - asked[0] < 0.5
+    assert time.monotonic() - requested[0] < 0.5
     assert (found.status, found.readings) == ("stopped", 30)
 
 
 @pytest.mark.parametrize(
-    ("keywords", "told"),
+    ("keywords", "reported"),
     [
         ({"method": "guess"}, 'method is "guess": give one of greedy, feedback, spsa'),
         ({"targets": [1, 2]}, "targets is"),
@@ -213,9 +213,9 @@ def test_ctrl_c_keeps_the_best_within_half_a_second() -> None:
         ({"phases": 1}, "phases is 1"),
     ],
 )
-def test_arguments_are_refused(keywords: dict[str, Any], told: str) -> None:
+def test_arguments_are_refused(keywords: dict[str, Any], reported: str) -> None:
     rig = Rig(43)
-    with pytest.raises(midair.SceneError, match=told):
+    with pytest.raises(midair.SceneError, match=reported):
         midair.tune(Reader(rig), scene(rig), **keywords)
     with pytest.raises(midair.SceneError, match="targets are left out"):
         midair.tune(Reader(rig), rig.array)

@@ -114,6 +114,6 @@ def test_points_come_at_their_times(tmp_path: Path) -> None:
     assert radius.max() <= 0.02 * (1 + 1e-5)
     assert radius.min() > 0.02 * np.cos(np.pi / 10) * (1 - 1e-5)
     np.testing.assert_allclose(got[..., 2:], [[[0.2, 1.0]] * 2] * 80, rtol=1e-5)
-    told = subprocess.run([program], capture_output=True, text=True)
-    assert told.returncode == 2
-    assert "midair.write" in told.stderr
+    reported = subprocess.run([program], capture_output=True, text=True)
+    assert reported.returncode == 2
+    assert "midair.write" in reported.stderr

@@ -49,7 +49,7 @@ pub(super) fn undrawn(_name: &str, _text: &str) -> Result<Drawing, String> {
 pub(super) fn tables(document: &Node) -> impl Iterator<Item = &Node> {
     NAMES.iter().chain(&["obstacles"]).filter_map(|name| document.get(name)).flat_map(|node| match node {
         Node::List(list) => list.as_slice(),
-        lone => core::slice::from_ref(lone),
+        single => core::slice::from_ref(single),
     })
 }
 
@@ -96,5 +96,5 @@ fn one(name: &str, item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Drawing, Faul
     }
     let mut text = String::new();
     write::toml("", item.node, &mut text).ok_or_else(|| item.refused("give numbers, words and lists of them"))?;
-    draw(name, &text).map_err(|refusal| item.told(&refusal))
+    draw(name, &text).map_err(|refusal| item.reported(&refusal))
 }

@@ -44,7 +44,7 @@ impl Fault {
 
     /// The error in full: `bowl.toml, line 12, column 12: points[1].pressure is "loud": give a number; for example
     /// pressure = 500.0`.
-    pub(super) fn told(self, text: &str, format: Format, source: Source<'_>) -> Error {
+    pub(super) fn reported(self, text: &str, format: Format, source: Source<'_>) -> Error {
         let (offset, example) = match (&self.at, &*self.error) {
             (_, Error::File { .. }) => return *self.error,
             (At::Key(table, key), _) => {

@@ -36,7 +36,7 @@ impl<'a> Item<'a> {
     }
 
     /// A refusal of one of this table's keys, such as `radius is -0.03: give a number above 0`, as one of the document's.
-    pub(super) fn told(&self, refusal: &str) -> Fault {
+    pub(super) fn reported(&self, refusal: &str) -> Fault {
         let parts = refusal.split_once(" is ").and_then(|(key, rest)| Some((key, rest.split_once(": ")?)));
         match parts.filter(|(key, _)| schema::keys(&self.path).any(|known| known == *key)) {
             Some((key, (value, cure))) => {

@@ -79,7 +79,7 @@ pub fn read_from(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Sce
 /// As [`read_from`], and what `draw` refuses.
 pub fn read_drawn(bytes: &[u8], format: Format, source: Source<'_>, draw: &mut Draw<'_>) -> Result<Scene, Error> {
     let (text, document) = parse(bytes, format, source)?;
-    read::scene(&document, source, draw).map_err(|fault| fault.told(text, format, source))
+    read::scene(&document, source, draw).map_err(|fault| fault.reported(text, format, source))
 }
 
 /// Reads a document of points that move: `draw` makes of each `motion.path`, or of `motion.file`, the points of its first
@@ -117,7 +117,7 @@ pub fn read_motion(
     draw: &mut Draw<'_>,
 ) -> Result<Option<Motion>, Error> {
     let (text, document) = parse(bytes, format, source)?;
-    motion::motion(&document, source, draw).map_err(|fault| fault.told(text, format, source))
+    motion::motion(&document, source, draw).map_err(|fault| fault.reported(text, format, source))
 }
 
 /// Reads a document of a sweep: its values, whose keys are known.
@@ -134,7 +134,7 @@ pub fn read_motion(
 /// ```
 pub fn read_sweep(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Node, Error> {
     let (text, document) = parse(bytes, format, source)?;
-    sweep::check(&document).map_err(|fault| fault.told(text, format, source))?;
+    sweep::check(&document).map_err(|fault| fault.reported(text, format, source))?;
     Ok(document)
 }
 
@@ -182,7 +182,7 @@ fn parse<'a>(bytes: &'a [u8], format: Format, source: Source<'_>) -> Result<(&'a
         Format::Toml => toml::read(text),
         Format::Json => json::read(text),
     };
-    Ok((text, document.map_err(|flaw| flaw.told(text, format, source))?))
+    Ok((text, document.map_err(|flaw| flaw.reported(text, format, source))?))
 }
 
 /// Writes a scene as text that [`read`] reads as the same scene.

@@ -57,7 +57,7 @@ fn points(table: &Table<'_>, draw: &mut Draw<'_>) -> Result<Vec<[f64; 3]>, Fault
         (Some(file), None) => match draw("motion.file", file.text()?) {
             Ok(Drawing::Points(points, _)) => Ok(points),
             Ok(Drawing::Mesh(..)) => Err(file.refused("it is drawn as a mesh: points are wanted")),
-            Err(refusal) => Err(file.told(&refusal)),
+            Err(refusal) => Err(file.reported(&refusal)),
         },
         (None, Some(path)) => {
             let drawn = drawn::each("motion.path", path, draw)?;

@@ -29,8 +29,8 @@ impl Format {
     /// A document's own, by the endings `.json` and `.toml` of its name, else by the text itself.
     #[must_use]
     pub fn of_document(name: &str, bytes: &[u8]) -> Self {
-        let told = [".json", ".toml"].iter().any(|ending| name.to_ascii_lowercase().ends_with(ending));
-        if told { Self::of(name) } else { Self::of_text(bytes) }
+        let reported = [".json", ".toml"].iter().any(|ending| name.to_ascii_lowercase().ends_with(ending));
+        if reported { Self::of(name) } else { Self::of_text(bytes) }
     }
 
     /// By the text itself: no TOML begins with a brace, and a scene in JSON does.

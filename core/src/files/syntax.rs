@@ -54,7 +54,7 @@ impl Flaw {
     }
 
     /// The fault with a line as it would be correct, of the key where the text goes wrong, where it is known.
-    pub(super) fn told(self, text: &str, format: Format, source: Source<'_>) -> Error {
+    pub(super) fn reported(self, text: &str, format: Format, source: Source<'_>) -> Error {
         let before = self.at.and_then(|at| text.get(..at));
         let key = |word: &str| schema::example_of_key(word, format);
         let example = before.and_then(|before| match format {

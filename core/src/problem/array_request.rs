@@ -176,7 +176,7 @@ impl ArrayRequest {
 
     /// Metrics of pressures |p| (M,) in Pa.
     pub(crate) fn metrics(&self, pressures: impl Iterator<Item = f64> + Clone) -> Metrics {
-        let asked = self.pascals.iter().zip(&self.weights);
-        Metrics::of(pressures.zip(asked).map(|(pressure, (&target, &weight))| (pressure, target, weight)))
+        let requested = self.pascals.iter().zip(&self.weights);
+        Metrics::of(pressures.zip(requested).map(|(pressure, (&target, &weight))| (pressure, target, weight)))
     }
 }

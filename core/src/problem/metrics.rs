@@ -69,7 +69,7 @@ impl Metrics {
         let targeted = points.clone().filter(|&(_, target, weight)| target > 0.0 && weight > 0.0);
         let largest = targeted.clone().fold(0.0, |most: f64, (_, target, _)| most.max(target));
         let heaviest = targeted.clone().fold(0.0, |most: f64, (_, _, weight)| most.max(weight));
-        let (mut count, mut reached, mut asked, mut level) = (0.0, 0.0, 0.0, 0.0);
+        let (mut count, mut reached, mut requested, mut level) = (0.0, 0.0, 0.0, 0.0);
         let (mut miss, mut all) = (0.0, 0.0);
         let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
         for (pressure, target, weight) in targeted.clone() {
@@ -78,7 +78,7 @@ impl Metrics {
             let (gap, target) = ((target - pressure) / largest, target / largest);
             count += 1.0;
             reached += pressure / largest;
-            asked += target;
+            requested += target;
             level += x;
             miss += weight / heaviest * gap * gap;
             all += weight / heaviest * target * target;
@@ -96,7 +96,7 @@ impl Metrics {
         let silent = high == 0.0;
         let quiet = points.filter(|&(_, target, weight)| target == 0.0 && weight > 0.0);
         Self {
-            accuracy: reached / asked,
+            accuracy: reached / requested,
             sigma: if silent { 0.0 } else { math::sqrt(targeted.fold(0.0, spread) / count) },
             uniformity: if silent { 0.0 } else { low / high },
             level: mean,

@@ -400,9 +400,9 @@ impl Solution {
 /// By value: what was request, and what was answered.
 impl PartialEq for Solution {
     fn eq(&self, other: &Self) -> bool {
-        let told = |solution: &Self| (solution.status, solution.steps, solution.scale);
+        let reported = |solution: &Self| (solution.status, solution.steps, solution.scale);
         let (request, others) = (&self.request, &other.request);
-        told(self) == told(other)
+        reported(self) == reported(other)
             && self.drive == other.drive
             && self.pressures == other.pressures
             && request.pascals == others.pascals

@@ -168,7 +168,7 @@ fn extent(array: &Array, medium: Medium) -> Option<Doubt> {
     if sure && places.len() > 1 {
         let usual = &(wavelength / 4.0..=wavelength * 3.0);
         let [close, far] = [*SPACING.start(), *SPACING.end()].map(|part| part * wavelength);
-        let told = |pair: Option<[usize; 2]>, length: f64, what: &str| {
+        let reported = |pair: Option<[usize; 2]>, length: f64, what: &str| {
             let (item, value) = match (array.origin(), pair) {
                 (Origin::Grid { pitch, .. }, _) => ("array.grid.pitch", format!("{} m", short(*pitch))),
                 (_, Some([i, k])) => ("array.positions", format!("{} m from [{i}] to [{k}]", short(length))),
@@ -179,10 +179,10 @@ fn extent(array: &Array, medium: Medium) -> Option<Doubt> {
         };
         let neighbours = Neighbours::of(places);
         if let Some((pair, length)) = neighbours.pair(close, |_, _| true) {
-            return Some(told(Some(pair), length, "neighbours nearer than a twentieth of the wavelength"));
+            return Some(reported(Some(pair), length, "neighbours nearer than a twentieth of the wavelength"));
         }
         if neighbours.pair(far, |_, _| true).is_none() {
-            return Some(told(None, distance(places[0], places[1]), "no neighbours within five wavelengths"));
+            return Some(reported(None, distance(places[0], places[1]), "no neighbours within five wavelengths"));
         }
     }
     array.doubt()

@@ -79,8 +79,8 @@ impl Request {
         if self.weights.as_ref().is_some_and(|weights| weights.iter().all(|&w| w == 0.0)) {
             return Err(Error::invalid("weights", "all 0", "give at least one point a weight above 0"));
         }
-        let asked = |j: usize| self.pressure(j) > 0.0 && self.weight(j) > 0.0;
-        if !(0..points).any(asked) {
+        let requested = |j: usize| self.pressure(j) > 0.0 && self.weight(j) > 0.0;
+        if !(0..points).any(requested) {
             return Err(Error::invalid(
                 "pressures",
                 "all 0",

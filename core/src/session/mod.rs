@@ -61,7 +61,7 @@ pub struct Session {
     /// The last frame, where the solver remembers it.
     last: Last,
     /// Which kinds of remark it has made.
-    told: [bool; 8],
+    reported: [bool; 8],
     /// Whether it has looked for the proof that targets cannot be had together.
     looked: bool,
     /// Where points are looked for, until one was found outside.
@@ -103,7 +103,7 @@ impl Session {
             workers: Vec::new(),
             solution: None,
             last: Last::default(),
-            told: [false; 8],
+            reported: [false; 8],
             looked: false,
             vicinity,
             compared,
@@ -246,9 +246,9 @@ impl Session {
         let (scaled, harmonic) = (Remark::scaled(solution), Remark::harmonic(problem, solution));
         let mut remarks = [beyond.map(Remark::Beyond), missed, weak, unused, leak, still, scaled, harmonic];
         self.looked |= look;
-        for (told, remark) in self.told.iter_mut().zip(&mut remarks) {
-            *remark = remark.filter(|_| !*told);
-            *told |= remark.is_some();
+        for (reported, remark) in self.reported.iter_mut().zip(&mut remarks) {
+            *remark = remark.filter(|_| !*reported);
+            *reported |= remark.is_some();
         }
         remarks.into_iter().flatten()
     }

@@ -56,13 +56,13 @@ fn what_a_frame_plays_makes_the_same_frame() {
         for _ in 0..20 {
             let drive = random(&mut rng, transducers);
             let sent = frame(&board, &drive);
-            let heard = played(&board, &sent);
-            assert_eq!(frame(&board, &heard), sent, "{name}");
+            let received = played(&board, &sent);
+            assert_eq!(frame(&board, &received), sent, "{name}");
             // homies has two phases moved by a step.
-            assert!(name == "homies" || codes(&board, &heard) == codes(&board, &drive), "{name}");
-            for (asked, got) in drive.iter().zip(&heard).filter(|(_, got)| got.norm() > 0.0) {
+            assert!(name == "homies" || codes(&board, &received) == codes(&board, &drive), "{name}");
+            for (requested, got) in drive.iter().zip(&received).filter(|(_, got)| got.norm() > 0.0) {
                 let phases = board.quantization().expect("a grid").phases().expect("phases") as f32;
-                let turned = (asked * got.conj()).arg().abs();
+                let turned = (requested * got.conj()).arg().abs();
                 // homies has two phases moved by a step; a mega64's narrow pulses have amplitudes of their own.
                 let steps = if name == "homies" {
                     1.5
@@ -71,7 +71,7 @@ fn what_a_frame_plays_makes_the_same_frame() {
                 } else {
                     0.5
                 };
-                assert!(turned < TAU / phases * steps + 1e-5, "{name}: {asked} became {got}");
+                assert!(turned < TAU / phases * steps + 1e-5, "{name}: {requested} became {got}");
             }
         }
     }
@@ -84,10 +84,10 @@ fn drives_on_a_boards_grid_come_back() {
         let board = board(name, transducers);
         let grid = board.quantization().expect("a grid");
         let drive: Vec<_> = random(&mut rng, transducers).into_iter().map(|q| grid.nearest(q)).collect();
-        for (asked, got) in drive.iter().zip(played(&board, &frame(&board, &drive))) {
+        for (requested, got) in drive.iter().zip(played(&board, &frame(&board, &drive))) {
             // homies has two phases moved by a step.
-            let spared = name == "homies" && asked.norm() > 0.0 && (asked - got).norm() < 0.03;
-            assert!((asked - got).norm() < 1e-6 || spared, "{name}: {asked} became {got}");
+            let spared = name == "homies" && requested.norm() > 0.0 && (requested - got).norm() < 0.03;
+            assert!((requested - got).norm() < 1e-6 || spared, "{name}: {requested} became {got}");
         }
     }
 }
@@ -114,9 +114,10 @@ fn a_correction_is_taken_from_the_phase_before_it_is_rounded() {
         let turned: Vec<_> =
             drive.iter().zip(&polarity).map(|(q, phase)| q * Complex32::from_polar(1.0, -*phase as f32)).collect();
         assert_eq!(frame(&corrected, &drive), frame(&board, &turned), "{name}");
-        let [heard, asked] = [played(&corrected, &frame(&corrected, &drive)), played(&board, &frame(&board, &turned))];
-        for ((heard, asked), phase) in heard.into_iter().zip(asked).zip(&polarity) {
-            assert!((heard - asked * Complex32::from_polar(1.0, *phase as f32)).norm() < 1e-5, "{name}");
+        let [received, requested] =
+            [played(&corrected, &frame(&corrected, &drive)), played(&board, &frame(&board, &turned))];
+        for ((received, requested), phase) in received.into_iter().zip(requested).zip(&polarity) {
+            assert!((received - requested * Complex32::from_polar(1.0, *phase as f32)).norm() < 1e-5, "{name}");
         }
     }
 }
@@ -155,8 +156,8 @@ fn broken_frames_are_refused_or_play_something_finite() {
             }
         }
         for wrong in [&whole[..whole.len() - 1], &[&whole[..], &[0]].concat(), &[]] {
-            let told = board.decode(wrong, &mut drive).expect_err("not one frame").to_string();
-            assert!(told.starts_with("frame") && told.lines().count() == 1, "{name}: {told}");
+            let reported = board.decode(wrong, &mut drive).expect_err("not one frame").to_string();
+            assert!(reported.starts_with("frame") && reported.lines().count() == 1, "{name}: {reported}");
         }
     }
 }
@@ -169,14 +170,14 @@ fn what_no_board_can_play_is_refused() {
     assert_eq!(of("nano", 9), "transducers is 9: nano has 1 to 8 channels");
     assert_eq!(of("nano", 0), "transducers is 0: nano has 1 to 8 channels");
     let nano = board("nano", 8);
-    for (drive, told) in [
+    for (drive, reported) in [
         (Complex32::new(f32::NAN, 0.0), "drive[3] is NaN + 0j: give finite drives of at most 1"),
         (Complex32::new(0.0, f32::INFINITY), "drive[3] is 0 + infj: give finite drives of at most 1"),
         (Complex32::new(0.9, 0.9), "drive[3] is 0.9 + 0.9j: give finite drives of at most 1"),
     ] {
         let mut drives = [Complex32::ONE; 8];
         drives[3] = drive;
-        assert_eq!(nano.encode(&drives, &mut [0; 49]).expect_err("refused").to_string(), told);
+        assert_eq!(nano.encode(&drives, &mut [0; 49]).expect_err("refused").to_string(), reported);
     }
     let short = nano.encode(&[Complex32::ONE; 8], &mut [0; 48]).expect_err("no room").to_string();
     assert_eq!(short, "frame is 48 bytes: give room for 49");

@@ -70,8 +70,10 @@ fn every_method_solves_with_summed_columns() {
             for j in 0..2 {
                 let wide = |q: &Complex32| Complex64::new(f64::from(q.re), f64::from(q.im));
                 let p: Complex64 = sums[32 * j..].iter().zip(&own).map(|(g, q)| g * wide(q)).sum();
-                let told = wide(&solution.pressures[j]);
-                assert!((p - told).norm() < 1e-5 * sums[32 * j..32 * (j + 1)].iter().map(|g| g.norm()).sum::<f64>());
+                let reported = wide(&solution.pressures[j]);
+                assert!(
+                    (p - reported).norm() < 1e-5 * sums[32 * j..32 * (j + 1)].iter().map(|g| g.norm()).sum::<f64>()
+                );
             }
             let same = solved(&matrix, name).metrics().accuracy;
             let found = solution.metrics().accuracy;
@@ -169,14 +171,20 @@ fn a_tinylev_has_two_channels_that_a_nano_plays() {
 
 #[test]
 fn what_cannot_be_wired_is_refused_in_one_line() {
-    let told = |channels: &[usize]| {
+    let reported = |channels: &[usize]| {
         let array = Array::grid(2, 2, 10e-3).expect("an array").with_channels(Some(channels.to_vec()));
         array.map_or_else(|error| error.to_string(), |array| format!("{:?}", array.channels()))
     };
-    assert_eq!(told(&[0, 1, 2, 3]), "None");
-    assert_eq!(told(&[0, 1]), "array.channels is 2 values: give one for each of the 4 transducers");
-    assert_eq!(told(&[0, 0, 2, 2]), "array.channels is up to 2: number them 0 to C - 1: no transducer is on channel 1");
-    assert_eq!(told(&[0, 0, 0, 4]), "array.channels[3] is 4: give 0 to 3: there are no more channels than transducers");
+    assert_eq!(reported(&[0, 1, 2, 3]), "None");
+    assert_eq!(reported(&[0, 1]), "array.channels is 2 values: give one for each of the 4 transducers");
+    assert_eq!(
+        reported(&[0, 0, 2, 2]),
+        "array.channels is up to 2: number them 0 to C - 1: no transducer is on channel 1"
+    );
+    assert_eq!(
+        reported(&[0, 0, 0, 4]),
+        "array.channels[3] is 4: give 0 to 3: there are no more channels than transducers"
+    );
     let rows = Array::grid(16, 16, 10.5e-3).expect("an array").with_channels(Some((0..256).map(|i| i / 16).collect()));
     let rows = rows.expect("rows");
     assert_eq!(rows.board("nano16").expect("as many channels as rows").channels().len(), 16);
@@ -185,6 +193,6 @@ fn what_cannot_be_wired_is_refused_in_one_line() {
     let board = rows.board("nano16").expect("a board");
     let mut drive = vec![Complex32::ONE; 256];
     drive[17] = Complex32::I;
-    let told = board.encode(&drive, &mut [0; 65]).expect_err("two drives").to_string();
-    assert_eq!(told, "drive[17] is 0+1i: drive[16] on the same channel 1 is 1+0i: give both one");
+    let reported = board.encode(&drive, &mut [0; 65]).expect_err("two drives").to_string();
+    assert_eq!(reported, "drive[17] is 0+1i: drive[16] on the same channel 1 is 1+0i: give both one");
 }

@@ -39,9 +39,9 @@ fn pair(name: &str) -> Drawing {
 
 #[test]
 fn tables_are_drawn_in_order_after_the_points() {
-    let mut asked = Vec::new();
+    let mut requested = Vec::new();
     let mut draw = |name: &str, text: &str| {
-        asked.push((name.to_owned(), text.to_owned()));
+        requested.push((name.to_owned(), text.to_owned()));
         Ok(pair(name))
     };
     let scene = read_drawn(SCENE.as_bytes(), Format::Toml, SOURCE, &mut draw).expect("a scene");
@@ -50,9 +50,9 @@ fn tables_are_drawn_in_order_after_the_points() {
     let pressures = scene.request().pressures.clone().expect("pressures");
     assert_eq!(pressures, [500.0, 700.0, 800.0, 700.0, 800.0, 700.0, 800.0]);
     assert_eq!(scene.request().weights, None);
-    let names: Vec<&str> = asked.iter().map(|(name, _)| name.as_str()).collect();
+    let names: Vec<&str> = requested.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names, ["shape", "shape", "image"]);
-    let text: toml::Table = asked[0].1.parse().expect("TOML");
+    let text: toml::Table = requested[0].1.parse().expect("TOML");
     assert_eq!(text["height"].as_float(), Some(0.03));
     assert_eq!(text["string"].as_str(), Some("hi"));
 }
@@ -65,14 +65,14 @@ fn files_of_drawn_tables_belong_to_the_scene() {
 }
 
 /// What a document is refused with, where the door answers so.
-fn told(text: &str, format: Format, answer: &Result<Drawing, String>) -> String {
+fn reported(text: &str, format: Format, answer: &Result<Drawing, String>) -> String {
     let error = read_drawn(text.as_bytes(), format, SOURCE, &mut |_, _| answer.clone()).expect_err(text).to_string();
     assert!(!error.contains('\n'), "{error}");
     error
 }
 
 #[test]
-fn a_refusal_is_told_with_the_place_of_its_key() {
+fn a_refusal_is_reported_with_the_place_of_its_key() {
     let refusal = |text: &str| Err(text.to_owned());
     for (answer, begin) in [
         (
@@ -89,11 +89,11 @@ fn a_refusal_is_told_with_the_place_of_its_key() {
             ", line 13, column 1: shape[0] is a table of kind, height, string, z: it is late: come",
         ),
     ] {
-        let error = told(SCENE, Format::Toml, &refusal(answer));
+        let error = reported(SCENE, Format::Toml, &refusal(answer));
         assert!(error.starts_with(&format!("drawn.toml{begin}")), "{error}");
     }
-    let lone = r#"{"array": {"preset": "paper20"}, "image": {"pixels": 0, "size": null}}"#;
-    let error = told(lone, Format::Json, &refusal("pixels is 0: give more"));
+    let single = r#"{"array": {"preset": "paper20"}, "image": {"pixels": 0, "size": null}}"#;
+    let error = reported(single, Format::Json, &refusal("pixels is 0: give more"));
     assert_eq!(error, "drawn.toml, line 1, column 54: image.pixels is 0: give more; for example \"pixels\": 18");
 }
 
@@ -120,7 +120,7 @@ fn what_is_no_table_of_known_keys_never_reaches_the_door() {
     }
     for value in ["3", "[3]", "\"circle\"", "[[1, 2]]"] {
         let text = format!("shape = {value}\n[array]\npreset = \"paper20\"\n");
-        let error = told(&text, Format::Toml, &Ok(pair("shape")));
+        let error = reported(&text, Format::Toml, &Ok(pair("shape")));
         assert!(error.starts_with("drawn.toml, line 1, column ") && error.contains("give a table"), "{error}");
     }
 }
@@ -128,7 +128,7 @@ fn what_is_no_table_of_known_keys_never_reaches_the_door() {
 #[test]
 fn pressures_are_of_all_or_none_across_tables() {
     let Drawing::Points(points, request) = pair("shape") else { unreachable!() };
-    let none = told(SCENE, Format::Toml, &Ok(Drawing::Points(points, Request { pressures: None, ..request })));
+    let none = reported(SCENE, Format::Toml, &Ok(Drawing::Points(points, Request { pressures: None, ..request })));
     assert!(none.starts_with("drawn.toml, line 13, column 1: shape[0].pressure is left out: 1 of 7 points"), "{none}");
 }
 

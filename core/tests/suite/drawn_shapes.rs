@@ -38,7 +38,7 @@ fn array() -> Array {
 }
 
 /// Points, all asked for `factor` times the balanced level.
-fn asked(points: Vec<[f64; 3]>, factor: f64) -> Problem {
+fn requested(points: Vec<[f64; 3]>, factor: f64) -> Problem {
     let reach = problem(&scene(array(), points.clone(), None)).targets_in_pascals()[0];
     let pressures = vec![factor * reach; points.len()];
     problem(&scene(array(), points, Some(pressures)))
@@ -51,7 +51,7 @@ fn dense_sets_are_met_up_to_the_balanced_level_and_by_a_board_too() {
     for points in sets {
         let count = points.len();
         for factor in [0.5, 1.0] {
-            let solution = solved(&asked(points.clone(), factor), &Uniform::default());
+            let solution = solved(&requested(points.clone(), factor), &Uniform::default());
             let metrics = solution.metrics();
             assert_eq!(solution.status, Status::Done, "{count} points");
             assert!(metrics.residual.sqrt() <= 2e-3 && metrics.sigma <= 1e-3, "{count} points: {metrics:?}");
@@ -65,12 +65,12 @@ fn discs_that_are_finer_than_the_field_are_met_and_loud() {
     // From random phases, or from all transducers in phase, zeros stay between the points: errors of .02 to .1.
     for points in [disc(0.03, 3e-3), disc(0.02, 2e-3), disc(0.05, 4e-3)] {
         let count = points.len();
-        let solution = solved(&asked(points, 1.0), &Uniform::default());
+        let solution = solved(&requested(points, 1.0), &Uniform::default());
         let metrics = solution.metrics();
         assert_eq!(solution.status, Status::Done, "{count} points");
         assert!(metrics.residual.sqrt() <= 2e-3 && metrics.sigma <= 1e-3, "{count} points: {metrics:?}");
     }
-    let loudest = solved(&asked(disc(0.02, 2e-3), 1.0).with_aim(Aim::Max), &Uniform::default()).metrics();
+    let loudest = solved(&requested(disc(0.02, 2e-3), 1.0).with_aim(Aim::Max), &Uniform::default()).metrics();
     assert!(loudest.uniformity >= 0.99 && loudest.level >= 1.65, "{loudest:?}");
 }
 
@@ -80,7 +80,7 @@ fn dense_sets_are_nearly_as_loud_as_the_best_that_is_known() {
     // The highest level over the balanced one that long runs of L-BFGS in f64 found.
     for (points, known) in [(line(0.08, 2.5e-3), 1.34), (ring(126, 0.04), 1.60), (disc(0.025, 4e-3), 1.38)] {
         let highest = |solver: &dyn Solve| {
-            let solution = solved(&asked(points.clone(), 1.0).with_aim(Aim::Max), solver);
+            let solution = solved(&requested(points.clone(), 1.0).with_aim(Aim::Max), solver);
             let metrics = solution.metrics();
             assert!(metrics.uniformity >= 0.99, "{metrics:?}");
             metrics.level * metrics.uniformity / known
@@ -98,7 +98,7 @@ fn regular_sets_are_as_loud_as_the_best_of_many_starts() {
     let (mut sum, mut count) = (0.0, 0);
     for points in rings.chain(grids).chain(lines) {
         let level = |solver: &dyn Solve| {
-            let metrics = solved(&asked(points.clone(), 1.0).with_aim(Aim::Max), solver).metrics();
+            let metrics = solved(&requested(points.clone(), 1.0).with_aim(Aim::Max), solver).metrics();
             metrics.level * metrics.uniformity
         };
         let part = level(&Uniform::default()) / level(&Best::default());
@@ -175,7 +175,7 @@ fn below_the_balanced_level_amplitudes_meet_what_phases_miss() {
 
 #[test]
 fn a_descent_lowers_the_error_to_what_can_be_met_and_hears_a_stop() {
-    let problem = asked(disc(0.048, 4e-3), 1.0);
+    let problem = requested(disc(0.048, 4e-3), 1.0);
     let solution = solved(&problem, &Descent::default());
     assert!(error(&solution) <= 2e-3, "{}", error(&solution));
     let mut steps = 0;

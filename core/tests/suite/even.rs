@@ -93,7 +93,7 @@ fn loudest(solution: &Solution) -> f64 {
 }
 
 #[test]
-fn no_point_is_louder_than_asked() {
+fn no_point_is_louder_than_requested() {
     for seed in 0..20 {
         let count = 1 + seed as usize % 9;
         let points = random_points(count, 0.1, 50 + seed);
@@ -132,7 +132,7 @@ fn a_level_out_of_reach_is_the_highest() {
 }
 
 #[test]
-fn quiet_points_are_as_silent_as_asked() {
+fn quiet_points_are_as_silent_as_requested() {
     for seed in 0..5 {
         let mut pressures = vec![P1 / 3.0; 9];
         (pressures[2], pressures[7]) = (0.0, 0.0);
@@ -160,9 +160,9 @@ fn points_in_one_place_get_the_mean_of_their_targets() {
 #[test]
 fn an_answer_is_no_worse_than_its_start() {
     for (count, seed) in [(3, 0), (16, 1), (64, 2)] {
-        let asked = max(random(count, seed));
-        let first = solved(&asked, &Best::default());
-        let again = asked.with_start(Start::Drive(first.drive.clone())).expect("a drive");
+        let requested = max(random(count, seed));
+        let first = solved(&requested, &Best::default());
+        let again = requested.with_start(Start::Drive(first.drive.clone())).expect("a drive");
         for solver in [&Uniform::default() as &dyn Solve, &Best::default()] {
             let again = solved(&again, solver).metrics();
             // The sweeps may find more; rounding is all that may be lost.

@@ -173,10 +173,10 @@ fn traps_have_two_upright_planes_each_and_a_plane_through_their_shells_shows_the
     let across = scene.picture_planes();
     let scene = scene.with_signature(Some(Signature::Trap)).expect("a signature");
     let planes = scene.picture_planes();
-    let told: Vec<_> = planes.iter().map(|plane| (plane.axis, plane.at, plane.center)).collect();
+    let reported: Vec<_> = planes.iter().map(|plane| (plane.axis, plane.at, plane.center)).collect();
     let y = |at, center| (Axis::Y, at, center);
     let x = |at, center| (Axis::X, at, center);
-    assert_eq!(told, [y(0.0, [-0.02, 0.1]), y(0.01, [0.02, 0.12]), x(-0.02, [0.0, 0.1]), x(0.02, [0.01, 0.12])]);
+    assert_eq!(reported, [y(0.0, [-0.02, 0.1]), y(0.01, [0.02, 0.12]), x(-0.02, [0.0, 0.1]), x(0.02, [0.01, 0.12])]);
     assert!(planes.iter().all(|plane| plane.size == planes[0].size && scene.is_shown(plane)));
     assert!(across.iter().all(|plane| plane.axis == Axis::Z));
     let beside = |z| scene.is_shown(&Plane::new(z, 0.1, 20, [0.0, 0.0]).expect("a plane"));
@@ -231,12 +231,12 @@ fn a_point_has_the_same_bits_in_any_company() {
 
 #[test]
 fn on_a_transducer_r_is_a_hundredth_of_the_wavelength() {
-    let lone = scene(Array::grid(1, 1, 1e-2).expect("a grid"), vec![[0.0, 0.0, 0.1]], None);
-    let wavelength = lone.medium().wavelength();
+    let single = scene(Array::grid(1, 1, 1e-2).expect("a grid"), vec![[0.0, 0.0, 0.1]], None);
+    let wavelength = single.medium().wavelength();
     // From 4.386 Pa m; a hundredth of a wavelength is a hundredth of a turn.
     let wanted = Complex64::from_polar(4.386 / (wavelength / 100.0), std::f64::consts::TAU / 100.0);
     for height in [0.0, 0.003 * wavelength, -0.009_99 * wavelength] {
-        let [found] = widen(&field(&lone, &[Complex32::ONE], &[[0.0, 0.0, height]]))[..] else { panic!("one value") };
+        let [found] = widen(&field(&single, &[Complex32::ONE], &[[0.0, 0.0, height]]))[..] else { panic!("one value") };
         assert!((found - wanted).norm() < 1e-6 * wanted.norm(), "{found} at {height} for {wanted}");
     }
     let real = real();

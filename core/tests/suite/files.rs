@@ -140,7 +140,7 @@ fn positions_may_lie_in_a_file_beside_the_scene() {
     }
     let turned = read("0,0,0,1,0,0\n0.01,0,0,0,1,0\n").expect("a scene");
     assert_eq!(turned.array().normals(), [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
-    for (csv, told) in [
+    for (csv, reported) in [
         ("", "empty: give rows x,y,z in metres"),
         ("x,y,z\n", "empty: give rows x,y,z in metres"),
         ("x,x,y,z\n0,1,0,0\n", ", line 1: column \"x\" is there twice: name them x,y,z or"),
@@ -156,7 +156,7 @@ fn positions_may_lie_in_a_file_beside_the_scene() {
         ("0,0,0,0,0,0\n", "scene.toml, line 8, column 1: array.normals[0] is"),
     ] {
         let error = read(csv).expect_err(csv).to_string();
-        assert!(error.contains(told) && !error.contains('\n'), "{error:?} does not say {told:?}");
+        assert!(error.contains(reported) && !error.contains('\n'), "{error:?} does not say {reported:?}");
         assert!(error.starts_with("scene.toml") || error.contains("bowl.csv"), "{error}");
     }
     std::fs::remove_file(folder.join("bowl.csv")).expect("the file");

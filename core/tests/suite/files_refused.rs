@@ -61,14 +61,14 @@ fn with(part: &str, other: &str) -> String {
 /// Documents, what each is refused with, and the line that is shown for a correct one.
 fn check(cases: &[(String, impl AsRef<str>, impl AsRef<str>)], format: Format) {
     let source = Source { name: "my scene", folder: None };
-    let wrong = cases.iter().filter_map(|(text, told, example)| {
-        let (told, example) = (told.as_ref(), example.as_ref());
+    let wrong = cases.iter().filter_map(|(text, reported, example)| {
+        let (reported, example) = (reported.as_ref(), example.as_ref());
         let error = read_from(text.as_bytes(), format, source).expect_err(text).to_string();
         let shown = error.split_once("; for example ").map_or("", |(_, line)| line);
         let one_line = error.starts_with("my scene") && !error.contains('\n') && error.len() < 500;
         let own_words = !FOREIGN.iter().any(|word| error.contains(word));
-        let good = one_line && own_words && error.contains(told) && shown == example;
-        (!good).then(|| format!("{error}\n  should say {told}\n  and show {example}"))
+        let good = one_line && own_words && error.contains(reported) && shown == example;
+        (!good).then(|| format!("{error}\n  should say {reported}\n  and show {example}"))
     });
     let wrong: Vec<String> = wrong.collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
@@ -79,8 +79,8 @@ fn every_slip_of_the_pen_is_refused_by_line_column_item_and_cure() {
     let table = include_str!("files_refused.txt").replace("\\n", "\r");
     let cases = table.lines().skip(1).map(|line| {
         let fields: Vec<String> = line.split(" | ").map(|field| field.replace('\r', "\n")).collect();
-        let [part, other, told, example] = &fields[..] else { panic!("{line}") };
-        (with(part, other), told.clone(), if example == "-" { String::new() } else { example.clone() })
+        let [part, other, reported, example] = &fields[..] else { panic!("{line}") };
+        (with(part, other), reported.clone(), if example == "-" { String::new() } else { example.clone() })
     });
     let cases: Vec<_> = cases.collect();
     assert!(cases.len() > 70);

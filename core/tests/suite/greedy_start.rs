@@ -132,13 +132,14 @@ fn points_in_motion_stay_even_and_loud_with_every_change_within_the_bound() {
         let greedy = Greedy { phases: 256, change, seed: 1, ..Greedy::default() };
         let mut last = solved(&greedy, &boards(&[0.0, 1.0], &circles(4, 0), None)).drive;
         for frame in 1..60 {
-            let asked = boards(&[0.0, 1.0], &circles(4, frame), None);
-            let found = solved(&greedy, &started(asked.clone(), &last));
+            let requested = boards(&[0.0, 1.0], &circles(4, frame), None);
+            let found = solved(&greedy, &started(requested.clone(), &last));
             let step = largest_step(&found.drive, &last);
             assert!(step <= most, "frame {frame}: {step} steps of 2 pi/256 for {change} rad");
             if frame >= 30 {
                 let (work, none) = (&mut Workspace::new(), &mut Control::none());
-                let cold = midair::solve(&asked, &Uniform::default(), true, work, none).expect("an answer").metrics();
+                let cold =
+                    midair::solve(&requested, &Uniform::default(), true, work, none).expect("an answer").metrics();
                 let Metrics { level, uniformity, .. } = found.metrics();
                 assert!(level > 0.98 * cold.level && uniformity > 0.98, "{change}, {frame}: {level}, {uniformity}");
             }
@@ -151,10 +152,10 @@ fn points_in_motion_stay_even_and_loud_with_every_change_within_the_bound() {
 fn a_frame_at_rest_is_never_worse_than_the_last_and_change_0_keeps_it() {
     for points in [1, 4, 16] {
         let greedy = Greedy { phases: 256, change: PI / 16.0, ..Greedy::default() };
-        let asked = boards(&[0.0, 1.0], &circles(points, 0), None);
-        let mut last = solved(&greedy, &asked);
+        let requested = boards(&[0.0, 1.0], &circles(points, 0), None);
+        let mut last = solved(&greedy, &requested);
         for frame in 0..10 {
-            let now = solved(&greedy, &started(asked.clone(), &last.drive));
+            let now = solved(&greedy, &started(requested.clone(), &last.drive));
             // The pressures' own rounding.
             let [before, after] = [&last, &now].map(|solution| solution.metrics().residual);
             assert!(after <= before + 1e-6, "M = {points}, frame {frame}: {after} after {before}");
@@ -173,9 +174,9 @@ fn a_balanced_answer_is_carried_on_at_its_own_level() {
     let amplitudes: Vec<f64> = (0..=255).map(|k| f64::from(k) / 255.0).collect();
     let greedy = Greedy { phases: 256, change: PI / 16.0, ..Greedy::default() };
     let balanced = |frame: usize, last: Option<&[Complex32]>| {
-        let asked = boards(&amplitudes, &circles(4, frame), Some(vec![300.0; 4]));
-        let asked = if let Some(last) = last { started(asked, last) } else { asked };
-        midair::solve(&asked, &greedy, true, &mut Workspace::new(), &mut Control::none()).expect("an answer")
+        let requested = boards(&amplitudes, &circles(4, frame), Some(vec![300.0; 4]));
+        let requested = if let Some(last) = last { started(requested, last) } else { requested };
+        midair::solve(&requested, &greedy, true, &mut Workspace::new(), &mut Control::none()).expect("an answer")
     };
     let first = balanced(0, None);
     assert!(first.drive.iter().all(|q| q.norm() < 0.05), "far below full drive");
@@ -191,7 +192,7 @@ fn a_balanced_answer_is_carried_on_at_its_own_level() {
 }
 
 #[test]
-fn a_batch_with_starts_is_lone_solves_bit_for_bit() {
+fn a_batch_with_starts_is_single_solves_bit_for_bit() {
     let array = preset("paper20");
     let model = Model::new(&array, Medium::default(), InstructionSet::best()).expect("an array");
     let greedy = Greedy { change: 1.0, ..Greedy::default() };
@@ -211,36 +212,36 @@ fn a_batch_with_starts_is_lone_solves_bit_for_bit() {
     let mut session = Session::new(model, solver, false);
     session.solve_batch(20, 5, &ask, &mut drives, &mut Control::none()).expect("answers");
     for (k, drive) in drives.chunks(400).enumerate() {
-        let lone = solved(&greedy, &started(problem(&scene(array.clone(), points(k), None)), &start(k)));
-        assert_eq!(lone.drive, drive, "problem {k}");
+        let single = solved(&greedy, &started(problem(&scene(array.clone(), points(k), None)), &start(k)));
+        assert_eq!(single.drive, drive, "problem {k}");
     }
 }
 
 #[test]
 fn what_greedy_cannot_go_on_from_is_refused_in_one_line() {
-    let asked = problem(&scene(preset("paper20"), random_points(2, 0.1, 1), None));
+    let requested = problem(&scene(preset("paper20"), random_points(2, 0.1, 1), None));
     let refused = |greedy: &Greedy, problem: &Problem| {
         let solution = midair::solve(problem, greedy, false, &mut Workspace::new(), &mut Control::none());
         solution.map(|_| ()).expect_err("refused").to_string()
     };
-    for (change, told) in [
+    for (change, reported) in [
         (f64::NAN, "change is NaN: give a finite number"),
         (f64::INFINITY, "change is inf: give a finite number"),
         (-0.1, "change is -0.1: give a number of at least 0"),
     ] {
-        assert_eq!(refused(&Greedy { change, ..Greedy::default() }, &asked), told);
+        assert_eq!(refused(&Greedy { change, ..Greedy::default() }, &requested), reported);
     }
-    let phases = asked.with_start(Start::Phases(vec![0.0; 2])).expect("a start");
-    let told = "start is point phases: greedy goes on from a drive: give one value a transducer";
-    assert_eq!(refused(&Greedy::default(), &phases), told);
+    let phases = requested.with_start(Start::Phases(vec![0.0; 2])).expect("a start");
+    let reported = "start is point phases: greedy goes on from a drive: give one value a transducer";
+    assert_eq!(refused(&Greedy::default(), &phases), reported);
 }
 
 #[test]
 fn every_sweep_lowers_the_residual_and_keeps_the_bound_of_a_start() {
     let points = random_points(6, 0.1, 4);
-    let asked = problem(&scene(preset("paper20"), points.clone(), None));
+    let requested = problem(&scene(preset("paper20"), points.clone(), None));
     let residual = |sweeps: u32| {
-        let solution = solved(&Greedy { sweeps, ..Greedy::default() }, &asked);
+        let solution = solved(&Greedy { sweeps, ..Greedy::default() }, &requested);
         assert_eq!(solution.steps, 400 * sweeps as usize);
         solution.metrics().residual
     };
@@ -249,12 +250,12 @@ fn every_sweep_lowers_the_residual_and_keeps_the_bound_of_a_start() {
     assert!(residuals[1] < 0.9 * residuals[0], "{residuals:?}");
     let last = drive(400, 16, true, 7);
     let greedy = Greedy { sweeps: 4, change: 2.0 * PI / 16.0, ..Greedy::default() };
-    let found = solved(&greedy, &started(asked, &last));
+    let found = solved(&greedy, &started(requested, &last));
     for (&new, &old) in found.drive.iter().zip(&last).filter(|(_, old)| old.norm() > 0.0) {
         assert!(turn(new, old) < 2.0 * PI / 16.0 + 1e-5, "{old} became {new}");
     }
     let none = Greedy { sweeps: 0, ..Greedy::default() };
-    let asked = problem(&scene(preset("paper20"), points, None));
-    let told = midair::solve(&asked, &none, false, &mut Workspace::new(), &mut Control::none()).map(|_| ());
-    assert_eq!(told.expect_err("refused").to_string(), "sweeps is 0: give 1 to 1000");
+    let requested = problem(&scene(preset("paper20"), points, None));
+    let reported = midair::solve(&requested, &none, false, &mut Workspace::new(), &mut Control::none()).map(|_| ());
+    assert_eq!(reported.expect_err("refused").to_string(), "sweeps is 0: give 1 to 1000");
 }

@@ -258,11 +258,11 @@ fn dead_transducers_are_not_driven() {
     // Where all are in phase at the outset, the first drive may be the last.
     let mask = Some(vec![false, true, true, true]);
     let array = Array::grid(2, 2, 10e-3).and_then(|array| array.with_mask(mask)).expect("a mask");
-    let asked = problem(&self::scene(array, vec![[0.0, 0.0, 0.1]], None));
+    let requested = problem(&self::scene(array, vec![[0.0, 0.0, 0.1]], None));
     for entry in SOLVERS {
         let start = Start::Drive(vec![Complex32::ONE; 4]);
-        for asked in [asked.clone(), asked.clone().with_start(start).expect("a start")] {
-            let drive = solved(entry, &asked, false).drive;
+        for requested in [requested.clone(), requested.clone().with_start(start).expect("a start")] {
+            let drive = solved(entry, &requested, false).drive;
             assert!(drive[0] == Complex32::ZERO && drive[1] != Complex32::ZERO, "{}: {drive:?}", entry.info.name);
         }
     }
@@ -294,7 +294,7 @@ fn what_cannot_be_answered_is_refused_before_any_solver() {
 #[test]
 fn phases_of_the_targets_change_the_answers_of_those_who_use_them() {
     let (points, level) = (apart(5, 12), 1.0);
-    let asked = |phases: Option<Vec<f64>>| {
+    let requested = |phases: Option<Vec<f64>>| {
         let request = Request { pressures: Some(vec![level; 5]), phases, weights: None };
         problem(&Scene::new(preset("paper20"), Medium::default(), points.clone(), request).expect("a scene"))
     };
@@ -303,7 +303,7 @@ fn phases_of_the_targets_change_the_answers_of_those_who_use_them() {
         let name = entry.info.name;
         let [free, zero, given, later] =
             [None, Some(vec![0.0; 5]), Some(phases.clone()), Some(phases.iter().map(|phase| phase + 0.7).collect())]
-                .map(|phases| solved(entry, &asked(phases), false));
+                .map(|phases| solved(entry, &requested(phases), false));
         assert!(free.complex_error().is_none() && given.complex_error().is_some(), "{name}");
         if !entry.uses_phases() {
             assert_eq!(free.drive, given.drive, "{name}");

@@ -64,8 +64,8 @@ fn metrics_are_their_definitions_for_any_targets_and_weights() {
 fn metrics_of_silence_and_of_one_point_are_as_agreed() {
     let silent = of(&[0.0, 0.0], &[1.0, 2.0], &[1.0, 1.0]);
     assert_eq!(fields(silent).map(|(_, value)| value), [0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
-    let lone = of(&[3.0, 9.0], &[2.0, 9.0], &[1.0, 0.0]);
-    assert_eq!(fields(lone).map(|(_, value)| value), [1.5, 0.0, 1.0, 1.5, 0.25, 0.0]);
+    let single = of(&[3.0, 9.0], &[2.0, 9.0], &[1.0, 0.0]);
+    assert_eq!(fields(single).map(|(_, value)| value), [1.5, 0.0, 1.0, 1.5, 0.25, 0.0]);
 }
 
 #[test]
@@ -166,9 +166,9 @@ fn targets_below_half_the_balanced_level_are_weak() {
     let points = random_points(4, 0.08, 5);
     let level = problem(&scene(preset("autd3"), points.clone(), None)).targets_in_pascals()[0];
     for (share, weak) in [(0.01, true), (0.499, true), (0.501, false), (1.0, false), (100.0, false)] {
-        let asked = problem(&scene(preset("autd3"), points.clone(), Some(vec![share * level; 4])));
-        assert_eq!(asked.is_weak(), weak, "{share} of the balanced level");
-        assert!((asked.balance() * share - 1.0).abs() < 1e-12);
+        let requested = problem(&scene(preset("autd3"), points.clone(), Some(vec![share * level; 4])));
+        assert_eq!(requested.is_weak(), weak, "{share} of the balanced level");
+        assert!((requested.balance() * share - 1.0).abs() < 1e-12);
     }
     let alone = scene(Array::grid(3, 3, 1e-2).expect("a grid"), vec![[0.0, 0.0, 0.1]], None);
     assert!(!problem(&alone).is_weak(), "nothing was asked for");

@@ -72,8 +72,8 @@ fn points_in_motion_are_even_within_the_bound() {
             }
         }
         for (t, frame) in frames.iter().enumerate() {
-            let heard = moduli(&array, &points[t * COUNT..(t + 1) * COUNT], frame);
-            let (low, high) = heard.iter().fold((f64::MAX, 0.0_f64), |(low, high), &p| (low.min(p), high.max(p)));
+            let received = moduli(&array, &points[t * COUNT..(t + 1) * COUNT], frame);
+            let (low, high) = received.iter().fold((f64::MAX, 0.0_f64), |(low, high), &p| (low.min(p), high.max(p)));
             assert!(low / high > even, "{phases:?}, frame {t}: {}", low / high);
         }
     }
@@ -95,15 +95,15 @@ fn above_the_speed_limit_points_are_still_even() {
         let frames = Frames { points: &points, targets: None, count: 16 };
         session.follow(frames, false, &mut SolveRequest::default(), &mut drives, &mut Control::none()).expect("drives");
         for (t, frame) in drives.chunks(SIDE * SIDE).enumerate() {
-            let heard = moduli(&array, &points[16 * t..16 * (t + 1)], frame);
-            let (low, high) = heard.iter().fold((f64::MAX, 0.0_f64), |(low, high), &p| (low.min(p), high.max(p)));
+            let received = moduli(&array, &points[16 * t..16 * (t + 1)], frame);
+            let (low, high) = received.iter().fold((f64::MAX, 0.0_f64), |(low, high), &p| (low.min(p), high.max(p)));
             assert!(low / high > 0.99, "{phases:?}, frame {t}: {}", low / high);
         }
     }
 }
 
 #[test]
-fn a_bound_below_a_phase_step_is_told_once() {
+fn a_bound_below_a_phase_step_is_reported_once() {
     let remarks = |phases: u32, change: f64| {
         let array = array(Some(phases));
         let mut session = session(&array, Glide { change, ..Glide::default() });
@@ -113,8 +113,11 @@ fn a_bound_below_a_phase_step_is_told_once() {
         });
         frames.collect::<Vec<_>>()
     };
-    let told = remarks(10, PI / 16.0);
-    assert!(told.len() == 1 && told[0].starts_with("change is 0.196 rad a frame, less than a step"), "{told:?}");
+    let reported = remarks(10, PI / 16.0);
+    assert!(
+        reported.len() == 1 && reported[0].starts_with("change is 0.196 rad a frame, less than a step"),
+        "{reported:?}"
+    );
     assert!(remarks(10, 0.0).is_empty(), "one of 0 asks for it");
     assert!(remarks(10, PI / 5.0).is_empty());
     assert!(remarks(256, PI / 16.0).is_empty());

@@ -9,7 +9,7 @@ fn points() -> Vec<[f64; 3]> {
     vec![[0.0, 0.0, 0.15], [0.02, 0.0, 0.15]]
 }
 
-fn told(array: Array, medium: Medium, points: Vec<[f64; 3]>, pressures: Option<Vec<f64>>) -> Vec<String> {
+fn reported(array: Array, medium: Medium, points: Vec<[f64; 3]>, pressures: Option<Vec<f64>>) -> Vec<String> {
     let scene = Scene::new(array, medium, points, Request { pressures, ..Request::default() }).expect("an answer");
     scene.doubts().iter().map(ToString::to_string).collect()
 }
@@ -27,29 +27,45 @@ fn positions(places: Vec<[f64; 3]>) -> Array {
 }
 
 #[test]
-fn every_slip_of_a_unit_is_told_once_with_its_cure() {
+fn every_slip_of_a_unit_is_reported_once_with_its_cure() {
     let air = Medium::default();
     let board = || preset("autd3");
     let with = |change: fn(&mut Medium)| {
         let mut medium = Medium::default();
         change(&mut medium);
-        told(board(), medium, points(), None)
+        reported(board(), medium, points(), None)
     };
     let source = |source_pressure: f64| {
         let transducer = Transducer { source_pressure, ..Transducer::default() };
-        told(board().with_transducer(transducer).expect("a pressure"), air, points(), None)
+        reported(board().with_transducer(transducer).expect("a pressure"), air, points(), None)
     };
     let kelvin = Medium::sound_speed_at(298.0).expect("a temperature");
-    let at = |sound_speed: f64| told(board(), Medium { sound_speed, ..Medium::default() }, points(), None);
+    let at = |sound_speed: f64| reported(board(), Medium { sound_speed, ..Medium::default() }, points(), None);
     let millimetres = scaled(board().positions(), 1e3);
     for (texts, start, end) in [
-        (told(grid(10.5), air, points(), None), "array.grid.pitch is 10.5 m: no neighbours", "(10.5 mm are 0.0105 m)"),
-        (told(grid(1.05), air, points(), None), "array.grid.pitch is 1.05 m: no neighbours", "(1.05 cm are 0.0105 m)"),
-        (told(grid(1.05e-5), air, points(), None), "array.grid.pitch is 1.05e-5 m: neighbours nearer than", "give m"),
-        (told(positions(millimetres.clone()), air, points(), None), "array.positions is 10.16 m and", "are 0.01016 m)"),
-        (told(positions(millimetres), air, scaled(&points(), 1e3), None), "array.positions is 10.16 m and", "m)"),
         (
-            told(board(), air, scaled(&points(), 1e3), None),
+            reported(grid(10.5), air, points(), None),
+            "array.grid.pitch is 10.5 m: no neighbours",
+            "(10.5 mm are 0.0105 m)",
+        ),
+        (
+            reported(grid(1.05), air, points(), None),
+            "array.grid.pitch is 1.05 m: no neighbours",
+            "(1.05 cm are 0.0105 m)",
+        ),
+        (
+            reported(grid(1.05e-5), air, points(), None),
+            "array.grid.pitch is 1.05e-5 m: neighbours nearer than",
+            "give m",
+        ),
+        (
+            reported(positions(millimetres.clone()), air, points(), None),
+            "array.positions is 10.16 m and",
+            "are 0.01016 m)",
+        ),
+        (reported(positions(millimetres), air, scaled(&points(), 1e3), None), "array.positions is 10.16 m and", "m)"),
+        (
+            reported(board(), air, scaled(&points(), 1e3), None),
             "points[0].position is [0, 0, 150] m (and 1 more): far beyond an array of 0.1727 m: ",
             "give m (150 mm are 0.15 m)",
         ),
@@ -73,7 +89,12 @@ fn every_slip_of_a_unit_is_told_once_with_its_cure() {
 fn neighbours_are_found_wherever_they_lie() {
     let air = Medium::default();
     let two = |apart: [f64; 3]| {
-        told(positions(vec![[0.3, 0.1, 0.0], [0, 1, 2].map(|k| [0.3, 0.1, 0.0][k] + apart[k])]), air, points(), None)
+        reported(
+            positions(vec![[0.3, 0.1, 0.0], [0, 1, 2].map(|k| [0.3, 0.1, 0.0][k] + apart[k])]),
+            air,
+            points(),
+            None,
+        )
     };
     for axis in 0..3 {
         for (distance, expected) in
@@ -89,24 +110,25 @@ fn neighbours_are_found_wherever_they_lie() {
     // One among many, and the largest arrays in a moment.
     let mut many = grid(0.01).positions().to_vec();
     many.push([0.0051, 0.0049, 0.0]);
-    assert!(told(positions(many), air, points(), None)[0].contains(" m from [55] to [100]: neighbours nearer"));
+    assert!(reported(positions(many), air, points(), None)[0].contains(" m from [55] to [100]: neighbours nearer"));
     let million = Array::grid(1024, 1024, 8e-3).expect("a grid");
-    let texts = told(million, air, points(), None);
+    let texts = reported(million, air, points(), None);
     assert!(texts.is_empty(), "{texts:?}");
     assert!(
-        told(Array::grid(2, 2000, 0.01).expect("a grid"), air, points(), None)[0].contains("positions is 19.99 m wide")
+        reported(Array::grid(2, 2000, 0.01).expect("a grid"), air, points(), None)[0]
+            .contains("positions is 19.99 m wide")
     );
 }
 
 #[test]
-fn two_pressures_in_one_place_are_told_and_what_a_wave_can_do_is_not() {
+fn two_pressures_in_one_place_are_reported_and_what_a_wave_can_do_is_not() {
     let air = Medium::default();
     let near = |distance: f64, pressures: [f64; 2]| {
         let mut places = random_points(30, 0.08, 3);
-        let mut asked = vec![300.0; 30];
+        let mut requested = vec![300.0; 30];
         places.extend([[0.0, 0.0, 0.15], [distance * air.wavelength(), 0.0, 0.15]]);
-        asked.extend(pressures);
-        told(preset("autd3"), air, places, Some(asked))
+        requested.extend(pressures);
+        reported(preset("autd3"), air, places, Some(requested))
     };
     for (distance, pressures) in
         [(0.0, [500.0, 0.0]), (0.0, [500.0, 490.0]), (0.09, [500.0, 0.0]), (0.02, [100.0, 300.0])]
@@ -134,7 +156,7 @@ fn two_pressures_in_one_place_are_told_and_what_a_wave_can_do_is_not() {
 }
 
 #[test]
-fn planes_in_millimetres_are_told() {
+fn planes_in_millimetres_are_reported() {
     let plane = |z: f64, size: f64| Plane::new(z, size, 10, [0.0, 0.0]).expect("a plane").doubt();
     assert!(plane(0.15, 0.1).is_none() && plane(-1.0, 5.0).is_none());
     assert_eq!(plane(150.0, 100.0).expect("told").to_string(), "plane.z is 150 m: give m (150 mm are 0.15 m)");
@@ -146,18 +168,18 @@ fn presets_tiles_and_the_papers_scenes_are_nobodys_slip() {
     for entry in &PRESETS {
         for frequency in [20e3, 40e3, 80e3] {
             let medium = Medium { frequency, sound_speed: 331.3, absorption: 0.15, density: 1.29 };
-            let texts = told(preset(entry.name), medium, smiley(), Some(vec![0.2; 38]));
+            let texts = reported(preset(entry.name), medium, smiley(), Some(vec![0.2; 38]));
             assert!(texts.is_empty(), "{}: {texts:?}", entry.name);
         }
     }
     let room = Array::preset("autd3", [8, 8]).expect("tiles");
-    assert_eq!(told(room, Medium::default(), vec![[1.0, 2.0, 3.0]], None), [""; 0]);
+    assert_eq!(reported(room, Medium::default(), vec![[1.0, 2.0, 3.0]], None), [""; 0]);
 }
 
 #[test]
 fn points_behind_every_transducer_are_doubted() {
     let air = Medium::default();
-    let behind = |name: &str, point: [f64; 3]| told(preset(name), air, vec![point], None);
+    let behind = |name: &str, point: [f64; 3]| reported(preset(name), air, vec![point], None);
     for name in ["autd3", "sonicsurface", "paper20", "openmpd_board"] {
         let text = &behind(name, [0.0, 0.0, -0.12])[0];
         assert!(text.starts_with("points[0].position is [0, 0, -0.12] m: behind every transducer"), "{name}: {text}");

@@ -256,10 +256,10 @@ fn even(scene: &Scene) -> Vec<Complex32> {
         problem(&Scene::new(array, Medium::default(), scene.points().to_vec(), request).expect("a scene"))
     };
     let (work, control) = (&mut Workspace::new(), &mut Control::none());
-    let asked = free(scene.request().pressures.clone());
-    let start = Wgs { steps: 100, tolerance: 0.0 }.solve(&asked, work, control).expect("an answer");
+    let requested = free(scene.request().pressures.clone());
+    let start = Wgs { steps: 100, tolerance: 0.0 }.solve(&requested, work, control).expect("an answer");
     let level = 0.9 * start.metrics().level;
-    let lower = free(Some(asked.targets_in_pascals().iter().map(|pressure| level * pressure).collect()));
+    let lower = free(Some(requested.targets_in_pascals().iter().map(|pressure| level * pressure).collect()));
     let lower = lower.with_start(Start::Drive(start.drive)).expect("a start");
     Lm { steps: 100, ..Lm::default() }.solve(&lower, work, control).expect("an answer").drive
 }
@@ -348,7 +348,7 @@ fn the_sweep_keeps_zeros_amplitudes_and_unequal_targets() {
 
 #[test]
 #[ignore = "slow"]
-fn a_device_plays_no_point_louder_than_asked_unless_it_misses_less_and_keeps_nine_tenths() {
+fn a_device_plays_no_point_louder_than_requested_unless_it_misses_less_and_keeps_nine_tenths() {
     let sixteen: Vec<f64> = (0..16).map(|k| f64::from(k) / 15.0).collect();
     let devices = [
         preset("autd3").quantization().expect("quantization").clone(),
@@ -373,17 +373,17 @@ fn a_device_plays_no_point_louder_than_asked_unless_it_misses_less_and_keeps_nin
                     let pairs = solution.pressures.iter().zip(solution.targets());
                     let loudest = pairs.map(|(p, target)| f64::from(p.norm()) / target).fold(0.0, f64::max);
                     let scale = solution.scale;
-                    let told = format!("{name}, M = {count}, {part} on device {k}: {loudest}, {scale}");
+                    let reported = format!("{name}, M = {count}, {part} on device {k}: {loudest}, {scale}");
                     // Louder only where it misses the targets less than the even answer.
                     let residual = solution.metrics().residual;
-                    assert!(loudest <= 1.0 + 1e-4 || residual < even, "{told}");
+                    assert!(loudest <= 1.0 + 1e-4 || residual < even, "{reported}");
                     even = residual;
                     // As loud as asked to a tenth, or all that the array has.
                     let full = scale == 1.0 && solution.drive.iter().all(|q| q.norm() > 0.9999);
-                    assert!(full || loudest >= 0.9 - 1e-4, "{told}");
+                    assert!(full || loudest >= 0.9 - 1e-4, "{reported}");
                     // A fine table does without the supply.
                     let fine = device.amplitudes().is_none_or(|table| table.len() == 256);
-                    assert!(!fine || part < 0.1 || scale == 1.0, "{told}");
+                    assert!(!fine || part < 0.1 || scale == 1.0, "{reported}");
                     assert_on_grid(name, &solution.drive, &device);
                 }
             }

@@ -62,12 +62,16 @@ fn no_spread_of_a_matrix_or_its_targets_makes_an_answer_unfit() {
     for (name, matrix) in &matrices {
         let reach = reach(matrix);
         let most = reach.iter().copied().fold(0.0, f64::max);
-        let asked = |part: f64| Some(reach.iter().map(|reach| part * reach).collect());
+        let requested = |part: f64| Some(reach.iter().map(|reach| part * reach).collect());
         let equal = Some(reach.iter().map(|&reach| if reach > 0.0 { 0.3 * most } else { 0.0 }).collect());
         let quiet = Some((0..POINTS).map(|j| if j == 2 { 0.0 } else { 0.3 * reach[j] }).collect());
-        for (kind, pressures) in
-            [("left out", None), ("equal", equal), ("quiet", quiet), ("all", asked(0.4)), ("weak", asked(1e-12))]
-        {
+        for (kind, pressures) in [
+            ("left out", None),
+            ("equal", equal),
+            ("quiet", quiet),
+            ("all", requested(0.4)),
+            ("weak", requested(1e-12)),
+        ] {
             // What no transducer reaches, or hardly one, is refused in words.
             let Ok(problem) = problem(matrix, pressures) else { continue };
             assert!(problem.targets_in_pascals().iter().all(|target| target.is_finite()), "{name}, {kind}");

@@ -111,7 +111,7 @@ fn names_ignore_case_hyphens_and_underscores() {
 }
 
 #[test]
-fn a_near_miss_is_told_what_was_meant_and_an_option_of_others_who_has_it() {
+fn a_near_miss_is_reported_what_was_meant_and_an_option_of_others_who_has_it() {
     let unknown = |name: &str| find(name).map(|entry| entry.info.name).expect_err(name).to_string();
     for (typed, meant) in [("gredy", "greedy"), ("unifrom", "uniform"), ("gs-pta", "gspat"), ("tikh", "tikhonov")] {
         let text = unknown(typed);
@@ -141,7 +141,7 @@ fn a_near_miss_is_told_what_was_meant_and_an_option_of_others_who_has_it() {
 }
 
 #[test]
-fn phases_and_amplitudes_lie_on_the_grid_asked_for() {
+fn phases_and_amplitudes_lie_on_the_grid_requested() {
     let problem = problem(&scene(preset("autd3").with_quantization(None), random_points(6, 0.08, 1), None));
     let mut checked = 0;
     for entry in SOLVERS {

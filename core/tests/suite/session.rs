@@ -19,7 +19,7 @@ fn model() -> Model {
 }
 
 /// Problem k: its points, and every third with a point of weight 0.
-fn asked(k: usize) -> SolveRequest {
+fn requested(k: usize) -> SolveRequest {
     let mut rng = Rng::new(k as u64);
     let pressures = (0..M).map(|_| 0.2 + rng.uniform()).collect();
     let weights = (k % 3 == 2).then(|| (0..M).map(|j| if j == k % M { 0.0 } else { 1.0 }).collect());
@@ -63,24 +63,27 @@ fn batch_of(
 
 #[test]
 #[ignore = "slow"]
-fn a_batch_and_a_session_are_lone_solves_bit_for_bit() {
+fn a_batch_and_a_session_are_single_solves_bit_for_bit() {
     let model = model();
     for entry in solvers::SOLVERS {
         let solver: Solver = entry.configure(&midair::Options::new()).expect("defaults").solver.into();
         let balance = entry.info.balance;
-        let asks: Vec<SolveRequest> = (0..B).map(asked).collect();
+        let asks: Vec<SolveRequest> = (0..B).map(requested).collect();
         let (drives, batch) = batch_of(&model, &asks, &solver, balance).expect("answers");
         let mut session = Session::new(model.clone(), Arc::clone(&solver), balance);
         for (k, ask) in asks.iter().enumerate() {
-            let lone = alone(&problem(&model, ask), &*solver, balance);
+            let single = alone(&problem(&model, ask), &*solver, balance);
             let name = entry.info.name;
-            assert_eq!(lone.drive, drives[k * 400..(k + 1) * 400], "{name}: drive of problem {k}");
-            assert_eq!(lone.pressures, batch.pressures[k * M..(k + 1) * M], "{name}: pressures of {k}");
-            assert_eq!((lone.metrics(), lone.status, lone.steps), (batch.metrics[k], batch.status[k], batch.steps[k]));
+            assert_eq!(single.drive, drives[k * 400..(k + 1) * 400], "{name}: drive of problem {k}");
+            assert_eq!(single.pressures, batch.pressures[k * M..(k + 1) * M], "{name}: pressures of {k}");
+            assert_eq!(
+                (single.metrics(), single.status, single.steps),
+                (batch.metrics[k], batch.status[k], batch.steps[k])
+            );
             // Each by itself, where a solver remembers its last frame.
             session.last().clear();
             let again = session.solve(ask, &mut Control::none()).expect("an answer");
-            assert_eq!((&lone.drive, &lone.pressures), (&again.drive, &again.pressures), "{name}: session at {k}");
+            assert_eq!((&single.drive, &single.pressures), (&again.drive, &again.pressures), "{name}: session at {k}");
         }
     }
 }
@@ -90,7 +93,7 @@ fn a_bad_problem_is_named_and_a_stop_keeps_what_is_done() {
     let model = model();
     let solver: Solver = Arc::new(solvers::Fast::default());
     let refused = |spoil: &dyn Fn(usize, &mut SolveRequest)| {
-        let mut asks: Vec<SolveRequest> = (0..B).map(asked).collect();
+        let mut asks: Vec<SolveRequest> = (0..B).map(requested).collect();
         asks.iter_mut().enumerate().for_each(|(k, ask)| spoil(k, ask));
         batch_of(&model, &asks, &solver, false).expect_err("refused").to_string()
     };
@@ -98,38 +101,38 @@ fn a_bad_problem_is_named_and_a_stop_keeps_what_is_done() {
     let far = |ask: &mut SolveRequest| ask.points[0][1] = f64::NAN;
     let near = |ask: &mut SolveRequest| ask.points[2] = model.array().positions()[0];
     let loud = |ask: &mut SolveRequest| ask.request.pressures.as_mut().expect("pressures")[1] = 1e200;
-    let told = refused(&|k, ask| {
+    let reported = refused(&|k, ask| {
         if k == 7 || k == 30 {
             far(ask);
         }
     });
-    assert!(told.starts_with("problems[7]: points[0].position is [") && told.contains("NaN"), "{told}");
-    let told = refused(&|k, ask| match k {
+    assert!(reported.starts_with("problems[7]: points[0].position is [") && reported.contains("NaN"), "{reported}");
+    let reported = refused(&|k, ask| match k {
         5 => near(ask),
         6 => loud(ask),
         7 => far(ask),
         _ => (),
     });
-    assert!(told.starts_with("problems[5]: points[2] "), "{told}");
-    let told = refused(&|k, ask| match k {
+    assert!(reported.starts_with("problems[5]: points[2] "), "{reported}");
+    let reported = refused(&|k, ask| match k {
         4 => loud(ask),
         5 => near(ask),
         _ => (),
     });
-    assert!(told.starts_with("problems[4]: points[1].pressure is 1e200"), "{told}");
-    let told = refused(&|k, ask| {
+    assert!(reported.starts_with("problems[4]: points[1].pressure is 1e200"), "{reported}");
+    let reported = refused(&|k, ask| {
         if k == 3 {
             ask.points.truncate(2);
         }
     });
-    assert_eq!(told, "problems[3]: points is 2 of them: give 5 as all problems of the batch have");
+    assert_eq!(reported, "problems[3]: points is 2 of them: give 5 as all problems of the batch have");
     let mut calls = 0;
     let mut stop = |_: midair::Progress<'_>| {
         calls += 1;
         std::ops::ControlFlow::Break(())
     };
     let ask = |k: usize, ask: &mut SolveRequest| {
-        ask.clone_from(&asked(k));
+        ask.clone_from(&requested(k));
         Ok(())
     };
     // More than any machine solves before it asks whether to go on.
@@ -168,17 +171,17 @@ fn bits(list: &[Complex32]) -> Vec<[u32; 2]> {
 
 /// Holds batches of every size up to the number of problems to lone solves, in bits.
 fn hold(model: &Model, asks: &[SolveRequest], solver: &Solver, balance: bool, what: &str) {
-    let lone: Vec<Solution> = asks.iter().map(|ask| alone(&problem(model, ask), &**solver, balance)).collect();
+    let single: Vec<Solution> = asks.iter().map(|ask| alone(&problem(model, ask), &**solver, balance)).collect();
     let points = asks[0].points.len();
     for count in 1..=asks.len() {
         let (drives, batch) = batch_of(model, &asks[..count], solver, balance).expect("answers");
-        for (k, lone) in lone[..count].iter().enumerate() {
-            let drive = &drives[k * lone.drive.len()..(k + 1) * lone.drive.len()];
-            assert_eq!(bits(&lone.drive), bits(drive), "{what}: drive {k} of {count}");
+        for (k, single) in single[..count].iter().enumerate() {
+            let drive = &drives[k * single.drive.len()..(k + 1) * single.drive.len()];
+            assert_eq!(bits(&single.drive), bits(drive), "{what}: drive {k} of {count}");
             let pressures = &batch.pressures[k * points..(k + 1) * points];
-            assert_eq!(bits(&lone.pressures), bits(pressures), "{what}: pressures {k} of {count}");
+            assert_eq!(bits(&single.pressures), bits(pressures), "{what}: pressures {k} of {count}");
             assert_eq!(
-                (lone.metrics(), lone.status, lone.steps, lone.scale.to_bits()),
+                (single.metrics(), single.status, single.steps, single.scale.to_bits()),
                 (batch.metrics[k], batch.status[k], batch.steps[k], batch.scale[k].to_bits()),
                 "{what}: {k} of {count}"
             );
@@ -214,7 +217,7 @@ fn with_options() -> Vec<(String, Solver)> {
 
 #[test]
 #[ignore = "slow"]
-fn problems_in_lanes_are_lone_solves_bit_for_bit() {
+fn problems_in_lanes_are_single_solves_bit_for_bit() {
     for (name, solver) in with_options() {
         for set in InstructionSet::all() {
             for full in [false, true] {
@@ -231,7 +234,7 @@ fn problems_in_lanes_are_lone_solves_bit_for_bit() {
 }
 
 #[test]
-fn problems_of_unlike_sizes_are_lone_solves_bit_for_bit() {
+fn problems_of_unlike_sizes_are_single_solves_bit_for_bit() {
     let ask = |k: usize| {
         let weights = (0..M).map(|j| if j < k % M { 0.0 } else { 0.1 + j as f64 }).collect();
         let request = Request { weights: Some(weights), ..Request::default() };

@@ -115,11 +115,13 @@ fn what_does_not_fit_is_refused() {
         scene.and_then(|scene| scene.with_signature(Some(Signature::Given(factors.into())))).map(|_| ())
     };
     assert!(make(vec![Complex64::I; 128]).is_ok() && make(vec![Complex64::I; 256]).is_ok());
-    let told = |answer: Result<(), Error>| answer.expect_err("a refusal").to_string();
-    assert!(told(make(vec![Complex64::I; 384])).starts_with("signature is 384 factors: give one for each of the 128"));
+    let reported = |answer: Result<(), Error>| answer.expect_err("a refusal").to_string();
+    assert!(
+        reported(make(vec![Complex64::I; 384])).starts_with("signature is 384 factors: give one for each of the 128")
+    );
     let mut factors = vec![Complex64::I; 256];
     factors[130] = Complex64::new(f64::NAN, 0.0);
-    assert!(told(make(factors)).starts_with("signature[1, 2] is NaN"));
+    assert!(reported(make(factors)).starts_with("signature[1, 2] is NaN"));
     let signed = Problem::new(&scene(2, &[[0.0; 3]], Signature::Twin)).expect("a problem").propagation().clone();
     assert!(signed.with_mask(&[true; 128]).is_err());
     let real = Propagation::of(&scene(2, &[[0.0; 3]], Signature::Twin));

@@ -42,16 +42,16 @@ fn no_solver_exceeds_the_bound_and_the_best_comes_near() {
 #[test]
 fn one_point_is_bounded_by_its_reach_and_two_coincident_points_by_theirs() {
     let at = [0.03, -0.02, 0.15];
-    let asked = |points: Vec<[f64; 3]>, pressures: Vec<f64>| {
+    let requested = |points: Vec<[f64; 3]>, pressures: Vec<f64>| {
         let scene = scene(preset("paper20"), points, Some(pressures));
         (
             bound(&problem(&scene), &mut Control::none()).expect("a bound"),
             problem(&scene).reach(&mut Control::none()).expect("nobody stops it").alone[0],
         )
     };
-    let (most, alone) = asked(vec![at], vec![0.5]);
+    let (most, alone) = requested(vec![at], vec![0.5]);
     assert!((most * 0.5 / alone - 1.0).abs() < 1e-6, "{most} for {alone}");
-    let (most, _) = asked(vec![at, at], vec![0.5, 0.25]);
+    let (most, _) = requested(vec![at, at], vec![0.5, 0.25]);
     assert!((most * 0.5 / alone - 1.0).abs() < 1e-3, "{most} for {alone}");
 }
 

@@ -79,7 +79,7 @@ class Connection:
         self._limit = limit
         self._late = 0
         self._warned = self._missed = False
-        self._told: dict[str, Any] = {"state": "off", "frames": 0, "late": 0, "lapses": 0}
+        self._reported: dict[str, Any] = {"state": "off", "frames": 0, "late": 0, "lapses": 0}
         self._guard = GuardProcess(describe(address, board), hold)
         self._finalizer = weakref.finalize(self, self._guard.close)
 
@@ -207,7 +207,7 @@ class Connection:
             self._call(Kind.STATUS)
         except BoardLost:
             return "lost"
-        state: Literal["off", "playing", "modulating", "lost"] = self._told["state"]
+        state: Literal["off", "playing", "modulating", "lost"] = self._reported["state"]
         self._missed |= state == "lost"
         return state
 
@@ -217,36 +217,36 @@ class Connection:
         if self._finalizer.alive:
             with suppress(BoardLost):
                 self._call(Kind.STATUS)
-        return Stats(self._told["frames"], self._late + self._told["late"], self._told["lapses"])
+        return Stats(self._reported["frames"], self._late + self._reported["late"], self._reported["lapses"])
 
     def __repr__(self) -> str:
         return f"<midair.Connection to {self.board.name} at {self._place}: {self.state}>"
 
     def _call(self, kind: Kind, content: bytes = b"") -> None:
         """Ask the guard and note what it tells; turn off where that was stopped midway."""
-        asked = self._guard.ask(kind, content)
+        requested = self._guard.ask(kind, content)
         try:
-            self._note(asked)
+            self._note(requested)
         except BaseException:
             self._quiet()
             raise
 
-    def _note(self, asked: Future[bytes], patience: float = PATIENCE) -> None:
+    def _note(self, requested: Future[bytes], patience: float = PATIENCE) -> None:
         try:
-            self._told = json.loads(self._guard.answer(asked, patience))
+            self._reported = json.loads(self._guard.answer(requested, patience))
         except (BoardLost, BoardTimeout):
             self._missed = True
             raise
 
-    def _answered(self, asked: Future[bytes], patience: float) -> None:
-        self._wait(patience, asked)
-        self._note(asked, 0.0)
+    def _answered(self, requested: Future[bytes], patience: float) -> None:
+        self._wait(patience, requested)
+        self._note(requested, 0.0)
 
-    def _wait(self, seconds: float, asked: Future[bytes]) -> None:
+    def _wait(self, seconds: float, requested: Future[bytes]) -> None:
         """Wait until a call is answered; the guard is told now and then that somebody waits."""
         until = time.monotonic() + seconds
-        while (left := until - time.monotonic()) > 0 and not asked.done():
-            if wait([asked], min(left, self._hold / HOLDS)).not_done:
+        while (left := until - time.monotonic()) > 0 and not requested.done():
+            if wait([requested], min(left, self._hold / HOLDS)).not_done:
                 self._guard.ask(Kind.HOLD)
 
     def _quiet(self) -> None:
@@ -313,7 +313,7 @@ class Connection:
         patience = PATIENCE + ahead * period
         under_way: deque[Future[bytes]] = deque()
         due = math.inf
-        for asked, drive in _timed(drives):
+        for requested, drive in _timed(drives):
             now = time.monotonic()
             counted = late is not None and now > due + period
             if late is None or math.isinf(due):
@@ -322,7 +322,7 @@ class Connection:
                 self._late += 1
                 if late == Late.ERROR:
                     raise BoardTimeout(wire.LATE.format(1e3 * (now - due)))
-                if late == Late.SKIP and asked > due + period:
+                if late == Late.SKIP and requested > due + period:
                     due += period
                     continue
                 due = now
@@ -345,10 +345,10 @@ class Connection:
 
 def _timed(drives: Iterator[ArrayLike | Solution]) -> Iterator[tuple[float, ArrayLike | Solution]]:
     """Each drive with the time at which it was asked for."""
-    asked = time.monotonic()
+    requested = time.monotonic()
     for drive in drives:
-        yield asked, drive
-        asked = time.monotonic()
+        yield requested, drive
+        requested = time.monotonic()
 
 
 def connect(

@@ -167,7 +167,7 @@ class Guard:
 
     def _fail(self, number: int, error: BoardError) -> None:
         """Answer that a call failed, and with it whatever was sent before this could be known; turn off."""
-        told = _told(error)
+        reported = _reported(error)
         for message in self._more():
             if message[0] == Kind.PLAY:
                 self._serve(*message)
@@ -175,7 +175,7 @@ class Guard:
                 self._put_by.append(message)
         failed, self._waiting, self._playing = self._waiting, deque(), []
         for each in (number, *(other.number for other in failed)):
-            self._answer(Kind.FAILED, each, self.status(**told))
+            self._answer(Kind.FAILED, each, self.status(**reported))
         with suppress(Exception):
             self._transport.silence()
 
@@ -230,8 +230,8 @@ class Guard:
         """What an owner may want to know, as JSON."""
         playing = "off" if not self._playing else "playing" if self._wave is None else "modulating"
         state = "lost" if self._lost else playing
-        told = {"state": state, "frames": self._frames, "late": self._late, "lapses": self._lapses}
-        return json.dumps(told | more).encode()
+        reported = {"state": state, "frames": self._frames, "late": self._late, "lapses": self._lapses}
+        return json.dumps(reported | more).encode()
 
     def _answer(self, kind: Kind, number: int, content: bytes) -> None:
         # Number 0 is nobody's call; an owner that is gone is noticed by `run`.
@@ -266,7 +266,7 @@ def main() -> None:
     # Whatever a device's library raises where the device cannot be opened.
     except Exception as error:
         with suppress(wire.Gone):
-            wire.write(replies, Kind.FAILED, number, json.dumps(_told(error)).encode())
+            wire.write(replies, Kind.FAILED, number, json.dumps(_reported(error)).encode())
     finally:
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
         if transport is not None:
@@ -285,7 +285,7 @@ def _pipes() -> tuple[int, int]:
     return requests, replies
 
 
-def _told(error: Exception) -> dict[str, str]:
+def _reported(error: Exception) -> dict[str, str]:
     """An error as its owner raises it, in one line; of one that is not the boards' own with its name."""
     text = str(error) if isinstance(error, BoardError | ImportError) else named(error)
     return {"kind": type(error).__name__, "message": " ".join(text.split())}

@@ -23,7 +23,7 @@ LEAST_HZ = 0.05
 MOST_SWAPS = 0.2
 
 #: A modulation that was held up by more than this, in s, is not made up for.
-HELD_UP = 0.1
+DELAYED = 0.1
 
 
 class LineTransport(ABC):
@@ -130,7 +130,7 @@ class LineTransport(ABC):
                     return
             count += 1
             late = time.monotonic() - begin - count * half
-            if late > HELD_UP:
+            if late > DELAYED:
                 # Pairs of swaps change nothing, so that what plays stays in step.
                 count += 2 * int(late / (2 * half))
 

@@ -122,15 +122,15 @@ class GuardProcess:
         """Beat while the guard answers; end one that hangs, upon which what reads turns the device off."""
         with suppress(BoardError):
             while True:
-                asked = self.ask(Kind.BEAT)
+                requested = self.ask(Kind.BEAT)
 
-                def answered(pause: float, asked: Future[Any] = asked) -> bool:
-                    return bool(wait([asked], pause).done)
+                def answered(pause: float, requested: Future[Any] = requested) -> bool:
+                    return bool(wait([requested], pause).done)
 
                 if self._hangs(answered):
                     self._process.kill()
                     return
-                asked.result()
+                requested.result()
                 time.sleep(wire.BEATS)
 
     def _hangs(self, is_over: Callable[[float], bool]) -> bool:
@@ -161,8 +161,8 @@ class GuardProcess:
                 with suppress(KeyError, InvalidStateError):
                     future = self._calls.pop(number)
                     if kind == Kind.FAILED:
-                        told = json.loads(content)
-                        future.set_exception(KINDS.get(told["kind"], BoardError)(told["message"]))
+                        reported = json.loads(content)
+                        future.set_exception(KINDS.get(reported["kind"], BoardError)(reported["message"]))
                     else:
                         future.set_result(content)
         self._process.wait()
@@ -200,16 +200,16 @@ def _started() -> subprocess.Popen[bytes]:
             env={**os.environ, GUARD: "1"},
         )
     except OSError as error:
-        told = f'the guard process "{_interpreter()}" cannot be started ({error.strerror})'
-        raise BoardError(f"{told}: end other programs, or give more memory") from error
+        reported = f'the guard process "{_interpreter()}" cannot be started ({error.strerror})'
+        raise BoardError(f"{reported}: end other programs, or give more memory") from error
 
 
 def _interpreter() -> str:
     """The Python that runs a guard: not a frozen application, which would start itself without end."""
-    asked = os.environ.get("MIDAIR_PYTHON") or ("" if getattr(sys, "frozen", False) else sys.executable)
-    if not asked or GUARD in os.environ:
+    requested = os.environ.get("MIDAIR_PYTHON") or ("" if getattr(sys, "frozen", False) else sys.executable)
+    if not requested or GUARD in os.environ:
         raise BoardError(
             "a board's guard process needs a Python interpreter, and this program is none: "
             "name one by the environment variable MIDAIR_PYTHON"
         )
-    return asked
+    return requested

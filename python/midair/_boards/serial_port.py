@@ -70,7 +70,7 @@ class SerialTransport(LineTransport):
             raise
 
     def _write(self, content: bytes) -> None:
-        with self._told():
+        with self._reported():
             # The adapter's own clock may be slower than ours.
             patience = time.monotonic() + STALLED
             while self._port.out_waiting > len(content):
@@ -83,7 +83,7 @@ class SerialTransport(LineTransport):
 
     def look(self) -> None:
         """Ask the system for the port's buffer, which a port that is gone has no more."""
-        with self._told():
+        with self._reported():
             _ = self._port.out_waiting
 
     def close(self) -> None:
@@ -102,7 +102,7 @@ class SerialTransport(LineTransport):
         return True
 
     @contextmanager
-    def _told(self) -> Iterator[None]:
+    def _reported(self) -> Iterator[None]:
         """Turns what pyserial raises into an error of ours."""
         try:
             yield

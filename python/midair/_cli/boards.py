@@ -37,9 +37,9 @@ def off_command(address: str) -> int:
     array = Array.grid(64, MOST_MEGA64, 10e-3) if whole.startswith("mega64:") else None
     with connect(whole, array=array) as board:
         board.off()
-    told = f"{board.board.name} at {address} is off"
+    reported = f"{board.board.name} at {address} is off"
     cure = f"; it was told so as a {BOARD}, other boards take midair off BOARD:{address}" if alone else ""
-    print_line(told + cure)
+    print_line(reported + cure)
     return 0
 
 

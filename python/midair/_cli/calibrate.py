@@ -141,7 +141,7 @@ def doctor_command(
         return 0
     judged = pascals is not None or readings is not None or simulate is not None
     played: Board | Connection = board
-    with ExitStack() as held:
+    with ExitStack() as kept:
         if readings is not None:
             read = microphones.from_file(readings, len(at))
         else:
@@ -150,8 +150,8 @@ def doctor_command(
             else:
                 frequency, listen = Scene(board.array, at).frequency, LISTEN
                 card = microphones.sound_card(len(at), device, rate, pascals or 1.0, frequency, listen)
-                read = held.enter_context(card)
-            played = held.enter_context(connect(address, board=board))
+                read = kept.enter_context(card)
+            played = kept.enter_context(connect(address, board=board))
         with progress_bar("listening") as tell:
             report = doctor(
                 played,

@@ -61,10 +61,10 @@ def motion_command(
         raise SceneError(f"--solvers is {solvers}: a file is of one sequence, give one solver")
     outputs = (output_file, (".npz",)), (image, output.IMAGES), (animate, ENDINGS)
     check_outputs(*outputs, taken=[scene])
-    asked = read(scene)
-    if asked is None:
+    requested = read(scene)
+    if requested is None:
         raise SceneError(f'scene file "{scene}" has no [motion]: it says what moves, as docs/motion.md shows')
-    found = {name: _solved(asked, name, output_file) for name in names or [asked.solver]}
+    found = {name: _solved(requested, name, output_file) for name in names or [requested.solver]}
     if json:
         print(json_text.dumps({name: one.metrics.asdict() for name, one in found.items()}))
     else:
@@ -82,11 +82,11 @@ def motion_command(
     return 0
 
 
-def _solved(asked: Document, name: str, file: Path | None) -> Sequence:
+def _solved(requested: Document, name: str, file: Path | None) -> Sequence:
     # Frames that are found together are written at the end.
-    together = asked.settings.get("ahead") == "all"
+    together = requested.settings.get("ahead") == "all"
     with progress_bar(f"solving by {name}") as tell:
-        found = asked.solve(solver=name, progress=tell, resume=None if together else file)
+        found = requested.solve(solver=name, progress=tell, resume=None if together else file)
     if together and file is not None:
         found.save(file)
     return found

@@ -55,8 +55,8 @@ def reproduce_command(
         table.add_row(figure, *verdict)
     console.print(table)
     counts = Counter(verdict.verdict for _, verdict in verdicts)
-    told = ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
-    print_line(f"{counted(len(verdicts), 'statement')} of the paper: {told}")
+    reported = ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
+    print_line(f"{counted(len(verdicts), 'statement')} of the paper: {reported}")
     return 0
 
 
@@ -85,11 +85,11 @@ def sweep_command(
     from .._sweep import work
     from .._sweep.request import read
 
-    asked = read(request, drives=drives is not None)
+    requested = read(request, drives=drives is not None)
     with progress_bar("sweeping") as tell:
-        work(asked, output_file, drives, scheduler=scheduler, progress=tell)
+        work(requested, output_file, drives, scheduler=scheduler, progress=tell)
     files = f"{output_file}" if drives is None else f"{output_file} and {drives}"
-    print_written(f"{counted(asked.problems, 'row')} to {files}")
+    print_written(f"{counted(requested.problems, 'row')} to {files}")
     return 0
 
 

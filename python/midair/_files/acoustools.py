@@ -72,9 +72,9 @@ def write(path: Path, drives: Played) -> None:
             least = min(least, float(np.abs(drive).min()))
             stream.write(",".join(f"{phase:.9g}" for phase in np.angle(drive[order]).tolist()) + "\n")
     if least < FULL:
-        told = f"amplitudes down to {least:.3g} are not written"
+        reported = f"amplitudes down to {least:.3g} are not written"
         cure = "AcousTools' .csv holds phases alone, and plays them at full amplitude; .holo keeps amplitudes"
-        warn(f"{told}: {cure}")
+        warn(f"{reported}: {cure}")
 
 
 def read(path: str | PathLike[str], data: bytes, array: Array | None = None) -> NDArray[np.complex64]:
@@ -84,8 +84,8 @@ def read(path: str | PathLike[str], data: bytes, array: Array | None = None) -> 
     frames, transducers = (int(number(cell) or 0) for cell in head)
     # A number takes two bytes at least, with what follows it.
     if not 2 <= 2 * frames * transducers <= len(data):
-        told = f"{frames} frames of {transducers} transducers are told, more than the file can hold"
-        raise fault(path, line, f"{told}: get the file again")
+        reported = f"{frames} frames of {transducers} transducers are told, more than the file can hold"
+        raise fault(path, line, f"{reported}: get the file again")
     order = csv_order(array, transducers)
     drives = np.empty((frames, transducers), np.complex64)
     frame = 0

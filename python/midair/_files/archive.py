@@ -56,13 +56,13 @@ def _drives(path: str | PathLike[str], name: str, dimensions: int) -> NDArray[np
     except (ValueError, KeyError) as error:
         raise fault(path, None, f"{name} is damaged, or no numbers: {CURE}") from error
     if drives.dtype.kind not in "fc" or drives.ndim != dimensions or not drives.size:
-        told = f"{drives.dtype} of shape {drives.shape}"
+        reported = f"{drives.dtype} of shape {drives.shape}"
         raise fault(
-            path, None, f"{name} is {told}: give complex64, {'(N,)' if dimensions == 1 else '(T, N)'}"
+            path, None, f"{name} is {reported}: give complex64, {'(N,)' if dimensions == 1 else '(T, N)'}"
         )
     wrong = np.argwhere(~(np.abs(drives) <= 1 + ROUNDING))
     if len(wrong):
         place = tuple(wrong[0].tolist())
-        told = f"{name}{list(place)} is {drives[place]}"
-        raise fault(path, None, f"{told}: give finite numbers, at most 1 in modulus")
+        reported = f"{name}{list(place)} is {drives[place]}"
+        raise fault(path, None, f"{reported}: give finite numbers, at most 1 in modulus")
     return np.asarray(drives, np.complex64)

@@ -63,7 +63,7 @@ def _numbers(path: str | PathLike[str], index: int, board: Any, name: str, axes:
     found = board.get(name) if isinstance(board, dict) else None
     plain = isinstance(found, list) and len(found) == len(axes)
     if not plain or not all(type(one) is float and np.isfinite(one) for one in found or []):
-        told = json.dumps(found)[:60]
+        reported = json.dumps(found)[:60]
         cure = f"give [{', '.join(axes)}]{', in mm' if name == 'origin' else ', a unit quaternion'}"
-        raise fault(path, None, f"{name} of board {index} is {told}: {cure}")
+        raise fault(path, None, f"{name} of board {index} is {reported}: {cure}")
     return np.array(found, np.float64)

@@ -109,9 +109,9 @@ def read(path: str | PathLike[str], data: bytes) -> ControlPoints:
     counts = np.diff(np.append(starts, len(values)))
     if (counts != counts[0]).any():
         frame = int(np.argmax(counts != counts[0]))
-        told = f"{counts[frame]} points at t = {values[starts[frame], 0]:g}"
+        reported = f"{counts[frame]} points at t = {values[starts[frame], 0]:g}"
         cure = f"give {counts[0]} at every t, with intensity 0 where one is not there"
-        raise fault(path, lines[starts[frame]], f"{told}: {cure}")
+        raise fault(path, lines[starts[frame]], f"{reported}: {cure}")
     frames = values.reshape(len(starts), counts[0], len(wanted))
     frequencies = frames[:, :, 5] if len(wanted) == 6 else None
     return ControlPoints(frames[:, 0, 0], frames[:, :, 1:4], frames[:, :, 4], frequencies)
@@ -124,7 +124,7 @@ def _check(path: str | PathLike[str], lines: list[int], values: Numbers) -> None
     }
     if values.shape[1] == 6:
         bad["frequency is {5:g}"] = ("give Hz, at least 0", values[:, 5] < 0)
-    for told, (cure, wrong) in bad.items():
+    for reported, (cure, wrong) in bad.items():
         if wrong.any():
             row = int(wrong.argmax())
-            raise fault(path, lines[row], f"{told.format(*values[row])}: {cure}")
+            raise fault(path, lines[row], f"{reported.format(*values[row])}: {cure}")

@@ -30,8 +30,8 @@ def write(path: Path, drives: Played) -> None:
     """Write phases and amplitudes on their grid."""
     size = drives.frames * 2 * (drives.transducers + 1) * BYTES
     if size > MOST_BYTES:
-        told = f"{drives.frames} frames of {drives.transducers} transducers are {size >> 20} MB unpacked"
-        raise SceneError(f"{told}: a .holo file holds {MOST_BYTES >> 20} MB at most, write parts of it")
+        reported = f"{drives.frames} frames of {drives.transducers} transducers are {size >> 20} MB unpacked"
+        raise SceneError(f"{reported}: a .holo file holds {MOST_BYTES >> 20} MB at most, write parts of it")
     order = own_order(drives.array, drives.transducers)
     packer = zlib.compressobj()
     with path.open("wb") as stream:
@@ -64,8 +64,10 @@ def read(path: str | PathLike[str], array: Array | None = None) -> NDArray[np.co
     frames = len(codes) // (2 * (transducers + 1))
     expected = (np.arange(2 * frames) + 1) * (transducers + 1) - 1
     if len(codes) != 2 * frames * (transducers + 1) or not np.array_equal(ends, expected):
-        told = f"{len(ends)} lists are in it, and not all of {transducers} numbers"
-        raise fault(path, None, f"{told}: give phases and amplitudes of every frame, each list of one length")
+        reported = f"{len(ends)} lists are in it, and not all of {transducers} numbers"
+        raise fault(
+            path, None, f"{reported}: give phases and amplitudes of every frame, each list of one length"
+        )
     lists = codes.reshape(frames, 2, transducers + 1)[:, :, :-1]
     code = np.arange(STEPS + 1)
     phase = np.exp(1j * STEP * (code - STEPS // 2)).astype(np.complex64)

@@ -56,8 +56,8 @@ def read(phases: Path, amplitudes: Path) -> NDArray[np.complex64]:
         raise fault(amplitudes, None, f'its phases, "{phases.name}", are not beside it: put them there')
     turned, sizes = _frames(phases), _frames(amplitudes)
     if turned.shape != sizes.shape:
-        (frames, transducers), told = turned.shape, f"{sizes.shape[0]} x {sizes.shape[1]} amplitudes"
-        raise fault(amplitudes, None, f"{told}: give as many as phases, {frames} x {transducers}")
+        (frames, transducers), reported = turned.shape, f"{sizes.shape[0]} x {sizes.shape[1]} amplitudes"
+        raise fault(amplitudes, None, f"{reported}: give as many as phases, {frames} x {transducers}")
     wrong = np.argwhere((sizes < 0) | (sizes > 1))
     if len(wrong):
         frame, column = wrong[0]

@@ -35,8 +35,8 @@ def read(path: str | PathLike[str], board: Board | None) -> NDArray[np.complex64
         raise fault(path, None, f"it holds frames, and board is left out: {CURE}")
     data, length = content(path), len(board.off_frame)
     if len(data) % length:
-        told = f"{len(data)} bytes are no whole number of frames of {length}"
-        raise fault(path, None, f"{told}: give a file of this board, or another board")
+        reported = f"{len(data)} bytes are no whole number of frames of {length}"
+        raise fault(path, None, f"{reported}: give a file of this board, or another board")
     drives = np.empty((len(data) // length, len(board.array)), np.complex64)
     for frame in range(len(drives)):
         try:
@@ -90,14 +90,14 @@ def played(drives: Any, board: Board | None) -> Played:
         count, transducers = frames.shape
         found = Played(count, transducers, numbers.ndim == 1, array, lambda frame: frames[frame])
     if board is not None and len(board.array) != found.transducers:
-        told = f"drives of {found.transducers} transducers, board of {len(board.array)}"
-        raise SceneError(f"{told}: give drives for the board's array, or another board")
+        reported = f"drives of {found.transducers} transducers, board of {len(board.array)}"
+        raise SceneError(f"{reported}: give drives for the board's array, or another board")
     if board is not None and found.array is not None:
         apart = np.linalg.norm(found.array.positions - board.array.positions, axis=1)
         at = int(apart.argmax())
         if apart[at] > APART:
-            told = f"the drives' transducer {at} lies {1e3 * apart[at]:.3g} mm from the board's"
-            raise SceneError(f"{told}: solve for the board's array, or give midair.Board(..., array)")
+            reported = f"the drives' transducer {at} lies {1e3 * apart[at]:.3g} mm from the board's"
+            raise SceneError(f"{reported}: solve for the board's array, or give midair.Board(..., array)")
     return found
 
 
@@ -120,8 +120,10 @@ def _numbers(value: Any) -> NDArray[np.complex64]:
     except ValueError:
         raise SceneError(f"drives is {shown(value)}: {cure}") from None
     if found.dtype.kind not in "fc":
-        told = "of whole numbers, which may be codes of a board" if found.dtype.kind in "iu" else shown(value)
-        raise SceneError(f"drives is {told}: {cure}")
+        reported = (
+            "of whole numbers, which may be codes of a board" if found.dtype.kind in "iu" else shown(value)
+        )
+        raise SceneError(f"drives is {reported}: {cure}")
     if found.ndim not in (1, 2) or not found.size:
         raise SceneError(f"drives has shape {found.shape}: {cure}")
     wrong = np.argwhere(~(np.abs(found) <= 1 + ROUNDING))

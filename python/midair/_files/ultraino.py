@@ -42,8 +42,8 @@ def read(path: str | PathLike[str], root: Element) -> Layout:
             raise fault(path, bean.line, f"power is {one:g}: give Pa m, at least 0")
     width = sorted({_number(path, bean, "apperture", WIDTH) for bean in found})
     if len(width) > 1:
-        told = f"transducers of {width[0]:g} and of {width[-1]:g} m"
-        raise fault(path, None, f"{told} are in it: take all of one width into a file")
+        reported = f"transducers of {width[0]:g} and of {width[-1]:g} m"
+        raise fault(path, None, f"{reported} are in it: take all of one width into a file")
     largest = power.max() or POWER
     return Layout(
         _upright(positions),
@@ -87,8 +87,8 @@ def _vector(path: str | PathLike[str], part: Bean, axes: str, first: float = 0.0
 def _number(path: str | PathLike[str], bean: Bean, name: str, default: float) -> float:
     found: Any = bean.properties.get(name, default)
     if not isinstance(found, float):
-        told = (
+        reported = (
             f"an object of {found.kind or 'no class'}" if isinstance(found, Bean) else f"{str(found)[:40]!r}"
         )
-        raise fault(path, bean.line, f"{name} is {told}: give a number")
+        raise fault(path, bean.line, f"{name} is {reported}: give a number")
     return found

@@ -144,13 +144,13 @@ class Decoder:
         return own()
 
     def _call(self, element: Element, arguments: list[Any], outer: Callable[[], Any]) -> Any:
-        told = element.attributes
-        if "idref" in told:
-            if told["idref"] not in self._named:
-                wrong = f'"{told["idref"]}" is used before it is there: get the file again'
+        reported = element.attributes
+        if "idref" in reported:
+            if reported["idref"] not in self._named:
+                wrong = f'"{reported["idref"]}" is used before it is there: get the file again'
                 raise fault(self._path, element.line, wrong)
-            return self._named[told["idref"]]()
-        kind, method, name = told.get("class"), told.get("method"), told.get("property")
+            return self._named[reported["idref"]]()
+        kind, method, name = reported.get("class"), reported.get("method"), reported.get("property")
         if kind in BOXES and len(arguments) == 1:
             value = arguments[0]
             return number(value.strip()) if isinstance(value, str) else value

@@ -48,17 +48,17 @@ def readings_of(value: Any, drives: int, microphones: int, phased: bool | None) 
         raise SceneError(
             f"readings[{k}, {at}] is {found[k, at]:.4g}: |p| is never negative, give moduli or complex ones"
         )
-    for m, heard in enumerate(found.T):
-        if not np.abs(heard).max():
+    for m, received in enumerate(found.T):
+        if not np.abs(received).max():
             raise SceneError(
                 f"readings[:, {m}] are all 0: microphone {m} hears nothing, mend it or leave it out"
             )
-        _not_clipped(heard, m)
+        _not_clipped(received, m)
     return found.astype(np.complex128) if np.iscomplexobj(found) else found.astype(np.float64)
 
 
-def _not_clipped(heard: NDArray[Any], m: int) -> None:
-    parts = (heard.real, heard.imag) if np.iscomplexobj(heard) else (heard,)
+def _not_clipped(received: NDArray[Any], m: int) -> None:
+    parts = (received.real, received.imag) if np.iscomplexobj(received) else (received,)
     for part in parts:
         top = np.abs(part).max()
         many = int(np.sum(np.abs(part) > top * (1 - 1e-6)))

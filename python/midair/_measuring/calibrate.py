@@ -124,8 +124,8 @@ def calibrate(
     array = scene.array
     places = scene.points if microphones is None else places_of(microphones)
     played = drives_of(drives, len(array))
-    heard = readings_of(readings, len(played), len(places), complex)
-    _enough(heard, played, array)
+    received = readings_of(readings, len(played), len(places), complex)
+    _enough(received, played, array)
     least = number("noise", noise, least=0) if noise is not None else 0.0
     spread = number("prior", prior, above=0) if prior is not None else None
     if spread is not None and spread > MOST_PRIOR:
@@ -136,8 +136,8 @@ def calibrate(
         None if microphones_error is None else number("microphones_error", microphones_error, least=0),
         _pose(pose_error),
     )
-    model = Model(scene, places, second, priors, np.iscomplexobj(heard))
-    _room(len(array), len(model.free), heard.size)
+    model = Model(scene, places, second, priors, np.iscomplexobj(received))
+    _room(len(array), len(model.free), received.size)
     own = np.ones(len(array)) if array.response is None else np.abs(array.response)
     believed = np.asarray(own * array.mask, np.float64)
     if not believed[np.any(played, axis=0)].any():
@@ -145,8 +145,8 @@ def calibrate(
             "array has no transducer that was played: its mask or responses of 0 hold them all off"
         )
     played = played * array.mask
-    found = robust(model, played, heard, believed, spread, least, progress or (lambda *_: None))
-    return _result(scene, model, found, believed, played, heard)
+    found = robust(model, played, received, believed, spread, least, progress or (lambda *_: None))
+    return _result(scene, model, found, believed, played, received)
 
 
 def _scene(given: Scene | Array, microphones: ArrayLike | None) -> Scene:
@@ -178,25 +178,25 @@ def _pose(value: Any) -> tuple[float, float]:
     return number("pose_error[0]", shift, least=0), number("pose_error[1]", turn, least=0)
 
 
-def _enough(heard: Any, played: Complex, array: Array) -> None:
+def _enough(received: Any, played: Complex, array: Array) -> None:
     """Refuse fewer real numbers than transducers: the prior would make up the rest.
 
     C driven channels tell C complex pressures at a microphone, less a common phase of |p|, by any drives.
     """
-    real = 2 if np.iscomplexobj(heard) else 1
-    count, sounding = heard.size * real, int(np.any(played, axis=0).sum())
+    real = 2 if np.iscomplexobj(received) else 1
+    count, sounding = received.size * real, int(np.any(played, axis=0).sum())
     if array.channels is not None:
         driven = len(np.unique(array.channels[np.any(played, axis=0)]))
         each = 2 * driven + real - 2
-        if each * heard.shape[1] < sounding:
+        if each * received.shape[1] < sounding:
             raise SceneError(
                 f"microphones are too few: {driven} driven channels tell {each} numbers at each, "
                 f"of {sounding} transducers; give {-(-sounding // each)} places or more"
             )
     if count < sounding:
-        least = "0.5 complex ones" if np.iscomplexobj(heard) else "1"
+        least = "0.5 complex ones" if np.iscomplexobj(received) else "1"
         raise SceneError(
-            f"readings are too few: {heard.size} of {sounding} transducers; "
+            f"readings are too few: {received.size} of {sounding} transducers; "
             f"at least {least} a transducer are needed, 4 of |p| are plenty"
         )
 
@@ -212,7 +212,7 @@ def _room(transducers: int, others: int, readings: int) -> None:
 
 
 def _result(
-    scene: Scene, model: Model, found: Fitted, believed: Real, played: Complex, heard: Any
+    scene: Scene, model: Model, found: Fitted, believed: Real, played: Complex, received: Any
 ) -> Calibration:
     # One phase is common to all: that of the clock, or none at all where moduli were read.
     common, scale = np.sum(believed * found.responses), float(np.exp(found.state[LOUDNESS]))
@@ -232,7 +232,7 @@ def _result(
             f"{len(outlying)} of {found.used.size} readings lie far off the model and are left out:"
             f" {named}{more}"
         )
-    loud = float(np.sqrt(np.mean(np.abs(heard[found.used]) ** 2)))
+    loud = float(np.sqrt(np.mean(np.abs(received[found.used]) ** 2)))
     if found.noise > UNEXPLAINED * loud:
         warn(
             f"readings are off the model by {found.noise / loud:.0%} of their root mean square: "

@@ -210,12 +210,12 @@ def _look(
         sums = np.stack([drives[:, part] @ matrix[:, part].T for part in parts], axis=-1)
         delays = _delays(sums.reshape(-1, len(parts)), readings.ravel())
         p = (sums @ delays).ravel()
-        heard = readings.ravel()
-        if not np.iscomplexobj(heard):
+        received = readings.ravel()
+        if not np.iscomplexobj(received):
             # Moduli of any two models are alike in their mean.
-            p, heard = np.abs(p) - np.abs(p).mean(), heard - heard.mean()
-        size = float(np.linalg.norm(p) * np.linalg.norm(heard))
-        match = float(abs(np.vdot(p, heard))) / max(size, 1e-30)
+            p, received = np.abs(p) - np.abs(p).mean(), received - received.mean()
+        size = float(np.linalg.norm(p) * np.linalg.norm(received))
+        match = float(abs(np.vdot(p, received))) / max(size, 1e-30)
         if match > best[0]:
             best = match, name, order, float(speed), np.broadcast_to(delays, count)
     return best

@@ -183,15 +183,15 @@ def doctor(
 
     drives = plan(made, len(places), seconds=seconds, settle=rest, seed=seed)
     sounding = int(np.any(drives, axis=0).sum())
-    heard: list[NDArray[Any]] = []
+    received: list[NDArray[Any]] = []
     for k, drive in enumerate(drives):
         if progress is not None and progress(k, len(drives)) is False:
             raise KeyboardInterrupt
         if isinstance(owner, Connection):
             owner.send(drive)
             time.sleep(line + rest)
-        heard.append(np.atleast_1d(np.asarray(read(drive))))
-        parts = 2 if np.iscomplexobj(heard[0]) else 1
+        received.append(np.atleast_1d(np.asarray(read(drive))))
+        parts = 2 if np.iscomplexobj(received[0]) else 1
         if k == 0 and len(drives) * len(places) * parts < LEAST * sounding:
             wanted = int(np.ceil(LEAST * sounding / len(places) / parts)) * (line + rest + LISTEN)
             raise refused(
@@ -201,12 +201,12 @@ def doctor(
             break
     if isinstance(owner, Connection):
         owner.off()
-    drives = drives[: len(heard)]
+    drives = drives[: len(received)]
     try:
-        gathered = np.array(heard)
+        gathered = np.array(received)
     except ValueError:
         raise SceneError(f"read gave arrays of several shapes: give ({len(places)},) each time") from None
-    readings = readings_of(gathered, len(heard), len(places), None)
+    readings = readings_of(gathered, len(received), len(places), None)
     found = diagnose(scene, of, drives.astype(np.complex128), readings, error)
     faults, notes = _named(found, of, np.any(drives, axis=0), scene, judged)
     return Report(
@@ -220,7 +220,7 @@ def doctor(
         sound_speed_error=found.calibration.sound_speed_error,
         noise=found.calibration.noise,
         readings=readings.size,
-        seconds=len(heard) * (line + rest + LISTEN),
+        seconds=len(received) * (line + rest + LISTEN),
     )
 
 
@@ -256,8 +256,8 @@ def _named(
     calibration = found.calibration
     places = zip(calibration.microphones, scene.points, calibration.microphones_error, strict=True)
     notes = []
-    for m, (at, told, error) in enumerate(places):
-        apart = float(np.linalg.norm(at - told))
+    for m, (at, reported, error) in enumerate(places):
+        apart = float(np.linalg.norm(at - reported))
         if apart > max(APART, 4 * float(np.linalg.norm(error))):
             notes.append(f"microphone {m} seems {1e3 * apart:.0f} mm from where it was said to be")
     if len(scene.points) == 1:

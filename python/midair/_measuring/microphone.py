@@ -55,10 +55,10 @@ def sound_card(
     def read(drive: NDArray[np.complex64]) -> NDArray[Any]:
         # Sound from before the drive played.
         stream.read(stream.read_available)
-        heard, _ = stream.read(count)
-        if np.abs(heard).max() > FULL:
+        received, _ = stream.read(count)
+        if np.abs(received).max() > FULL:
             raise SceneError("the sound card clips: turn its gain down, or move the microphone away")
-        return np.asarray(pascals * 2 * np.abs(np.sum(heard * tone, axis=0)) / window.sum())
+        return np.asarray(pascals * 2 * np.abs(np.sum(received * tone, axis=0)) / window.sum())
 
     with stream:
         yield read

@@ -62,8 +62,8 @@ def draw(
 
 
 def _residuals(calibration: Calibration, ax: Axes) -> None:
-    for m, heard in enumerate(np.abs(calibration.residuals).T):
-        ax.plot(heard, ".", markersize=3, label=f"microphone {m + 1}")
+    for m, received in enumerate(np.abs(calibration.residuals).T):
+        ax.plot(received, ".", markersize=3, label=f"microphone {m + 1}")
     ax.axhline(calibration.noise, color="black", linewidth=0.8, label="standard deviation found")
     ax.set_title("residuals / Pa", fontsize="medium")
     ax.set_xlabel("drive")

@@ -44,14 +44,14 @@ def greedy(player: Player, drive: Complex, order: Indices, phases: int, tries: b
     it at every phase. `tries` reads each of the L phases instead, as the paper has it.
     """
     turns = 2 * np.pi * np.arange(phases) / phases
-    heard = np.arange(phases) if tries or phases <= 3 else np.round(np.arange(3) * phases / 3).astype(int)
+    received = np.arange(phases) if tries or phases <= 3 else np.round(np.arange(3) * phases / 3).astype(int)
     waves = np.stack([np.ones(phases), np.cos(turns), np.sin(turns)], axis=1)
     # From the phases heard to all of them.
-    spread = np.eye(phases) if len(heard) == phases else waves @ np.linalg.inv(waves[heard])
+    spread = np.eye(phases) if len(received) == phases else waves @ np.linalg.inv(waves[received])
     drive = drive.copy()
     for index in order:
         powers = []
-        for phase in heard:
+        for phase in received:
             drive[index] = np.exp(1j * turns[phase])
             powers.append(player(drive) ** 2)
         pressures = np.sqrt(np.maximum(spread @ np.array(powers), 0.0))
@@ -76,7 +76,7 @@ def feedback(player: Player, scene: Scene, targets: Real, solver: str, steps: in
     # Ratios are what is corrected: those that can aim give their loudest at them.
     aim: Literal["max"] | None = "max" if solvers()[solver_name(word("solver", solver))].uses_aim else None
     wanted = targets.copy()
-    asked = targets > 0
+    requested = targets > 0
     for step in range(steps):
         with warnings.catch_warnings():
             if step:
@@ -85,12 +85,12 @@ def feedback(player: Player, scene: Scene, targets: Real, solver: str, steps: in
             drive = solve(scene.replace(pressures=wanted), solver, aim=aim).drive
         pressures = player(drive)
         player.trace.append(player.value(pressures))
-        x = pressures[asked] / targets[asked]
+        x = pressures[requested] / targets[requested]
         mean = x.mean()
         if mean == 0:
             return
-        wanted[asked] *= (mean / np.maximum(x, QUIETEST * mean)) ** POWER
-        wanted[asked] *= targets[asked].mean() / wanted[asked].mean()
+        wanted[requested] *= (mean / np.maximum(x, QUIETEST * mean)) ** POWER
+        wanted[requested] *= targets[requested].mean() / wanted[requested].mean()
 
 
 METHODS = ("greedy", "feedback", "spsa")
@@ -153,9 +153,9 @@ def tune(
     sounding = array.mask if array.response is None else array.mask & (array.response != 0)
     alive = np.flatnonzero(sounding)
     drive = _start(start, method, scene, sounding, solver)
-    heard = whole("phases", phases, least=2) if flag("tries", tries) or phases <= 3 else 3
+    received = whole("phases", phases, least=2) if flag("tries", tries) or phases <= 3 else 3
     count = whole("steps", steps, least=1) if steps is not None else STEPS.get(method, 0)
-    full = {"greedy": heard * len(alive), "feedback": count, "spsa": 2 * count + 1}[method]
+    full = {"greedy": received * len(alive), "feedback": count, "spsa": 2 * count + 1}[method]
     most = full if budget is None else min(full, whole("budget", budget, least=1))
     value = _evenness if method == "feedback" else _residual
     player = Player(

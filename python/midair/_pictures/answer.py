@@ -12,7 +12,7 @@ from .._midair import Field, Plane, Solution, field
 from .colours import Quantity, colours, loud, of_pressures
 from .panel import add_bar, grid, paint, shape, sides
 from .plot import HEADROOM, picture, title
-from .words import heading, marks, number, place, solver, told
+from .words import heading, marks, number, place, reported, solver
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -152,7 +152,7 @@ def answer(
             picture(fields[:1], [ax], quantity, cmap=cmap)
             title(ax, fields[0], heading(fields[:1]))
         else:
-            asked_and_got(solution, ax)
+            requested_and_got(solution, ax)
         return whole(ax)
     drawing = len(fields) == 1 and is_drawing(fields[0], quantity, MOST_BARS)
     # Of one point the heading says all that a bar would.
@@ -182,14 +182,14 @@ def answer(
         for panel, panel_ax in zip(fields, axes, strict=True):
             title(panel_ax, panel)
     if bars:
-        asked_and_got(solution, lower.subplots())
+        requested_and_got(solution, lower.subplots())
     numbers = f"accuracy {number(metrics.accuracy)}, sigma {number(metrics.sigma)}"
     shown = marks(fields) if fields and not drawing else ""
-    head(figure, solver(solution), f"{told(solution, scene)}, {numbers}", shown)
+    head(figure, solver(solution), f"{reported(solution, scene)}, {numbers}", shown)
     return figure
 
 
-def asked_and_got(solution: Solution, ax: Axes) -> None:
+def requested_and_got(solution: Solution, ax: Axes) -> None:
     """|p| at each point beside its target: bars, or dots where there are many."""
     from matplotlib.ticker import MaxNLocator
 

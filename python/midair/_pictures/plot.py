@@ -11,7 +11,7 @@ import numpy as np
 from .._midair import Field, Plane, SceneError, Solution, field
 from .colours import MAPS, Quantity, colours, loud
 from .panel import add_bar, draw, grid, shape
-from .words import asked, heading, level, marks, number, place, scale
+from .words import heading, level, marks, number, place, requested, scale
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -199,10 +199,10 @@ def contact_sheet(
             above = f"{above}\n{place(panel)}" if above else place(panel)
         panel_ax.set_title(above, fontsize="medium")
     first = fields[0]
-    targets = [] if first.solution is None else [asked(first.solution.targets, first.scene)]
+    targets = [] if first.solution is None else [requested(first.solution.targets, first.scene)]
     if ax is None:
-        told = ", ".join([*targets, place(first)] if width == 1 else targets)
-        head(figure, told, marks(rows[0]))
+        reported = ", ".join([*targets, place(first)] if width == 1 else targets)
+        head(figure, reported, marks(rows[0]))
     return figure
 
 

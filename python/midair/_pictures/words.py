@@ -15,9 +15,9 @@ def heading(fields: Sequence[Field]) -> list[str]:
     """The lines above a field in some planes: its solver, what was asked and got, what the marks mean."""
     solution, scene = fields[0].solution, fields[0].scene
     if solution is not None:
-        lines = [solver(solution), told(solution, scene)]
+        lines = [solver(solution), reported(solution, scene)]
     else:
-        lines = [] if scene.pressures is None else [asked(np.abs(scene.pressures), scene)]
+        lines = [] if scene.pressures is None else [requested(np.abs(scene.pressures), scene)]
     return [*lines, *filter(None, [marks(fields)])]
 
 
@@ -41,14 +41,14 @@ def marks(fields: Sequence[Field]) -> str:
     dark = all(map(is_dark, fields))
     silent = quiet(fields[0])
     hidden = int((~shown.any(axis=0)).sum()) if len(fields) > 1 else 0
-    told = {
+    reported = {
         "rings are points off the plane": bool((~shown & ~silent).any()),
         "crosses are quiet points": bool(silent.any()),
         f"{hidden} more point{'s' * (hidden > 1)} in other planes": hidden > 0,
         "arrows are the force on a small bead": any(map(has_arrows, fields)),
         "dark: |p| is below 1e-4 of what the points get": dark,
     }
-    return ", ".join(text for text, true in told.items() if true)
+    return ", ".join(text for text, true in reported.items() if true)
 
 
 def solver(solution: Solution) -> str:
@@ -63,9 +63,9 @@ def solver(solution: Solution) -> str:
     return ", ".join([solution.solver, *given])
 
 
-def told(solution: Solution, scene: Scene | None) -> str:
+def reported(solution: Solution, scene: Scene | None) -> str:
     """Targets, level and scale of a solution."""
-    return f"{asked(solution.targets, scene)}, {level(solution)}{scale(solution)}"
+    return f"{requested(solution.targets, scene)}, {level(solution)}{scale(solution)}"
 
 
 def level(solution: Solution) -> str:
@@ -85,17 +85,17 @@ def scale(solution: Solution) -> str:
     return "" if solution.scale == 1 else f", scale {solution.scale:.3g}"
 
 
-def asked(targets: ArrayLike, scene: Scene | None) -> str:
+def requested(targets: ArrayLike, scene: Scene | None) -> str:
     """The targets above 0, and how many are to be quiet."""
     targets = np.asarray(targets, dtype=float)
-    heard = targets[targets > 0]
-    silent = f"{targets.size - heard.size} quiet" if heard.size < targets.size else ""
-    if not heard.size:
+    received = targets[targets > 0]
+    silent = f"{targets.size - received.size} quiet" if received.size < targets.size else ""
+    if not received.size:
         return silent
     unit = "" if scene is not None and scene.in_paper_unit else " Pa"
-    low, high = (f"{end:.4g}" for end in (heard.min(), heard.max()))
+    low, high = (f"{end:.4g}" for end in (received.min(), received.max()))
     span = low if low == high else f"{low} to {high}"
-    return ", ".join(filter(None, [f"target{'s' * (heard.size > 1)} {span}{unit}", silent]))
+    return ", ".join(filter(None, [f"target{'s' * (received.size > 1)} {span}{unit}", silent]))
 
 
 def place(field: Field) -> str:

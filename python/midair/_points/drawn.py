@@ -42,8 +42,8 @@ def read(
     file = path_of("path", path)
     trimesh = library()
     if not file.is_file():
-        told = "it is a folder, device or pipe, give a file" if file.exists() else "there is no such file"
-        raise SceneError(f'path is "{file}": {told}')
+        reported = "it is a folder, device or pipe, give a file" if file.exists() else "there is no such file"
+        raise SceneError(f'path is "{file}": {reported}')
     ending = file.suffix.lower()
     if ending not in ENDINGS:
         raise SceneError(f'path is "{file}": {_formats("it is of no known format")}')
@@ -63,8 +63,8 @@ def read(
     except (KeyboardInterrupt, SceneError):
         raise
     except BaseException as error:
-        told = _formats(f"trimesh cannot read it ({reason(error)})")
-        raise SceneError(f'path is "{file}": {told}') from None
+        reported = _formats(f"trimesh cannot read it ({reason(error)})")
+        raise SceneError(f'path is "{file}": {reported}') from None
     vertices, faces = np.asarray(found.vertices, float), np.asarray(found.faces, np.int64)
     # Faces two of whose corners have become one have no area, and their neighbours meet without them.
     faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]

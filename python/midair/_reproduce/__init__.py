@@ -59,7 +59,7 @@ def reproduce(
     Returns the verdicts, each with the name of its figure. What is finished is kept in `output`/.chunks, and
     a run that was stopped goes on there.
     """
-    names = [name for asked in figures for name in (FIGURES if asked == "all" else [asked])]
+    names = [name for requested in figures for name in (FIGURES if requested == "all" else [requested])]
     for name in names:
         if name not in FIGURES:
             raise SceneError(f'unknown figure "{name}": known are {", ".join(FIGURES)} and all')

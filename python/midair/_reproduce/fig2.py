@@ -80,11 +80,11 @@ def lost(rows: tables.Rows, method: str) -> int:
 def judge(rows: tables.Rows) -> list[Verdict]:
     """Which methods lose points."""
     counts = {key: lost(rows, key) for key in tables.labels(rows)}
-    told = ", ".join(f"{key} {count}" for key, count in counts.items())
+    reported = ", ".join(f"{key} {count}" for key, count in counts.items())
     return [
         Verdict(
             "SDP+BCD loses points of the pattern",
             outcome(counts["sdp"] > 0),
-            f"points of 38 below half the mean |p|: {told}",
+            f"points of 38 below half the mean |p|: {reported}",
         )
     ]

@@ -64,5 +64,5 @@ def linear(rows: tables.Rows, x: str, method: str) -> Verdict:
     return Verdict(
         f"{'greedy' if method == 'greedy' else 'greedy by plain brute force'} is linear in {x}",
         outcome(abs(row["slope_large"] - 1) <= LINEAR),
-        f"log-log slope {timing.told_slope(row)}",
+        f"log-log slope {timing.stated_slope(row)}",
     )

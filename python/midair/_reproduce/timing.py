@@ -42,10 +42,10 @@ def measure(settings: Mapping[str, Any], start: int, stop: int) -> Arrays:
     repeats = [max(1, math.ceil(LEAST / _seconds(scene(stop), method, 1))) for method in methods]
     seconds = np.empty((stop - start, len(methods)))
     for index in range(start, stop):
-        asked = scene(index)
+        requested = scene(index)
         for turn in range(len(methods)):
             which = (turn + index) % len(methods)
-            seconds[index - start, which] = _seconds(asked, methods[which], repeats[which])
+            seconds[index - start, which] = _seconds(requested, methods[which], repeats[which])
     return {"seconds": seconds}
 
 
@@ -119,9 +119,9 @@ def draw(rows: tables.Rows, x: str, label: str) -> Figure:
     return figure
 
 
-def told_slope(row: tables.Row) -> str:
+def stated_slope(row: tables.Row) -> str:
     """A method's slopes in words."""
-    told = f"{row['slope']:.2f} ± {row['slope_error']:.2f}"
+    reported = f"{row['slope']:.2f} ± {row['slope_error']:.2f}"
     if row["from"] == 0:
-        return told
-    return f"{told}; {row['slope_large']:.2f} ± {row['slope_large_error']:.2f} from {row['from']} on"
+        return reported
+    return f"{reported}; {row['slope_large']:.2f} ± {row['slope_large_error']:.2f} from {row['from']} on"

@@ -50,7 +50,7 @@ class View:
             wasm=file("midair.wasm", folder).read_bytes(),
             scene=text,
         )
-        self._widget.observe(self._told, "state")
+        self._widget.observe(self._reported, "state")
 
     @property
     def widget(self) -> Widget:
@@ -95,8 +95,8 @@ class View:
         if self._given is not None:
             pressures = self._given.pressures
             return None if pressures is None else pressures.real
-        told = self._state()["pressures"]
-        return None if told is None else np.array(told, dtype=float)
+        reported = self._state()["pressures"]
+        return None if reported is None else np.array(reported, dtype=float)
 
     @pressures.setter
     def pressures(self, pressures: ArrayLike | None) -> None:
@@ -116,7 +116,7 @@ class View:
         state: dict[str, Any] = json.loads(self._widget.state)
         return state
 
-    def _told(self, _: object) -> None:
+    def _reported(self, _: object) -> None:
         """The page has changed something, or taken what was set."""
         self._given = None
 

@@ -100,7 +100,7 @@ def locked(folder: Path) -> Iterator[None]:
     """
     check(folder)
     with refusing(folder):
-        handle = _held(folder)
+        handle = _kept(folder)
     if handle is None:
         raise SceneError(
             f'"{folder}" is in use by another run of the same work:'
@@ -120,7 +120,7 @@ def locked(folder: Path) -> Iterator[None]:
             os.close(handle)
 
 
-def _held(folder: Path) -> int | None:
+def _kept(folder: Path) -> int | None:
     """Open and lock the folder's lock file; None where another run has it."""
     path = folder / LOCK
     while True:

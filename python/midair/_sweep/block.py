@@ -19,7 +19,7 @@ from .._support.output import METRICS
 from .engine import Stopped, go_on
 
 #: What a table needs of each problem: whether more is asked for than the array reaches, or too little.
-TOLD = (*METRICS, "status", "beyond", "weak")
+REPORTED = (*METRICS, "status", "beyond", "weak")
 
 #: Settings of a block, all that JSON can hold. "array", "medium": the tables of a scene file. "count": M.
 #: "region" [[x0, x1], [y0, y1], [z0, z1]] in m: random points; or "points" [[x, y, z], ...]: fixed ones.
@@ -40,7 +40,7 @@ def solve_block(settings: Settings, start: int, stop: int) -> Arrays:
     points, targets = points_and_targets(settings, trials)
     solved = _solve(array, medium, points, targets, settings, trials)
     if not settings["drives"]:
-        return {name: solved[name] for name in TOLD}
+        return {name: solved[name] for name in REPORTED}
     solved["points"] = points
     if targets is not None:
         solved["targets"] = targets
@@ -115,12 +115,12 @@ def _solve(
     options = {key: value for key, value in settings["options"].items() if value is not None}
 
     def batch(part: slice, **seed: int) -> _midair.Batch:
-        asked = None if targets is None else targets[part]
+        requested = None if targets is None else targets[part]
         shares = None if weights is None else np.broadcast_to(weights, points[part].shape[:2])
         keywords = {**options, **seed, **medium, "weights": shares, "progress": _watch}
         try:
             # The jobs are spread over the processors already.
-            found = _midair.solve_batch(array, points[part], asked, solver, threads=1, **keywords)
+            found = _midair.solve_batch(array, points[part], requested, solver, threads=1, **keywords)
         except SceneError as error:
             raise _of_the_trial(error, trials[part], points.shape[1]) from error
         if not go_on():

@@ -211,11 +211,11 @@ def run(
             raise
 
 
-def _work(asked: str, function: Function, settings: Settings, start: int, stop: int) -> Arrays:
+def _work(requested: str, function: Function, settings: Settings, start: int, stop: int) -> Arrays:
     """One job, on whatever machine this is."""
     here = version("midair")
-    if here != asked:
-        raise SceneError(f"a worker has midair {here}, the run midair {asked}: install the same on all")
+    if here != requested:
+        raise SceneError(f"a worker has midair {here}, the run midair {requested}: install the same on all")
     return function(settings, start, stop)
 
 

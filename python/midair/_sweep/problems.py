@@ -28,7 +28,7 @@ MOST_BLOCKS = 10**6
 POINT = 64
 
 #: Different warnings that are told before any work; more would repeat themselves.
-MOST_TOLD = 3
+MOST_REPORTED = 3
 
 _FIXED = ("positions", "pressures", "weights")
 _RANDOM = ("count", "x", "y", "z")
@@ -83,7 +83,7 @@ def read_sets(
 
     common : seed, seeds and drives of all settings
     """
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as reported:
         warnings.simplefilter("always")
         bases, files = _scenes(tables, folder) if "scenes" in tables else (_arrays(tables), [])
         few(math.prod([len(bases), *map(len, axes.values())]))
@@ -102,8 +102,8 @@ def read_sets(
             sets.append(
                 (settings, {**columns, "transducers": transducers, "points": settings["count"], **own})
             )
-    texts = dict.fromkeys(str(one.message) for one in told if issubclass(one.category, SceneWarning))
-    for text in list(texts)[:MOST_TOLD]:
+    texts = dict.fromkeys(str(one.message) for one in reported if issubclass(one.category, SceneWarning))
+    for text in list(texts)[:MOST_REPORTED]:
         warn(text)
     return sets, list(dict.fromkeys(files))
 

@@ -101,11 +101,11 @@ def _read(given: Mapping[str, Any], path: Path | None, drives: bool) -> Request:
         )
         for (settings, columns), (name, chosen) in product(sets, methods)
     ]
-    asked = Request(blocks, (*sets[0][1], "solver", *options), [*([path] if path else []), *files])
-    twice = [name for name, times in Counter(asked.columns).items() if times > 1]
+    requested = Request(blocks, (*sets[0][1], "solver", *options), [*([path] if path else []), *files])
+    twice = [name for name, times in Counter(requested.columns).items() if times > 1]
     if twice:
         raise SceneError(f'two columns of the table would be called "{twice[0]}": leave that option out')
-    return asked
+    return requested
 
 
 def _trials(given: Any) -> tuple[int, list[int] | None]:

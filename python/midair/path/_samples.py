@@ -163,8 +163,8 @@ def morph(
     ends = [_set(item, value) for item, value in (("from_points", from_points), ("to_points", to_points))]
     counts = [len(end) for end in ends]
     if counts[0] != counts[1]:
-        told = f"M changes from {counts[0]} to {counts[1]} between from_points and to_points"
-        raise SceneError(f"{told}: give as many, or join paths with a fade, a.then(b, fade=)")
+        reported = f"M changes from {counts[0]} to {counts[1]} between from_points and to_points"
+        raise SceneError(f"{reported}: give as many, or join paths with a fade, a.then(b, fade=)")
     if pressures is not None:
         pressures = constant_pressures(pressures, counts[0])
     if duration is None:

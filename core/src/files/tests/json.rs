@@ -13,9 +13,9 @@ use crate::files::step::Step;
 
 /// The refusal of a text, without its example.
 fn refusal(text: &str) -> String {
-    let flaw = read(text).map_err(|flaw| flaw.told(text, Format::Json, Source::default()));
-    let told = flaw.expect_err(text).to_string();
-    told.split("; for example").next().unwrap_or_default().into()
+    let flaw = read(text).map_err(|flaw| flaw.reported(text, Format::Json, Source::default()));
+    let reported = flaw.expect_err(text).to_string();
+    reported.split("; for example").next().unwrap_or_default().into()
 }
 
 #[test]
@@ -117,14 +117,14 @@ fn a_key_written_twice_is_refused_where_it_is_written_again() {
         ("{\"a\": null, \"a\": null, \"a\"}", "line 1, column 13", "a"),
     ];
     for (text, place, key) in doubled {
-        let told = format!("scene file, {place}: the key \"{key}\" is written twice: keep one of them");
-        assert_eq!(refusal(text), told, "{text}");
+        let reported = format!("scene file, {place}: the key \"{key}\" is written twice: keep one of them");
+        assert_eq!(refusal(text), reported, "{text}");
     }
     assert!(read("{\"a\": {\"a\": 1}, \"b\": [{\"a\": 1}, {\"a\": 1}], \"A\": 1}").is_ok());
 }
 
 #[test]
-fn a_fault_is_told_with_its_place_and_cure() {
+fn a_fault_is_reported_with_its_place_and_cure() {
     let cases = [
         ("{\"a\": 1,\n \"b\": NaN}", "line 2, column 7: no JSON here (a value is missing"),
         ("{\"\u{e9}\u{e9}\u{e9}\": ?}", "line 1, column 9: no JSON here (a value is missing"),
@@ -147,8 +147,8 @@ fn a_fault_is_told_with_its_place_and_cure() {
         ("{\"a\":\n [\"\\ud83d\"]}", ": no JSON here (a backslash that escapes nothing)"),
         ("\u{e9}", "line 1, column 1: no JSON, but TOML as it looks: name it .toml"),
     ];
-    for (text, told) in cases {
-        assert!(refusal(text).contains(told), "{text}: {}", refusal(text));
+    for (text, reported) in cases {
+        assert!(refusal(text).contains(reported), "{text}: {}", refusal(text));
     }
 }
 
@@ -261,8 +261,8 @@ proptest! {
 
     #[test]
     fn no_text_at_all_makes_it_panic(text in "[\\[\\]{}\",:\\\\u0-9eE.+\\- \n\u{e9}a-f]{0,40}") {
-        let told = read(&text).map_err(|flaw| flaw.told(&text, Format::Json, Source::default()).to_string());
-        prop_assert!(told.is_ok() || told.is_err_and(|told| !told.contains('\n')));
+        let reported = read(&text).map_err(|flaw| flaw.reported(&text, Format::Json, Source::default()).to_string());
+        prop_assert!(reported.is_ok() || reported.is_err_and(|reported| !reported.contains('\n')));
     }
 }
 

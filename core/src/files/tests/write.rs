@@ -49,7 +49,7 @@ fn sorted(node: Node) -> Node {
     }
 }
 
-fn told(node: &Node) -> Value {
+fn reported(node: &Node) -> Value {
     match node {
         Node::Null => Value::Null,
         Node::Bool(value) => (*value).into(),
@@ -58,8 +58,8 @@ fn told(node: &Node) -> Value {
         Node::Real(value) => (*value).into(),
         Node::Text(text) => text.as_str().into(),
         Node::Numbers(numbers) => numbers.iter().copied().collect(),
-        Node::List(list) => list.iter().map(told).collect(),
-        Node::Table(entries) => entries.iter().map(|(key, node)| (key.clone(), told(node))).collect(),
+        Node::List(list) => list.iter().map(reported).collect(),
+        Node::Table(entries) => entries.iter().map(|(key, node)| (key.clone(), reported(node))).collect(),
     }
 }
 
@@ -76,7 +76,7 @@ proptest! {
         let text = in_json(&node);
         prop_assert_eq!(json::read(&text).ok(), Some(node.clone()), "{}", text);
         let value: Value = serde_json::from_str(&text).expect("JSON");
-        prop_assert_eq!(value, told(&node));
+        prop_assert_eq!(value, reported(&node));
         let mut text = String::new();
         write::toml("", &node, &mut text).expect("no null");
         prop_assert_eq!(toml::read(&text).ok().map(sorted), Some(node), "{}", text);

@@ -49,14 +49,14 @@ fn so_many_points_at_most_and_those_of_the_usual_step_where_they_fit() {
 }
 
 #[test]
-fn a_length_that_nobody_means_is_refused() {
+fn a_length_that_no_one_means_is_refused() {
     let line = Curve::line([0.0, 0.0, 0.1], [1000.0, 0.0, 0.1], false).unwrap();
-    let told = |step| line.points(step).unwrap_err().to_string();
-    assert!(told(2e-3).starts_with("step is 0.002: 1000 m of contours would be more than 100000 points"));
-    assert_eq!(told(0.0), "step is 0.0: give a number above 0");
-    assert_eq!(told(f64::NAN), "step is NaN: give a finite number");
-    let told = along(&[vec![]], 1e-3).unwrap_err().to_string();
-    assert_eq!(told, "contour is []: give vertices of finite numbers");
+    let reported = |step| line.points(step).unwrap_err().to_string();
+    assert!(reported(2e-3).starts_with("step is 0.002: 1000 m of contours would be more than 100000 points"));
+    assert_eq!(reported(0.0), "step is 0.0: give a number above 0");
+    assert_eq!(reported(f64::NAN), "step is NaN: give a finite number");
+    let reported = along(&[vec![]], 1e-3).unwrap_err().to_string();
+    assert_eq!(reported, "contour is []: give vertices of finite numbers");
 }
 
 proptest! {
