@@ -1,4 +1,4 @@
-"""Addresses and ports: which board, by which link, where; and what the guard's transport is made of."""
+"""Addresses and ports: board, link and place of an address, and the description of the guard's transport."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ from .layout import autd3_boards
 #: The boards that an address may name.
 KINDS = Codec.kinds()
 
-#: What a link needs: the package's name, the name it is imported by, and the extra that brings it.
+#: Packages that a link needs: the package's name, the name for import, and the extra that installs it.
 NEEDS = {
     "serial": ("pyserial", "serial", "serial"),
     "fifo": ("pyftdi", "pyftdi", "ftdi"),
 }
 
-#: What the preset of two boards of a kind ends in.
+#: Suffix of the presets of two boards of a kind.
 PAIR = "_pair"
 
-#: The board of an address that names none.
+#: The board of an address without a name.
 DEFAULT = "autd3"
 
 
 @dataclass(frozen=True)
 class Address:
-    """A board's name or None, the kind of its link, and where it is."""
+    """A board's name or None, the kind of its link, and its place."""
 
     board: str | None
     kind: str
@@ -42,12 +42,12 @@ class Address:
 
     @property
     def kind_of_board(self) -> str | None:
-        """The board's kind, by which links are known: a pair is of the kind of its boards."""
+        """Kind of the board, as links use it: a pair has the kind of its boards."""
         return None if self.board is None else self.board.removesuffix(PAIR)
 
 
 def parse(address: Any) -> Address:
-    """Read an address: a board's name and where it is, "null", or "file:" and a path."""
+    """Read an address: a board's name and its place, "null", or "file:" and a path."""
     text = word("address", address)
     name, _, where = text.partition(":")
     if name == "null" and not where:
@@ -74,14 +74,14 @@ def parse(address: Any) -> Address:
 
 
 def can_modulate(board: str) -> None:
-    """Refuse a kind of board that does not modulate."""
+    """Reject a kind of board that does not modulate."""
     if not KINDS[board].link["modulates"]:
         others = " or ".join(name for name, kind in KINDS.items() if kind.link["modulates"])
         raise BoardError(f"{board} cannot modulate: stream drives of changing amplitude, or take {others}")
 
 
 def modulation(board: str, given: Any) -> tuple[float, bytes]:
-    """A frequency in Hz and no codes; or NaN and codes, of a kind of board that holds samples."""
+    """Return a frequency in Hz and no codes; or NaN and codes, for a kind of board that stores samples."""
     if np.ndim(given) == 0:
         frequency = number("hz", given, above=0)
         can_modulate(board)
@@ -97,7 +97,7 @@ def modulation(board: str, given: Any) -> tuple[float, bytes]:
 
 
 def describe(address: Address, board: Board) -> dict[str, Any]:
-    """What `open_transport` makes the transport of, as JSON holds it."""
+    """Description of the board's transport, as JSON, for `open_transport`."""
     silence, off = board.silence.hex(), board.off_frame.hex()
     swap = board.link["swap"]
     if address.kind == "null":
@@ -121,7 +121,7 @@ def describe(address: Address, board: Board) -> dict[str, Any]:
 
 
 def _places(address: Address, board: Board) -> list[tuple[str, int]]:
-    """The serial number and interface of each line: a chip each, or those of one chip."""
+    """Serial number and interface of each line: one chip each, or the two of one chip."""
     serials = address.where.split("+")
     if serials[0] and len(serials) == 1 and board.link["one_chip"]:
         # Its first FPGA is on the chip's channel B, which is interface 2.
@@ -136,14 +136,14 @@ def _examples() -> list[str]:
 
 
 def _place(kind: str) -> str:
-    """The words for what an address says behind the colon."""
+    """Describe the part of an address after the colon."""
     link, most = KINDS[kind].link, KINDS[kind].most_boards
     if link["kind"] == "fifo":
         return "SERIAL" if link["one_chip"] else "+".join(["SERIAL"] * most)
     return "PORT" if link["kind"] == "serial" else "INTERFACE"
 
 
-#: What an adapter's USB vendor and product (None: any) could lead to: Arduino's own, CH340, and FTDI's chips.
+#: Boards behind an adapter, by USB vendor and product (None: any): Arduino's own, CH340, and FTDI's chips.
 ADAPTERS: dict[tuple[int | None, int | None], str] = {
     (0x2341, None): "an Arduino: mega64, nano16, nano",
     (0x2A03, None): "an Arduino: mega64, nano16, nano",
@@ -158,10 +158,10 @@ ADAPTERS: dict[tuple[int | None, int | None], str] = {
 class Port:
     """A serial port.
 
-    name : for an address, as "/dev/ttyUSB0"
-    description : what the system calls it
-    maker, serial_number : of its USB adapter, None where it has none
-    could_be : boards that have such an adapter, by its USB numbers and its name; "" where they say nothing
+    name : as in an address, such as "/dev/ttyUSB0"
+    description : the system's name of the port
+    maker, serial_number : of its USB adapter, None if it has none
+    could_be : boards with such an adapter, by its USB numbers and its name; "" if unknown
     """
 
     name: str
@@ -172,14 +172,14 @@ class Port:
 
 
 def _could_be(vid: int | None, pid: int | None, product: str) -> str:
-    # FTDI gives its serial lines and its FIFOs the same numbers, but a name of their own each.
+    # FTDI's serial lines and FIFOs have the same numbers and different names.
     if "FT245" in product:
         return "an FT245: openmpd"
     return ADAPTERS.get((vid, pid)) or ADAPTERS.get((vid, None), "")
 
 
 def ports() -> list[Port]:
-    """The serial ports, by name, and what their adapters could lead to. None is opened."""
+    """List the serial ports by name, with the boards that their adapters could be. Opens none of them."""
     try:
         from serial.tools.list_ports import comports
     except ImportError as error:

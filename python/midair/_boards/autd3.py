@@ -1,4 +1,4 @@
-"""AUTD3 boards over UDP, of either protocol: every step of what they play is acknowledged by all of them."""
+"""AUTD3 boards over UDP, of either protocol: all boards acknowledge every step."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from .errors import BoardError, BoardLost
 MOST_BOARDS = 128
 EMULATOR = "autd3:emulator"
 
-#: A step not acknowledged in this time, in s, is sent again. A lost datagram costs one retry, hardly two.
+#: A step without an acknowledgement within this time, in s, is repeated. A lost datagram costs one retry.
 ACKNOWLEDGED = 0.02
 RETRIES = 5
-#: The last step to boards that are lost is sent so often, as nobody can do more for them.
+#: Repetitions of the last step to lost boards.
 TWICE = 2
-#: Boards get a word so often. One that is silent for so long is lost; it mutes itself soon after.
+#: Time between two words to the boards, in s. Boards silent for the second time are lost and mute themselves.
 BEAT = 0.03
 LOST = 0.4
 
-#: Why a board refuses a step; where it is not ready, it is asked again for so long, in s.
+#: Reasons of a board to reject a step; a step to a board that is not ready is repeated for this time, in s.
 REFUSED = {
     0x01: "it does not know it",
     0x02: "its content is not in order",
@@ -40,7 +40,7 @@ REFUSED = {
 NOT_READY = (0x08, 0x14)
 READY = 5.0
 
-#: What happens to boards that do not reply.
+#: Causes of boards without a reply.
 ELSEWHERE = ": unplugged, rebooted or taken over by another program"
 
 _STEP = struct.Struct("<BBI")  # count, command, 0: at once
@@ -50,13 +50,13 @@ _Reply = tuple[int, bytes]
 
 
 class Overtaken(Exception):
-    """A step was given up: it is not wanted any more."""
+    """Raised for a step that was given up."""
 
 
 class Link:
-    """Boards that are silent at first; a thread sends them a word while nothing else is sent.
+    """Boards that are silent at first; a thread keeps them alive while nothing else is sent.
 
-    Raises what `Chain` does, and BoardError of a board with firmware of two series.
+    Raises the errors of `Chain`, and BoardError for a board with firmware of two series.
     """
 
     def __init__(self, address: str, boards: int) -> None:
@@ -80,10 +80,10 @@ class Link:
         threading.Thread(target=self._beat, name=address, daemon=True).start()
 
     def send(self, step: Step, wanted: Callable[[], bool] = lambda: True) -> list[bytes]:
-        """Send a step until every board has acknowledged it; returns the data of their replies.
+        """Send a step until every board has acknowledged it; return the data of their replies.
 
-        Raises Overtaken once it is not wanted any more, BoardLost where boards do not reply, BoardError where
-        one refuses it.
+        Raises Overtaken if the step was given up, BoardLost if boards do not reply, BoardError if a board
+        rejects it.
         """
         with self._lock:
             until = time.monotonic() + READY
@@ -98,7 +98,7 @@ class Link:
         return [data for _, data in replies]
 
     def look(self) -> None:
-        """Raise BoardLost once boards do not reply any more."""
+        """Raise BoardLost once boards do not reply."""
         if self._gone:
             raise BoardLost(f"{self._address}: {self._gone}; connect again")
 
@@ -110,7 +110,7 @@ class Link:
             self._chain.close()
 
     def _acknowledged(self, step: Step, wanted: Callable[[], bool]) -> list[_Reply]:
-        """Each board's reply to a step."""
+        """Wait for each board's reply to a step."""
         replies: dict[int, _Reply] = {}
         for _ in range(1 + RETRIES):
             if not wanted():
@@ -122,7 +122,7 @@ class Link:
         raise self._lost(f"board {missing} did not reply within {1000 * ACKNOWLEDGED:g} ms", ELSEWHERE)
 
     def _exchange(self, units: Collection[int], step: Step | None = None) -> dict[int, _Reply]:
-        """Status and data of the replies that come in time to a step, or to a word without one."""
+        """Return status and data of the replies that arrive in time to a step, or to a keep-alive word."""
         self.look()
         now = time.monotonic()
         if now - self._spoken > FAILSAFE_MS / 1000:
@@ -151,14 +151,14 @@ class Link:
         return replies
 
     def _content(self, unit: int, step: Step | None) -> bytes:
-        """What a board is sent of a step."""
+        """Datagrams of a step, a board each."""
         if step is None:
             return b""
         payload = step.payloads[unit if len(step.payloads) > 1 else 0]
         return _STEP.pack(self._counts[unit], step.command, 0) + payload
 
     def _lost(self, why: str, cause: str = "") -> BoardLost:
-        """The error that boards are lost; those that still listen are turned off, and no word follows."""
+        """Make the error of lost boards, and turn off those that still receive; no word follows."""
         self._over.set()
         self._gone = f"{why}{cause}; boards that still play mute themselves in half a second"
         off = commands.pattern(bytes(self._boards * CODES), self._boards, self.protocol)
@@ -168,7 +168,7 @@ class Link:
         return BoardLost(f"{self._address}: {self._gone}; connect again")
 
     def _beat(self) -> None:
-        """Send a word now and then; boards that do not reply for long are lost."""
+        """Keep the boards alive; report boards that do not reply for long as lost."""
         while not self._over.wait(BEAT):
             with self._lock, suppress(BoardError):
                 self._exchange(range(self._boards))
@@ -177,7 +177,7 @@ class Link:
                         raise self._lost(f"board {unit} stopped answering", ELSEWHERE)
 
     def _check_firmware(self, unit: int, info: bytes) -> None:
-        """Refuse a board whose processor and FPGA have firmware of two series."""
+        """Reject a board whose processor and FPGA have firmware of two series."""
         if info[:2] != info[3:5]:
             raise BoardError(
                 f"{self._address}: board {unit} has firmware {version(info[:3])} in its processor, "
@@ -188,8 +188,8 @@ class Link:
 class Autd3Transport:
     """Frames to AUTD3 boards.
 
-    `address` is "autd3" (looks on every network interface), "autd3:eth0" (on one), "autd3:[IPv6]:PORT" or
-    "autd3:emulator" (emulated in this process, where nothing emits). Opening it leaves the boards silent.
+    `address` is "autd3" (searches every network interface), "autd3:eth0" (one), "autd3:[IPv6]:PORT" or
+    "autd3:emulator" (emulated in this process, where nothing emits). Opening leaves the boards silent.
     """
 
     def __init__(self, address: str, boards: int) -> None:
@@ -197,7 +197,7 @@ class Autd3Transport:
             raise BoardError(f"{address}: {boards} boards, give 1 to {MOST_BOARDS}")
         self._boards = boards
         self._bank, self._divider = BANKS[0], PHASE_STEPS
-        # Counts the calls of `silence`: what was under way before one is given up.
+        # Number of calls of `silence`: steps from before one are given up.
         self._silenced = 0
         self._lock = threading.Lock()
         if address == EMULATOR:
@@ -210,12 +210,12 @@ class Autd3Transport:
             raise
 
     def play(self, frame: bytes) -> None:
-        """Play a frame until something else is played; returns when every board has acknowledged it."""
+        """Play a frame until another; return when every board has acknowledged it."""
         before, step = self._silenced, commands.pattern(frame, self._boards, self._link.protocol)
         self._play([step], PHASE_STEPS, BANKS[0], before)
 
     def upload(self, frames: bytes, count: int, rate: float) -> None:
-        """Let the boards play `count` frames at `rate` a second by themselves, over and over."""
+        """Let the boards repeat `count` frames at `rate` a second by themselves."""
         before, divider, bank = self._silenced, commands.divider(rate), 1 - self._bank
         steps = commands.sequence(frames, count, self._boards, divider, bank, self._link.protocol)
         self._play(steps, divider, bank, before)
@@ -228,7 +228,7 @@ class Autd3Transport:
                 self._link.send(step)
 
     def silence(self) -> None:
-        """Turn all transducers off within 250 us of its coming; frames under way are given up."""
+        """Turn all transducers off within 250 us of the arrival; give up frames on their way."""
         self._silenced += 1
         off = commands.pattern(bytes(self._boards * CODES), self._boards, self._link.protocol)
         with self._lock:
@@ -237,17 +237,17 @@ class Autd3Transport:
             self._bank, self._divider = BANKS[0], PHASE_STEPS
 
     def look(self) -> None:
-        """Raise BoardLost of boards that answer no more."""
+        """Raise BoardLost if boards do not answer."""
         self._link.look()
 
     def close(self) -> None:
-        """Turn all transducers off and let go of the boards; of those that do not answer, too."""
+        """Turn all transducers off, also of boards that do not answer, and release the boards."""
         with suppress(BoardError):
             self.silence()
         self._link.close()
 
     def _play(self, steps: Sequence[Step], divider: int, bank: int, before: int) -> None:
-        """Play what lasts for `divider` ultrasound periods, smoothed by a silencer that lets it."""
+        """Play frames of `divider` ultrasound periods each, with a silencer fast enough for them."""
 
         def wanted() -> bool:
             return self._silenced == before

@@ -1,8 +1,8 @@
-"""Chain of AUTD3 boards: they are found by UDP, numbered and brought in step, and exchange datagrams.
+"""Chain of AUTD3 boards: finds them by UDP, numbers and synchronises them, and exchanges datagrams.
 
-Boards stand behind one another at a network interface and listen to all nodes of its IPv6 link. A board that
-is reset closes its port to those behind it, so one after the other is discovered, numbered, and opens its
-port. The first one's clock is that of all. Order and times are those of the makers' client, autd3-rs 0.13.0.
+Boards are connected one behind another to a network interface and receive from all nodes of its IPv6 link. A
+reset board closes its port to those behind it, so that one after the other is discovered, numbered, and opens
+port. The first board's clock is that of all. Order and times are those of the makers' autd3-rs 0.13.0.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from .autd3_commands import PROTOCOLS, counted
 from .errors import BoardError, BoardNotFound
 
 PORT = 44336
-#: All nodes of a link.
+#: Address of all nodes of a link.
 ALL = "ff02::1"
 
-#: A board answers a request within this time, in s, and is asked so often.
+#: Time in s in which a board answers a request, and the number of requests.
 RESPONSE = 0.2
 ATTEMPTS = 3
-#: Boards that are reset close their ports within the first time; two that are discovered at once, the second.
+#: Reset boards close their ports within the first time; the second is for two that are discovered at once.
 SETTLE = 0.1
 LINGER = 0.01
-#: So long boards are looked for, and their clocks waited for.
+#: Time of the search for boards, and of the wait for their clocks, in s.
 ENUMERATION = 10.0
 IN_STEP = 30.0
 PAUSE = 0.05
@@ -41,14 +41,14 @@ ASSIGNED, IN_TIME, MUTED = 0x01, 0x18, 0x40
 
 _HEADER = struct.Struct("<BBH")  # protocol, kind, number of the datagram
 _INFO = struct.Struct("<BBB")  # status, the board's number, flags
-#: Where the information of protocols before 5 has the firmware.
+#: Place of the firmware in the information of protocols before 5.
 _FIRMWARE = slice(5, 8)
 
 _Place = tuple[Any, ...]
 
 
 class Kind(IntEnum):
-    """What a datagram is about."""
+    """Kind of a datagram."""
 
     STEP = 0
     INFO = 1
@@ -61,7 +61,7 @@ class Kind(IntEnum):
 
 
 class Info(NamedTuple):
-    """What a board says of itself."""
+    """Information that a board sends about itself."""
 
     place: _Place
     unit: int
@@ -69,11 +69,11 @@ class Info(NamedTuple):
 
 
 class Chain:
-    """So many boards at an address, numbered from 0 on and in step.
+    """A given number of boards at an address, numbered from 0 on and synchronised.
 
-    address : "autd3" (looks on every network interface), "autd3:eth0" (on one) or "autd3:[IPv6]:PORT"
+    address : "autd3" (searches every network interface), "autd3:eth0" (one interface) or "autd3:[IPv6]:PORT"
 
-    Raises BoardNotFound where there are none, fewer or more, BoardError of firmware with another protocol.
+    Raises BoardNotFound for none, fewer or more boards, BoardError for firmware with another protocol.
     """
 
     def __init__(self, address: str, boards: int) -> None:
@@ -99,7 +99,7 @@ class Chain:
             self._write(self._places[unit], kind, contents[unit])
 
     def replies(self, kind: Kind, seconds: float) -> Iterator[tuple[int, bytes]]:
-        """The boards that reply within so many seconds to what was sent last, and what they reply."""
+        """Return the boards that reply within a time in s to the last datagrams, and their replies."""
         for place, body in self._answers(kind, seconds):
             if place[:2] in self._units:
                 yield self._units[place[:2]], body
@@ -109,7 +109,7 @@ class Chain:
         self._socket.close()
 
     def _search(self) -> tuple[socket.socket, _Place]:
-        """A socket towards the first network where a board answers, and the address of all its boards."""
+        """Open a socket to the first network with an answering board; return it with the boards' address."""
         groups = {}
         for group in self._groups():
             # Some interfaces have no IPv6.
@@ -133,7 +133,7 @@ class Chain:
         raise self._not_found("no AUTD3 board answers")
 
     def _groups(self) -> list[_Place]:
-        """The address of all boards in each network where to look."""
+        """List the address of all boards in each network of the search."""
         _, colon, where = self._address.partition(":")
         interfaces = {name: index for index, name in socket.if_nameindex()}
         if not colon:
@@ -153,7 +153,7 @@ class Chain:
         )
 
     def _enumerate(self) -> list[_Place]:
-        """Number the boards in their order; where each of them is."""
+        """Number the boards in their order; return the place of each."""
         self._request(self._group, Kind.RESET)
         time.sleep(SETTLE)
         places: list[_Place] = []
@@ -178,7 +178,7 @@ class Chain:
                 return places
 
     def _discover(self) -> _Place | None:
-        """Where the next board without a number is."""
+        """Return the place of the next board without a number."""
         for place, _ in self._request(self._group, Kind.DISCOVER, most=1):
             if list(self._answers(Kind.DISCOVER, LINGER)):
                 raise self._not_found("two AUTD3 boards answer at once, which are not in one line")
@@ -186,7 +186,7 @@ class Chain:
         return None
 
     def _release(self, known: list[_Place]) -> bool:
-        """Reset boards that have an older number still; whether there are some."""
+        """Reset boards that have an older number still; return whether there are some."""
         old = [info.place for info in self._infos() if info.flags & ASSIGNED and info.place not in known]
         for place in old:
             self._request(place, Kind.RESET, most=1)
@@ -195,19 +195,19 @@ class Chain:
         return bool(old)
 
     def _assign(self, place: _Place, unit: int) -> _Place:
-        """Give a board its number, and the first one the clock; where it is from then on."""
+        """Give a board its number, and the first one the clock; return its new place."""
         for _ in range(ATTEMPTS):
             for answer, body in self._request(place, Kind.NUMBER, bytes([unit, unit == 0]), most=1):
                 self._check(unit, Kind.NUMBER, body)
                 return answer
-            # A board whose answer was lost is elsewhere already.
+            # A board whose answer was lost has its number already.
             for info in self._infos():
                 if info.flags & ASSIGNED and info.unit == unit:
                     return info.place
         raise self._not_found(f"board {unit} does not take its number")
 
     def _synchronize(self) -> None:
-        """Set the first board's clock, and wait until those of all are in step with it."""
+        """Set the first board's clock, and wait until the clocks of all follow it."""
         self._ask(0, self._places[0], Kind.SET_CLOCK, bytes(8))
         until = time.monotonic() + IN_STEP
         while True:
@@ -223,12 +223,12 @@ class Chain:
             time.sleep(PAUSE)
 
     def _infos(self, most: int | None = None) -> list[Info]:
-        """What boards say of themselves."""
+        """Read the information of the boards."""
         found = self._request(self._group, Kind.INFO, most=most)
         return [Info(place, *_INFO.unpack_from(body)[1:]) for place, body in found if len(body) >= _INFO.size]
 
     def _ask(self, unit: int, place: _Place, kind: Kind, content: bytes = b"") -> bytes:
-        """A board's answer to a request."""
+        """Return a board's answer to a request."""
         for _ in range(ATTEMPTS):
             for _, body in self._request(place, kind, content, most=1):
                 self._check(unit, kind, body)
@@ -244,7 +244,7 @@ class Chain:
     def _request(
         self, place: _Place, kind: Kind, content: bytes = b"", most: int | None = None
     ) -> list[tuple[_Place, bytes]]:
-        """Where answers to a request come from, and what they say."""
+        """Yield the senders of answers to a request, and the answers."""
         self._next()
         self._write(place, kind, content)
         return list(islice(self._answers(kind, RESPONSE), most))
@@ -253,18 +253,18 @@ class Chain:
         self._number = (self._number + 1) % 0x10000
 
     def _write(self, place: _Place, kind: Kind, content: bytes) -> None:
-        # What the system cannot send is as good as lost on the way, and sent again.
+        # A datagram that the system cannot send counts as lost and is repeated.
         with suppress(OSError):
             self._socket.sendto(_HEADER.pack(self._version, kind, self._number) + content, place)
 
     def _answers(self, kind: Kind, seconds: float) -> Iterator[tuple[_Place, bytes]]:
-        """What comes within so many seconds in answer to the last datagram."""
+        """Yield the answers to the last datagram that arrive within a number of seconds."""
         until = time.monotonic() + seconds
         while (left := until - time.monotonic()) > 0:
             self._socket.settimeout(left)
             try:
                 found, place = self._socket.recvfrom(2048)
-            # None in time; or a system's word on a datagram that did not arrive.
+            # No answer in time; or the system's error for a datagram that did not arrive.
             except OSError:
                 continue
             if len(found) <= _HEADER.size or _HEADER.unpack_from(found)[1:] != (kind, self._number):
@@ -277,7 +277,7 @@ class Chain:
             yield place, found[_HEADER.size :]
 
     def _other_firmware(self) -> BoardError:
-        """The error that the first board's firmware has a protocol of its own."""
+        """Make the error for firmware of another protocol."""
         firmware = ""
         if self._version < min(PROTOCOLS):
             for _, body in self._request(self._group, Kind.INFO, most=1):
@@ -297,12 +297,12 @@ class Chain:
 
 
 def version(numbers: bytes) -> str:
-    """A version as people write it."""
+    """Version in the usual notation."""
     return ".".join(map(str, numbers))
 
 
 def _socket(group: _Place) -> socket.socket:
-    """A socket towards a network, past no router."""
+    """Open a socket to a network, without routing."""
     made = socket.socket(socket.AF_INET6, socket.SOCK_DGRAM)
     made.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_MULTICAST_HOPS, 1)
     if group[3]:

@@ -18,35 +18,35 @@ from typing import NamedTuple
 from .errors import BoardError
 
 TRANSDUCERS = 249
-#: Bytes of a board's part of a frame.
+#: Bytes of a board in a frame.
 CODES = 2 * TRANSDUCERS
-#: Ultrasound periods a second; the device's clock for all it plays by itself.
+#: Ultrasound periods a second; the clock of everything that a device plays by itself.
 ULTRASOUND = 40_000
-#: Patterns that a device holds in each of its two banks, and the longest time of one in ultrasound periods.
+#: Patterns in each of the two banks of a device, and the longest time of one in ultrasound periods.
 PATTERNS = (2, 1024)
 DIVIDERS = (1, 65535)
 BANKS = (0, 1)
-#: Samples of a modulation that a device holds, how many it plays a second (one lasts as long as the silencer
-#: takes for an intensity), and how many a period of a sine needs at least.
+#: Samples of a modulation that a device stores, samples a second (one lasts as long as the silencer
+#: takes for an intensity), and the least number of samples in a period of a sine.
 SAMPLES = 65536
 SAMPLING = 4000
 SAMPLES_A_PERIOD = 4
-#: Times of the default silencer in ultrasound periods: a phase comes within 1 ms, an intensity within 250 us.
+#: Times of the default silencer in ultrasound periods: 1 ms for a phase, 250 us for an intensity.
 PHASE_STEPS = 40
 INTENSITY_STEPS = 10
-#: How far the silencer goes in a period where it is not bound to a time; the device wants a number.
+#: Step of the silencer in a period if it has no time; the device needs a number.
 RATE_STEPS = 256
-#: A device without a word for so long mutes itself.
+#: A device without a word for this time, in s, mutes itself.
 FAILSAFE_MS = 500
 
-#: A step takes this many bytes behind its header, and so many patterns of codes.
+#: Most bytes of a step behind its header, and most patterns of codes in it.
 PAYLOAD = 1442
 PATTERNS_A_STEP = 2
 
-#: What a bank that is activated does: it plays at once, and over and over.
+#: Behaviour of an activated bank: it plays at once and repeats.
 AT_ONCE = 0xFF
 ENDLESS = 0xFFFF
-#: A bank holds codes, not foci.
+#: A bank contains codes, not foci.
 RAW = 1
 
 _BANK = struct.Struct("<BBQ")  # bank, when, and by which value
@@ -55,7 +55,7 @@ _CONFIG_PATTERNS = struct.Struct("<BBHIBBHH")  # bank, RAW, divider, count, thre
 _SAMPLES = struct.Struct("<BBI")  # bank, 0, the first sample's place
 _CONFIG_SAMPLES = struct.Struct("<BBHIH")  # bank, 0, divider, count, repetitions
 _SILENCER = struct.Struct("<BBHHHH")  # flags, 0, two rates, steps of an intensity, steps of a phase
-#: The settings of a processor: the makers' defaults, and the failsafe, which they leave off in protocol 5.
+#: Settings of a processor: the makers' defaults, and the failsafe, which is off by default in protocol 5.
 _SETTINGS = struct.pack(
     "<I5H5I9H",
     *(250_000, 8, 3, 6, 1000, 64, 10_000, 100, 50, 1, 500_000),
@@ -64,10 +64,10 @@ _SETTINGS = struct.pack(
 
 
 class Protocol(NamedTuple):
-    """A protocol, by its number, and the firmware that speaks it.
+    """A protocol, by its number, and the firmware that has it.
 
-    counted : whether steps carry a count, by which a board drops one that it has had already
-    paired : whether codes lie in pairs of phase and intensity, in place of all phases before all intensities
+    counted : whether steps carry a count, by which a board drops a repeated step
+    paired : whether codes are in pairs of phase and intensity, or all phases before all intensities
     """
 
     number: int
@@ -76,14 +76,14 @@ class Protocol(NamedTuple):
     paired: bool
 
 
-#: By number; the newest one stands first.
+#: Protocols by number, the newest first.
 PROTOCOLS = {
     each.number: each for each in (Protocol(5, "0.13", False, True), Protocol(3, "0.12", True, False))
 }
 
 
 class Command(IntEnum):
-    """The kinds of steps that midair sends, by their number."""
+    """Kinds of steps that midair sends, by their number."""
 
     RESET = 0x00
     SYNCHRONIZE = 0x01
@@ -108,15 +108,15 @@ class Step(NamedTuple):
 
 
 def opening(protocol: Protocol) -> list[Step]:
-    """Steps that put boards into their first state, silent, and in step with one another."""
+    """Steps that put boards into their first state: silent and synchronised."""
     if protocol.counted:
-        # The count begins anew; the failsafe is on by default.
+        # The count starts again; the failsafe is on by default.
         return [Step(Command.RESET), Step(Command.CLEAR), Step(Command.SYNCHRONIZE)]
     return [Step(Command.CLEAR), Step(Command.SETTINGS, [_SETTINGS]), Step(Command.SYNCHRONIZE)]
 
 
 def pattern(frame: bytes, boards: int, protocol: Protocol) -> Step:
-    """One frame, played at once; the device's first bank of patterns holds it."""
+    """One frame, played at once, in the device's first bank of patterns."""
     _check_length(frame, 1, boards)
     header = _BANK.pack(BANKS[0], AT_ONCE, 0)
     return Step(Command.PATTERN, [header + codes for codes in _parts(frame, protocol)])
@@ -125,14 +125,14 @@ def pattern(frame: bytes, boards: int, protocol: Protocol) -> Step:
 def sequence(
     frames: bytes, count: int, boards: int, divider: int, bank: int, protocol: Protocol
 ) -> list[Step]:
-    """Frames that the device plays by itself over and over, each for `divider` ultrasound periods."""
+    """Frames that the device repeats by itself, each for `divider` ultrasound periods."""
     check_count(count)
     _check_length(frames, count, boards)
     parts, steps = _parts(frames, protocol), []
     for first in range(0, count, PATTERNS_A_STEP):
         last = min(first + PATTERNS_A_STEP, count)
         header = _PATTERNS.pack(bank, last - first, first)
-        # A frame's parts lie behind one another, board after board.
+        # The parts of a frame are one board after another.
         payloads = [
             header + b"".join(parts[first * boards + k : last * boards : boards]) for k in range(boards)
         ]
@@ -143,7 +143,7 @@ def sequence(
 
 
 def check_count(count: int) -> None:
-    """Refuse a sequence of fewer or more frames than a device holds."""
+    """Reject a sequence of fewer or more frames than a device can store."""
     least, most = PATTERNS
     if not least <= count <= most:
         raise BoardError(
@@ -153,7 +153,7 @@ def check_count(count: int) -> None:
 
 
 def divider(rate: float) -> int:
-    """Ultrasound periods a frame at `rate` frames a second; refused where that is no whole number of them."""
+    """Ultrasound periods a frame at `rate` frames a second; rejects a rate without a whole number of them."""
     least, most = DIVIDERS
     periods = ULTRASOUND / rate if math.isfinite(rate) and rate > 0 else math.nan
     nearest = min(max(round(periods), least), most) if math.isfinite(periods) else least
@@ -166,7 +166,7 @@ def divider(rate: float) -> int:
 
 
 def modulation(wave: float | bytes | None) -> list[Step]:
-    """A sine of 0 to 255 at `wave` Hz, a whole number of periods of it; these codes; 255 for None."""
+    """Samples of a sine of 0 to 255 at `wave` Hz, a whole number of periods; given codes; or 255 for None."""
     samples = bytes([255, 255]) if wave is None else wave if isinstance(wave, bytes) else _sine(wave)
     if not 2 <= len(samples) <= SAMPLES:
         raise BoardError(
@@ -183,21 +183,21 @@ def modulation(wave: float | bytes | None) -> list[Step]:
 
 
 def silencer(divider: int) -> Step:
-    """Phases and intensities glide to a pattern within its time, and at most within the default silencer's.
+    """Phases and intensities reach a pattern within its time, and at most within the default silencer's.
 
-    Not strict: the strict one refuses to be set while a fast sequence runs, and asks for a newer FPGA.
+    Not strict: the strict silencer cannot be set during a fast sequence, and needs a newer FPGA.
     """
     steps = min(INTENSITY_STEPS, divider), min(PHASE_STEPS, divider)
     return Step(Command.SILENCER, [_SILENCER.pack(0, 0, RATE_STEPS, RATE_STEPS, *steps)])
 
 
 def counted(number: int, thing: str) -> str:
-    """A number of things, in words."""
+    """Number of things, in words."""
     return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
 
 
 def _check_length(frames: bytes, count: int, boards: int) -> None:
-    """Refuse frames of another number of boards."""
+    """Reject frames of another number of boards."""
     wanted = count * boards * CODES
     if len(frames) != wanted:
         raise BoardError(
@@ -207,7 +207,7 @@ def _check_length(frames: bytes, count: int, boards: int) -> None:
 
 
 def _parts(frames: bytes, protocol: Protocol) -> list[bytes]:
-    """The codes of each board and frame as the protocol orders them."""
+    """Order the codes of each board and frame for the protocol."""
     parts = [frames[at : at + CODES] for at in range(0, len(frames), CODES)]
     return [_paired(part) for part in parts] if protocol.paired else parts
 
@@ -219,7 +219,7 @@ def _paired(codes: bytes) -> bytes:
 
 
 def _sine(hz: float) -> bytes:
-    """Codes round(127.5 (1 + sin)) of the shortest buffer that holds whole periods of `hz`."""
+    """Codes round(127.5 (1 + sin)) of the shortest buffer with whole periods of `hz`."""
     highest = SAMPLING / SAMPLES_A_PERIOD
     lowest = SAMPLING / SAMPLES
     if not lowest <= hz <= highest:

@@ -1,4 +1,4 @@
-"""Boards: drives of an array to the bytes that make a board play them, and back."""
+"""Boards: conversion of drives to the bytes of a board, and back."""
 
 from __future__ import annotations
 
@@ -16,25 +16,24 @@ from .layout import changed
 
 
 class Board:
-    """The boards behind an array: what they can play, and the bytes that make them play it.
+    """The boards of an array: their phases and amplitudes, and the bytes that play a drive.
 
     name : a kind of board (`midair boards` lists them, such as "autd3" and "sonicsurface"), a
-        preset that one of them plays ("sonicsurface_pair", "openmpd_pair"), or OpenMPD's board
+        preset of one ("sonicsurface_pair", "openmpd_pair"), or OpenMPD's board
         file .pat, two for a pair
-    array : its transducers, in the order of the board's preset, one board after the other; left
-        out, the preset's, or a grid of a kind that has none
+    array : its transducers, in the order of the board's preset, one board after the other; by
+        default the preset's, or a grid for a kind that has none
     tiles : boards along x and y of a preset that tiles, such as (2, 2)
     channels : (N,) the channel of each transducer, those of a second board after those of the
-        first; left out, the order of the preset. Of an array with channels of its own, (C,) the
+        first; by default the order of the preset. For an array with channels of its own, (C,) the
         board's channel of each of these.
     corrections : (N,), or (C,), the phase in rad that each transducer adds by itself. The phase sent is the
-        one wanted less the correction, before it is rounded.
+        wanted one minus the correction, before rounding.
 
-    Transducers that are masked or dead are off, whatever they are told. What each kind is told is
-    in docs/boards.md.
+    Masked or dead transducers are always off. docs/boards.md describes the bytes of each kind.
 
-    Raises SceneError for an unknown name, a file that is not in order, and channels or corrections of another
-    number than the transducers, or than the array's channels; more of these than the board has.
+    Raises SceneError for an unknown name, a file with an error, and channels or corrections of another
+    number than the transducers, or than the array's channels; or more channels than the board has.
 
     >>> import midair
     >>> board = midair.Board("sonicsurface")
@@ -61,13 +60,13 @@ class Board:
         kind = presets()[name].board if name in presets() else name
         if not isinstance(kind, str):
             raise refused("board", name, f"no board plays it, give one of {', '.join(Codec.kinds())}")
-        # An unknown name is refused before anything else.
+        # An unknown name is reported before any other error.
         Codec(kind)
         if array is None:
             array = Array.preset(str(name), tiles) if name in presets() else Codec.array(kind, tiles)
         elif tiles is not None:
             raise refused("tiles", tiles, "the array has its boards, leave them out")
-        # What makes an equal board, in a pickle.
+        # The parts that make boards equal, in a pickle.
         self._made = kind, array, channels, corrections
         self._codec = Codec(kind, array, channels=channels, corrections=corrections)
         self._array = _on_board(array, self._codec)
@@ -83,7 +82,7 @@ class Board:
 
     @property
     def array(self) -> Array:
-        """Its transducers, with what the board can play as their quantization."""
+        """Transducers, with the board's phases and amplitudes as their quantization."""
         return self._array
 
     @property
@@ -93,7 +92,7 @@ class Board:
 
     @property
     def lines(self) -> int:
-        """Number of lines: one for all boards, or one each; a frame is as many parts of one length."""
+        """Number of lines: one for all boards, or one each; a frame has one part of equal length for each."""
         return self._codec.lines
 
     @property
@@ -108,17 +107,17 @@ class Board:
 
     @property
     def silence(self) -> bytes:
-        """The bytes that silence it whatever it was told before, in both banks of a board that has two."""
+        """The bytes that silence it from any state, in both banks of a board that has two."""
         return self._codec.silence
 
     @property
     def link(self) -> dict[str, Any]:
-        """How bytes reach it ("kind": "serial", "fifo" or "udp") and what it does by itself, by name."""
+        """Line to the board ("kind": "serial", "fifo" or "udp") and its own behaviour, by name."""
         return self._codec.link
 
     @property
     def baud(self) -> int | None:
-        """Bits a second of its serial line, ten to a byte; None where it is on no such line."""
+        """Bits a second of its serial line, ten to a byte; None for another line."""
         return self._codec.baud
 
     @property
@@ -128,7 +127,7 @@ class Board:
 
     @property
     def limits(self) -> dict[str, Any]:
-        """What it can do, by name: transducers, boards, phases, amplitudes, bytes and frames a second."""
+        """Capabilities by name: transducers, boards, phases, amplitudes, bytes and frames a second."""
         grid = self._codec.quantization
         return {
             "transducers": len(self.array),
@@ -142,16 +141,16 @@ class Board:
         }
 
     def encode(self, drive: ArrayLike | Solution) -> bytes:
-        """The frame of a drive (N,), or of a Solution's: the nearest phases and amplitudes of the board.
+        """Return the frame of a drive (N,) or a Solution: the nearest phases and amplitudes of the board.
 
-        What a solution leaves to the supply or to modulation (`solution.scale`) is no part of it.
+        The frame does not include `solution.scale`, the factor for supply or modulation.
 
-        Raises SceneError for a drive of another shape, not finite, above 1, or unlike on one channel.
+        Raises SceneError for a drive of another shape, not finite, above 1, or different within one channel.
         """
         return self._codec.encode(drive.drive if isinstance(drive, Solution) else drive)
 
     def decode(self, frame: bytes) -> NDArray[np.complex64]:
-        """The drive (N,) that a frame plays, 0 where a transducer is off.
+        """Return the drive (N,) that a frame plays, 0 for transducers that are off.
 
         Raises SceneError for bytes that are no frame of the board.
         """
@@ -163,7 +162,7 @@ class Board:
 
 
 def _files(name: Any) -> list[str]:
-    """The board files that were named, none where it is a name."""
+    """Return the given board files, none for a name."""
     several = [name] if isinstance(name, str | PathLike) else name
     try:
         paths = [fspath(one) for one in several]
@@ -177,7 +176,7 @@ def _files(name: Any) -> list[str]:
 def _from_files(
     paths: list[str], array: Array | None, channels: Any, corrections: Any
 ) -> tuple[str, Array, Any, Any]:
-    """One board file or two, the lower one first: their pins, corrections and dead transducers."""
+    """Read one board file or two, the lower one first: their pins, corrections and dead transducers."""
     from . import pat
 
     if len(paths) > 2:
@@ -200,7 +199,7 @@ def _from_files(
 
 
 def _on_board(array: Array, codec: Codec) -> Array:
-    """The array with the board's grid and response unless it states them; hardware at its frequency."""
+    """The array with the board's grid and response unless it has its own; hardware at its frequency."""
     own: dict[str, Any] = {"quantization": dict(codec.quantization), "response": codec.response}
     missing = {
         name: value for name, value in own.items() if value is not None and getattr(array, name) is None

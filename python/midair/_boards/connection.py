@@ -1,4 +1,4 @@
-"""`midair.connect`: a board that plays what is sent, as long as somebody holds it."""
+"""`midair.connect`: a board that plays drives until its connection is closed."""
 
 from __future__ import annotations
 
@@ -27,29 +27,29 @@ from .limit import Limit, refuse_real, warn_of_rate, warn_of_seam
 from .process import PATIENCE, GuardProcess
 from .wire import Kind, Late
 
-#: Frames of a stream that are on their way at a time: one that plays next and one behind it, or as many as
-#: last so long, in s, lest a busy computer stop them; fewer of those that are made while they play.
+#: Frames of a stream that are on their way: the next one and one behind it, or as many as last this long,
+#: in s, so that a busy computer does not interrupt them; fewer of those that are made while they play.
 AHEAD = 2
 LEAD = 0.2
 LIVE = 0.04
 
-#: How often somebody who waits says so while the hold runs.
+#: Messages of a waiting caller to the guard during a hold.
 HOLDS = 4
 
-#: Transducers further than this from where they were solved for, in m, are not those of the board.
+#: Largest distance in m of a solution's transducers from those of the board.
 APART = 0.5e-3
 
-#: What a stream may do with a frame that comes too late.
+#: Treatment of a late frame of a stream.
 LATE = {"skip": Late.SKIP, "wait": Late.WAIT, "error": Late.ERROR}
 
 
 @dataclass(frozen=True)
 class Stats:
-    """What a connection has done.
+    """Counts of a connection.
 
-    frames : that the board has been given
-    late : frames of streams that came more than a period late: skipped, or played all the same
-    lapses : how often the hold ran out and everything was turned off
+    frames : sent to the board
+    late : frames of streams that came more than a period late: skipped or played
+    lapses : times that the hold expired and everything was turned off
     """
 
     frames: int
@@ -65,9 +65,9 @@ class Connection:
     BoardLost is raised.
 
     A guard process owns the device. It turns everything off when the connection is closed, when the program
-    ends in whatever way, and when no call to send, stream, upload, modulate or off came for `hold` s; the
-    next frame plays again. What is stopped by an error or Ctrl-C midway in a call is turned off, too; a frame
-    that is refused before it is sent changes nothing.
+    ends for any reason, and when no call to send, stream, upload, modulate or off came for `hold` s; the
+    next frame plays again. An error or Ctrl-C during a call turns the board off, too. A frame that is
+    rejected before it is sent changes nothing.
     """
 
     board: Board
@@ -84,10 +84,10 @@ class Connection:
         self._finalizer = weakref.finalize(self, self._guard.close)
 
     def send(self, drive: ArrayLike | Solution) -> None:
-        """Play a drive (N,) or a solution until something else comes; waits while two frames wait already.
+        """Play a drive (N,) or a solution until another frame comes; waits while two frames are waiting.
 
-        Raises SceneError for a drive that is not in order or above the connection's limit, BoardLost where
-        the board is gone, BoardError where the connection is closed.
+        Raises SceneError for a wrong drive or one above the connection's limit, BoardLost if the board is
+        gone, BoardError if the connection is closed.
         """
         self._call(Kind.PLAY, wire.WHEN.pack(0.0, 0.0, Late.WAIT) + self._encode(drive))
 
@@ -98,19 +98,19 @@ class Connection:
         rate: float | None = None,
         late: Literal["skip", "wait", "error"] = "skip",
     ) -> Stats:
-        """Play drives one after another; the last one goes on playing. Returns the counts of this stream.
+        """Play drives one after another; the last one continues to play. Returns the counts of this stream.
 
-        drives : (T, N), a midair.Sequence, or what gives drives or solutions one by one, as a generator
-        rate : frames a second; left out, the sequence's own, or as many as the board takes, of which none is
+        drives : (T, N), a midair.Sequence, or an iterable of drives or solutions, such as a generator
+        rate : frames a second; by default the sequence's own, or the board's highest, at which no frame is
             late
-        late : with a frame that comes more than a period late because the board is slow: "skip" leaves it out
+        late : with a frame that comes more than a period late because the board is slow: "skip" drops it
             and keeps to the clock, "wait" plays it and moves the clock, "error" raises BoardTimeout. A frame
-            that a generator was slow to give is played when it comes, unless that is an error.
+            from a slow generator is played when it comes, unless that is an error.
 
-        Warns, before it begins, of the part that a rate above the board's leaves out, and of a rate at which
-        the board emits less. Raises SceneError for a drive that is not in order or above the connection's
-        limit, BoardTimeout for a rate that late="error" cannot keep, BoardLost where the board is gone,
-        BoardError where the connection is closed.
+        Before the first frame, warns of the part that a rate above the board's drops, and of a rate at which
+        the board emits less. Raises SceneError for a wrong drive or one above the connection's
+        limit, BoardTimeout for a rate that late="error" cannot keep, BoardLost if the board is gone,
+        BoardError if the connection is closed.
         """
         frames = self._drives(drives)
         if rate is None and isinstance(drives, Sequence):
@@ -128,7 +128,7 @@ class Connection:
         try:
             known = isinstance(drives, Sequence | np.ndarray | list | tuple)
             then = None if rate is None else LATE[late]
-            # Faster than the board takes them, frames would only pile up.
+            # Frames faster than the board plays them would only pile up.
             ahead = max(AHEAD, math.ceil(min(pace, self.board.rate) * (LEAD if known else LIVE)))
             self._stream(frames, 1 / pace, then, ahead)
         except BaseException:
@@ -137,12 +137,12 @@ class Connection:
         return self.stats - before
 
     def upload(self, sequence: Sequence) -> None:
-        """Let the board play a sequence by itself, over and over, where it can hold one (AUTD3).
+        """Let the board repeat a sequence by itself, if it can store one (AUTD3).
 
-        Warns of a jump from the last frame to the first beyond the bound that held when it was solved.
+        Warns of a jump from the last frame to the first beyond the bound of the sequence.
 
-        Raises BoardError of a board that holds none, SceneError for frames that are not in order, BoardLost
-        where the board is gone, BoardError where the connection is closed.
+        Raises BoardError for a board that stores none, SceneError for wrong frames, BoardLost
+        if the board is gone, BoardError if the connection is closed.
         """
         if not self.board.link["holds_sequence"]:
             raise BoardError(f"{self.board.name} holds no sequence: use stream")
@@ -153,33 +153,33 @@ class Connection:
         self._call(Kind.UPLOAD, wire.UPLOADED.pack(len(frames), sequence.rate) + b"".join(frames))
 
     def modulate(self, hz: float | ArrayLike | None) -> None:
-        """Modulate the amplitude of what plays, and of what will.
+        """Modulate the amplitude of all drives, now and later.
 
-        hz : of the sine on AUTD3, of on and off on SonicSurface; or samples (S,) of the pressure from 0 to 1
-            that AUTD3 repeats, 2 to 65536 of them at 4000 a second; None for no modulation
+        hz : frequency of the sine on AUTD3, of on and off on SonicSurface; or samples (S,) of the pressure
+            from 0 to 1 that AUTD3 repeats, 2 to 65536 of them at 4000 a second; None for no modulation
 
-        Raises BoardError of a board that cannot, SceneError for a frequency or samples that are none,
-        BoardLost where the board is gone, BoardError where the connection is closed.
+        Raises BoardError for a board that cannot modulate, SceneError for a wrong frequency or wrong samples,
+        BoardLost if the board is gone, BoardError if the connection is closed.
         """
         wave = (math.nan, b"") if hz is None else modulation(self.board.name, hz)
         self._call(Kind.MODULATE, wire.MODULATION.pack(wave[0]) + wave[1])
 
     def off(self) -> None:
-        """Turn everything off; the connection goes on.
+        """Turn everything off; the connection stays open.
 
-        Raises BoardLost where the board is gone, BoardError where the connection is closed.
+        Raises BoardLost if the board is gone, BoardError if the connection is closed.
         """
         self._call(Kind.OFF)
 
     def close(self) -> None:
-        """Turn everything off and let go of the board. Never raises, never hangs; more than once, too."""
+        """Turn everything off and release the board. Never raises, never hangs, and may be called again."""
         self._finalizer()
 
     def __enter__(self) -> Connection:
         return self
 
     def __exit__(self, kind: object, *_: object) -> None:
-        """Close; raises BoardLost where the board is gone and no call has said so yet."""
+        """Close; raises BoardLost if the board is gone and no call has reported it yet."""
         try:
             if kind is None and self._finalizer.alive and not self._missed:
                 self.off()
@@ -188,9 +188,9 @@ class Connection:
 
     @property
     def emitting(self) -> NDArray[np.complex64]:
-        """The drive (N,) that plays now, decoded from the frame the board has; 0 where nothing does.
+        """The drive (N,) that plays now, decoded from the board's frame; 0 if none plays.
 
-        While it is modulated, the drive at full amplitude. Of an uploaded sequence, by the clock.
+        During modulation it is the drive at full amplitude; for an uploaded sequence it follows the clock.
         """
         frame = b""
         if self._finalizer.alive:
@@ -200,7 +200,7 @@ class Connection:
 
     @property
     def state(self) -> Literal["off", "playing", "modulating", "lost", "closed"]:
-        """What it does: "off" also once the hold ran out, "lost" once the board was unplugged or stalled."""
+        """State: "off" also after the hold expired, "lost" after the board was unplugged or stalled."""
         if not self._finalizer.alive:
             return "closed"
         try:
@@ -213,7 +213,7 @@ class Connection:
 
     @property
     def stats(self) -> Stats:
-        """Counts of frames, of late ones, and of holds that ran out."""
+        """Counts of frames, of late ones, and of expired holds."""
         if self._finalizer.alive:
             with suppress(BoardLost):
                 self._call(Kind.STATUS)
@@ -223,7 +223,7 @@ class Connection:
         return f"<midair.Connection to {self.board.name} at {self._place}: {self.state}>"
 
     def _call(self, kind: Kind, content: bytes = b"") -> None:
-        """Ask the guard and note what it tells; turn off where that was stopped midway."""
+        """Send a request to the guard and store its status; turn off if the call was interrupted."""
         requested = self._guard.ask(kind, content)
         try:
             self._note(requested)
@@ -243,19 +243,19 @@ class Connection:
         self._note(requested, 0.0)
 
     def _wait(self, seconds: float, requested: Future[bytes]) -> None:
-        """Wait until a call is answered; the guard is told now and then that somebody waits."""
+        """Wait for the answer to a call; from time to time report to the guard that a caller waits."""
         until = time.monotonic() + seconds
         while (left := until - time.monotonic()) > 0 and not requested.done():
             if wait([requested], min(left, self._hold / HOLDS)).not_done:
                 self._guard.ask(Kind.HOLD)
 
     def _quiet(self) -> None:
-        """Turn off what was stopped midway, without waiting for it."""
+        """Turn off after an interrupted call, without waiting."""
         with suppress(BoardError):
             self._guard.ask(Kind.OFF)
 
     def _encode(self, drive: ArrayLike | Solution) -> bytes:
-        """The frame of a drive, refused where it is too loud or was solved for transducers elsewhere."""
+        """The frame of a drive; rejects a drive that is too loud or was solved for other places."""
         if isinstance(drive, Solution):
             if drive.scene is not None:
                 self._placed(drive.scene.array)
@@ -268,7 +268,7 @@ class Connection:
         return frame
 
     def _warn(self, scale: float) -> None:
-        """Say once that a board cannot play as softly as was asked."""
+        """Warn once that a board cannot play as softly as requested."""
         if scale < 1 and not self._warned:
             self._warned = True
             text = (
@@ -279,7 +279,7 @@ class Connection:
             warn(text)
 
     def _placed(self, array: Array) -> None:
-        """Refuse what was solved for transducers that lie elsewhere than the board's."""
+        """Reject a drive for transducers in other places than the board's."""
         mine, theirs = self.board.array.positions, array.positions
         if len(mine) != len(theirs):
             found = f"{len(theirs)} transducers, {self.board.name} has {len(mine)}"
@@ -309,7 +309,7 @@ class Connection:
     def _stream(
         self, drives: Iterator[ArrayLike | Solution], period: float, late: Late | None, ahead: int
     ) -> None:
-        """Hand frames to the guard before their time, which it waits for; with None for `late`, at once."""
+        """Pass frames to the guard before their time, for which it waits; at once if `late` is None."""
         patience = PATIENCE + ahead * period
         under_way: deque[Future[bytes]] = deque()
         due = math.inf
@@ -326,25 +326,25 @@ class Connection:
                     due += period
                     continue
                 due = now
-            # The guard counts no frame that is counted here.
+            # The guard does not count a frame that is counted here.
             then = Late.WAIT if counted else late or Late.WAIT
             frame = wire.WHEN.pack(due, due + period, then) + self._encode(drive)
             under_way.append(self._guard.ask(Kind.PLAY, frame))
             due += period
             if len(under_way) >= ahead:
                 self._answered(under_way.popleft(), patience)
-        # Nothing is sent any more, but somebody waits.
+        # Nothing is sent here, but a caller waits.
         for each in under_way:
             self._guard.ask(Kind.HOLD)
             self._answered(each, patience)
         self._guard.ask(Kind.HOLD)
-        # The last frame has its time, too.
+        # The last frame also lasts a period.
         if math.isfinite(due):
             self._wait(due - time.monotonic(), Future())
 
 
 def _timed(drives: Iterator[ArrayLike | Solution]) -> Iterator[tuple[float, ArrayLike | Solution]]:
-    """Each drive with the time at which it was asked for."""
+    """Yield each drive with the time at which it was requested."""
     requested = time.monotonic()
     for drive in drives:
         yield requested, drive
@@ -359,22 +359,22 @@ def connect(
     hold: float = 60.0,
     limit: Mapping[str, Any] | None = None,
 ) -> Connection:
-    """Connect to a board: a `Connection`, best in a `with` block, at whose end the board is off.
+    """Connect to a board and return a `Connection`, best in a `with` block, at whose end the board is off.
 
-    address : a board and where it is, as "autd3" (those that are found), "autd3:eth0" (on a network
+    address : a board and its place, such as "autd3" (searched), "autd3:eth0" (on a network
         interface), "autd3:emulator", "sonicsurface:/dev/ttyUSB0" and other boards at a port,
-        "openmpd:SERIAL", "openmpd:SERIAL+SERIAL" and others of an FTDI chip; or no device at all:
-        "sonicsurface:loop" is as slow as the line of one, "sonicsurface:null" takes everything at once,
+        "openmpd:SERIAL", "openmpd:SERIAL+SERIAL" and others with an FTDI chip; or no device at all:
+        "sonicsurface:loop" is as slow as its line, "sonicsurface:null" accepts frames at once,
         "null" is that of an AUTD3, "file:frames.bin" writes the frames
-    array : its transducers, where they are not those of the board's preset
-    board : a `midair.Board` of one's own, or a name where the address has none
+    array : its transducers, if they differ from the board's preset
+    board : a `midair.Board` of your own, or a name if the address has none
     hold : s without a call to send, stream, upload, modulate or off, after which everything is turned off
-    limit : {"positions": (K, 3) in m or a `midair.Ear`, "pressure": Pa}: frames whose peak |p| is above it
-        there are refused. What else it holds, such as temperature, is for the `midair.Scene` that |p| is
-        computed by.
+    limit : {"positions": (K, 3) in m or a `midair.Ear`, "pressure": Pa}: rejects frames whose peak |p| there
+        is higher. Other entries, such as temperature, are for the `midair.Scene` that computes
+        |p|.
 
-    A device is held by one program at a time. Raises SceneError for what is not in order, BoardNotFound,
-    BoardBusy, BoardPermission or BoardError where the device cannot be had.
+    One program at a time can use a device. Raises SceneError for a wrong argument, BoardNotFound,
+    BoardBusy, BoardPermission or BoardError for a device that cannot be opened.
 
     >>> import midair
     >>> with midair.connect("sonicsurface:loop") as surface:

@@ -1,18 +1,18 @@
-"""Errors of links to boards: each one line that names the item, its value and the cure."""
+"""Errors of links to boards: each is one line with item, value and cure."""
 
 from __future__ import annotations
 
 
 class BoardError(Exception):
-    """A board cannot do what was asked, or the link to it does not work."""
+    """A board cannot do what a call requests, or the link to it does not work."""
 
 
 class BoardNotFound(BoardError):
-    """No such port or device is there."""
+    """There is no such port or device."""
 
 
 class BoardBusy(BoardError):
-    """Another program holds the port or device."""
+    """Another program uses the port or device."""
 
 
 class BoardPermission(BoardError):
@@ -24,15 +24,15 @@ class BoardLost(BoardError):
 
 
 class BoardTimeout(BoardError):
-    """The device did not take what was sent in time."""
+    """The device did not accept bytes in time."""
 
 
 def named(error: BaseException) -> str:
-    """What an error of a library says, with its name."""
+    """Text of a library's error, with its name."""
     return ": ".join(filter(None, (type(error).__name__, " ".join(str(error).split()))))
 
 
-#: By the name under which the guard process tells its owner of one.
+#: Errors by the name under which the guard process reports them to its owner.
 KINDS: dict[str, type[BoardError]] = {
     kind.__name__: kind
     for kind in (BoardError, BoardNotFound, BoardBusy, BoardPermission, BoardLost, BoardTimeout)

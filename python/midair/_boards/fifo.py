@@ -1,6 +1,6 @@
 """FIFOs of FTDI's chips, by pyftdi, as OpenMPD and ultrasonic-homies have them. Untested on hardware.
 
-A FIFO takes bytes as fast as the board plays frames, and stops the line where the board's memory is full.
+A FIFO accepts bytes as fast as the board plays frames, and stops the line when the board's memory is full.
 """
 
 from __future__ import annotations
@@ -12,20 +12,20 @@ from pyftdi.ftdi import Ftdi
 
 from .errors import BoardBusy, BoardError, BoardLost, BoardNotFound, BoardPermission, BoardTimeout
 
-#: A board that takes nothing for so long, in ms, is stalled.
+#: A board that accepts no bytes for this time, in ms, is stalled.
 STALLED_MS = 200
 
-#: As OpenMPD's own driver has them: a packet that is not full is sent after 2 ms; bytes a USB transfer.
+#: Values of OpenMPD's own driver: a packet that is not full is sent after 2 ms; bytes of a USB transfer.
 LATENCY_MS = 2
 CHUNK = 65536
 
-#: errno of Linux and macOS, which the drivers of USB repeat.
+#: errno of Linux and macOS, which USB drivers return.
 NO_ACCESS, BUSY = 13, 16
 TIMED_OUT = (60, 110)
 
 
 class FifoTransport:
-    """Boards of a FIFO each, which a frame is dealt out to in parts of one length.
+    """Boards with a FIFO each; a frame is divided among them in parts of equal length.
 
     places : the chip's serial number and the interface (2 for the second one of an FT2232H) of each FIFO, in
         the order of a frame's parts
@@ -47,33 +47,33 @@ class FifoTransport:
             raise
 
     def play(self, frame: bytes) -> None:
-        """Write each board's part; returns when the chips have taken them."""
+        """Write each board's part; return when the chips have accepted them."""
         self._deal(frame)
 
     def silence(self) -> None:
-        """Write what turns everything off; what the chips hold is played in a few ms."""
+        """Write the bytes that turn everything off; the rest in the chips plays for a few ms."""
         self._deal(self._silence)
 
     def modulate(self, hz: float | None) -> None:
-        """Refused."""
+        """Raise BoardError: these boards cannot modulate."""
         if hz is not None:
             raise BoardError("this board cannot modulate: stream drives of changing amplitude")
 
     def upload(self, frames: bytes, count: int, rate: float) -> None:
-        """Refused."""
+        """Raise BoardError: these boards store no sequence."""
         raise BoardError("this board holds no sequence: use stream")
 
     def look(self) -> None:
-        """Ask each chip for the state of its lines."""
+        """Read the state of each chip's lines."""
         for (serial, _), chip in zip(self._places, self._chips, strict=True):
             try:
                 chip.poll_modem_status()
-            # Whatever pyftdi and libusb raise.
+            # Any error of pyftdi and libusb.
             except Exception as error:
                 raise _failed(serial, error) from error
 
     def close(self) -> None:
-        """Let go of the chips."""
+        """Release the chips."""
         for chip in self._chips:
             with suppress(Exception):
                 chip.close()
@@ -84,16 +84,16 @@ class FifoTransport:
             one = k % len(self._chips)
             try:
                 self._chips[one].write_data(content[k * self._part : (k + 1) * self._part])
-            # Whatever pyftdi and libusb raise.
+            # Any error of pyftdi and libusb.
             except Exception as error:
-                # What is for the other boards is written all the same: it may turn them off.
+                # The parts of the other boards are written all the same: they may turn them off.
                 failed = _failed(self._places[one][0], error)
         if failed is not None:
             raise failed
 
 
 def _open(serial: str, interface: int) -> Any:
-    """An empty FIFO of the chip of a serial number."""
+    """Return an empty FIFO of the chip with a serial number."""
     chip = Ftdi()
     try:
         chip.open_from_url(f"ftdi://::{serial}/{interface}")
@@ -101,7 +101,7 @@ def _open(serial: str, interface: int) -> Any:
         chip.set_latency_timer(LATENCY_MS)
         chip.write_data_set_chunksize(CHUNK)
         chip.purge_buffers()
-    # Whatever pyftdi and libusb raise, UsbToolsError of a chip that is not there among it.
+    # Any error of pyftdi and libusb, also UsbToolsError for a missing chip.
     except Exception as error:
         with suppress(Exception):
             chip.close()
@@ -130,7 +130,7 @@ def _failed(serial: str, error: Exception) -> BoardError:
 
 
 def _number(error: Exception) -> int | None:
-    """The system's number of an error, its own or that of the one behind it."""
+    """Return the system's number of an error, its own or that of its cause."""
     found = getattr(error, "errno", None)
     behind = error.__cause__ or error.__context__
     return found if found is not None or behind is None else getattr(behind, "errno", None)

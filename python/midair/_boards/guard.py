@@ -1,9 +1,9 @@
-"""Guard: the process that owns a device, and turns it off when its owner ends, hangs or asks for it.
+"""Guard: the process that owns a device, and turns it off when its owner ends, hangs or requests it.
 
-It learns of its owner's end by the end of the pipe between them, and by its parent's number, which changes
-even where a forked child of the owner holds the pipe open. It looks whether its owner is stopped, and misses
-the beats of one that hangs in foreign code. It is of a session of its own: what ends the owner's terminal
-does not end it.
+The guard notices the end of its owner by the end of the pipe between them, and by its parent's number,
+which changes even if a forked child of the owner keeps the pipe open. It checks if its owner is stopped, and
+notices missing beats of an owner that hangs in foreign code. Its own session protects it from the end of the
+owner's terminal.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ from .transport import Transport, before_what_computes, open_transport
 from .watcher import Stops, Watch
 from .wire import Kind, Late
 
-#: How often the guard looks whether its owner lives, in s.
+#: Time between two checks of the owner, in s.
 TICK = 0.02
 
-#: How often the guard looks whether a device that plays and is sent nothing is still there, in s.
+#: Time between two checks that an idle, playing device is still there, in s.
 LOOK = 0.25
 
-#: How long the guard may be at work with its device before its owner takes it for one that hangs, in s.
+#: Time in s that the guard may work with its device before its owner assumes that it hangs.
 BUSY = {Kind.UPLOAD: 10.0, Kind.MODULATE: 10.0}
 
 Message = tuple[Kind, int, bytes]
@@ -41,7 +41,7 @@ Message = tuple[Kind, int, bytes]
 
 @dataclass(frozen=True)
 class Waiting:
-    """A frame that waits for its time; `number` is its message's."""
+    """A frame that waits for its time; `number` is that of its message."""
 
     due: float
     latest: float
@@ -51,11 +51,11 @@ class Waiting:
 
 
 class Guard:
-    """What the guard holds: the transport, what it plays, and for how long nobody called.
+    """State of the guard: the transport, the playing frame, and the time since the last call.
 
     hold : s without a call after which everything is turned off
     parent : the number of the owner's process
-    inbox, replies : whence messages come, and the pipe by which they are answered
+    inbox, replies : source of messages, and the pipe for answers
     """
 
     def __init__(
@@ -86,7 +86,8 @@ class Guard:
         """Serve until the owner closes or is gone."""
         before_what_computes()
         while os.getppid() == self._parent:
-            # All that has come goes before what is due: "off" overtakes frames, which the next ones outdate.
+            # All messages are read before the next frame is played: "off" and newer frames overtake older
+            # ones.
             for kind, number, content in (came := self._come()):
                 if kind == Kind.CLOSE:
                     return
@@ -105,20 +106,20 @@ class Guard:
                 self._attempt(0, self._transport.look)
 
     def beat(self, number: int) -> None:
-        """Note that the owner lives, and answer unless the device keeps the guard too long; in any thread."""
+        """Note that the owner lives, and answer unless the device blocks the guard too long; from any thread."""
         self._beaten = now = time.monotonic()
         if now < self._until:
             self._answer(Kind.DONE, number, b"")
 
     def _come(self) -> list[Message]:
-        """The messages that have come, after a pause."""
+        """Return the messages that arrived, after a pause."""
         found, self._put_by = self._put_by, []
         with suppress(Empty):
             found.append(self._inbox.get(timeout=0 if found else self._pause()))
         return found + self._more()
 
     def _more(self) -> list[Message]:
-        """The messages that are there already."""
+        """Return the messages that have already arrived."""
         found = []
         with suppress(Empty):
             while True:
@@ -126,7 +127,7 @@ class Guard:
         return found
 
     def _pause(self) -> float:
-        """How long there is nothing to do unless a message comes, in s."""
+        """Time in s until the guard has work, if no message comes."""
         now = time.monotonic()
         due = self._waiting[0].due if self._waiting else math.inf
         return max(0.0, min(TICK, due - now, self._called + self._hold - now if self._playing else math.inf))
@@ -152,13 +153,13 @@ class Guard:
             self._answer(Kind.DONE, number, self.status())
 
     def _attempt(self, number: int, act: Any, *arguments: Any) -> None:
-        """Do something with the device, and answer how it went; number 0 is nobody's call."""
+        """Call the device, and answer with the result; number 0 is no call of an owner."""
         try:
             act(*arguments)
         except BoardError as error:
             self._lost |= type(error) is not BoardError
             self._fail(number, error)
-        # Whatever the device's library raises.
+        # Any error of the device's library.
         except Exception as error:
             self._lost = True
             self._fail(number, BoardLost(f"the link failed ({named(error)}): connect again"))
@@ -166,7 +167,7 @@ class Guard:
             self._answer(Kind.DONE, number, self.status())
 
     def _fail(self, number: int, error: BoardError) -> None:
-        """Answer that a call failed, and with it whatever was sent before this could be known; turn off."""
+        """Answer that a call failed, and with it all earlier calls whose result was unknown; turn off."""
         reported = _reported(error)
         for message in self._more():
             if message[0] == Kind.PLAY:
@@ -180,7 +181,7 @@ class Guard:
             self._transport.silence()
 
     def _play_next(self) -> None:
-        """Play the first frame that waits, unless it is too late for it."""
+        """Play the first waiting frame, unless it is too late."""
         first, now = self._waiting.popleft(), time.monotonic()
         if first.late == Late.SKIP and self._waiting and self._waiting[0].due <= now:
             self._late += 1
@@ -192,7 +193,7 @@ class Guard:
             self._attempt(first.number, self._play, first.frame)
 
     def _play(self, frame: bytes) -> None:
-        # The frame may be in the air although the line failed behind it.
+        # The device may play the frame although the line failed behind it.
         self._playing, self._uploaded = [frame], (0.0, 1.0)
         self._transport.play(frame)
         self._frames += 1
@@ -211,7 +212,7 @@ class Guard:
         self._wave = wave
 
     def _off(self) -> None:
-        """Turn everything off; frames that wait for their time are dropped."""
+        """Turn everything off; drop waiting frames."""
         dropped, self._waiting, self._playing = self._waiting, deque(), []
         try:
             self._transport.silence()
@@ -220,28 +221,28 @@ class Guard:
                 self._answer(Kind.DONE, each.number, self.status())
 
     def _now(self) -> bytes:
-        """The frame that plays now; of an uploaded sequence, by the clock."""
+        """The frame that plays now; for an uploaded sequence by the clock."""
         if not self._playing:
             return b""
         begin, rate = self._uploaded
         return self._playing[int((time.monotonic() - begin) * rate) % len(self._playing)]
 
     def status(self, **more: str) -> bytes:
-        """What an owner may want to know, as JSON."""
+        """Status for the owner, as JSON."""
         playing = "off" if not self._playing else "playing" if self._wave is None else "modulating"
         state = "lost" if self._lost else playing
         reported = {"state": state, "frames": self._frames, "late": self._late, "lapses": self._lapses}
         return json.dumps(reported | more).encode()
 
     def _answer(self, kind: Kind, number: int, content: bytes) -> None:
-        # Number 0 is nobody's call; an owner that is gone is noticed by `run`.
+        # Number 0 is no call of an owner; `run` notices an owner that is gone.
         if number:
             with suppress(wire.Gone), self._lock:
                 wire.write(self._replies, kind, number, content)
 
 
 def main() -> None:
-    """Open what the first message describes, serve its owner, and leave the device off."""
+    """Open the device of the first message, serve its owner, and turn the device off."""
     parent = os.getppid()
     watch = Watch()
     requests, replies = _pipes()
@@ -263,7 +264,7 @@ def main() -> None:
         watch.begin({name: setting[name] for name in ("path", "transport")})
         wire.write(replies, Kind.DONE, number, guard.status())
         guard.run()
-    # Whatever a device's library raises where the device cannot be opened.
+    # Any error of a device's library when it opens the device.
     except Exception as error:
         with suppress(wire.Gone):
             wire.write(replies, Kind.FAILED, number, json.dumps(_reported(error)).encode())
@@ -277,7 +278,7 @@ def main() -> None:
 
 
 def _pipes() -> tuple[int, int]:
-    """The pipes from and to the owner, taken away from what a library might print or read."""
+    """The pipes from and to the owner, hidden from libraries that print or read."""
     requests, replies = os.dup(0), os.dup(1)
     nothing = os.open(os.devnull, os.O_RDWR)
     os.dup2(nothing, 0)
@@ -286,13 +287,13 @@ def _pipes() -> tuple[int, int]:
 
 
 def _reported(error: Exception) -> dict[str, str]:
-    """An error as its owner raises it, in one line; of one that is not the boards' own with its name."""
+    """Error for the owner, in one line; the name is added if it is not one of the boards' own."""
     text = str(error) if isinstance(error, BoardError | ImportError) else named(error)
     return {"kind": type(error).__name__, "message": " ".join(text.split())}
 
 
 def _listen(requests: int, inbox: SimpleQueue[Message], served: list[Guard]) -> None:
-    """Hand beats to the guard at once, all else to the inbox, and what closes when the owner is gone."""
+    """Pass beats to the guard at once, other messages to the inbox, and close when the owner is gone."""
     with suppress(wire.Gone):
         while True:
             kind, number, content = wire.read(requests)
@@ -304,6 +305,6 @@ def _listen(requests: int, inbox: SimpleQueue[Message], served: list[Guard]) -> 
 
 
 def _end(number: int, frame: object) -> None:
-    """SIGTERM: end, by way of what turns the device off."""
+    """SIGTERM: end through the code that turns the device off."""
     signal.signal(number, signal.SIG_IGN)
     raise SystemExit

@@ -1,4 +1,4 @@
-"""Layout: what a file says of an array, as `midair.Array` takes it; other parts of it; AUTD3 boards in it."""
+"""Layout: an array from a file, as `midair.Array` accepts it; changed parts of an array; AUTD3 boards."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 
 from .._midair import Array, SceneError, array_parts
 
-#: How far a transducer may lie off its place on a board, and how far its normal may lean, in rad.
+#: Largest error of a transducer's place on a board, and of its normal, in rad.
 TOLERANCE_MM = 0.01
 LEAN = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Positions and normals (N, 3) in m, and what else a format says, as the keywords of `midair.Array`."""
+    """Positions and normals (N, 3) in m, and other data of a format, as the keywords of `midair.Array`."""
 
     positions: NDArray[np.float64]
     normals: NDArray[np.float64] | None = None
@@ -30,13 +30,13 @@ class Layout:
 
 
 def changed(array: Array, **parts: Any) -> Array:
-    """An array with other positions, normals or parts, all else as it is."""
+    """Copy an array with other positions, normals or parts."""
     own = {name: getattr(array, name) for name in ("positions", "normals", *array_parts())}
     return Array(**{**own, **parts})._with_hardware(array._hardware)
 
 
 def turned(quaternions: NDArray[np.float64], vector: Sequence[float]) -> NDArray[np.float64]:
-    """A vector (3,) turned by quaternions (B, 4), w x y z, of any length: v + 2 u x (u x v + w v), (B, 3)."""
+    """Rotate a vector (3,) by quaternions (B, 4), w x y z, of any length: v + 2 u x (u x v + w v), (B, 3)."""
     unit = quaternions / np.linalg.norm(quaternions, axis=1, keepdims=True)
     w, u = unit[:, :1], unit[:, 1:]
     given = np.broadcast_to(np.array(vector, np.float64), u.shape)
@@ -45,11 +45,11 @@ def turned(quaternions: NDArray[np.float64], vector: Sequence[float]) -> NDArray
 
 
 def autd3_boards(array: Array) -> int:
-    """The number of AUTD3 boards that an array stands for, in the order of its preset and anywhere in space.
+    """The number of AUTD3 boards in an array, in the order of its preset and at any place.
 
-    A board is laid on its 249 transducers in least squares: Kabsch 1976, "A solution for the best rotation to
-    relate two sets of vectors". Raises `SceneError` where a transducer lies more than 0.01 mm off its place,
-    or faces elsewhere than the board does.
+    A board is fitted to its 249 transducers in least squares: Kabsch 1976, "A solution for the best rotation
+    to relate two sets of vectors". Raises `SceneError` if a transducer lies more than 0.01 mm off its place,
+    or faces another direction than the board.
     """
     sites = 1e3 * Array.preset("autd3").positions
     boards, rest = divmod(len(array), len(sites))
@@ -63,7 +63,7 @@ def autd3_boards(array: Array) -> int:
         block = slice(first, first + len(sites))
         places = 1e3 * array.positions[block]
         left, _, right = np.linalg.svd(centred.T @ (places - places.mean(0)))
-        # No mirror image is a turn.
+        # A mirror image is no rotation.
         axes = left @ np.diag([1, 1, np.linalg.det(left @ right)]) @ right
         off = np.linalg.norm(places.mean(0) + centred @ axes - places, axis=1)
         lean = np.linalg.norm(array.normals[block] - axes[2], axis=1)

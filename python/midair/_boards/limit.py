@@ -1,4 +1,4 @@
-"""What is refused or warned of before it is sent: frames too loud at an ear, real numbers, rates, jumps."""
+"""Checks before a frame is sent: frames too loud at an ear, real numbers, rates, jumps."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from .._support.arguments import refused, shown, warn
 from .board import Board
 from .errors import BoardError
 
-#: Bounds and rates are compared to rounding.
+#: Tolerance of rounding for bounds and rates.
 ROUNDING = 1e-6
 
 
 class Limit:
-    """Refuses drives that are too loud somewhere.
+    """Rejects drives that are too loud at some places.
 
-    given : {"positions": (K, 3) in m or a midair.Ear, "pressure": peak |p| in Pa, one or (K,)}; what else it
-        holds is for `midair.Scene`: temperature, sound_speed, ...
-    array : that plays
+    given : {"positions": (K, 3) in m or a midair.Ear, "pressure": peak |p| in Pa, one or (K,)}; other
+        entries are for `midair.Scene`: temperature, sound_speed, ...
+    array : the playing array
     """
 
     def __init__(self, given: Any, array: Array) -> None:
@@ -42,7 +42,7 @@ class Limit:
             most = np.asarray(pressure)
             if most.dtype.kind not in "iuf":
                 raise TypeError(f"pressure is {shown(pressure)}")
-            # What its giver makes of it later does not matter.
+            # A copy, so that later changes by the caller have no effect.
             self._most = np.array(np.broadcast_to(most, len(self._scene.points)), np.float64)
             self._most.flags.writeable = False
         except TypeError as error:
@@ -53,7 +53,7 @@ class Limit:
             raise refused('limit["pressure"]', pressure, "give pressures of at least 0 Pa")
 
     def check(self, drive: NDArray[np.complex64]) -> None:
-        """Raise BoardError where the drive's |p| is above the limit, naming the place that is worst."""
+        """Raise BoardError if the drive's |p| is above the limit, with the worst place."""
         pressures = np.abs(field(self._scene, drive, self._scene.points).pressure)
         above = pressures - self._most
         worst = int(np.argmax(above))
@@ -66,7 +66,7 @@ class Limit:
 
 
 def refuse_real(drive: Any) -> None:
-    """Refuse real numbers but -1, 0 and 1, which are plainly drives: others may be phases or codes."""
+    """Reject real numbers except -1, 0 and 1, which are plainly drives: others may be phases or codes."""
     given = np.asarray(drive)
     if given.dtype.kind in "iuf" and not np.isin(given, (-1, 0, 1)).all():
         cure = "give np.exp(1j * phases) of phases in rad, amplitudes + 0j where all phases are 0"
@@ -74,7 +74,7 @@ def refuse_real(drive: Any) -> None:
 
 
 def warn_of_rate(rate: float, board: Board, skips: bool) -> None:
-    """Warn of what a rate leaves out of a stream, and of a board that emits less while it receives."""
+    """Warn of frames of a stream that a rate drops, and of a board that emits less while it receives."""
     steady = board.limits["steady_frames_per_second"]
     if rate > steady * (1 + ROUNDING) and steady < board.rate:
         warn(
@@ -89,7 +89,7 @@ def warn_of_rate(rate: float, board: Board, skips: bool) -> None:
 
 
 def warn_of_seam(sequence: Sequence) -> None:
-    """Warn where phases jump beyond the bound between the last frame and the first."""
+    """Warn if phases jump beyond the bound between the last frame and the first."""
     drives = [sequence.drive(frame) for frame in (0, len(sequence) - 1)]
     jump = float(np.abs(np.angle(drives[0] * drives[1].conj())).max())
     bound = 0.0 if sequence.change is None else sequence.change

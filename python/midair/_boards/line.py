@@ -1,4 +1,4 @@
-"""Line: frames over a line of known speed that never answers, paced here by the clock."""
+"""Line of known speed that never answers; the clock here paces its frames."""
 
 from __future__ import annotations
 
@@ -12,27 +12,27 @@ from .transport import before_what_computes
 #: Bits that a serial line takes for a byte: a start bit, eight bits, a stop bit.
 BITS = 10
 
-#: Of long frames, as those of boards in a chain are, less than one is in the line when the next one comes: so
-#: much of its time, in s.
+#: Long frames, such as those of a chain of boards: less than one is in the line when the next one comes, by
+#: this time, in s.
 MOST_AHEAD = 0.025
 
-#: Slower than this, in Hz, on and off are frames.
+#: Below this frequency, in Hz, on and off are sent as frames.
 LEAST_HZ = 0.05
 
-#: The part of a line's time that swaps may take.
+#: Largest part of a line's time for swaps.
 MOST_SWAPS = 0.2
 
-#: A modulation that was held up by more than this, in s, is not made up for.
+#: A modulation delayed by more than this, in s, does not catch up.
 DELAYED = 0.1
 
 
 class LineTransport(ABC):
-    """What paces frames and modulates by swaps; a class below it knows the line itself.
+    """Paces frames and modulates by swaps; a subclass has the line itself.
 
-    baud : bits a second, of which a byte takes 10
+    baud : bits a second; a byte takes 10
     silence : hexadecimal, the bytes that make the device silent from any state
     off : hexadecimal, a frame that plays nothing
-    swap : hexadecimal, the byte by which a device of two banks plays the other one; None where it has one
+    swap : hexadecimal, the byte by which a device of two banks plays the other one; None for one bank
     """
 
     def __init__(self, *, baud: int, silence: str, off: str, swap: str | None = None) -> None:
@@ -49,10 +49,10 @@ class LineTransport(ABC):
 
     @abstractmethod
     def _write(self, content: bytes) -> None:
-        """Give bytes to the line."""
+        """Write bytes to the line."""
 
     def play(self, frame: bytes) -> None:
-        """Wait until one frame at most is still in the line, then give it this one."""
+        """Wait until at most one frame is still in the line, then write this one."""
         with self._lock:
             self._steady()
             self._frame = frame
@@ -73,26 +73,26 @@ class LineTransport(ABC):
             self._drain()
 
     def silence(self) -> None:
-        """Everything off, behind what the line has been given already."""
+        """Turn everything off, after the bytes that are already in the line."""
         with self._lock:
             self._swinging.set()
             self._failed = self._frame = None
             self._give(self._silence)
 
     def upload(self, frames: bytes, count: int, rate: float) -> None:
-        """Refused: such boards hold one frame."""
+        """Raise BoardError: such boards store one frame."""
         raise BoardError("this board holds no sequence: use stream")
 
     @abstractmethod
     def look(self) -> None:
-        """Raise BoardLost where the line is known to be gone."""
+        """Raise BoardLost if the line is known to be gone."""
 
     @abstractmethod
     def close(self) -> None:
-        """Let go of the line. Never raises, never hangs."""
+        """Release the line. Never raises, never hangs."""
 
     def _begin(self, *, loaded: bool = False) -> None:
-        """Play the frame, unless it is loaded and plays, and swap from there on where it is modulated."""
+        """Play the frame, unless it plays already, and swap from then on if it is modulated."""
         assert self._frame is not None
         if not loaded:
             self._pace(self._frame)
@@ -131,21 +131,21 @@ class LineTransport(ABC):
             count += 1
             late = time.monotonic() - begin - count * half
             if late > DELAYED:
-                # Pairs of swaps change nothing, so that what plays stays in step.
+                # Pairs of swaps change nothing, so the playing bank stays the same.
                 count += 2 * int(late / (2 * half))
 
     def _steady(self) -> None:
-        """Stop swapping, and raise what failed while nobody asked."""
+        """Stop swapping, and raise an error that occurred meanwhile."""
         self._swinging.set()
         if self._failed is not None:
             failed, self._failed = self._failed, None
             raise failed
 
     def _stop(self) -> None:
-        """Let no swap follow."""
+        """Prevent further swaps."""
         with self._lock:
             self._swinging.set()
 
     def _drain(self) -> None:
-        """Wait until the line has carried all it was given."""
+        """Wait until the line has carried all its bytes."""
         time.sleep(max(0.0, self._free - time.monotonic()))

@@ -1,4 +1,4 @@
-"""`.pat`: a board of OpenMPD as it was measured (RMResearch/OpenMPD, Docs/GS_PAT_BoardFileFormat).
+"""`.pat`: file of a measured OpenMPD board (RMResearch/OpenMPD, Docs/GS_PAT_BoardFileFormat).
 
 Seven lines: the serial number; 256 transducers; 128 divisions of a period; positions "(x, y, z)," in m; the
 pin of each transducer; phase corrections in degrees; gains, 1, or 0 of a dead transducer. Lists end with a
@@ -50,7 +50,7 @@ class Pat:
 
 
 def read(path: str | PathLike[str]) -> Pat:
-    """Read a .pat file, or refuse it by its line."""
+    """Read a .pat file, or report the line of an error."""
     lines = text(path).rstrip().splitlines()
     lines += [""] * (len(LINES) - len(lines))
     for line, (what, found) in enumerate(zip(LINES, lines, strict=False), 1):

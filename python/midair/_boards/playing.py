@@ -1,4 +1,4 @@
-"""Playing one drive: sent anew while it lasts, off at the end."""
+"""Playing one drive: repeats it while it lasts, and turns off at the end."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from .._support.arguments import number
 from . import connection as connections
 from .connection import Connection
 
-#: A drive that stays is sent anew every so many seconds, well before a connection's `hold` runs out.
+#: Time in s after which a drive is sent again, well before a connection's `hold` expires.
 AGAIN = 10.0
 
-#: Seconds between two looks at what the board does.
+#: Seconds between two checks of the board's state.
 LOOK = 0.1
 
 
@@ -26,7 +26,7 @@ def keep(
     seconds: float | None,
     show: Callable[[], object] = lambda: None,
 ) -> None:
-    """Play one drive for so many seconds; None plays it until Ctrl-C."""
+    """Play one drive for a number of seconds; None plays it until Ctrl-C."""
     begin = time.monotonic()
     for k in count():
         if k % round(AGAIN / LOOK) == 0:
@@ -41,11 +41,11 @@ def keep(
 def play(solution: Solution, address: str, *, seconds: float | None = None, **options: Any) -> None:
     """Play a solution on a board, then turn the board off: `solution.play("autd3", seconds=5)`.
 
-    address, options : as `midair.connect` takes them
-    seconds : how long; left out, until Ctrl-C
+    address, options : arguments of `midair.connect`
+    seconds : how long; by default until Ctrl-C
 
-    Raises SceneError for a time that is not above 0 and for a solution without a scene, and what
-    `midair.connect` and `send` raise.
+    Raises SceneError for a time that is not above 0 and for a solution without a scene, and the errors of
+    `midair.connect` and `send`.
 
     >>> import midair
     >>> scene = midair.Scene(midair.Array.preset("sonicsurface"), [[0, 0, 0.1]])

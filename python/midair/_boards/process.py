@@ -1,4 +1,4 @@
-"""The owner's end of a guard process: calls, answers, and what is done where the guard itself is gone."""
+"""The owner's side of a guard process: calls, answers, and the actions if the guard itself is gone."""
 
 from __future__ import annotations
 
@@ -23,25 +23,25 @@ from .transport import SIMULATED, open_transport
 from .watcher import Stops
 from .wire import Kind
 
-#: How long a call is waited for, in s, and one that opens a device: more than the transports' own limits.
+#: Time in s to wait for a call, and for one that opens a device: more than the transports' own limits.
 PATIENCE = 12.0
 OPENING = 70.0
 
-#: The environment of a guard has it: a program that connects there was started in place of an interpreter.
+#: Set in the environment of a guard: a program that connects there was started in place of an interpreter.
 GUARD = "MIDAIR_GUARD"
 
-#: An answer to a beat is waited for in so many parts.
+#: Parts of the time to wait for an answer to a beat.
 WAITS = 40
 
 CLOSED = "this connection is closed: connect again"
 
 
 class GuardProcess:
-    """A guard that was started for a device, and the two threads that speak with it.
+    """A guard process of a device, and the two threads that exchange messages with it.
 
-    Signals interrupt the main thread only, so that no message is ever cut in two.
+    Signals interrupt only the main thread, so no message is ever cut.
 
-    transport : what `open_transport` makes the device's transport of
+    transport : description for `open_transport`
     hold : s without a call after which the guard turns everything off
     """
 
@@ -62,7 +62,7 @@ class GuardProcess:
         try:
             self.answer(self.ask(Kind.OPEN, setting.encode()), OPENING)
         except BaseException:
-            # Who does not want it any more does not wait until it is open.
+            # A caller that gives up does not wait until the device is open.
             self._process.terminate()
             self.close()
             raise
@@ -70,11 +70,11 @@ class GuardProcess:
         threading.Thread(target=self._beat, daemon=True).start()
 
     def call(self, kind: Kind, content: bytes = b"") -> bytes:
-        """Ask, and wait for the answer."""
+        """Send a request and wait for the answer."""
         return self.answer(self.ask(kind, content))
 
     def ask(self, kind: Kind, content: bytes = b"") -> Future[bytes]:
-        """Send a message; what comes back is its answer."""
+        """Send a message; returns the future of its answer."""
         if self._owner != os.getpid():
             raise BoardError(
                 f"this connection is that of process {self._owner}: connect in the process that plays"
@@ -90,7 +90,7 @@ class GuardProcess:
         return future
 
     def answer(self, future: Future[bytes], patience: float = PATIENCE) -> bytes:
-        """Wait for an answer, and raise the error that it may be."""
+        """Wait for an answer, and raise it if it is an error."""
         try:
             return future.result(patience)
         except NoAnswer as error:
@@ -105,7 +105,7 @@ class GuardProcess:
         with self._lock:
             already, self._closing = self._closing, True
         reader = self._threads[1]
-        # What nobody holds is collected in whatever thread.
+        # Garbage collection may run this in any thread.
         if already or reader is threading.current_thread():
             return
 
@@ -119,7 +119,7 @@ class GuardProcess:
             self._silence()
 
     def _beat(self) -> None:
-        """Beat while the guard answers; end one that hangs, upon which what reads turns the device off."""
+        """Beat while the guard answers; end a hanging guard, after which the reader turns the device off."""
         with suppress(BoardError):
             while True:
                 requested = self.ask(Kind.BEAT)
@@ -134,9 +134,9 @@ class GuardProcess:
                 time.sleep(wire.BEATS)
 
     def _hangs(self, is_over: Callable[[float], bool]) -> bool:
-        """Whether the guard is stopped, or not over with something for as long as it may be missed."""
+        """Whether the guard is stopped, or busy for longer than allowed."""
         stops = Stops(self._process.pid)
-        # This program may itself be stopped for any time, which is one short wait.
+        # This program may itself have been stopped for any time, which counts as one short wait.
         for _ in range(WAITS):
             if is_over(wire.MISSED / WAITS):
                 return False
@@ -152,12 +152,12 @@ class GuardProcess:
                 wire.write(pipe.fileno(), *message)
 
     def _read(self) -> None:
-        """Hand answers to those who wait for them; at the end of a guard that nobody closed, turn off."""
+        """Pass answers to waiting callers; turn off at the end of a guard that was not closed."""
         assert self._process.stdout is not None
         with self._process.stdout as pipe, suppress(wire.Gone):
             while True:
                 kind, number, content = wire.read(pipe.fileno())
-                # A call that was given up has no future any more.
+                # A call that was given up has no future.
                 with suppress(KeyError, InvalidStateError):
                     future = self._calls.pop(number)
                     if kind == Kind.FAILED:
@@ -171,7 +171,7 @@ class GuardProcess:
         self._abandon()
 
     def _abandon(self) -> None:
-        """Tell everybody who waits that the guard is gone."""
+        """Report to all waiting callers that the guard is gone."""
         lost = "the board's guard process has ended, everything was turned off: connect again"
         while self._calls:
             with suppress(KeyError, InvalidStateError):
@@ -179,7 +179,7 @@ class GuardProcess:
                 future.set_exception(BoardError(CLOSED) if self._closing else BoardLost(lost))
 
     def _silence(self) -> None:
-        """Turn the device off without the guard, if that had it."""
+        """Turn the device off without the guard, if the guard had opened it."""
         if self._opened and self._transport["kind"] not in SIMULATED:
             with suppress(Exception):
                 transport = open_transport(self._transport)
@@ -189,7 +189,7 @@ class GuardProcess:
 
 
 def _started() -> subprocess.Popen[bytes]:
-    """A guard between two pipes, in a session of its own, with the interpreter's own library and no more."""
+    """Start a guard between two pipes, in a session of its own, with the standard library only."""
     try:
         return subprocess.Popen(
             [_interpreter(), "-I", "-S", str(Path(__file__).with_name("start.py"))],
@@ -205,7 +205,7 @@ def _started() -> subprocess.Popen[bytes]:
 
 
 def _interpreter() -> str:
-    """The Python that runs a guard: not a frozen application, which would start itself without end."""
+    """The Python of a guard: not a frozen application, which would start itself endlessly."""
     requested = os.environ.get("MIDAIR_PYTHON") or ("" if getattr(sys, "frozen", False) else sys.executable)
     if not requested or GUARD in os.environ:
         raise BoardError(

@@ -13,20 +13,20 @@ import serial
 from .errors import BoardBusy, BoardError, BoardLost, BoardNotFound, BoardPermission, BoardTimeout
 from .line import LineTransport
 
-#: A line that takes nothing for so long, in s, is stalled. What the system buffers before that comes on top:
+#: A line that accepts no bytes for this time, in s, is stalled. The system's buffers add to it:
 #: 0.6 s of it at 230400 Bd, 1.5 s at 115200 Bd, over a pseudo-terminal.
 STALLED = 0.3
 
-#: Bytes that are given to the system at a time.
+#: Bytes in one write.
 PIECE = 512
 
-#: An Arduino that restarts when its port is opened listens to its boot loader for so long, in s.
+#: Time in s that a restarted Arduino waits for its boot loader.
 RESTART = 2.0
 
-#: How long the system's buffer is left alone between two looks at it, in s.
+#: Time in s between two checks of the system's buffer.
 LOOK = 1e-3
 
-#: What pyserial raises where a port is gone: the system's errors, and the terminal's, which are none of them.
+#: Errors of pyserial for a port that is gone: the system's errors, and the terminal's, which are separate.
 FAILURES: tuple[type[Exception], ...] = (OSError, ValueError)
 with suppress(ImportError):
     import termios
@@ -38,9 +38,9 @@ class SerialTransport(LineTransport):
     """A board at a serial port.
 
     port : its name, "/dev/ttyUSB0" or "COM3"
-    restarts : whether opening the port may restart the board, as it does an Arduino
+    restarts : whether opening the port may restart the board, as with an Arduino
     exclusive : whether no other program may open the port meanwhile
-    line : what a LineTransport takes
+    line : arguments of a LineTransport
     """
 
     def __init__(self, *, port: str, restarts: bool = False, exclusive: bool = True, **line: Any) -> None:
@@ -48,7 +48,7 @@ class SerialTransport(LineTransport):
         self._name = port
         self._port = serial.Serial(write_timeout=STALLED, exclusive=exclusive)
         self._port.port = port
-        # The rise of this line restarts an Arduino; Linux raises it all the same, so a restart is waited for.
+        # The rise of this line restarts an Arduino; Linux always raises it, so this waits for a restart.
         self._port.dtr = not restarts
         try:
             self._port.baudrate = line["baud"]
@@ -61,7 +61,7 @@ class SerialTransport(LineTransport):
                 time.sleep(RESTART)
                 self.silence()
         except BaseException:
-            # It would begin to emit behind its boot loader.
+            # Otherwise it would begin to emit after its boot loader.
             if restarts and self._has_control_lines():
                 with suppress(BoardError):
                     time.sleep(RESTART)
@@ -71,23 +71,23 @@ class SerialTransport(LineTransport):
 
     def _write(self, content: bytes) -> None:
         with self._reported():
-            # The adapter's own clock may be slower than ours.
+            # The adapter's own clock may be slower than this one.
             patience = time.monotonic() + STALLED
             while self._port.out_waiting > len(content):
                 if time.monotonic() > patience:
                     raise serial.SerialTimeoutException
                 time.sleep(LOOK)
-            # The limit on the time of a write is for as much as the line carries well within it.
+            # The limit of a write's time is for as many bytes as the line carries well within it.
             for at in range(0, len(content), PIECE):
                 self._port.write(content[at : at + PIECE])
 
     def look(self) -> None:
-        """Ask the system for the port's buffer, which a port that is gone has no more."""
+        """Check the port's buffer, which fails if the port is gone."""
         with self._reported():
             _ = self._port.out_waiting
 
     def close(self) -> None:
-        """Let the line carry its last bytes and let go of the port."""
+        """Wait until the line has carried its last bytes, then release the port."""
         self._stop()
         self._drain()
         with suppress(*FAILURES):
@@ -103,11 +103,11 @@ class SerialTransport(LineTransport):
 
     @contextmanager
     def _reported(self) -> Iterator[None]:
-        """Turns what pyserial raises into an error of ours."""
+        """Convert pyserial's errors."""
         try:
             yield
         except serial.SerialTimeoutException as error:
-            # What the line has not carried must not come out before what turns everything off.
+            # Bytes still in the buffer must not come out before those that turn everything off.
             with suppress(*FAILURES):
                 self._port.reset_output_buffer()
             raise BoardTimeout(
@@ -121,11 +121,11 @@ class SerialTransport(LineTransport):
 
 
 def _refused(port: str, error: Exception) -> BoardError:
-    """Why a port cannot be opened, and what helps."""
+    """Reason why a port cannot be opened, and the cure."""
     number, reason = getattr(error, "errno", None), _reason(error)
     if number in (errno.ENOENT, errno.ENXIO, errno.ENODEV) or "FileNotFoundError" in reason:
         return BoardNotFound(f'port "{port}" is not there: plug the board in; `midair ports` lists the ports')
-    # On Windows a port that is in use is one without permission.
+    # On Windows a port in use reports missing permission.
     if number in (errno.EAGAIN, errno.EBUSY) or "PermissionError" in reason:
         return BoardBusy(f'port "{port}" is in use: close the other program that holds it')
     if number in (errno.EACCES, errno.EPERM):

@@ -1,4 +1,4 @@
-"""Links without a device: into nothing, into a file, or to a line that is only kept time of."""
+"""Links without a device: to nowhere, to a file, or to a simulated line."""
 
 from __future__ import annotations
 
@@ -10,38 +10,38 @@ from .line import LineTransport
 
 
 class NullTransport:
-    """Takes everything at once, and plays nothing."""
+    """Accepts everything at once, and plays nothing."""
 
     def play(self, frame: bytes) -> None:
-        """Forget the frame."""
+        """Drop the frame."""
 
     def silence(self) -> None:
-        """Nothing is on."""
+        """Do nothing: nothing is on."""
 
     def modulate(self, hz: float | None) -> None:
-        """Forget the frequency."""
+        """Drop the frequency."""
 
     def upload(self, frames: bytes, count: int, rate: float) -> None:
-        """Forget the frames."""
+        """Drop the frames."""
 
     def look(self) -> None:
-        """There is nothing to be gone."""
+        """Do nothing: there is no device that could be gone."""
 
     def close(self) -> None:
-        """There is nothing to let go of."""
+        """Do nothing: there is nothing to release."""
 
 
 class FileTransport(NullTransport):
     """Writes frames one after another, the first and the last off.
 
-    path : the file, written over
+    path : the file, which is replaced
     off : hexadecimal, a frame that plays nothing
     """
 
     def __init__(self, *, path: str, off: str) -> None:
         self._off = bytes.fromhex(off)
         try:
-            self._file = open(path, "wb", buffering=0)  # noqa: SIM115, it is closed by `close`
+            self._file = open(path, "wb", buffering=0)  # noqa: SIM115, `close` closes it
         except OSError as error:
             raise BoardError(
                 f'file "{path}" cannot be written ({error.strerror}): give another name'
@@ -66,7 +66,7 @@ class FileTransport(NullTransport):
             self.play(self._off)
 
     def modulate(self, hz: float | None) -> None:
-        """Refused: a file holds frames."""
+        """Raise BoardError: a file contains frames."""
         if hz is not None:
             raise BoardError("a file holds frames, no modulation: leave it out")
 
@@ -80,30 +80,30 @@ class FileTransport(NullTransport):
 
 
 class LoopTransport(LineTransport):
-    """A line that takes its time as a real one does, and leads nowhere."""
+    """A line with the speed of a real one that leads nowhere."""
 
     def __init__(self, **line: Any) -> None:
         super().__init__(**line)
         self.silence()
 
     def modulate(self, wave: Any) -> None:
-        """Swap as a board of two banks does; AUTD3, which modulates by itself, refuses what it does."""
+        """Swap as a board of two banks does; for AUTD3, which modulates by itself, apply its limits."""
         if self._swap is not None:
             super().modulate(wave)
         else:
             modulation(wave)
 
     def upload(self, frames: bytes, count: int, rate: float) -> None:
-        """Take as long as the line does for frames that AUTD3, which alone holds some, does not refuse."""
+        """Take the time of the line for frames that AUTD3, the only board that stores them, accepts."""
         check_count(count)
         divider(rate)
         self.play(frames)
 
     def _write(self, content: bytes) -> None:
-        """The bytes are gone."""
+        """Drop the bytes."""
 
     def look(self) -> None:
-        """There is nothing to be gone."""
+        """Do nothing: there is no device that could be gone."""
 
     def close(self) -> None:
         """End the modulation."""

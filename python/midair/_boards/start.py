@@ -1,4 +1,4 @@
-"""What a guard process runs first: it finds midair's boards without importing midair, NumPy and all."""
+"""First code of a guard process: it finds midair's boards without importing midair and NumPy."""
 
 import signal
 import sys
@@ -8,9 +8,9 @@ from types import ModuleType
 
 
 def start() -> None:
-    """Run the guard between the pipes that stand in for input and output.
+    """Run the guard between the pipes in place of input and output.
 
-    Ctrl-C and a closed terminal are for its owner, who then ends it, or is missed by it.
+    Ctrl-C and a closed terminal are for its owner, which then ends it or stops to beat.
     """
     for name in ("SIGINT", "SIGHUP", "SIGPIPE"):
         if name in signal.Signals.__members__:

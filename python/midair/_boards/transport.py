@@ -1,4 +1,4 @@
-"""Transport: what carries frames to a device, in the guard process; and the one place where each is made.
+"""Transport: carries frames to a device, in the guard process; `open_transport` makes each kind.
 
 Nothing here imports midair itself or NumPy: a guard starts in a few hundredths of a second.
 """
@@ -12,37 +12,37 @@ from typing import Any, Protocol
 
 
 class Transport(Protocol):
-    """A device that takes frames. Every method but `close` raises `BoardError` or one of its kinds."""
+    """A device that plays frames. Every method except `close` raises `BoardError` or a subclass."""
 
     def play(self, frame: bytes) -> None:
-        """Send a frame; returns when the line has taken it. At most two frames wait in the line."""
+        """Send a frame; return when the line has accepted it. At most two frames wait in the line."""
 
     def silence(self) -> None:
-        """Turn everything off, now; at any time, more than once."""
+        """Turn everything off now; at any time, and more than once."""
 
     def modulate(self, wave: Any) -> None:
-        """Modulate the amplitude of what plays, and of what will, at a frequency in Hz; None for not at all.
+        """Modulate the amplitude of all drives, now and later, at a frequency in Hz; None for no modulation.
 
-        A device that holds sequences takes codes of 0 to 255, too.
+        A device that stores sequences also accepts codes of 0 to 255.
         """
 
     def upload(self, frames: bytes, count: int, rate: float) -> None:
-        """Let the device play `count` frames at `rate` a second by itself, over and over."""
+        """Let the device repeat `count` frames at `rate` a second by itself."""
 
     def look(self) -> None:
-        """Raise BoardLost where the device is known to be gone, without sending it anything."""
+        """Raise BoardLost if the device is known to be gone, without sending anything."""
 
     def close(self) -> None:
-        """Let go of the device. Never raises, never hangs."""
+        """Release the device. Never raises, never hangs."""
 
 
 def before_what_computes() -> None:
-    """Let this thread, which keeps time, run before those that compute, where the system allows it."""
+    """Let this thread, which keeps time, run before computing threads, if the system allows it."""
     with suppress(OSError, AttributeError):
         os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))
 
 
-#: The module and class of each kind of transport; the class takes the rest of a description as keywords.
+#: Module and class of each kind of transport; the class takes the rest of a description as keywords.
 TRANSPORTS = {
     "serial": ("serial_port", "SerialTransport"),
     "fifo": ("fifo", "FifoTransport"),
@@ -52,12 +52,12 @@ TRANSPORTS = {
     "file": ("simulated", "FileTransport"),
 }
 
-#: Those behind which nothing emits.
+#: Kinds behind which nothing emits.
 SIMULATED = ("null", "loop", "file")
 
 
 def open_transport(description: dict[str, Any]) -> Transport:
-    """The transport that a description, made of what JSON holds, tells of.
+    """Make the transport of a description from JSON.
 
     {"kind": "serial", "port": ..., "baud": ..., ...} or {"kind": "udp", "address": ..., "boards": ...}:
     `kind` names the class, the other entries are its arguments. Opening it leaves the device silent.

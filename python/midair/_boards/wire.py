@@ -11,21 +11,21 @@ from enum import IntEnum
 
 
 class Kind(IntEnum):
-    """What a message asks for, or how it is answered."""
+    """Kind of a message: a request or an answer."""
 
     OPEN = 1  # JSON: the transport's description, and hold in s
-    PLAY = 2  # when, by the monotonic clock in s (0: now), the latest time, what then; and the frame
+    PLAY = 2  # time, by the monotonic clock in s (0: now), the latest time, the treatment then; and the frame
     OFF = 3
     MODULATE = 4  # hz, NaN for no modulation; and codes of 0 to 255, if any, in place of a sine
     UPLOAD = 5  # count and rate, and the frames
     STATUS = 6
     EMITTING = 7
-    HOLD = 8  # nothing: the owner lives and waits for what it asked for
+    HOLD = 8  # nothing: the owner lives and waits for an answer
     CLOSE = 9
     BEAT = 10  # nothing: the owner's interpreter answers; so does the guard's, by DONE without content
     DONE = 16  # JSON: the guard's status
     FAILED = 17  # JSON: status, and the error's kind and message
-    FRAME = 18  # the frame that plays now; empty where nothing does
+    FRAME = 18  # the frame that plays now; empty if none plays
 
 
 HEADER = struct.Struct("<BQI")
@@ -33,16 +33,16 @@ WHEN = struct.Struct("<ddB")
 MODULATION = struct.Struct("<d")
 UPLOADED = struct.Struct("<Id")
 
-#: How often an owner beats, in s, and for how long either may be missed before everything is turned off.
+#: Time between two beats of an owner, in s, and the time after which missing beats turn everything off.
 BEATS = 0.05
 MISSED = 0.6
 
-#: What a frame that is late, by ms, is told to be where that is an error.
+#: Message for a frame that is late, by ms, if that is an error.
 LATE = "a frame of the stream is {:.3g} ms late: give a lower rate"
 
 
 class Late(IntEnum):
-    """What becomes of a frame that comes late: it waits, is skipped if the next is due, or is an error."""
+    """Treatment of a late frame: wait, skip it if the next is due, or an error."""
 
     WAIT = 0
     SKIP = 1
@@ -50,11 +50,11 @@ class Late(IntEnum):
 
 
 class Gone(Exception):
-    """Nobody is at the other end."""
+    """The other end of the pipe is closed."""
 
 
 def write(pipe: int, kind: Kind, number: int, content: bytes = b"") -> None:
-    """Write a message whole."""
+    """Write a whole message."""
     rest = memoryview(HEADER.pack(kind, number, len(content)) + content)
     while rest:
         try:
@@ -64,7 +64,7 @@ def write(pipe: int, kind: Kind, number: int, content: bytes = b"") -> None:
 
 
 def read(pipe: int) -> tuple[Kind, int, bytes]:
-    """Wait for a message and read it whole."""
+    """Wait for a message and read all of it."""
     kind, number, length = HEADER.unpack(_exactly(pipe, HEADER.size))
     return Kind(kind), number, _exactly(pipe, length)
 
