@@ -106,7 +106,7 @@ class Guard:
                 self._attempt(0, self._transport.look)
 
     def beat(self, number: int) -> None:
-        """Note that the owner lives, and answer unless the device blocks the guard too long; from any thread."""
+        """Note that the owner lives, and answer unless the device blocks the guard; in any thread."""
         self._beaten = now = time.monotonic()
         if now < self._until:
             self._answer(Kind.DONE, number, b"")

@@ -1,6 +1,6 @@
-"""`.csv` of control points for devices that compute drives by themselves, as Ultraleap's do: no phases.
+"""`.csv` of control points, for devices that compute drives by themselves, such as Ultraleap's: no phases.
 
-A row is t,x,y,z,intensity (s, m, 0 to 1) and, where points are modulated, frequency in Hz; rows of one t
+A row is t,x,y,z,intensity (s, m, 0 to 1) and, for modulated points, frequency in Hz; rows of one t
 are the points of one frame. z is the distance from the array. Intensities are targets relative to the
 largest.
 """
@@ -32,7 +32,7 @@ Numbers = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class ControlPoints:
-    """Control points in time, as a file of them holds them.
+    """Control points in time, as in a file.
 
     times : (T,) in s
     points : (T, M, 3) in m
@@ -95,7 +95,7 @@ def write(path: File, given: ControlPoints) -> None:
 
 
 def read(path: str | PathLike[str], data: bytes) -> ControlPoints:
-    """Read frames: rows of one t."""
+    """Read frames: rows with the same t."""
     table = rows(text(path, data))
     head, names = next(table)
     where = columns(path, head, names, COLUMNS, CURE)

@@ -1,6 +1,6 @@
 """`.csv` of one drive, as `Solution.save` writes it: a row index,x,y,z,amplitude,phase a transducer.
 
-Positions are in m, amplitudes 0 to 1, phases in rad. Where no array is known, positions are left out.
+Positions are in m, amplitudes 0 to 1, phases in rad. Without a known array there are no positions.
 """
 
 from __future__ import annotations

@@ -39,7 +39,7 @@ def write(path: Path, drives: Played) -> None:
 
 
 def partners(path: str | PathLike[str]) -> tuple[Path, Path] | None:
-    """The files of phases and of amplitudes, if the name is that of one of a pair."""
+    """The files of phases and of amplitudes, if the name belongs to a pair."""
     name = Path(path)
     for one, other in ((PHASE, AMPLITUDE), (AMPLITUDE, PHASE)):
         if one in name.name:

@@ -1,4 +1,4 @@
-"""Played: drives as they are written, frame by frame, with the array that they are of where that is known."""
+"""Played: drives in the form of a file, frame by frame, with their array if it is known."""
 
 from __future__ import annotations
 
@@ -46,17 +46,17 @@ def read(path: str | PathLike[str], board: Board | None) -> NDArray[np.complex64
     return one_or_more(drives)
 
 
-#: A drive beyond full by more is none; so much do the solvers' f32 leave.
+#: A drive above full by more is an error; the solvers' f32 rounds by this much.
 ROUNDING = 1e-6
 
 
-#: In m: an array whose transducers lie farther from the board's is another one.
+#: In m: an array whose transducers are farther from the board's is another one.
 APART = 0.5e-3
 
 
 @dataclass(frozen=True, eq=False)
 class Played:
-    """T drives of N transducers; `alone` where one drive (N,) was given and not frames (T, N)."""
+    """T drives of N transducers; `alone` if one drive (N,) was given and not frames (T, N)."""
 
     frames: int
     transducers: int
@@ -65,7 +65,7 @@ class Played:
     _drive: Callable[[int], NDArray[np.complex64]]
 
     def __iter__(self) -> Iterator[NDArray[np.complex128]]:
-        """Drives (N,), with no negative zeros, whose phase is told as -pi instead of pi."""
+        """Drives (N,) without negative zeros, whose phase would be -pi instead of pi."""
         for frame in range(self.frames):
             yield self._drive(frame).astype(np.complex128) + 0
 
@@ -102,14 +102,14 @@ def played(drives: Any, board: Board | None) -> Played:
 
 
 def known(board: Board | str | PathLike[str] | None) -> Board | None:
-    """A board, or the one of a name or .pat file."""
+    """Return a board, or the board of a name or .pat file."""
     if board is None or isinstance(board, Board):
         return board
     return Board(board)
 
 
 def one_or_more(drives: NDArray[np.complex64]) -> NDArray[np.complex64]:
-    """Frames (T, N) as they are read: a single one is a drive (N,)."""
+    """Frames (T, N) as the result of a reader: a single one is a drive (N,)."""
     return drives[0] if len(drives) == 1 else drives
 
 

@@ -1,4 +1,4 @@
-"""`midair.read`: what a file of drives or control points holds, as what it is; told by ending and content."""
+"""`midair.read`: reads drives or control points by ending and content of a file."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ CSV = (
 def read(
     path: str | PathLike[str], *, board: Board | str | PathLike[str] | None = None
 ) -> Solution | Sequence | NDArray[np.complex64] | ControlPoints:
-    """Read what `midair.write`, `save` or another program wrote.
+    """Read a file of `midair.write`, `save` or another program.
 
-    | file | what comes back |
+    | file | result |
     |---|---|
-    | `.npz`, `.json` | the Solution or Sequence, or drives that were written alone |
+    | `.npz`, `.json` | the Solution or Sequence, or drives alone |
     | `.holo`, `.csv` of AcousTools or Ultraino, `.bin` | drives, complex64: (N,) of one frame, else (T, N) |
     | `.csv` of a drive | the drive (N,) |
     | `.csv` of control points | times, points, intensities and frequencies: midair._files.ControlPoints |
 
-    board : the midair.Board, its name or .pat file, whose frames a .bin holds
+    board : the midair.Board of the frames of a .bin, its name or .pat file
 
-    Which .csv it is, its first row tells, and of Ultraino's, which has none, the name. Drives of 512
-    transducers from AcousTools are in the order of the board's array, left out `openmpd_pair`. Nothing in a
-    file is run. Raises SceneError for a file that is not in order, naming the line.
+    The first row of a .csv identifies its kind; Ultraino's has none and is identified by its name. Drives
+    of 512 transducers from AcousTools are in the order of the board's array, by default `openmpd_pair`. Nothing in a
+    file is executed. Raises SceneError for a file with an error, naming the line.
     """
     ending, player = path_of("path", path).suffix.lower(), known(board)
     array = None if player is None else player.array

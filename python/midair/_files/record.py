@@ -1,4 +1,4 @@
-"""Solutions as files: what `solution.save` writes, read again without running anything that a file says."""
+"""Solutions as files: reads the files of `solution.save`, and never executes anything in them."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from .._support import output
 from .._support.arguments import path_of
 from .._support.text import arrays, content
 
-#: What a file has to hold for a solution to be made of it.
+#: Keys that a file needs for a solution.
 KEYS = ("drive", "pressures", "targets", "scale", "steps", "elapsed")
 
 
 def save(solution: Solution, path: str | PathLike[str]) -> None:
-    """Writes it as .npz, .json or (the drive alone) .csv, by the path's ending, whole or not at all.
+    """Write the solution as .npz, .json or (the drive alone) .csv, by the path's ending, whole or not at all.
 
-    Raises SceneError for another ending, and for a path that cannot be written. The keys of a file are in
-    docs/conventions.md.
+    Raises SceneError for another ending, and for a path that cannot be written. docs/conventions.md
+    lists the keys of a file.
     """
     scene = solution.scene
     if scene is None:
@@ -36,10 +36,10 @@ def save(solution: Solution, path: str | PathLike[str]) -> None:
 
 
 def load(path: str | PathLike[str]) -> Solution:
-    """Reads what `save` or `midair solve -o` wrote, .npz or .json: an equal solution. No file is run.
+    """Read an equal solution from a .npz or .json file of `save` or `midair solve -o`. Never executes a file.
 
-    Raises SceneError for a file that is not in order or whose drive does not give its pressures,
-    FileNotFoundError where there is none.
+    Raises SceneError for a file with an error or whose drive does not give its pressures,
+    FileNotFoundError for a missing file.
     """
     path = path_of("path", path)
     name = " ".join(str(path).split())
@@ -53,7 +53,7 @@ def load(path: str | PathLike[str]) -> Solution:
         solution: Solution = Solution._restore(_parts(record))  # type: ignore[attr-defined]
     except SceneError as error:
         raise SceneError(f'solution file "{name}": {error}') from error
-    # Whatever a damaged file makes zip, NumPy and JSON raise.
+    # Any error of zip, NumPy and JSON with a damaged file.
     except Exception as error:
         raise SceneError(
             f'solution file "{name}" is damaged, or none: give what solution.save or midair solve -o wrote'
@@ -62,7 +62,7 @@ def load(path: str | PathLike[str]) -> Solution:
 
 
 def _parts(record: dict[str, Any]) -> dict[str, Any]:
-    """What a solution is made of; the solver and the status stand in the scene's text."""
+    """Parts of a solution; the solver and the status are in the scene's text."""
     text = json.loads(str(record["scene"]))
     status, solver = text.pop("status"), text.pop("solver")
     if "scene_solver" in record:

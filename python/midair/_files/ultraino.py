@@ -2,8 +2,8 @@
 
 Its y is up: a flat array lies in y = 0 and faces +y. Here it lies in z = 0 and faces +z: (x, y, z) is
 turned to (x, -z, y), normals too. A transducer has the width `apperture`, the directivity sin(x)/x
-(CalcField.java) and `power`, its pressure times distance at full drive in Pa m. Phase corrections are for
-who plays, and not read.
+(CalcField.java) and `power`, its pressure times distance at full drive in Pa m. Phase corrections belong
+to the board and are not read.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from .._boards.layout import Layout, turned
 from .._support.text import fault
 from .xml import Bean, Decoder, Element
 
-#: What Transducer.java has where a file says nothing.
+#: Defaults of Transducer.java.
 POWER = 2.53
 WIDTH = 0.009
 
@@ -29,7 +29,7 @@ def read(path: str | PathLike[str], root: Element) -> Layout:
     found = _listed(beans) or [bean for bean in beans if bean.kind.endswith(".Transducer")]
     if not found:
         raise fault(path, None, "no Transducer is in it: give a file that Ultraino saved as an array")
-    # Stable: transducers of one number stay as they are listed.
+    # Stable: transducers of one number stay in their listed order.
     found = sorted(found, key=lambda bean: _number(path, bean, "orderNumber", 0.0))
     positions = np.array([_vector(path, _part(path, bean, "translation"), "xyz") for bean in found])
     rotations = np.array([_vector(path, _part(path, bean, "rot"), "wxyz", 1.0) for bean in found])

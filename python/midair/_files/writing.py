@@ -19,7 +19,7 @@ from .control_points import ControlPoints
 from .played import Played, known, played
 
 ENDINGS = (".npz", ".csv", ".json", ".holo", ".bin")
-#: What `Solution.save` writes.
+#: Endings of `Solution.save`.
 SAVED = (".npz", ".json", "drive")
 LAYOUTS = ("drive", "acoustools", "ultraino", "points")
 
@@ -36,26 +36,26 @@ def write(
     """Write drives (or control points) to a file, whole or not at all.
 
     drives : a Solution, a Sequence, or complex drives (N,) or (T, N), |q| <= 1
-    board : a midair.Board, its name or .pat file; needed for .bin, and tells the array of bare drives
-    layout : of a .csv, below; left out, it follows from what is written
+    board : a midair.Board, its name or .pat file; needed for .bin, and the array of drives without one
+    layout : of a .csv, below; by default it follows from the content
 
-    | ending | what is written | of |
+    | ending | content | of |
     |---|---|---|
-    | `.npz` | what `save` of a Solution or Sequence writes; of numbers `drive` or `drives` | any |
-    | `.json` | what `Solution.save` writes | a Solution |
+    | `.npz` | the file of `save` of a Solution or Sequence; of numbers `drive` or `drives` | any |
+    | `.json` | the file of `Solution.save` | a Solution |
     | `.holo` | AcousTools: phases of 32 steps, amplitudes of 32 steps | any |
     | `.bin` | the board's frames, one after another | any, with `board` |
-    | `.csv`, "drive" | index,x,y,z,amplitude,phase; x,y,z where the array is known | one drive |
+    | `.csv`, "drive" | index,x,y,z,amplitude,phase; x,y,z if the array is known | one drive |
     | `.csv`, "acoustools" | a line frames,transducers, then phases in rad; amplitudes are lost | any |
     | `.csv`, "ultraino" | phases to ...0_Phase.csv, amplitudes to ...0_Amp.csv | any |
     | `.csv`, "points" | t,x,y,z,intensity[,frequency]: for Ultraleap's devices, no drives | points |
 
     Drives of 512 transducers in `.holo` and "acoustools" are those of two OpenMPD boards and are put into
     AcousTools' order. A name with 0_Phase is Ultraino's without a layout, too. Points are a midair.path, a
-    Sequence, or numbers (M, 3) or (T, M, 3) in m; beside them `rate` is in frames a second, and `modulate`
-    the frequency in Hz at which the device is to modulate them.
+    Sequence, or numbers (M, 3) or (T, M, 3) in m. For them `rate` is in frames a second, and `modulate`
+    is the frequency in Hz at which the device modulates them.
 
-    Raises SceneError for what a format cannot hold and for a path that cannot be written.
+    Raises SceneError for data that a format cannot store and for a path that cannot be written.
     """
     file = path_of("path", path)
     output.check(file, ENDINGS)
@@ -76,7 +76,7 @@ def write(
 
 
 def _layout(file: File, drives: Any, layout: str | None) -> str:
-    """The layout of a .csv; of others the ending."""
+    """The layout of a .csv; for other files the ending."""
     ending = file.suffix.lower()
     if ending != ".csv":
         if layout is not None:

@@ -10,7 +10,7 @@ from xml.parsers import expat
 from .._midair import SceneError
 from .._support.text import fault, number
 
-#: The largest file known has 10^5 elements, 14 deep.
+#: The largest known file has 10^5 elements, 14 deep.
 MOST_ELEMENTS = 1_000_000
 MOST_DEPTH = 100
 
@@ -76,12 +76,12 @@ def parse(path: str | PathLike[str], content: bytes) -> Element:
 
 NUMBERS = ("byte", "short", "int", "long", "float", "double")
 
-#: Java's classes of one number, which other elements may refer to.
+#: Java's classes of one number, to which other elements may refer.
 BOXES = tuple(f"java.lang.{name}" for name in ("Byte", "Short", "Integer", "Long", "Float", "Double"))
 
 
 class Bean:
-    """An object: the name of its class, its properties and, of a list, its items."""
+    """An object: the name of its class, its properties and, for a list, its items."""
 
     __slots__ = ("items", "kind", "line", "properties")
 
@@ -92,7 +92,7 @@ class Bean:
 
 
 class _Field:
-    """A public field of a class, which `get` and `set` are called on."""
+    """A public field of a class, with its `get` and `set`."""
 
     __slots__ = ("name",)
 
@@ -101,7 +101,7 @@ class _Field:
 
 
 class Decoder:
-    """Objects of a document, in the order in which they are made."""
+    """Objects of a document, in the order of their creation."""
 
     def __init__(self, path: str | PathLike[str], root: Element) -> None:
         self._path = path
@@ -112,7 +112,7 @@ class Decoder:
             self._value(element, lambda: top)
 
     def _value(self, element: Element, outer: Callable[[], Any]) -> Any:
-        """The value of an element; `outer` gives that of the one around it."""
+        """The value of an element; `outer` is the value of the element around it."""
         if element.name in NUMBERS:
             found = number(element.text.strip())
             if found is None:
@@ -130,7 +130,7 @@ class Decoder:
 
         def own() -> Any:
             if not made:
-                # Stands there for as long as the value is being made, for one that needs itself.
+                # Placeholder while the value is being made, for a value that refers to itself.
                 made.append(None)
                 made[0] = self._call(element, arguments, outer)
             return made[0]

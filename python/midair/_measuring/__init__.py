@@ -1,4 +1,4 @@
-"""Measuring: an array as its readings have it, and drives that readings steer."""
+"""Measuring: calibration of an array by readings, and drives that readings improve."""
 
 from .calibrate import calibrate, calibration_drives
 from .doctor import Fault, Report, doctor

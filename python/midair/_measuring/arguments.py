@@ -1,4 +1,4 @@
-"""What was measured, read as arrays or refused by name, value and cure."""
+"""Measurements as checked arrays; an error states name, value and cure."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .._midair import SceneError
 from .._support.arguments import refused
 from .model import Complex, Real
 
-#: So many readings at one microphone's very maximum, and this part of all, are a converter's end.
+#: As many readings at one microphone's maximum, and this part of all, mean a clipping converter.
 CLIPPED, CLIPPED_PART = 4, 0.01
 
 
@@ -30,7 +30,7 @@ def drives_of(value: Any, transducers: int) -> Complex:
 
 
 def readings_of(value: Any, drives: int, microphones: int, phased: bool | None) -> Real | Complex:
-    """Readings (K, M) in Pa: moduli, or complex where `phased`; None leaves that to their kind."""
+    """Check readings (K, M) in Pa: moduli, or complex if `phased`; None decides by their type."""
     found = _numbers("readings", value, f"give |p| or p of {drives} drives at {microphones} microphones")
     if found.ndim == 1 and microphones == 1:
         found = found[:, None]
@@ -70,7 +70,7 @@ def _not_clipped(received: NDArray[Any], m: int) -> None:
 
 
 def indices_of(value: Any, transducers: int) -> NDArray[np.intp]:
-    """The second board's transducers: a slice, indices or a mask."""
+    """Check the second board's transducers: a slice, indices or a mask."""
     if value is None:
         return np.zeros(0, np.intp)
     cure = f"give a slice, indices below {transducers} or a mask ({transducers},) of some of the transducers"

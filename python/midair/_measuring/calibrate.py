@@ -1,4 +1,4 @@
-"""`midair.calibrate`: an array as it is, from what microphones heard of it."""
+"""`midair.calibrate`: responses of an array from readings of microphones."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from .fit import Fitted, robust
 from .model import LOUDNESS, Complex, Model, Priors, Real
 from .result import Calibration
 
-#: Phases of a device that has any.
+#: Phases of calibration drives for a device without a grid of phases.
 PHASES = 256
-#: Drives of more numbers than this are no calibration that somebody waits for.
+#: Drives with more numbers than this would take too long.
 MOST = 100_000_000
 
 
 def calibration_drives(
     array: Array | Scene, readings_per_transducer: float = 4.0, *, microphones: int = 4, seed: int = 0
 ) -> NDArray[np.complex64]:
-    """Drives (K, N) to play for `midair.calibrate`: full drive, random phases of the board for each channel.
+    """Drives (K, N) for `midair.calibrate`: full drive, random phases of the board for each channel.
 
     readings_per_transducer : K times the microphones over N; 4 of |p| or 2 complex ones are plenty
-    microphones : how many listen
+    microphones : their number
     seed : of the phases
 
-    All transducers sound in every drive, which tells sqrt(N) times more of each than one at a time would
-    at the same noise. Masked ones stay off.
+    All transducers play in every drive, which gives sqrt(N) times more information on each than one at a time
+    with the same noise. Masked ones stay off.
 
     Raises SceneError for numbers that are not above 0 and an array whose transducers are all masked.
 
@@ -61,20 +61,20 @@ def calibration_drives(
     return drives
 
 
-#: A transducer is named dead if it is so with more than this probability, or if it is so rather than not and
+#: A transducer is reported as dead above this probability, or if it is more probably dead than not and
 #: its gain is below QUIET times the median by so many standard deviations.
 DEAD, QUIET, SURELY = 0.99, 0.5, 4
-#: A phase off by more than this many rad is a transducer connected the wrong way round.
+#: A phase off by more than this, in rad, means a transducer connected the wrong way round.
 REVERSED = np.radians(115)
-#: Readings this many times louder or quieter than the model are hardly in Pa.
+#: Readings this many times louder or quieter than the model are probably not in Pa.
 FACTOR = 2.0
-#: Readings off the model by more than this part of their root mean square are hardly of this array.
+#: Readings off the model by more than this part of their root mean square are probably of another array.
 UNEXPLAINED = 0.35
-#: A prior this wide says nothing; a wider one only costs digits.
+#: A prior this wide gives no information; a wider one only costs digits.
 MOST_PRIOR = 10
-#: Outlying readings that a warning names.
+#: Largest number of outlying readings in a warning.
 NAMED = 3
-#: Bytes of the normal equations and what is made of them, over those of one such matrix.
+#: Bytes of the normal equations and derived matrices, over those of one such matrix.
 COPIES = 6
 
 
@@ -95,26 +95,27 @@ def calibrate(
 ) -> Calibration:
     """Responses of the transducers and the sound speed, from readings of known drives.
 
-    drives : (K, N), what was played: `midair.calibration_drives`
+    drives : (K, N), the played drives: `midair.calibration_drives`
     readings : (K, M) peak pressures in Pa, |p| or complex ones (e^{-jwt}, a clock shared with the array)
-    microphones : their places (M, 3) in m; left out, the scene's points
-    complex : True asks for complex readings, False takes the moduli of any; left out, as they are
-    noise : standard deviation of a reading in Pa, the least that is assumed; the fit finds what there is
-    prior : how far re and im of a living response may be off what the array says, relative to their mean
-        modulus; left out, it is learnt with them
-    sound_speed_error : how far the sound speed may be off, in m/s; 0 holds it
-    microphones_error : how far each coordinate of a microphone may be off, in m; left out, it is learnt, from
-        1 mm on; 0 holds their places
-    second_board : a slice, indices or a mask of the transducers of a board whose pose is not known
-    pose_error : how far that may be off, in m and rad
+    microphones : their places (M, 3) in m; by default the scene's points
+    complex : True requires complex readings, False takes moduli; by default the type of the readings decides
+    noise : standard deviation of a reading in Pa, as a lower bound; the fit finds the noise
+    prior : spread of re and im of a living response about the array's, relative to their mean
+        modulus; by default it is fitted
+    sound_speed_error : error of the sound speed, in m/s; 0 fixes it
+    microphones_error : error of each coordinate of a microphone, in m; by default it is fitted, from
+        1 mm on; 0 fixes their places
+    second_board : a slice, indices or a mask of the transducers of a board with an unknown pose
+    pose_error : error of that pose, in m and rad
     progress : called with (step, steps)
 
     All errors are standard deviations. The directivity's one number is fitted, too: an exponent of the cosine
-    for "point" and "cos", the size of a piston or strip. Raises `SceneError` for what cannot be readings.
+    for "point" and "cos", the size of a piston or strip. Raises `SceneError` for impossible readings.
 
-    Least squares by Levenberg-Marquardt from what the array says, the readings trusted to 30 % of their root
-    mean square first and .6 times tighter a step down to their noise (docs/measuring.md). Readings that lie
-    more than six times the scatter of all off the model are left out, named by a warning and in `outlying`.
+    Least squares by Levenberg-Marquardt from the array's values. The readings have an assumed error of 30 %
+    of
+    their root mean square first, reduced by .6 a step down to their noise (docs/measuring.md). The fit drops
+    readings off the model by more than six times the scatter of all; a warning and `outlying` name them.
     """
     given = scene_or_array
     if not isinstance(given, Array | Scene):
@@ -160,7 +161,7 @@ def _scene(given: Scene | Array, microphones: ArrayLike | None) -> Scene:
 
 
 def places_of(value: ArrayLike) -> Any:
-    """Places of microphones (M, 3) in m."""
+    """Check places of microphones (M, 3) in m."""
     try:
         found = np.atleast_2d(np.asarray(value, np.float64))
     except (TypeError, ValueError):
@@ -179,9 +180,9 @@ def _pose(value: Any) -> tuple[float, float]:
 
 
 def _enough(received: Any, played: Complex, array: Array) -> None:
-    """Refuse fewer real numbers than transducers: the prior would make up the rest.
+    """Reject fewer real numbers than transducers: the prior would invent the rest.
 
-    C driven channels tell C complex pressures at a microphone, less a common phase of |p|, by any drives.
+    C channels give C complex pressures at a microphone, minus a common phase of |p|, by any drives.
     """
     real = 2 if np.iscomplexobj(received) else 1
     count, sounding = received.size * real, int(np.any(played, axis=0).sum())
@@ -214,7 +215,7 @@ def _room(transducers: int, others: int, readings: int) -> None:
 def _result(
     scene: Scene, model: Model, found: Fitted, believed: Real, played: Complex, received: Any
 ) -> Calibration:
-    # One phase is common to all: that of the clock, or none at all where moduli were read.
+    # One phase is common to all: that of the clock, or none at all for moduli.
     common, scale = np.sum(believed * found.responses), float(np.exp(found.state[LOUDNESS]))
     response = found.responses * (scale * np.conj(common) / abs(common)) * model.phases
     sounding = np.any(played, axis=0)
@@ -244,7 +245,7 @@ def _result(
     off = np.abs(np.angle(response * np.conj(model.phases)))
     reversed_ = np.setdiff1d(np.flatnonzero(sounding & (off > REVERSED) & (found.chances[2] > 0.5)), dead)
     response[dead] = 0
-    # What was not played is known no better than before.
+    # Transducers that did not play keep their values.
     response = np.where(sounding, response, 1.0 if scene.array.response is None else scene.array.response)
     array = model.array(found.state, response)
     state, errors = found.state, found.state_error

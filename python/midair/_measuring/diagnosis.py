@@ -1,7 +1,7 @@
-"""Diagnosis: what is wrong with boards, by readings of known drives.
+"""Diagnosis: faults of boards from readings of known drives.
 
-First, orders of channels, sound speeds and delays of boards are tried. `midair.calibrate` fits responses,
-sound speed and the microphones' places. Pairs of channels are exchanged where that explains the readings
+It first tries orders of channels, sound speeds and delays of boards. `midair.calibrate` fits responses,
+sound speed and the microphones' places. Pairs of channels are exchanged if that explains the readings
 better. The last two steps alternate until no pair is left.
 """
 
@@ -23,25 +23,25 @@ from .result import Calibration
 
 Indices = NDArray[np.intp]
 
-#: Speeds of sound that are tried about the expected one, in m/s; how far off the best of them may be.
+#: Sound speeds that are tried about the expected one, in m/s; largest error of the best of them.
 SPEEDS, LEFT = np.arange(-14.0, 14.5, 0.5), 3.0
-#: Readings that correlate with the model by more than this are in the order that it has.
+#: Readings that correlate with the model by more than this confirm its order.
 ORDERED = 0.6
-#: Boards whose delays are sought: with more, the first look has too many unknowns.
+#: Boards with unknown delays: with more, the first search has too many unknowns.
 MOST_BOARDS = 12
-#: Two places nearer than this, in m, are one where a board is turned or mirrored.
+#: Places nearer than this, in m, count as one when a board is turned or mirrored.
 SAME = 1e-3
 #: The least spread of living transducers' responses, relative to their middle.
 LEAST_SPREAD = 0.05
-#: A transducer is suspected where its response is so many spreads off, or what is left of the readings of one
-#: microphone speaks of it by so many deviations; at most so many are.
+#: A transducer is suspected if its response is so many spreads off, or if the residuals of one
+#: microphone point to it by so many deviations; at most so many are suspected.
 SUSPECT, LEFT_OVER, MOST_SUSPECTS = 3.5, 5.0, 80
-#: What it costs to claim that a transducer is reversed, dead or weak, that its phase is anything, or that
-#: two are exchanged: -2 log of how often that is so.
+#: Costs to report a transducer as reversed, dead, weak, or of any phase, or two as
+#: exchanged: -2 log of the frequency of such a fault.
 REVERSED, DEAD, WEAK, ODD, EXCHANGED = 10.0, 8.0, 8.0, 10.0, 31.0
-#: A weak one has at least this part of the usual gain left, and at most that.
+#: A weak transducer has at least this part of the usual gain, and at most that.
 WEAKEST, STRONG = 0.1, 0.75
-#: Delays of boards that change by less, in rad, from round to round are found.
+#: Delays of boards are final if they change by less, in rad, from round to round.
 SETTLED = 0.02
 #: Rounds of calibration, and steps of the fit of a pair.
 ROUNDS, STEPS = 8, 3
@@ -49,16 +49,16 @@ ROUNDS, STEPS = 8, 3
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Boards as the readings have them.
+    """Model of boards after the diagnosis.
 
-    base : the name of the order that the wiring as a whole has, "" for the expected one
-    order : (N,) the place at which each channel's transducer stands
+    base : name of the order of the whole wiring, "" for the expected one
+    order : (N,) the place of each channel's transducer
     cycles : channels that are exchanged beyond that order, pairs and rings
-    middle : (B,) complex, the usual response of each board relative to what the array says
+    middle : (B,) complex, the usual response of each board relative to the array's
     relative : (N,) complex, each response relative to that of its board; error : (N,) of re and im
     spread : of living responses about their board's, of re and im
     calibration : of the channels at their places, with sound speed and microphones
-    unexplained : what is left of the readings, as a part of their root mean square
+    unexplained : residual of the readings, as a part of their root mean square
     """
 
     base: str
@@ -87,7 +87,7 @@ def diagnose(
     """Diagnose the array of a scene whose points are the microphones.
 
     boards : (N,) the board of each channel, from 0 on
-    drives, readings, microphones_error : as `midair.calibrate` takes them
+    drives, readings, microphones_error : arguments of `midair.calibrate`
     """
     own = np.ones(len(scene.array), complex) if scene.array.response is None else scene.array.response
     best = (-1.0, "", np.arange(len(own)), 0.0, np.ones(1, complex))
@@ -98,7 +98,7 @@ def diagnose(
     _, base, order, speed, delays = best
     turned, expected = delays / np.abs(delays), order
     for _ in range(ROUNDS):
-        # The channel's own delay and response; the place is that of the transducer on it.
+        # The channel keeps its delay and response; the place is that of its transducer.
         array = changed(
             scene.array,
             positions=scene.array.positions[order],
@@ -106,7 +106,7 @@ def diagnose(
             response=own * turned[boards],
         )
         with warnings.catch_warnings():
-            # What a calibration warns of is said by the report.
+            # The report contains the warnings of the calibration.
             warnings.simplefilter("ignore", SceneWarning)
             found = calibrate(
                 scene.replace(array=array, sound_speed=speed),
@@ -123,7 +123,7 @@ def diagnose(
         cycles = _cycles(expected, order)
         state = Diagnosis(base, order, cycles, middle, relative, error, spread, found, left)
         pairs = _Pairs(state, boards, own, sounding, drives, readings).exchanged()
-        # What a calibration believes of the delays draws on what it finds: it is to believe what it found.
+        # The calibration starts from the delays of its last result, so that it stays there.
         delay = middle / np.abs(middle) * np.conj(middle[0]) / np.abs(middle[0])
         if not pairs and np.abs(delay - turned).max() < SETTLED:
             break
@@ -134,7 +134,7 @@ def diagnose(
 
 
 def _cycles(expected: Indices, order: Indices) -> tuple[tuple[int, ...], ...]:
-    """The rings of channels that stand at each other's expected places."""
+    """The rings of channels that are at each other's expected places."""
     then = np.argsort(expected)[order]
     rings, seen = [], set(np.flatnonzero(then == np.arange(len(then))).tolist())
     for first in range(len(then)):
@@ -149,7 +149,7 @@ def _cycles(expected: Indices, order: Indices) -> tuple[tuple[int, ...], ...]:
 
 
 def _orders(scene: Scene, boards: Indices) -> Iterator[tuple[str, Indices]]:
-    """The expected order, then those of boards that are exchanged, turned or mirrored."""
+    """Yield the expected order, then those of exchanged, turned or mirrored boards."""
     identity = np.arange(len(boards))
     yield "", identity
     own = [np.flatnonzero(boards == b) for b in range(int(boards.max()) + 1)]
@@ -175,7 +175,7 @@ def _orders(scene: Scene, boards: Indices) -> Iterator[tuple[str, Indices]]:
 
 
 def _turned(scene: Scene, of: Indices, turn: NDArray[np.int64]) -> Indices | None:
-    """The transducers of a board onto which it falls when it is turned or mirrored in its plane, or None."""
+    """Transducers of a board after it is turned or mirrored in its plane, or None if they do not match."""
     if len(of) < 2:
         return None
     places = scene.array.positions[of] - scene.array.positions[of].mean(axis=0)
@@ -200,7 +200,7 @@ def _look(
     drives: Complex,
     readings: Real | Complex,
 ) -> tuple[float, str, Indices, float, Complex]:
-    """The correlation of the readings with an order's model at the speed and the delays that fit it best."""
+    """Correlation of the readings with an order's model, at the best speed and delays."""
     best = (-1.0, name, order, scene.sound_speed, np.ones(int(boards.max()) + 1, complex))
     bare = changed(scene.array, response=None, mask=None, quantization=None)
     count = len(best[4])
@@ -212,7 +212,7 @@ def _look(
         p = (sums @ delays).ravel()
         received = readings.ravel()
         if not np.iscomplexobj(received):
-            # Moduli of any two models are alike in their mean.
+            # Moduli of any two models have a similar mean.
             p, received = np.abs(p) - np.abs(p).mean(), received - received.mean()
         size = float(np.linalg.norm(p) * np.linalg.norm(received))
         match = float(abs(np.vdot(p, received))) / max(size, 1e-30)
@@ -222,7 +222,7 @@ def _look(
 
 
 def _delays(sums: Complex, readings: Real | Complex) -> Complex:
-    """What multiplies each board's sum (K, B) so that all together make the readings (K,).
+    """Factors of each board's sum (K, B) with which all together give the readings (K,).
 
     Moduli are linear in the products v_b conj(v_c): |sum v_b a_b|^2. Of their matrix v is the leading
     eigenvector. The first board's is positive.
@@ -252,7 +252,7 @@ def _matrix(scene: Scene) -> Complex:
 
 
 def _ratio(found: Calibration, own: Complex, sounding: NDArray[np.bool_]) -> tuple[Complex, Real]:
-    """Responses relative to the array's own, and their errors; 1 of what cannot sound."""
+    """Responses relative to the array's own, and their errors; 1 for transducers that cannot play."""
     divisor = np.where(own == 0, 1, own)
     ratio = np.where(sounding, found.response / divisor, 1)
     return ratio, np.asarray(found.response_error / np.abs(divisor))
@@ -263,7 +263,7 @@ def _usual(ratio: Complex, boards: Indices, sounding: NDArray[np.bool_]) -> tupl
     middle, off = np.ones(int(boards.max()) + 1, complex), np.full(len(ratio), np.nan + 0j)
     for b in range(len(middle)):
         of = (boards == b) & sounding
-        # A board of which most is dead has no other middle.
+        # A mostly dead board has no other middle.
         alive = of & (np.abs(ratio) > 0.1 * np.abs(ratio).max())
         if not alive.any():
             continue
@@ -278,7 +278,7 @@ def _usual(ratio: Complex, boards: Indices, sounding: NDArray[np.bool_]) -> tupl
 
 
 def cost(relative: Complex, error: Real, spread: float) -> Real:
-    """The least cost (N,) of what a transducer may be: healthy, reversed, dead, weak, or anything."""
+    """The least cost (N,) over the states of a transducer: healthy, reversed, dead, weak, or anything."""
     v = spread**2 + error**2
     best = np.clip(relative.real, WEAKEST, STRONG)
     kinds = (
@@ -292,7 +292,7 @@ def cost(relative: Complex, error: Real, spread: float) -> Real:
 
 
 class _Pairs:
-    """Channels that are suspected, and which pairs of them explain the readings better exchanged."""
+    """Suspected channels, and the pairs of them whose exchange explains the readings better."""
 
     def __init__(
         self,
@@ -321,7 +321,7 @@ class _Pairs:
         self._suspects = self._suspected(left, sounding)
 
     def exchanged(self) -> list[tuple[int, int]]:
-        """Pairs to exchange, the surest first, each channel in one of them at most."""
+        """Pairs to exchange, the most certain first, each channel in one of them at most."""
         gains = [
             (gain, i, j)
             for i, j in combinations(self._suspects.tolist(), 2)
@@ -343,7 +343,7 @@ class _Pairs:
         v = np.sqrt(state.spread**2 + state.error**2)
         off = np.abs(state.relative - 1) / v / SUSPECT
         turn = 1.0 if np.iscomplexobj(left) else self._p / np.maximum(np.abs(self._p), 1e-30)
-        # What is left, by channel and microphone, in units of what is usual there.
+        # Residuals by channel and microphone, in units of their usual size.
         each = np.abs(self._drives.conj().T @ (left * turn))
         each /= np.maximum(np.median(each[sounding], axis=0) / 1.18, 1e-30)
         score = np.maximum(off, each.max(axis=1) / LEFT_OVER) * sounding
@@ -351,12 +351,12 @@ class _Pairs:
         return np.sort(order[score[order] > 1])
 
     def _gain(self, i: int, j: int) -> float:
-        """How much less it costs that i and j are exchanged, both healthy."""
+        """Reduction of the cost if i and j are exchanged, both healthy."""
         q, state = self._drives, self._state
         response = state.calibration.response
         kept = np.array([i, j])
         rest = self._p - (q[:, kept] * response[kept]) @ self._matrix[:, kept].T
-        # (K, M, 2): what each sends from the other's place.
+        # (K, M, 2): the wave of each from the other's place.
         sent = q[:, None, kept] * (self._matrix[:, kept[::-1]] * self._usual[kept])
         x, v = np.ones(2, complex), state.spread**2
         for _ in range(STEPS):

@@ -1,4 +1,4 @@
-"""`midair.doctor`: what is wrong with a board, by a microphone, and the report of it."""
+"""`midair.doctor`: faults of a board by a microphone, and their report."""
 
 from __future__ import annotations
 
@@ -22,31 +22,31 @@ from .arguments import readings_of
 from .calibrate import calibration_drives, places_of
 from .diagnosis import Diagnosis, Indices, diagnose
 
-#: Real numbers that are read for each transducer, and the least that a diagnosis is made of.
+#: Real numbers that are read for each transducer, and the least number for a diagnosis.
 PLENTY, LEAST = 4.0, 2.2
-#: Seconds that the air takes to settle after a frame, and that a reading lasts.
+#: Seconds until the air is steady after a frame, and for a reading.
 SETTLE, LISTEN = 5e-3, 10e-3
 #: A gain below this part of its board's, by so many deviations, is weak, one below the other is dead.
 WEAK, DEAD, SURELY = 0.75, 0.15, 4.0
-#: A phase further off than this is a fault, in degrees, and beyond the other a reversed transducer.
+#: A phase further off than this, in degrees, is a fault; beyond the second value the transducer is reversed.
 ODD, REVERSED = 50.0, 130.0
-#: A board is late from so many degrees on, a level is off by this part, a sound speed by so many m/s.
+#: A board is late from so many degrees on, a level is wrong by this part, a sound speed by so many m/s.
 LATE, LEVEL, SPEED = 20.0, 0.1, 1.5
-#: Numbers of the whole are off by at least so many standard deviations.
+#: Faults of the whole board need at least so many standard deviations.
 SURE = 4.0
-#: A board of which this part is dead is dead as a whole.
+#: A board with this part dead is dead as a whole.
 WHOLE = 0.9
-#: Readings of which more than this part stays unexplained are hardly of this array.
+#: Readings with a larger unexplained part are probably of another array.
 UNEXPLAINED = 0.35
-#: A microphone further from its place than this, in m, is remarked upon.
+#: A microphone further from its place than this, in m, gets a remark.
 APART = 3e-3
-#: Files of a report.
+#: File endings of a report.
 ENDINGS = (".txt", ".json")
 
 
 @dataclass(frozen=True)
 class Fault:
-    """A fault that `midair.doctor` names.
+    """A fault from `midair.doctor`.
 
     kind : "dead", "weak", "reversed", "phase", "swapped", "order", "board dead", "delay", "level",
         "sound speed", or "unexplained"
