@@ -19,13 +19,13 @@ use crate::ready::{Kept, Ready};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// N transducers: where they are, and how each radiates.
+/// N transducers: their places and their radiation.
 ///
-/// positions, normals : (N, 3) in m and as directions, which are normalised; +z where left out
+/// positions, normals : (N, 3) in m and as directions, which are normalised; +z by default
 /// {parts}
 ///
-/// docs/conventions.md lists the directivities. A quantization is what the board can play, such as {"phases": 256,
-/// "amplitudes": [0, 0.5, 1]}: every answer then lies on that grid. What is left out there, or None, is continuous.
+/// docs/conventions.md lists the directivities. A quantization has the phases and amplitudes of a board, such as
+/// {"phases": 256, "amplitudes": [0, 0.5, 1]}: every drive then lies on that grid. A missing part, or None, is continuous.
 ///
 /// Raises SceneError for numbers of another shape or not finite, values out of their range, and unknown names.
 ///
@@ -52,7 +52,7 @@ impl From<&Arc<Ready>> for Array {
 }
 
 impl Array {
-    /// Itself with these parts in place of its own.
+    /// The array with these parts in place of its own.
     pub(crate) fn with_parts(self, given: Given) -> PyResult<Self> {
         if given.is_empty() {
             return Ok(self);
@@ -61,7 +61,7 @@ impl Array {
         array.map(Self::from).map_err(refused)
     }
 
-    /// Itself prepared for a medium.
+    /// The array prepared for a medium.
     pub(crate) fn ready(&self, medium: Medium) -> PyResult<Arc<Ready>> {
         self.kept.get(&self.inner, medium)
     }
@@ -99,7 +99,7 @@ impl Array {
     /// A flat grid of nx x ny transducers, pitch metres apart, centred in z = 0, x fastest. The keywords are those of
     /// `Array`.
     ///
-    /// Raises SceneError for less than one transducer, a pitch that is not above 0, and keywords that `Array` refuses.
+    /// Raises SceneError for less than one transducer, a pitch that is not above 0, and keywords that `Array` rejects.
     #[staticmethod]
     #[pyo3(signature = (nx, ny, pitch, **parts))]
     fn grid(
@@ -118,7 +118,7 @@ impl Array {
     /// A known board or the paper's array; tiles = (x, y) boards. The keywords, those of `Array`, override the preset's
     /// values.
     ///
-    /// Raises SceneError for an unknown name, for tiles of a preset that has none, and keywords that `Array` refuses.
+    /// Raises SceneError for an unknown name, for tiles of a preset that has none, and keywords that `Array` rejects.
     #[staticmethod]
     #[pyo3(signature = (name, tiles=None, **parts))]
     fn preset(name: &Bound<'_, PyAny>, tiles: Argument<'_, '_>, parts: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
@@ -129,13 +129,13 @@ impl Array {
         Self::from(array).with_parts(parts::keywords("Array.preset", parts)?)
     }
 
-    /// The names of the presets; `midair.presets()` tells more.
+    /// The names of the presets; `midair.presets()` describes them.
     #[staticmethod]
     fn presets() -> Vec<&'static str> {
         midair::presets::PRESETS.iter().map(|preset| preset.name).collect()
     }
 
-    /// The same array as hardware that emits so many Hz, or as none.
+    /// The same array as hardware of a frequency in Hz, or as no hardware.
     #[pyo3(name = "_with_hardware")]
     fn with_hardware(&self, hardware: Option<f64>) -> Self {
         self.inner.clone().with_hardware(hardware).into()
@@ -146,7 +146,7 @@ impl Array {
         self.inner.is_behind(point)
     }
 
-    /// A part by its name, or None where the array has none; a mask is all True then.
+    /// A part by its name, or None if the array has none; a mask is then all True.
     fn _part<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
         let value = midair::Array::part(name).and_then(|part| match (part.of(&self.inner), part.kind()) {
             (None, PartKind::Flags) => Some(PartValue::Flags(vec![true; self.inner.len()])),
@@ -199,8 +199,9 @@ getters! {
     /// Unit normals (N, 3).
     normals(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, self.inner.normals());
 
-    /// The numbers of the air by name that a scene on it has unless it states others: of presets of hardware 25 degrees C,
-    /// 50 % humidity and 101.325 kPa, else the paper's 340 m/s, without absorption.
+    /// Numbers of the air of its scenes by name, unless a scene has others: 25 degrees C, 50 % humidity and 101.325 kPa
+    /// for
+    /// presets of hardware, else the paper's 340 m/s without absorption.
     ///
     /// >>> import midair
     /// >>> midair.Array.preset("paper20").medium.get("sound_speed")
@@ -208,17 +209,17 @@ getters! {
     medium(self, py) -> PyResult<Bound<'py, PyDict>> =
         self.inner.medium(&[]).map_err(refused)?.numbers().collect::<Vec<_>>().into_py_dict(py);
 
-    /// Hz of hardware, whose scenes have a room's air unless they state another; else None.
+    /// Frequency of hardware in Hz, whose scenes have the air of a room by default; else None.
     _hardware(self) -> Option<f64> = self.inner.hardware();
 }
 
-/// What is known of a preset.
+/// Description of a preset.
 #[pyclass(frozen, get_all, eq, module = "midair")]
 #[derive(PartialEq)]
 pub(crate) struct PresetInfo {
-    /// What it is, in one line.
+    /// Description in one line.
     summary: String,
-    /// Where its numbers come from.
+    /// Source of its numbers.
     source: String,
     /// Transducers of one board.
     count: usize,

@@ -25,7 +25,7 @@ use crate::solution::Solution;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// The answers to B problems of M points each; `batch[i]` is the Solution of one.
+/// The solutions of B problems of M points each; `batch[i]` is the Solution of one.
 #[pyclass(frozen, module = "midair")]
 pub(crate) struct Batch {
     drives: Py<PyArray2<Complex32>>,
@@ -36,12 +36,12 @@ pub(crate) struct Batch {
     info: &'static Info,
 }
 
-/// What was request, one problem after the other.
+/// The requests, one problem after the other.
 #[derive(PartialEq)]
 struct BatchRequest {
     source: Source,
     choice: Arc<Choice>,
-    /// Points (B, M, 3); none where G is given.
+    /// Points (B, M, 3); none for a given G.
     points: Vec<[f64; 3]>,
     request: Request,
 }
@@ -176,20 +176,20 @@ impl Batch {
 getters! {
     Batch:
 
-    /// Drives (B, N), complex64, |q| <= 1; `out` itself where that was given.
+    /// Drives (B, N), complex64, |q| <= 1; `out` itself if it was given.
     drives(self, py) -> Py<PyArray2<Complex32>> = self.drives.clone_ref(py);
 
     /// Complex pressures (B, M) in Pa (peak), complex64.
     pressures(self, py) -> PyResult<Bound<'py, PyArray2<Complex32>>> =
         give::table(py, self.inner.pressures.clone(), [self.inner.steps.len(), self.points]);
 
-    /// How good each is: attributes of shape (B,).
+    /// Quality of each: attributes of shape (B,).
     metrics(self) -> BatchMetrics = BatchMetrics { inner: self.inner.metrics.clone() };
 
-    /// What supply or modulation have to multiply each drive by (B,).
+    /// Factors of the drives for supply or modulation (B,).
     scale(self, py) -> Bound<'py, PyArray1<f64>> = give::list(py, self.inner.scale.clone());
 
-    /// How each ended (B,): "done", "missed", "out_of_steps" or "stopped".
+    /// Status of each (B,): "done", "missed", "out_of_steps" or "stopped".
     status(self) -> Vec<String> = self.inner.status.iter().map(ToString::to_string).collect();
 
     /// Whether a pressure of each is above what the array reaches at its point (B,), bool.
@@ -202,23 +202,23 @@ getters! {
     elapsed(self) -> f64 = self.elapsed;
 }
 
-/// Solves B problems at once, each bit for bit as `solve` would alone.
+/// Solves B problems at once, each with the bits of `solve`.
 ///
 /// scene : array and medium: a Scene, or an Array with a Scene's keywords (frequency, sound_speed, ...), or a Propagation, a
 ///     matrix for B targets
-/// points : (B, M, 3) in m; left out for a matrix
-/// pressures : in Pa, a number, (M,) or (B, M); of a matrix (B, M)
+/// points : (B, M, 3) in m; none for a matrix
+/// pressures : in Pa, a number, (M,) or (B, M); for a matrix (B, M)
 /// weights : a number, (M,) or (B, M); a weight of 0 pads problems with fewer points
 /// solver : a name of `solvers()`, as in `solve`
 /// start : complex drives (B, N) or real point phases (B, M) in rad
 /// out : (B, N), complex64 and C-contiguous, into which the drives are written
-/// threads : how many at most; the answers do not depend on it
-/// progress : called with (done, problems, mean residual); False stops the batch, and what is not yet solved has the
+/// threads : the largest number of threads; the solutions do not depend on it
+/// progress : called with (done, problems, mean residual); False stops the batch, and unsolved problems have the
 ///     status "stopped" and a drive of 0
 /// options : of the solver, and `balance`, `aim`, and quantization and mask in place of the array's
 ///
-/// Raises what `solve` raises, SceneError naming the problem and before any is solved, also for an out that cannot be
-/// written; warns once a kind, with counts.
+/// Raises the errors of `solve`, SceneError with the number of the problem and before any solve, also for an out that cannot be
+/// written; warns of each kind once, with counts.
 ///
 /// >>> import midair, numpy
 /// >>> points = numpy.random.default_rng(1).uniform(-0.05, 0.05, (10, 4, 3)) + [0, 0, 0.15]

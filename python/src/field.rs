@@ -23,7 +23,7 @@ pub(crate) struct Field {
     scene: Scene,
     solution: Option<Py<Solution>>,
     picture: Picture,
-    /// Further planes that it takes to show all points.
+    /// Further planes that are necessary to show all points.
     others: Vec<Picture>,
 }
 
@@ -35,7 +35,7 @@ impl PartialEq for Field {
     }
 }
 
-/// Pressures, and where they are.
+/// Pressures and their places.
 #[derive(Clone, PartialEq)]
 struct Picture {
     places: Places,
@@ -99,8 +99,9 @@ impl Field {
         Some(give::list(py, shown))
     }
 
-    /// The field in each plane that it takes to show the scene's points, at most four (of traps: two each of four), and its
-    /// bodies: itself first, and alone where its plane was asked for.
+    /// The field in each plane that is necessary to show the scene's points, at most four (for traps: two each of
+    /// four), and
+    /// its bodies: itself first, and alone if its plane was given.
     #[getter]
     fn panels(&self, py: Python<'_>) -> Vec<Self> {
         let panel = |picture: &Picture| Self {
@@ -166,26 +167,26 @@ getters! {
     /// Samples along z (pixels,) in m of a plane normal to x or y, else None.
     z(self, py) -> plane::Samples<'py> = self.samples(py, Axis::Z);
 
-    /// The scene it belongs to.
+    /// The scene of the field.
     scene(self) -> Scene = self.scene.clone();
 
-    /// The solution whose field it is, or None for that of a bare drive.
+    /// The solution of the field, or None for a bare drive.
     solution(self, py) -> Option<Py<Solution>> = self.solution.as_ref().map(|solution| solution.clone_ref(py));
 
-    /// What supply or modulation multiply all drives by, counted in: the solution's scale; 1 for a bare drive.
+    /// Factor for supply or modulation, included: the solution's scale; 1 for a bare drive.
     scale(self) -> f64 = self.solution.as_ref().map_or(1.0, |solution| solution.get().inner.scale);
 }
 
-/// The field p = G q of a drive (N,), or of a Solution with its scale counted in, on a plane or at points (P, 3) in m.
+/// The field p = G q of a drive (N,), or of a Solution times its scale, on a plane or at points (P, 3) in m.
 ///
-/// Inside an obstacle it is 0. Left out, the plane is the scene's own, else one through its points: normal to z, y or x, and
-/// several where they do not lie in one (`panels`). Of traps there are two upright ones each, as a trap is a node; a body that
-/// none of them cuts has one more.
+/// Inside an obstacle it is 0. The default plane is the scene's own, else one through its points: normal to z, y or x, and
+/// several if they do not lie in one (`panels`). Traps have two upright planes each, because a trap is a node; a body that
+/// no plane cuts has one more.
 ///
-/// A Solution alone stands for its scene and its drive: `midair.field(solution, plane)`, or `solution.field(plane)`.
+/// A Solution alone gives its scene and its drive: `midair.field(solution, plane)`, or `solution.field(plane)`.
 ///
-/// Raises SceneError for a drive or points of another shape or not finite, TypeError where scene is neither, MemoryError
-/// for more than MIDAIR_MEMORY allows. Warns, by a SceneWarning, of a plane asked for that no point lies in.
+/// Raises SceneError for a drive or points of another shape or not finite, TypeError if scene is neither, MemoryError
+/// for more than MIDAIR_MEMORY allows. Warns, by a SceneWarning, of a given plane that contains no point.
 #[pyfunction]
 #[pyo3(signature = (scene, drive=None, plane=None))]
 pub(crate) fn field<'py>(
@@ -229,9 +230,9 @@ pub(crate) fn field<'py>(
 
 #[pymethods]
 impl Solution {
-    /// Its field on a midair.Plane or at points (P, 3) in m: `midair.field` of its scene and drive, scale counted in.
+    /// Its field on a midair.Plane or at points (P, 3) in m: `midair.field` of its scene and drive, times its scale.
     ///
-    /// Raises SceneError for points that are not in order, and where it has no scene.
+    /// Raises SceneError for wrong points, and for a solution without a scene.
     #[pyo3(signature = (plane=None))]
     fn field<'py>(slf: &Bound<'py, Self>, plane: Option<Bound<'py, PyAny>>) -> PyResult<Field> {
         field(slf.py(), slf, None, plane)

@@ -1,4 +1,4 @@
-//! `midair.judge` and `midair.bound`: how good a drive is, and how good any drive can be.
+//! `midair.judge` and `midair.bound`: metrics of a drive, and a limit for every drive.
 
 use std::sync::Arc;
 
@@ -25,11 +25,11 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// An upper bound on the level min |p| / target over the points with a pressure: no drive, quantised or not, exceeds it.
 ///
-/// Up to three points it is the highest level itself, to 1e-4. Of more it is the value of a semidefinite relaxation, some 8 to
-/// 9 % above the best field known; above 64 points it is looser.
-/// pressures in Pa (one number or (M,)), weights (M,) and mask (N,) go with a Propagation, or replace a scene's own.
+/// Up to three points it is the highest level itself, to 1e-4. For more it is the value of a semidefinite relaxation, some
+/// 8 to 9 % above the best known field; above 64 points it is looser.
+/// pressures in Pa (one number or (M,)), weights (M,) and mask (N,) are for a Propagation, or replace a scene's own.
 ///
-/// Raises SceneError for no pressure above 0, TypeError where scene is neither.
+/// Raises SceneError for no pressure above 0, TypeError if scene is neither.
 ///
 /// >>> import midair
 /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
@@ -49,16 +49,16 @@ pub(crate) fn bound(
     attend(py, None, |mut control| midair::bound(&subject.problem(&mut control)?, &mut control))
 }
 
-/// The metrics of a drive (N,), or of a Solution with its scale counted in; of many drives a table.
+/// The metrics of a drive (N,), or of a Solution times its scale; for many drives a table.
 ///
-/// scene : a Scene or a Propagation; a Solution alone stands for what it answers and its drive
+/// scene : a Scene or a Propagation; a Solution alone gives its scene and its drive
 /// drive : (N,), or (B, N) for a BatchMetrics of B: at a scene's own points, at `points`, or for a matrix's B targets
 /// points : of many drives, (B, M, 3) in m; the first argument may then be an Array
-/// pressures, weights, mask : go with a Propagation or `points`, or replace a scene's own; of many drives as in `solve_batch`
-/// precision : "single" is exact to 1e-4 of what the array reaches at a point; "double" to 1e-9, in double precision
-/// threads, progress : of many drives, as in `solve_batch`; where progress returns False the rest of the table is NaN
+/// pressures, weights, mask : for a Propagation or `points`, or replace a scene's own; for many drives as in `solve_batch`
+/// precision : "single" is exact to 1e-4 of the array's reach at a point; "double" to 1e-9, in double precision
+/// threads, progress : for many drives, as in `solve_batch`; if progress returns False the rest of the table is NaN
 ///
-/// Raises SceneError for a drive of another shape or not finite, TypeError where scene is neither.
+/// Raises SceneError for a drive of another shape or not finite, TypeError if scene is neither.
 ///
 /// >>> import midair, numpy
 /// >>> array = midair.Array.preset("paper20")
@@ -112,7 +112,7 @@ fn read_precision(value: &Bound<'_, PyAny>) -> PyResult<Precision> {
     }
 }
 
-/// Whether a drive is many, row by row.
+/// Whether there are many drives, row by row.
 fn is_table(drive: &Bound<'_, PyAny>) -> bool {
     match drive.cast::<PyUntypedArray>() {
         Ok(array) => array.ndim() > 1,
@@ -120,7 +120,7 @@ fn is_table(drive: &Bound<'_, PyAny>) -> bool {
     }
 }
 
-/// How many drives are judged.
+/// Number of drives.
 struct Work {
     precision: Precision,
     threads: Threads,
@@ -186,7 +186,7 @@ fn judge_many(
     Ok(BatchMetrics { inner })
 }
 
-/// Drives (B, N): those of an array as they lie there, others rounded.
+/// Drives (B, N): those of an array without a copy, others rounded.
 struct Drives<'py> {
     count: usize,
     array: Option<PyReadonlyArray2<'py, Complex32>>,
@@ -214,7 +214,7 @@ impl<'py> Drives<'py> {
     }
 }
 
-/// What a solution answers, with what is given beside it.
+/// The scene of a solution, with the other arguments.
 fn answered(solution: &Bound<'_, Solution>, beside: Beside<'_, '_>) -> PyResult<Subject> {
     let py = solution.py();
     if let Some(scene) = solution.get().scene()? {
@@ -229,9 +229,9 @@ fn answered(solution: &Bound<'_, Solution>, beside: Beside<'_, '_>) -> PyResult<
 
 #[pymethods]
 impl Solution {
-    /// Its metrics, scale counted in: `midair.judge` of what it answers and its drive.
+    /// Its metrics, times its scale: `midair.judge` of its scene and its drive.
     ///
-    /// Raises SceneError for pressures, weights, a mask or a precision that are not in order.
+    /// Raises SceneError for wrong pressures, weights, mask or precision.
     #[pyo3(signature = (*, pressures=None, weights=None, mask=None, precision=None))]
     fn judge<'py>(
         slf: &Bound<'py, Self>,

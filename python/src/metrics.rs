@@ -13,7 +13,7 @@ use midair::Metrics as Core;
 
 macro_rules! define {
     ($($(#[$text:meta])* $name:ident)*) => {
-        /// How good an answer is, over the points with a pressure and a weight above 0, x = |p| / target.
+        /// Quality of a drive, over the points with a pressure and a weight above 0, x = |p| / target.
         #[pyclass(frozen, get_all, eq, hash, module = "midair")]
         #[derive(Clone, PartialEq)]
         pub(crate) struct Metrics {
@@ -77,7 +77,7 @@ impl Metrics {
     }
 }
 
-/// How good the answers of a batch are: each an array (B,); see `Metrics`.
+/// Quality of the drives of a batch: each an array (B,); see `Metrics`.
 #[pyclass(frozen, eq, module = "midair")]
 #[derive(PartialEq)]
 pub(crate) struct BatchMetrics {

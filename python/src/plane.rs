@@ -18,7 +18,7 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// A square of pixels x pixels samples, side size (all in m), around center: at height z, center (x, y); or normal to
 /// axis "y", center (x, z), or "x", center (y, z), at the place `at` along it.
 ///
-/// Raises SceneError for a plane without a place, and a size, pixels, center or axis that is not in order.
+/// Raises SceneError for a plane without a place, and a wrong size, pixels, center or axis.
 ///
 /// >>> import midair
 /// >>> float(midair.Plane(z=0.15, size=0.1, pixels=3).x[0])
@@ -75,7 +75,7 @@ impl Plane {
         let place = match (place, axis) {
             (Some(place), _) => place,
             (None, Axis::Z) => return Err(invalid("plane.z", "left out", "give the plane's height in m")),
-            // Upright planes go through the array's axis unless told otherwise.
+            // By default upright planes go through the array's axis.
             (None, _) => 0.0,
         };
         let size = number("plane.size", size)?;
@@ -85,7 +85,7 @@ impl Plane {
         Ok(Self { inner })
     }
 
-    /// Samples along an axis (pixels,) in m, or None of that which the plane is normal to.
+    /// Samples along an axis (pixels,) in m, or None for the normal of the plane.
     ///
     /// Raises SceneError for an axis other than "x", "y" and "z".
     fn along<'py>(&self, py: Python<'py>, axis: &Bound<'py, PyAny>) -> PyResult<Samples<'py>> {
@@ -111,13 +111,13 @@ impl Plane {
 getters! {
     Plane:
 
-    /// The axis that it is normal to: "x", "y" or "z".
+    /// The normal axis: "x", "y" or "z".
     axis(self) -> String = self.inner.axis.to_string();
 
-    /// Its place along that axis in m.
+    /// Place along that axis in m.
     at(self) -> f64 = self.inner.at;
 
-    /// Height in m, or None of a plane normal to x or y.
+    /// Height in m, or None for a plane normal to x or y.
     z(self) -> Option<f64> = (self.inner.axis == Axis::Z).then_some(self.inner.at);
 
     /// Side in m.
@@ -129,10 +129,10 @@ getters! {
     /// Middle in m, across and up: (x, y), (x, z) or (y, z).
     center(self) -> (f64, f64) = (self.inner.center[0], self.inner.center[1]);
 
-    /// Samples along x (pixels,) in m, or None of a plane normal to x.
+    /// Samples along x (pixels,) in m, or None for a plane normal to x.
     x(self, py) -> Samples<'py> = self.samples(py, Axis::X);
 
-    /// Samples along y (pixels,) in m, or None of a plane normal to y.
+    /// Samples along y (pixels,) in m, or None for a plane normal to y.
     y(self, py) -> Samples<'py> = self.samples(py, Axis::Y);
 }
 

@@ -11,7 +11,7 @@ use crate::read;
 
 /// A user's own G (M, N) in Pa: measured, or computed with obstacles.
 ///
-/// Pressures and weights, and the quantization, mask and positions of the array behind it, then go to `solve`, `Solver`,
+/// Pressures and weights, and quantization, mask and positions of its array, are arguments of `solve`, `Solver`,
 /// `solve_batch`, `judge` and `bound`.
 ///
 /// Raises SceneError for a matrix that is not (M, N) or has entries that are not finite.

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use crate::give;
 use crate::pickle::{Reduced, restored};
 
-/// What an array can do at a scene's points.
+/// Capability of an array at a scene's points.
 #[pyclass(frozen, eq, module = "midair")]
 #[derive(PartialEq)]
 pub(crate) struct Reach {
@@ -16,14 +16,14 @@ pub(crate) struct Reach {
 
 #[pymethods]
 impl Reach {
-    /// The strongest pressure at each point alone (M,) in Pa: the sum of |G|.
+    /// The highest pressure at each point alone (M,) in Pa: the sum of |G|.
     #[getter]
     fn alone<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         give::list(py, self.alone.clone())
     }
 
-    /// The balanced level (M,) in Pa: what the array can make at all points together, in the ratios of the pressures, if
-    /// they are a focal width apart.
+    /// The balanced level (M,) in Pa: the pressures that the array can make at all points together, in the ratios of the
+    /// pressures, if they are a focal width apart.
     #[getter]
     fn level<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         give::list(py, self.level.clone())

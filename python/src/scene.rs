@@ -27,30 +27,30 @@ use crate::signature::{read_signature, shown_signature};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// What the constructor takes beside the air and the array's parts.
+/// Arguments of the constructor beside the air and the array's parts.
 pub(crate) const ARGUMENTS: [&str; 6] = ["array", "points", "pressures", "weights", "signature", "obstacles"];
 
-/// A request: an array, points in the air, and what each of them shall feel.
+/// A request: an array, points in the air, and a pressure for each point.
 ///
 /// array : the midair.Array, N transducers
 /// points : (M, 3) in m
-/// pressures : (M,) peak |p| in Pa, or one for all; 0 asks for a quiet point; left out, all are the balanced level s, which
+/// pressures : (M,) peak |p| in Pa, or one for all; 0 means a quiet point; by default all are the balanced level s, which
 ///     the array can reach together: sum_j (s/p1_j)^2 = 1, p1_j = sum_i |G_ji|. Complex ones ask for phases, too, of the
 ///     methods that use them
-/// weights : (M,) or one for all: they multiply the points' terms of eq. (7); a point of weight 0 takes no part
+/// weights : (M,) or one for all: they multiply the points' terms of eq. (7); a point of weight 0 has no effect
 /// {medium}
 /// {parts} : in place of the array's
 /// signature : turns the foci into traps: "trap", "twin", "vortex" or complex factors (N,) or (M, N) of modulus 1, which
-///     multiply the responses c while it is solved; pressures are then those of the foci, and `field` and `gorkov` tell the
-///     real ones
-/// obstacles : what the waves meet, a list of midair.Wall, Sphere, Mesh and the like
+///     multiply the responses c while it is solved; pressures are then those of the foci, and `field` and `gorkov` use the
+///     real responses
+/// obstacles : bodies that reflect the waves, a list of midair.Wall, Sphere, Mesh and the like
 ///
 /// A drive q makes p_j = sum_i G_ji q_i, G_ji = P0/r D(theta) e^(-alpha r) e^(jkr) c_i: eq. (5) of Suzuki et al., IEEE Trans.
 /// Haptics 14, 914 (2021), with directivity, absorption and response.
 ///
-/// Raises SceneError for numbers of another shape or not finite, points that lie too far away or where no sound is, and what
-/// contradicts itself, such as a sound speed beside a temperature; TypeError for an array that is none. Warns, by a
-/// SceneWarning, of values that are hardly meant.
+/// Raises SceneError for numbers of another shape or not finite, points too far away or without sound, and
+/// contradictions, such as a sound speed beside a temperature; TypeError for an array of another type. Warns, by a
+/// SceneWarning, of values that are probably mistakes.
 ///
 /// >>> import midair
 /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]])
@@ -62,7 +62,7 @@ pub(crate) struct Scene {
     pub(crate) inner: Arc<midair::Scene>,
     /// Its array and medium.
     pub(crate) ready: Arc<Ready>,
-    /// Those behind its obstacles, under its signature.
+    /// Array and medium with the obstacles and the signature.
     model: midair::Model,
 }
 
@@ -87,7 +87,7 @@ impl Scene {
         Self::with(&array, inner)
     }
 
-    /// A scene of an array that may be ready.
+    /// A scene of an array that may be prepared already.
     pub(crate) fn with(array: &Array, inner: midair::Scene) -> PyResult<Self> {
         let ready = array.ready(inner.medium())?;
         let model = Python::attach(|py| ready.behind(py, inner.obstacles()))?;
@@ -95,7 +95,7 @@ impl Scene {
         Ok(Self { ready, model, inner: Arc::new(inner) })
     }
 
-    /// The same, and a warning of what is hardly meant of it.
+    /// The scene, with a warning of probable mistakes.
     pub(crate) fn reported(self, py: Python<'_>) -> PyResult<Self> {
         warn_all(py, self.doubts())?;
         Ok(self)
@@ -105,7 +105,7 @@ impl Scene {
         midair::Problem::of_model(&self.model(), self.inner.points(), self.inner.request(), control)
     }
 
-    /// Its array and medium behind its obstacles, under its signature: what it is solved with.
+    /// Its array and medium with the obstacles and the signature, for solving.
     pub(crate) fn model(&self) -> midair::Model {
         self.model.clone()
     }
@@ -139,7 +139,7 @@ impl Scene {
             return Err(PyTypeError::new_err(unknown.to_string()));
         }
         let points = read::vectors("points", points)?;
-        // Without points there is nothing to compare lengths with; the core says so.
+        // Without points there is no length to compare; the core reports this.
         let request =
             if points.is_empty() { Request::default() } else { read::request(points.len(), pressures, weights)? };
         let signature = signature.map(|value| read_signature(value, array.inner.len())).transpose()?;
@@ -149,20 +149,20 @@ impl Scene {
         Self::with(&array, scene.map_err(refused)?)?.reported(py)
     }
 
-    /// Reads a scene file: JSON by its ending .json, TOML by .toml, else by looking at it.
+    /// Reads a scene file: JSON by its ending .json, TOML by .toml, else by its content.
     ///
-    /// Raises SceneError for what is at fault in it, with line, column and a line as it would be correct; OSError, such
-    /// as FileNotFoundError, where it cannot be read.
+    /// Raises SceneError for an error in it, with line, column and a correct line as an example; OSError, such
+    /// as FileNotFoundError, if it cannot be read.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         Self::of(crate::files::load(py, &path)?)?.reported(py)
     }
 
-    /// Reads a scene from text (str or bytes), TOML or JSON by looking at it.
+    /// Reads a scene from text (str or bytes), TOML or JSON by its content.
     ///
-    /// name is what errors call it; files that it names are relative to folder, and refused without one.
+    /// name appears in errors; files in the text are relative to folder, and rejected without one.
     ///
-    /// Raises SceneError for what is at fault in it, with line, column and a line as it would be correct.
+    /// Raises SceneError for an error in it, with line, column and a correct line as an example.
     #[staticmethod]
     #[pyo3(signature = (text, *, name="scene", folder=None))]
     fn parse(text: &Bound<'_, PyAny>, name: &str, folder: Option<PathBuf>) -> PyResult<Self> {
@@ -171,7 +171,8 @@ impl Scene {
 
     /// Writes the scene as TOML or (by the ending .json) JSON, whole or not at all.
     ///
-    /// Raises OSError where it cannot be written, and SceneError for what no file holds, such as a signature of one's
+    /// Raises OSError if it cannot be written, and SceneError for parts that no file can store, such as a signature of
+    /// your
     /// own factors.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let text = files::write(&self.inner, Format::of(&path.to_string_lossy()), &Provenance::default());
@@ -184,7 +185,7 @@ impl Scene {
         Array::from(&self.ready)
     }
 
-    /// Pressures (M,) in Pa as given, complex where they have phases, or None.
+    /// Pressures (M,) in Pa as given, complex if they have phases, or None.
     #[getter]
     fn pressures<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
         let request = self.inner.request();
@@ -194,7 +195,7 @@ impl Scene {
         }
     }
 
-    /// The solver the scene file names, (name, options), or None.
+    /// The solver of the scene file, (name, options), or None.
     #[getter]
     fn solver<'py>(&self, py: Python<'py>) -> PyResult<Option<(String, Bound<'py, PyDict>)>> {
         let Some(choice) = &self.inner.solver else { return Ok(None) };
@@ -211,7 +212,7 @@ impl Scene {
         give::table(py, matrix, [self.inner.points().len(), self.inner.array().len()])
     }
 
-    /// What the array can do at the points: the strongest pressure at each alone, and at all of them together.
+    /// Capability of the array at the points: the highest pressure at each alone, and at all of them together.
     ///
     /// Raises SceneError for a point nearer than lambda/100 to a transducer.
     fn reach(&self, py: Python<'_>) -> PyResult<Reach> {
@@ -251,7 +252,7 @@ impl Scene {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
-        // Moduli and phases as they are kept: to the last bit.
+        // Moduli and phases as stored: to the last bit.
         let Request { pressures, phases, weights } = self.inner.request().clone();
         let [pressures, phases, weights] =
             [pressures, phases, weights].map(|list| list.map(|list| give::list(py, list)));
@@ -288,18 +289,18 @@ getters! {
     /// Whether pressures are in the paper's unit: eq. (5) in mm, which source_pressure = 1e-3 reproduces.
     in_paper_unit(self) -> bool = self.inner.array().in_paper_unit();
 
-    /// What turns the foci into traps: "trap", "twin", "vortex", complex factors (N,) or (M, N), or None.
+    /// The signature of traps: "trap", "twin", "vortex", complex factors (N,) or (M, N), or None.
     signature(self, py) -> PyResult<Option<Bound<'py, PyAny>>> =
         shown_signature(py, self.inner.signature(), self.inner.array().len());
 
-    /// What the waves meet: a list of midair.Wall, Sphere, Mesh and the like.
+    /// Bodies that reflect the waves: a list of midair.Wall, Sphere, Mesh and the like.
     obstacles(self, py) -> PyResult<Vec<Bound<'py, PyAny>>> = shown_obstacles(py, self.inner.obstacles());
 
-    /// The plane the scene file asks pictures of, or None.
+    /// The plane of the scene file for pictures, or None.
     plane(self) -> Option<Plane> = self.inner.plane.map(|inner| Plane { inner });
 }
 
-/// A scene with other parts, the solver of its file kept, and a warning of what is hardly meant of them.
+/// A scene with other parts, the solver of its file kept, and a warning of probable mistakes.
 pub(crate) fn remade(
     py: Python<'_>,
     own: &Scene,

@@ -22,12 +22,12 @@ use crate::read;
 use crate::scene::Scene;
 use crate::subject::{Beside, Subject};
 
-/// A drive and what it does at the points.
+/// A drive and its pressures at the points.
 #[pyclass(frozen, eq, hash, module = "midair")]
 pub(crate) struct Solution {
     pub(crate) inner: midair::Solution,
     pub(crate) choice: Arc<midair::Choice>,
-    /// The scene as it was given; where there was none, it is made of the answer when asked for.
+    /// The given scene; without one, it is made of the solution when it is read.
     scene: Option<Scene>,
     trace: Option<Vec<f64>>,
     elapsed: f64,
@@ -38,13 +38,13 @@ impl Solution {
         Self { inner, choice, scene: None, trace: None, elapsed }
     }
 
-    /// The same with the scene it was solved for, and the residual after each step.
+    /// The same with its scene and the residual after each step.
     pub(crate) fn of(self, scene: Option<Scene>, trace: Option<Vec<f64>>) -> Self {
         Self { scene, trace, ..self }
     }
 }
 
-/// By value, but for the time it took.
+/// By value, except for its time.
 impl PartialEq for Solution {
     fn eq(&self, other: &Self) -> bool {
         self.inner == other.inner
@@ -76,7 +76,7 @@ impl Solution {
         give::list(py, self.inner.pressures.iter().map(level).collect())
     }
 
-    /// The scene that it answers, or None for a matrix of one's own.
+    /// The scene of the solution, or None for a matrix of your own.
     #[getter]
     pub(crate) fn scene(&self) -> PyResult<Option<Scene>> {
         match &self.scene {
@@ -150,7 +150,7 @@ impl Solution {
         let metrics = self.inner.metrics();
         let (name, status) = (&self.choice.name, self.inner.status);
         let (accuracy, sigma) = (metrics.accuracy, metrics.sigma);
-        // Without pressures there is no request to be met or missed.
+        // Without pressures there is no request that could be missed.
         let asked = self.inner.requested().2.pressures.is_some();
         let level =
             if asked { format!("accuracy {accuracy:.4}") } else { format!("{accuracy:.4} of the balanced level") };
@@ -181,13 +181,13 @@ getters! {
     radiation(self, py) -> Bound<'py, PyArray1<f64>> =
         give::list(py, (0..self.inner.pressures.len()).map(|j| self.inner.radiation(j)).collect());
 
-    /// Targets (M,) in Pa that the metrics refer to.
+    /// Targets (M,) in Pa, to which the metrics refer.
     targets(self, py) -> Bound<'py, PyArray1<f64>> = give::list(py, self.inner.targets().to_vec());
 
-    /// How good it is.
+    /// Quality of the drive.
     metrics(self) -> Metrics = self.inner.metrics().into();
 
-    /// sqrt(sum w |p - target|^2 / sum w |target|^2) of complex targets over the points of weight above 0, or None where
+    /// sqrt(sum w |p - target|^2 / sum w |target|^2) of complex targets over the points of weight above 0, or None if
     /// pressures have no phases.
     complex_error(self) -> Option<f64> = self.inner.complex_error();
 
@@ -197,27 +197,27 @@ getters! {
     /// Steps taken.
     steps(self) -> usize = self.inner.steps;
 
-    /// What supply or modulation have to multiply all drives by, at most 1: below 1 where the device has
-    /// no amplitude for the answer. The pressures count it in, the drives do not.
+    /// Factor for supply or modulation, at most 1: below 1 if the device has
+    /// no amplitude for the drive. The pressures include it, the drives do not.
     scale(self) -> f64 = self.inner.scale;
 
     /// Seconds from the checked scene to the answer.
     elapsed(self) -> f64 = self.elapsed;
 
-    /// The residual after each step (steps,), or None where no trace was asked for.
+    /// The residual after each step (steps,), or None without a trace.
     trace(self, py) -> Option<Bound<'py, PyArray1<f64>>> = self.trace.clone().map(|trace| give::list(py, trace));
 
     /// The solver's name.
     solver(self) -> &str = &self.choice.name;
 
-    /// Every option in full, whether the targets were balanced, and the aim where the method uses one.
+    /// All options, whether the targets were balanced, and the aim if the method uses one.
     options(self, py) -> PyResult<Bound<'py, PyDict>> = read::option_dict(py, &self.choice.table());
 }
 
-/// A scene, a drive and where, of a function's first arguments: `(scene, drive, place)`, or `(solution, place)`.
+/// A scene, a drive and a place, from a function's first arguments: `(scene, drive, place)`, or `(solution, place)`.
 pub(crate) type About<'py> = (Bound<'py, Scene>, Bound<'py, PyAny>, Option<Bound<'py, PyAny>>);
 
-/// What a function of a scene and a drive is about: both as given, or those of a Solution alone.
+/// A scene and a drive: both as given, or those of a Solution alone.
 #[pyfunction]
 #[pyo3(signature = (scene, drive=None, place=None))]
 pub(crate) fn about<'py>(
@@ -244,7 +244,7 @@ pub(crate) fn about<'py>(
     Ok((scene.clone(), drive, place))
 }
 
-/// What transducers play: a drive (N,) as it is, or a Solution's with its scale counted in.
+/// The played drive: a drive (N,) unchanged, or a Solution's times its scale.
 pub(crate) fn played(drive: &Bound<'_, PyAny>) -> PyResult<Vec<Complex32>> {
     match drive.cast::<Solution>() {
         Ok(solution) => Ok(solution.get().inner.played()),
@@ -260,12 +260,12 @@ pub(crate) fn begin(start: &Bound<'_, PyAny>) -> PyResult<midair::Start> {
     read::start("start", start)
 }
 
-// Here, not beside the class: a solution itself knows its scene.
+// Here, not beside the class: a solution has its scene already.
 #[pymethods]
 impl Scene {
-    /// The scene as JSON text; with a solution, as the record of how it was solved.
+    /// The scene as JSON text; with a solution, as the record of its solve.
     ///
-    /// Raises SceneError for what no file holds, such as a signature of one's own factors.
+    /// Raises SceneError for parts that no file can store, such as a signature of your own factors.
     #[pyo3(signature = (solution=None))]
     fn json(&self, solution: Option<&Bound<'_, Solution>>) -> PyResult<String> {
         let Some(solution) = solution else {

@@ -18,26 +18,26 @@ use crate::subject::{Beside, Subject};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// Finds a drive q (N,), |q| <= 1, whose pressures p = G q come near to the targets: a Solution.
+/// Finds a drive q (N,), |q| <= 1, whose pressures p = G q are near the targets, and returns a Solution.
 ///
-/// scene : a Scene, or a matrix G (`Propagation`) with what goes beside it
-/// solver : a name of `solvers()`; left out, the scene file's, else the default. Or a function: solver(propagation, targets,
-///     weights, **options) is given G (M, N) in Pa, targets (M,) in Pa and weights (M,), the largest 1, of the points of
+/// scene : a Scene, or a matrix G (`Propagation`) with the keywords below
+/// solver : a name of `solvers()`; by default the scene file's, else `uniform`. Or a function: solver(propagation, targets,
+///     weights, **options) gets G (M, N) in Pa, targets (M,) in Pa and weights (M,), the largest 1, of the points of
 ///     weight above 0, and returns a drive (N,) of moduli up to 1
-/// pressures, weights, quantization, mask : what a matrix has not of its own; beside a scene they replace its own
-/// positions : (N, 3) in m, of a matrix alone
-/// balance : True solves at the level the array can reach and reduces the drives afterwards; None is the method's own habit
-/// aim : "target", as loud as asked, or "max", as loud as can be, for the methods that use it
+/// pressures, weights, quantization, mask : for a matrix; beside a scene they replace its own
+/// positions : (N, 3) in m, for a matrix only
+/// balance : True solves at the level the array can reach and reduces the drives afterwards; None is the method's default
+/// aim : "target" meets the targets, "max" is as loud as possible, for the methods that use it
 /// start : a drive (N,), point phases (M,) in rad or a Solution, for the methods that use it
-/// progress : called with (step, steps, residual) at every step; False stops, and the best so far is the answer
-/// trace : True keeps the residuals, sum w (target - |p|)^2 / sum w target^2: eq. (7) relative to silence
-/// options : of the solver, as `solvers()` tells them with their sources. greedy's objective may be a function:
-///     objective(pressures, targets, weights) is given the pressures (K, M) in Pa that each of K candidates would make, and
-///     returns what each costs (K,); the lowest is taken, one transducer after another
+/// progress : called with (step, steps, residual) at every step; False stops with the best drive so far
+/// trace : True stores the residuals, sum w (target - |p|)^2 / sum w target^2: eq. (7) relative to silence
+/// options : of the solver; `solvers()` lists them with their sources. greedy's objective may be a function:
+///     objective(pressures, targets, weights) gets the pressures (K, M) in Pa of each of K candidates, and
+///     returns the cost of each (K,); greedy takes the lowest, one transducer after another
 ///
-/// Raises SceneError for an unknown solver or option, a value that it does not take, a point nearer than lambda/100 to a
-/// transducer, and a pressure where no transducer reaches; TypeError where scene is neither; MemoryError for more than
-/// MIDAIR_MEMORY allows. What a function raises passes through. Warns, by a SceneWarning, of pressures beyond reach.
+/// Raises SceneError for an unknown solver or option, a wrong value, a point nearer than lambda/100 to a
+/// transducer, and a pressure that no transducer reaches; TypeError if scene is neither; MemoryError for more than
+/// MIDAIR_MEMORY allows. A function's own errors pass through. Warns, by a SceneWarning, of pressures beyond reach.
 ///
 /// >>> import midair
 /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])

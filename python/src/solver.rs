@@ -24,20 +24,20 @@ use crate::solution::{Solution, begin};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// What `glide` remembers, as Python has it.
+/// State of `glide`, as Python's objects.
 type Remembered<'py> = (Bound<'py, PyArray2<Complex32>>, Bound<'py, PyArray1<f32>>, f32);
 
-/// One array, one method, many requests: it owns its memory, so that from its second call on nothing is allocated
+/// One array, one method, many requests: it owns its memory, and from its second call on it allocates nothing
 /// if `out` is given.
 ///
 /// scene : array and medium: a Scene, or an Array with a Scene's keywords (frequency, sound_speed, ...), or a Propagation, a
 ///     matrix for many targets
 /// solver : a name of `solvers()`, as in `solve`
-/// points : the most points that it may be asked for, if there is to be a most
+/// points : the largest number of points of a call, if there is one
 /// options : of the solver, and `balance`, `aim`, and quantization and mask in place of the array's
 ///
-/// Raises SceneError for an unknown solver or option and a value that it does not take, TypeError where scene is none
-/// of these, and at a call what `solve` raises.
+/// Raises SceneError for an unknown solver or option and a wrong value, TypeError if scene is none
+/// of these; a call raises the errors of `solve`.
 ///
 /// >>> import midair, numpy
 /// >>> solver = midair.Solver(midair.Array.preset("paper20"), "fast")
@@ -55,7 +55,7 @@ pub(crate) struct Solver {
     source: Source,
 }
 
-/// What a call changes.
+/// The part that a call changes.
 struct State {
     session: Session,
     ask: SolveRequest,
@@ -66,7 +66,7 @@ impl Solver {
     fn state(&self) -> PyResult<MutexGuard<'_, State>> {
         match self.state.try_lock() {
             Ok(state) => Ok(state),
-            // A call that panicked has left nothing behind that the next one reads.
+            // A call that panicked leaves nothing that the next one reads.
             Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
             Err(TryLockError::WouldBlock) => {
                 Err(invalid("solver", "at work in another thread", "give each thread a Solver of its own"))
@@ -74,7 +74,7 @@ impl Solver {
         }
     }
 
-    /// What `read` takes of the last solution.
+    /// Reads a part of the last solution.
     fn answer<T>(&self, read: impl FnOnce(&midair::Solution) -> T) -> PyResult<T> {
         self.state()?.session.solution().map(read).ok_or_else(|| {
             invalid("solution", "none yet", "call the solver with out= first; without out= the answer is returned")
@@ -82,7 +82,7 @@ impl Solver {
     }
 }
 
-/// Copies points into a list that is kept: an array that is already float64 and C-contiguous without another copy.
+/// Copies points into a reused list: an array that is already float64 and C-contiguous without another copy.
 fn copy_points(value: &Bound<'_, PyAny>, kept: &mut Vec<[f64; 3]>) -> PyResult<()> {
     kept.clear();
     if let Some(array) = in_place::<f64, Ix2>(value)
@@ -96,7 +96,7 @@ fn copy_points(value: &Bound<'_, PyAny>, kept: &mut Vec<[f64; 3]>) -> PyResult<(
     Ok(())
 }
 
-/// Copies numbers into a list that is kept: one for every point, or one for all.
+/// Copies numbers into a reused list: one for every point, or one for all.
 fn copy(item: &str, value: Argument<'_, '_>, count: usize, kept: &mut Option<Vec<f64>>) -> PyResult<()> {
     let Some(value) = value else {
         *kept = None;
@@ -114,7 +114,7 @@ fn copy(item: &str, value: Argument<'_, '_>, count: usize, kept: &mut Option<Vec
     Ok(())
 }
 
-/// Copies pressures into a request that is kept.
+/// Copies pressures into a reused request.
 fn copy_pressures(value: Argument<'_, '_>, count: usize, kept: &mut Request) -> PyResult<()> {
     kept.phases = None;
     match value {
@@ -158,9 +158,10 @@ impl Solver {
         })
     }
 
-    /// Finds a drive for points (M, 3) in m, as `solve` would; a matrix has its own, and they are left out. Without out the
-    /// answer is a new Solution. With out, a complex64 array (N,), the drive is written there and the solver itself is
-    /// returned: its drive, pressures, metrics and status are those of the last call.
+    /// Finds a drive for points (M, 3) in m, as `solve` does; a matrix has its own points. Without out it
+    /// returns a new Solution. With out, a complex64 array (N,), it writes the drive there and returns the solver
+    /// itself:
+    /// its drive, pressures, metrics and status are those of the last call.
     #[pyo3(signature = (points=None, pressures=None, *, weights=None, start=None, out=None, **others))]
     fn __call__<'py>(
         slf: &Bound<'py, Self>,
@@ -221,10 +222,10 @@ impl Solver {
     }
 
     /// Drives (T, N), complex64, of T frames one after another: points (T, M, 3) in m, pressures (T, M) in Pa, 0 where a
-    /// point is not there; left out all are there at the balanced level. `glide` goes on from its last frame, from call
-    /// to call; a solver that uses a start has the last drive of this call as it. A frame without points is silent.
+    /// point is absent; by default all points have the balanced level. `glide` continues from its last frame, from call
+    /// to call; a solver with a start gets the last drive of this call. A frame without points is silent.
     ///
-    /// Raises SceneError for points and pressures that are not in order, naming the frame.
+    /// Raises SceneError for wrong points and pressures, naming the frame.
     #[pyo3(signature = (points, pressures=None))]
     fn follow<'py>(
         &self,
@@ -253,14 +254,15 @@ impl Solver {
         give::table(py, drives, [frames, transducers])
     }
 
-    /// Forgets the last frame: the next one is solved as the first.
+    /// Deletes the last frame: the next one is solved as the first.
     fn reset(&self) -> PyResult<()> {
         self.state()?.session.last().clear();
         Ok(())
     }
 
-    /// What `glide` remembers of its last frame, to go on from with `restore`: complex64 (3, N) drives at full amplitude as
-    /// they were found and as they were played, and the envelopes; float32 (M,) weights, and how uneven the points were. None before the first.
+    /// State of `glide` after its last frame, for `restore`: complex64 (3, N) drives at full amplitude as
+    /// found and as played, and the envelopes; float32 (M,) weights, and the unevenness of the points. None before the
+    /// first.
     fn last<'py>(&self, py: Python<'py>) -> PyResult<Option<Remembered<'py>>> {
         let mut state = self.state()?;
         let last = state.session.last();
@@ -272,9 +274,9 @@ impl Solver {
         Ok(Some((table, give::list(py, weights.to_vec()), unevenness)))
     }
 
-    /// Goes on from what `last` gave: drives (3, N), weights (M,), unevenness.
+    /// Restores the state from `last`: drives (3, N), weights (M,), unevenness.
     ///
-    /// Raises SceneError for arrays of another shape than that of `last`, TypeError for what are none.
+    /// Raises SceneError for arrays of another shape than in `last`, TypeError for other types.
     fn restore(
         &self,
         drives: PyReadonlyArray2<'_, Complex32>,
@@ -322,16 +324,16 @@ getters! {
     pressures(self, py) -> PyResult<Bound<'py, PyArray1<Complex32>>> =
         self.answer(|solution| give::list(py, solution.pressures.clone()));
 
-    /// How good the last call with out was.
+    /// Quality of the last call with out.
     metrics(self) -> PyResult<Metrics> = self.answer(|solution| solution.metrics().into());
 
     /// The relative complex error of the last call with out, see `Solution.complex_error`.
     complex_error(self) -> PyResult<Option<f64>> = self.answer(midair::Solution::complex_error);
 
-    /// How the last call with out ended.
+    /// Status of the last call with out.
     status(self) -> PyResult<String> = self.answer(|solution| solution.status.to_string());
 
-    /// What supply or modulation have to multiply the drives by; 1 unless the device has no such amplitude.
+    /// Factor of the drives for supply or modulation; 1 unless the device has no such amplitude.
     scale(self) -> PyResult<f64> = self.answer(|solution| solution.scale);
 
     /// Steps of the last call with out.
@@ -343,6 +345,6 @@ getters! {
     /// The solver's name.
     solver(self) -> &str = &self.choice.name;
 
-    /// Every option in full, and whether the targets are balanced.
+    /// All options, and whether the targets are balanced.
     options(self, py) -> PyResult<Bound<'py, PyDict>> = read::option_dict(py, &self.choice.table());
 }

@@ -13,11 +13,11 @@ use crate::read;
 pub(crate) struct OptionInfo {
     /// Its default.
     default: Py<PyAny>,
-    /// What it does, in one line.
+    /// Description in one line.
     doc: String,
-    /// The words that it takes; none where it takes no words.
+    /// The words that it accepts; none for other types.
     words: Vec<String>,
-    /// Whether it takes a list of integers.
+    /// Whether it accepts a list of integers.
     list: bool,
 }
 
@@ -43,19 +43,19 @@ impl OptionInfo {
     }
 }
 
-/// What is known of a solver.
+/// Description of a solver.
 #[pyclass(frozen, module = "midair")]
 pub(crate) struct SolverInfo {
     /// Its name.
     #[pyo3(get)]
     name: String,
-    /// What it does, in one line.
+    /// Description in one line.
     #[pyo3(get)]
     summary: String,
     /// Paper and equation.
     #[pyo3(get)]
     source: String,
-    /// Whether it balances unless told otherwise.
+    /// Whether it balances by default.
     #[pyo3(get)]
     balance: bool,
     /// Whether it uses the phases of complex pressures, a start and an aim.

@@ -38,8 +38,8 @@ def read(
     board : the midair.Board of the frames of a .bin, its name or .pat file
 
     The first row of a .csv identifies its kind; Ultraino's has none and is identified by its name. Drives
-    of 512 transducers from AcousTools are in the order of the board's array, by default `openmpd_pair`. Nothing in a
-    file is executed. Raises SceneError for a file with an error, naming the line.
+    of 512 transducers from AcousTools are in the order of the board's array, by default `openmpd_pair`.
+    Nothing in a file is executed. Raises SceneError for a file with an error, naming the line.
     """
     ending, player = path_of("path", path).suffix.lower(), known(board)
     array = None if player is None else player.array
