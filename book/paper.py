@@ -167,7 +167,7 @@ def means(rows: tables.Rows, factor: float, digits: int) -> str:
 def times(rows: tables.Rows, x: str) -> str:
     """Figs. 5 and 6: medians in ms, and slopes."""
     firsts = [tables.pick(rows, method=key)[0] for key in tables.labels(rows)]
-    slopes = [[row["label"], timing.told_slope(row)] for row in firsts]
+    slopes = [[row["label"], timing.stated_slope(row)] for row in firsts]
     medians = wide(rows, x, lambda row: f"{1e3 * row['median']:.3g}")
     return f"{medians}\n" + table(["method", f"slope of log time over log {x}"], slopes)
 

@@ -1,4 +1,4 @@
-"""The program `midair`: its commands, and how it ends."""
+"""The program `midair`: its commands, and its exit status."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ COMMANDS = {
 
 
 def version() -> str:
-    """The package's version, looked up when it is asked for."""
+    """The package's version, read on request."""
     from .. import __version__
 
     return __version__
@@ -51,7 +51,7 @@ app = App(
     version=version,
     # Markdown would load a parser and a highlighter.
     help_format="plaintext",
-    # It is `main` that tells of an interruption.
+    # `main` reports an interruption.
     suppress_keyboard_interrupt=False,
 )
 for name, (home, line) in COMMANDS.items():
@@ -59,27 +59,27 @@ for name, (home, line) in COMMANDS.items():
 
 
 def explain(*names: str) -> None:
-    """Gives commands the whole help of their functions in place of their lines in the list."""
+    """Use the whole help of functions for commands in place of their lines in the list."""
     for name in names:
         app[name].help = None
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
-    """Run the command line and leave with its status (docs/conventions.md)."""
+    """Run the command line and exit with its status (docs/conventions.md)."""
     prepare()
     warnings.simplefilter("always", SceneWarning)
     warned = set()
 
     def warn(message: Warning | str, *_: object, **__: object) -> None:
-        # Many solvers may have one thing to say.
+        # Many solvers may give the same warning.
         if str(message) not in warned:
             warned.add(str(message))
             tell(f"warning: {message}")
 
     warnings.showwarning = warn
-    # Where matplotlib keeps its cache and which fonts it lacks is nothing to act upon.
+    # Messages of matplotlib on its cache and on fonts need no action.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
-    # To the parser a bare hyphen is an option; as a path it stands for a standard stream.
+    # The parser reads a bare hyphen as an option; as a path it means a standard stream.
     typed = sys.argv[1:] if arguments is None else arguments
     status = _run(["./-" if word == "-" else word for word in typed])
     try:
@@ -90,7 +90,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
 
 
 def usage(arguments: Sequence[str]) -> str:
-    """The help that is nearest to a command line."""
+    """The help for a command line."""
     commands = [word for word in arguments[:1] if word in app]
     return " ".join(["midair", *commands, "--help"])
 

@@ -1,4 +1,4 @@
-"""`midair boards`: the kinds of boards, or one of them in full."""
+"""`midair boards`: lists the kinds of boards, or describes one of them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .tables import console, print_columns, print_facts, print_line, print_list
 #: Boards of 64 in a chain.
 MOST_MEGA64 = 14
 
-#: What an address begins with where it is a port alone.
+#: Start of an address that is only a port.
 BOARD = "sonicsurface"
 
 
@@ -26,14 +26,14 @@ def off_command(address: str) -> int:
     Parameters
     ----------
     address
-        A board and where it is, such as mega64:/dev/ttyACM0; a port alone is a SonicSurface's.
+        A board and its place, such as mega64:/dev/ttyACM0; a port alone is a SonicSurface's.
     """
     alone = address.partition(":")[0].removesuffix(PAIR) not in (*KINDS, "null")
     if address.startswith("file:"):
         raise SceneError(f'address is "{address}": a file plays nothing, give a board')
-    # Whoever connects begins and ends with silence.
+    # A connection begins and ends with silence.
     whole = f"{BOARD}:{address}" if alone else address
-    # Whatever the length of its chain.
+    # Independent of the length of its chain.
     array = Array.grid(64, MOST_MEGA64, 10e-3) if whole.startswith("mega64:") else None
     with connect(whole, array=array) as board:
         board.off()
@@ -44,7 +44,7 @@ def off_command(address: str) -> int:
 
 
 def ports_command(*, json: Annotated[bool, Parameter(negative=())] = False) -> int:
-    """List the serial ports, and what their adapters could lead to. None is opened.
+    """List the serial ports, and the boards that their adapters could be. Opens none of them.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def boards_command(name: str | None = None, *, json: Annotated[bool, Parameter(n
     Parameters
     ----------
     name
-        A kind of board, or an array that one plays, for what is known of it alone.
+        A kind of board, or an array of one, to describe it alone.
     json
         Print one JSON document in place of the table.
     """

@@ -1,4 +1,4 @@
-"""`midair calibrate`, from a file of readings, and `midair doctor`, with a microphone: an array as it is."""
+"""`midair calibrate`, from a file of readings, and `midair doctor`, with a microphone."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from .progress import progress_bar
 from .scene import check_outputs
 from .tables import print_line, print_written, write_image
 
-#: What a file of readings may hold; the first two it has to.
+#: Keys of a file of readings; the first two are required.
 KEYS = ("drives", "readings", "microphones", "scene", "noise")
 
 
@@ -44,15 +44,15 @@ def calibrate_command(
     readings
         An .npz file with drives (K, N), readings (K, M), microphones (M, 3) in m and scene, a file's text.
     output_file
-        Where the corrected scene goes, .toml or .json; an .npz holds everything.
+        Where to write the corrected scene, .toml or .json; an .npz contains everything.
     scene
-        The scene file, where the readings have none; its points are the microphones where they name none.
+        The scene file, if the readings have none; its points are the microphones if they name none.
     noise
         Least standard deviation of a reading, in Pa.
     prior
-        Standard deviation of re and im of the responses; left out, it is learnt.
+        Standard deviation of re and im of the responses; by default it is fitted.
     image
-        Where a picture of responses and residuals goes.
+        Where to write a picture of responses and residuals.
     """
     taken = [readings] if scene is None else [readings, scene]
     check_outputs((output_file, ENDINGS), (image, output.IMAGES), taken=taken)
@@ -102,22 +102,22 @@ def doctor_command(
     seconds: float = 60.0,
     temperature: float | None = None,
 ) -> int:
-    """Find what is wrong with a board, by a microphone: transducers, order, delays, level, sound speed.
+    """Find the faults of a board with a microphone: transducers, order, delays, level, sound speed.
 
     Parameters
     ----------
     address
-        The board and where it is: sonicsurface:/dev/ttyUSB0, sonicsurface:loop (docs/boards.md).
+        The board and its place: sonicsurface:/dev/ttyUSB0, sonicsurface:loop (docs/boards.md).
     microphone
-        Where a microphone is, x,y,z in m; again for each channel of the sound card. Two or more are better.
+        Place of a microphone, x,y,z in m; again for each channel of the sound card. Two or more are better.
     output_file
-        Where the report goes, .txt or .json: mail it to the maintainers.
+        Where to write the report, .txt or .json: send it to the maintainers.
     device
-        Number of the sound card; left out, the default one. `python -m sounddevice` lists them.
+        Number of the sound card; by default the system's. `python -m sounddevice` lists them.
     rate
         Samples a second of the sound card, 96000 or more.
     pascals
-        Peak pressure in Pa at the card's full scale; left out, the level is not judged.
+        Peak pressure in Pa at the card's full scale; without it the level is not judged.
     readings
         A .csv with a row a drive of the plan, a column a microphone, in place of a sound card.
     plan
@@ -125,9 +125,9 @@ def doctor_command(
     simulate
         Faults of a simulated microphone, such as "dead 17, swapped 3 9, delay 1 90, speed 350".
     seconds
-        The most that the board plays.
+        The longest time that the board plays.
     temperature
-        Of the air, in degrees C.
+        Temperature of the air, in degrees C.
     """
     place = parse(address)
     board = Board(place.board or DEFAULT)

@@ -32,23 +32,23 @@ def compare_command(
 ) -> int:
     """Solve a scene file by several methods: a table, and a picture with a panel for each on one scale.
 
-    The column "gap" tells how far the weakest point stays below a level that no drive exceeds
+    The column "gap" is how far the weakest point is below a level that no drive exceeds
     (`midair.bound`, up to 64 points).
 
     Parameters
     ----------
     scene
-        Scene file, TOML or JSON, or - for standard input. Its solver options hold for its solver.
+        Scene file, TOML or JSON, or - for standard input. Its solver options apply to its solver.
     solvers
         Names separated by commas, or "all".
     output_file
-        Where the table goes: .csv or .json, or - for CSV on standard output.
+        Where to write the table: .csv or .json, or - for CSV on standard output.
     image
-        Where the contact sheet of fields goes: .png, .svg, .pdf or .jpg.
+        Where to write the sheet of fields: .png, .svg, .pdf or .jpg.
     quantity
-        What the sheet shows: |p| in Pa, the radiation pressure, the level in dB or the phase.
+        Quantity of the sheet: |p| in Pa, the radiation pressure, the level in dB or the phase.
     balance
-        Balance for every method, or (--no-balance) for none; left out, each method's own habit.
+        Balance for every method, or (--no-balance) for none; by default each method's own setting.
     json
         Print one JSON document in place of the table.
     """
@@ -67,7 +67,7 @@ def compare_command(
             if image is not None and table is not None:
                 write_image(image, table.plot(quantity=quantity))
     finally:
-        # What was solved before an interruption is worth its line.
+        # An interruption still prints the finished methods.
         if table is not None:
             _tell(table, output_file, json)
     return 0

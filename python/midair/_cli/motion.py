@@ -18,7 +18,7 @@ from .progress import progress_bar
 from .scene import check_outputs
 from .tables import best_of, print_columns, print_line, print_written, write_image
 
-#: What is told of a sequence, and how many digits.
+#: Metrics of a sequence, and their digits.
 COLUMNS = {
     "level": "{:.4f}",
     "uniformity": "{:.4f}",
@@ -45,14 +45,14 @@ def motion_command(
     scene
         Scene file, TOML or JSON, with [motion]: docs/motion.md.
     output_file
-        Where the sequence goes: .npz. It is written as frames are found, unless ahead is "all": stopped and
-        started again, the command goes on where it was.
+        Where to write the sequence: .npz. Frames are written as they are found, unless ahead is "all": if
+        you stop the command and start it again, it continues.
     image
-        Where a picture goes, of pressures and phase changes over time: .png, .svg, .pdf or .jpg.
+        Where to write a picture of pressures and phase changes over time: .png, .svg, .pdf or .jpg.
     animate
-        Where an animation of the field goes: .webp, .gif, or .mp4 by ffmpeg.
+        Where to write an animation of the field: .webp, .gif, or .mp4 by ffmpeg.
     solvers
-        Names with commas between, to be compared; left out, the scene file's, else glide.
+        Names with commas between them, for a comparison; by default the scene file's, else glide.
     json
         Print one JSON document in place of the table.
     """

@@ -29,15 +29,15 @@ def export_command(
     Parameters
     ----------
     drives
-        What midair solve, midair motion or another program wrote: .npz, .json, .csv, .holo or .bin.
+        A file of midair solve, midair motion or another program: .npz, .json, .csv, .holo or .bin.
     output
-        Where they go, by the ending: .npz, .csv, .holo (AcousTools) or .bin (frames of a board).
+        Where to write them; the ending decides: .npz, .csv, .holo (AcousTools) or .bin (frames of a board).
     board
-        The board whose frames a .bin holds: a name, such as sonicsurface, or a .pat file.
+        The board of the frames of a .bin: a name, such as sonicsurface, or a .pat file.
     layout
-        Of a .csv: drive, acoustools, ultraino or points.
+        Layout of a .csv: drive, acoustools, ultraino or points.
     modulate
-        Of points, the frequency in Hz at which the device is to modulate them.
+        For points, the frequency in Hz of the device's modulation.
     """
     check_outputs((output, ENDINGS), taken=[drives])
     found = read(drives, board=board)
@@ -48,17 +48,17 @@ def export_command(
     return 0
 
 
-#: What a scene file can say, and a scene that solves well as it stands.
+#: Keys of a scene file, as a scene that solves well.
 STARTER = Path(__file__).with_name("starter.toml")
 
 
 def new_command(scene: Path = Path("scene.toml")) -> int:
-    """Write a commented scene file to begin with; a file that is there is left alone.
+    """Write a commented scene file to begin with; an existing file is never replaced.
 
     Parameters
     ----------
     scene
-        Where it goes, a name ending in .toml, or - for standard output.
+        Where to write it, a name ending in .toml, or - for standard output.
     """
     starter = STARTER.read_text(encoding="utf-8")
     if scene == STANDARD:

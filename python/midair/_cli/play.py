@@ -1,4 +1,4 @@
-"""`midair play`: a drive, a scene or a sequence on a board, until the time is over or Ctrl-C."""
+"""`midair play`: plays a drive, a scene or a sequence on a board, for a time or until Ctrl-C."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ from .._support.arguments import number, warn
 from .._support.text import counted
 from .progress import progress_bar, tell
 
-#: Seconds of a unit of --for.
+#: Seconds in a unit of --for.
 UNITS = {"ms": 1e-3, "s": 1.0, "": 1.0, "min": 60.0, "h": 3600.0}
 
-#: Boards that are always whole, and the presets of one and of two.
+#: Boards that exist only whole, and the presets of one and of two.
 FIXED = {
     "autd3": ("autd3", "autd3"),
     "sonicsurface": ("sonicsurface", "sonicsurface_pair"),
@@ -51,21 +51,21 @@ def play_command(
     Parameters
     ----------
     what
-        A scene file, which is solved first; or what midair solve -o and midair motion -o wrote.
+        A scene file, which is solved first; or a file of midair solve -o or midair motion -o.
     on
-        The board and where it is: sonicsurface:/dev/ttyUSB0, autd3, null, sonicsurface:loop (docs/boards.md).
+        The board and its place: sonicsurface:/dev/ttyUSB0, autd3, null, sonicsurface:loop (docs/boards.md).
     duration
-        How long: 10s, 500ms, 2min. Left out, until Ctrl-C; an open sequence once.
+        How long: 10s, 500ms, 2min. By default until Ctrl-C; an open sequence once.
     modulate
-        Amplitude modulation in Hz, of boards that can.
+        Amplitude modulation in Hz, for boards that can modulate.
     solver
-        Name of the solver of a scene file; left out, the file's own, else the default.
+        Name of the solver of a scene file; by default the file's own, else uniform.
     """
     seconds = _seconds(duration)
     place = parse(on)
     name = place.board or DEFAULT
     if modulate is not None:
-        # Solving may take long; what is asked of the board is known before.
+        # Solving may take long, so the request to the board is checked before.
         number("--modulate", modulate, above=0)
         can_modulate(place.kind_of_board or DEFAULT)
     thing = _thing(what, solver, lambda array: board_of(name, array))
@@ -77,13 +77,13 @@ def play_command(
             connection.stream(_frames(thing, seconds, show), rate=thing.rate)
         else:
             keep(connection, thing, seconds, show)
-        # A board that is gone is told, not said to be off.
+        # A lost board is reported, not called off.
         connection.off()
     return 0
 
 
 def _seconds(text: str | None) -> float | None:
-    """10s, 500ms, 2min or a number of seconds."""
+    """Read 10s, 500ms, 2min or a number of seconds."""
     if text is None:
         return None
     found = re.fullmatch(r"(\d+\.?\d*|\.\d+)\s*(ms|s|min|h|)", text.strip())
@@ -94,7 +94,7 @@ def _seconds(text: str | None) -> float | None:
 
 
 def _thing(path: Path, solver: str | None, board: Callable[[Array], Board]) -> Solution | Sequence:
-    """What is to be played: solved, if it is a scene."""
+    """The drives to play: a scene is solved first."""
     if path.suffix.lower() not in (".toml", ".json"):
         found = read(path)
         if solver is not None:
@@ -120,7 +120,7 @@ def _scene(solution: Solution) -> Scene:
 
 
 def board_of(name: str, array: Array) -> Board:
-    """The boards of a name behind an array: whole ones; where they stand otherwise, it is told."""
+    """The boards of a name behind an array: whole ones; reports transducers at other places."""
     board = Board(name, array)
     if board.name not in FIXED:
         return board
@@ -130,7 +130,7 @@ def board_of(name: str, array: Array) -> Board:
         raise SceneError(
             f"the array has {len(array)} transducers, {board.name} {presets()[one].count}: {cure}"
         )
-    # AUTD3 boards may stand anywhere.
+    # AUTD3 boards may be at any place.
     known = array if board.name == "autd3" else Array.preset((one, pair)[board.boards - 1])
     if np.abs(known.positions - array.positions).max() > APART:
         order = "its transducers are taken to be in that board's order"
@@ -141,7 +141,7 @@ def board_of(name: str, array: Array) -> Board:
 def _frames(
     sequence: Sequence, seconds: float | None, show: Callable[[], None]
 ) -> Iterator[NDArray[np.complex64]]:
-    """The frames of a sequence, over and over if it is closed or a time is given."""
+    """The frames of a sequence, repeated if it is closed or a time is given."""
     frames = len(sequence)
     once = seconds is None and not sequence.closed
     last = frames if once else math.inf if seconds is None else round(seconds * sequence.rate)
@@ -156,7 +156,7 @@ def _frames(
 
 
 def _loudness(thing: Solution | Sequence) -> float:
-    """The sound pressure level at the loudest point, in dB, of what the board plays: it knows of no scale."""
+    """The sound pressure level at the loudest point, in dB, as the board plays, without the scale."""
     scale = thing.scale if isinstance(thing, Solution) else 1.0
     loudest = float(np.abs(thing.pressures).max(initial=0.0)) / scale
     return 20 * math.log10(max(loudest, 1e-30) / math.sqrt(2) / REFERENCE)
@@ -166,7 +166,7 @@ def _loudness(thing: Solution | Sequence) -> float:
 def _status(
     connection: Connection, on: str, level: float, seconds: float | None
 ) -> Iterator[Callable[[], None]]:
-    """A line that follows what the board does, and one at the end; one at the begin where no terminal is."""
+    """Print the state of the board, and a line at the end; without a terminal also one at the start."""
     terminal = Console(stderr=True)
     begin = time.monotonic()
     sound = f"{level:.0f} dB SPL at the loudest point"
@@ -180,7 +180,7 @@ def _status(
     live = Live(console=terminal, transient=True, auto_refresh=False)
     moves = terminal.is_terminal and not terminal.is_dumb_terminal
     try:
-        # Ctrl-C may follow at once upon being told of.
+        # Ctrl-C may follow at once.
         if moves:
             live.start()
         else:

@@ -1,4 +1,4 @@
-"""`midair presets`: the list of arrays known by name, or one of them in full; and a picture of them."""
+"""`midair presets`: lists the arrays known by name, or describes one; and draws a picture of them."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ from .tables import console, print_facts, print_list, print_written, write_image
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: Panels of a row.
+#: Panels in a row.
 COLUMNS = 4
 
-#: The board whose defaults stand beside a method's own where they differ.
+#: The board whose defaults are shown beside a method's own if they differ.
 BOARD = "autd3"
 
 
 def arrays(named: Mapping[str, Array]) -> Figure:
-    """A panel for each array, flat ones from above, others in perspective; colours go along the order."""
+    """A panel for each array, flat ones from above, others in perspective; colours follow the order."""
     from .._pictures.sheet import sheet
 
     columns = min(len(named), COLUMNS)
@@ -66,7 +66,7 @@ def solvers_command(name: str | None = None, *, json: Annotated[bool, Parameter(
     Parameters
     ----------
     name
-        A solver, for what is known of it alone.
+        A solver, to describe it alone.
     json
         Print one JSON document in place of the table.
     """
@@ -87,7 +87,7 @@ def solvers_command(name: str | None = None, *, json: Annotated[bool, Parameter(
 
 
 def _print_options(name: str, info: SolverInfo) -> None:
-    """What a method does, and its options: what is said of them goes on over lines, nothing is cut."""
+    """Print what a method does, and its options; long texts continue on further lines."""
     console.print(f"{name}: {info.summary} ({info.source})", markup=False, highlight=False)
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for column in ("option", "default"):
@@ -103,7 +103,7 @@ def _print_options(name: str, info: SolverInfo) -> None:
 
 
 def _print_uses(name: str, info: SolverInfo) -> None:
-    """How its options are given, wherever they can be."""
+    """The forms of its options."""
     key, value = next(((key, about.default) for key, about in info.options.items()), ("balance", True))
     word = f'"{value}"' if isinstance(value, str) else str(value).lower()
     lines = {
@@ -133,9 +133,9 @@ def presets_command(
     Parameters
     ----------
     name
-        A preset, for what is known of it alone.
+        A preset, to describe it alone.
     image
-        Where a picture goes, of the transducers and their order: .png, .svg, .pdf or .jpg.
+        Where to write a picture of the transducers and their order: .png, .svg, .pdf or .jpg.
     json
         Print one JSON document in place of the table.
     """

@@ -19,8 +19,8 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-#: Exit status of a request that cannot be answered, of a fault of midair's own, of a reader of standard
-#: output that is gone (128 + SIGPIPE), and of Ctrl-C (128 + SIGINT); another signal's is 128 + its number.
+#: Exit status of a rejected request, of an internal error of midair, of a closed reader of standard
+#: output (128 + SIGPIPE), and of Ctrl-C (128 + SIGINT); another signal's is 128 + its number.
 REFUSED, FAULT, UNREAD, INTERRUPTED = 2, 70, 141, 130
 
 
@@ -29,7 +29,7 @@ SHADES = {"error": "31", "warning": "33"}
 
 
 def one_line(error: BaseException | str) -> str:
-    """What an error says, without line breaks."""
+    """Text of an error, without line breaks."""
     if isinstance(error, OSError) and error.strerror:
         text = f"{error.strerror}: {error.filename}" if error.filename else error.strerror
     else:
@@ -38,7 +38,7 @@ def one_line(error: BaseException | str) -> str:
 
 
 def fault(error: BaseException) -> str:
-    """What nobody foresaw, and where, for a report."""
+    """Text of an unexpected error and its place, for a report."""
     trace = error.__traceback__
     while trace is not None and trace.tb_next is not None:
         trace = trace.tb_next
@@ -48,9 +48,9 @@ def fault(error: BaseException) -> str:
 
 
 def prepare() -> None:
-    """Make streams that take anything: a closed one leads nowhere, letters it lacks are escaped."""
+    """Make streams that accept anything: a closed one drops its text, missing letters are escaped."""
     for descriptor in range(3):
-        # Otherwise the next file opened would take the place of a closed stream.
+        # Otherwise the next opened file would replace a closed stream.
         try:
             os.fstat(descriptor)
         except OSError:
@@ -59,13 +59,13 @@ def prepare() -> None:
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
     for stream in (sys.stdout, sys.stderr):
-        # What stands in for a stream, as in a notebook, may not know how.
+        # A replacement of a stream, as in a notebook, may lack this.
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
 
 
 def tell(line: str) -> None:
-    """A line on standard error, if anybody reads it."""
+    """Print a line on standard error, if it is open."""
     first, colon, rest = line.partition(":")
     shade = SHADES.get(first) if sys.stderr.isatty() and "NO_COLOR" not in os.environ else None
     shown = line if shade is None else f"\x1b[{shade}m{first}{colon}\x1b[0m{rest}"
@@ -74,7 +74,7 @@ def tell(line: str) -> None:
 
 
 def abandon() -> None:
-    """Leave standard output to nobody, so that nothing more is said of it when Python ends."""
+    """Point standard output nowhere, so that Python does not report it at its end."""
     with suppress(OSError, ValueError):
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, sys.stdout.fileno())
@@ -83,7 +83,7 @@ def abandon() -> None:
 
 @contextmanager
 def progress_bar(doing: str) -> Iterator[Callable[[int, int], None]]:
-    """A progress bar for whatever takes over a second; the block calls what it gets with (step, steps)."""
+    """Show a progress bar for a block of over a second; the block calls the result with (step, steps)."""
     # A spinner of letters that every terminal has.
     columns = (
         SpinnerColumn("line"),
@@ -93,7 +93,7 @@ def progress_bar(doing: str) -> Iterator[Callable[[int, int], None]]:
         TimeRemainingColumn(),
     )
     terminal = Console(stderr=True)
-    # Elsewhere even a bar that leaves nothing behind leaves an empty line.
+    # Elsewhere even a transient bar leaves an empty line.
     moves = terminal.is_terminal and not terminal.is_dumb_terminal
     bar = Progress(*columns, console=terminal, transient=True, disable=not moves)
     task = bar.add_task(doing, total=None)

@@ -1,4 +1,4 @@
-"""The scene that a command is about: a file, standard input, or a preset and points as typed."""
+"""The scene of a command: a file, standard input, or a preset and points in the command line."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from .. import Array, Scene, SceneError
 from .._midair import scene_files
 from .._support import output
 
-#: In place of a file: standard input, or standard output.
+#: Name for standard input, or standard output, in place of a file.
 STANDARD = Path("-")
 
-#: More than the core reads (64 MB), so that it is the core that refuses.
+#: More than the core reads (64 MB), so that the core reports it.
 _MOST_BYTES = (64 << 20) + 1
 
 
 class SceneFile:
-    """A scene file, or standard input for -: TOML or JSON, its files in its folder."""
+    """A scene file, or standard input for -: TOML or JSON; its files are in its folder."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        # A pipe can be read but once.
+        # A pipe can be read only once.
         self._text: bytes | None = None
         if path == STANDARD:
             self._text = sys.stdin.buffer.read(_MOST_BYTES)
@@ -39,7 +39,7 @@ class SceneFile:
         return Scene.parse(self._text, name=name, folder=self.path.parent)
 
     def check_outputs(self, *outputs: tuple[Path | None, tuple[str, ...]]) -> None:
-        """Refuse outputs that cannot be written, or that are files of the scene or one another."""
+        """Reject outputs that cannot be written, or that are files of the scene or one another."""
         if any(path is not None for path, _ in outputs):
             check_outputs(*outputs, taken=scene_files(self.path, self._text))
 
@@ -69,7 +69,7 @@ def typed_scene(
 
 
 def numbers(name: str, text: str, count: int | tuple[int, ...], cure: str) -> list[float]:
-    """Finite numbers as typed, with commas between; the cure says how many."""
+    """Read finite numbers with commas between; the cure states their number."""
     try:
         numbers = [float(number) for number in text.strip("[]() ").split(",")]
     except ValueError:
@@ -81,7 +81,7 @@ def numbers(name: str, text: str, count: int | tuple[int, ...], cure: str) -> li
 
 
 def check_outputs(*outputs: tuple[Path | None, tuple[str, ...]], taken: Iterable[Path] = ()) -> None:
-    """Refuse outputs that cannot be written, or that are taken files or one another."""
+    """Reject outputs that cannot be written, or that are used files or one another."""
     others = list(taken)
     for path, endings in outputs:
         if path is not None and path != STANDARD:

@@ -35,7 +35,7 @@ def solve_command(
     json: Annotated[bool, Parameter(negative=())] = False,
     **options: Annotated[str, Parameter(allow_leading_hyphen=True)],
 ) -> int:
-    """Find a drive for a scene, judge it, and write what is asked for.
+    """Find a drive for a scene, judge it, and write the requested files.
 
     Any option of the solver is an option here (`midair solvers` lists them): --phases 16 --seed 1.
 
@@ -52,21 +52,21 @@ def solve_command(
     at
         A point x,y,z in m; once for each point.
     pressure
-        Peak pressure in Pa at every point, or one a point with commas between. Left out, as much as the
-        array can make.
+        Peak pressure in Pa at every point, or one a point with commas between. By default as much as
+        the array can make.
     solver
-        Name of the solver; left out, the scene file's, else the default.
+        Name of the solver; by default the scene file's, else uniform.
     output_file
-        Where the drive goes: .npz, .csv or .json, or - for JSON on standard output. Left out, nothing is
-        written.
+        Where to write the drive: .npz, .csv or .json, or - for JSON on standard output. By default nothing
+        is written.
     image
-        Where a picture goes, of the field and of what was asked and got: .png, .svg, .pdf or .jpg.
+        Where to write a picture of the field, and of targets and pressures: .png, .svg, .pdf or .jpg.
     quantity
-        What the field's picture shows: |p| in Pa, the radiation pressure, the level in dB or the phase.
+        Quantity of the field's picture: |p| in Pa, the radiation pressure, the level in dB or the phase.
     balance
         Solve at the level the array can reach and reduce the drives afterwards.
     aim
-        "target" for as loud as asked, "max" for as loud as the array can, for the solvers that use one.
+        "target" to meet the targets, "max" for as loud as the array can, for the solvers that use one.
     show
         Draw |p| in the plane of the points in the terminal, below the table.
     json
@@ -105,7 +105,7 @@ def solve_command(
             with progress_bar("drawing"):
                 write_image(image, solution.plot(quantity=quantity))
     finally:
-        # An answer is worth its line, also where its file cannot be written.
+        # The answer is printed even if its file cannot be written.
         _print(request, solution, json, document=output_file == STANDARD)
     if show and not json and not stopped:
         print_field(field(solution.scene or request, solution))
@@ -127,7 +127,7 @@ def _print(request: Scene, solution: Solution, json: bool, *, document: bool) ->
 
 
 def _values(options: dict[str, str]) -> dict[str, Any]:
-    """Options as typed: 16, true and [1, 0] are what they look like, anything else is a word."""
+    """Read options: 16, true and [1, 0] as numbers, truth values and lists, anything else as a word."""
     values: dict[str, Any] = {}
     for name, text in options.items():
         key = name.replace("-", "_")
@@ -139,6 +139,6 @@ def _values(options: dict[str, str]) -> dict[str, Any]:
             value = json_text.loads(text)
         except (ValueError, RecursionError):
             value = None
-        # null is no value of any option: it stays a word, and is refused as one.
+        # null is no value of any option: it stays a word, and is rejected.
         values[key] = text if value is None else value
     return values

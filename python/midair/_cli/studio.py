@@ -1,4 +1,4 @@
-"""`midair studio`: the page where one touches the field, served to a browser of this machine."""
+"""`midair studio`: serves the studio's page to a browser of this machine."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from .scene import SceneFile
 def studio_command(
     scene: Path | None = None, *, port: int = 0, browser: bool = True, on: str | None = None
 ) -> int:
-    """Open the studio in the browser: points that can be dragged, and their field. Ctrl-C ends it.
+    """Open the studio in the browser: drag points and see their field. Ctrl-C ends it.
 
     Parameters
     ----------
     scene
         Scene file to begin with, TOML or JSON, or - for standard input.
     port
-        Of 127.0.0.1, where the page is served; left out, a free one.
+        Port of 127.0.0.1 for the page; by default a free one.
     browser
-        Open the browser; without, the address is printed alone.
+        Open the browser; otherwise only print the address.
     on
-        A board that the page may play, and where it is: autd3, sonicsurface:/dev/ttyUSB0 (docs/boards.md).
+        A board that the page may play, and its place: autd3, sonicsurface:/dev/ttyUSB0 (docs/boards.md).
     """
     shown = None if scene is None else SceneFile(scene).scene()
     with ExitStack() as open_things:
@@ -46,7 +46,7 @@ def studio_command(
         print(server.address, flush=True)
         tell("Ctrl-C ends it")
         if browser:
-            # Apart, because a browser in the terminal comes back only when it is left.
+            # In a thread, because a browser in the terminal returns only when it is closed.
             threading.Thread(target=webbrowser.open, args=(server.address,), daemon=True).start()
         server.serve_forever()
     return 0

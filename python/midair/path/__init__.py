@@ -9,7 +9,7 @@ Path(points=3, duration=0.02, closed=True)
 ((200, 3, 3), (200, 3))
 
 Each function returns a `Path`: `.at(times)` are places (T, M, 3) in m, `.targets(times)` targets (T, M), in
-Pa where `pressures` were given, else relative to full. Speed is in m/s along the curve, frequency in laps a
+Pa if `pressures` were given, else relative to full. Speed is in m/s along the curve, frequency in laps a
 second. `a & b` are both at the same time, `a.then(b)` one after the other, `a.with_am(200)` is modulated.
 """
 

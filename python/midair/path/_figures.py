@@ -1,4 +1,4 @@
-"""Circles, lines, polylines and Lissajous figures as paths: points that walk a curve of the core."""
+"""Circles, lines, polylines and Lissajous figures as paths: points that move along a curve of the core."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ._piece import Numbers, Piece, constant_pressures
 #: Straight pieces in a period of a sine: a Lissajous figure of 0.1 m strays by 1e-9 m.
 PIECES = 16384
 
-#: More lobes are a slip of the pen.
+#: More lobes are probably a mistake.
 MOST_LOBES = 100
 
 
@@ -33,20 +33,19 @@ def circle(
     points: int = 1,
     pressures: ArrayLike | None = None,
 ) -> Path:
-    """Points, evenly spaced, that go around a circle, counterclockwise seen against its normal.
+    """Points, evenly spaced, that move around a circle, counterclockwise seen against its normal.
 
     center : (3,) in m
     radius : in m
     speed : in m/s; or
     frequency : turns a second
-    turns : how many; a path of whole turns is closed
-    start_angle : of the first point, in rad, from x (where the plane allows it, else from y)
+    turns : their number; a path of whole turns is closed
+    start_angle : of the first point, in rad, from x (if the plane allows it, else from y)
     normal : (3,), of any length
-    points : how many, M
-    pressures : in Pa, one number or (M,); left out, balanced
+    points : their number, M
+    pressures : in Pa, one number or (M,); by default balanced
 
-    Raises SceneError for numbers that are not in order, and unless either a speed or a frequency above 0 is
-    given.
+    Raises SceneError for wrong numbers, and unless either a speed or a frequency above 0 is given.
     """
     radius, turns = number("radius", radius), number("turns", turns, above=0)
     angle, count = number("start_angle", start_angle), whole("points", points, least=1)
@@ -65,16 +64,16 @@ def line(
     there_and_back: bool = False,
     pressures: ArrayLike | None = None,
 ) -> Path:
-    """A point from start to end, and back where asked, which is a closed path.
+    """A point that moves from start to end, and back with there_and_back, which is a closed path.
 
     start, end : (3,) in m
     speed : in m/s; or
-    frequency : how often a second, there and back where asked
-    there_and_back : whether it goes back
-    pressures : in Pa; left out, balanced
+    frequency : times a second; there and back count once
+    there_and_back : whether it returns
+    pressures : in Pa; by default balanced
 
-    Raises SceneError for an end that is the start, for numbers that are not in order, and unless either a
-    speed or a frequency above 0 is given.
+    Raises SceneError for an end that is the start, for wrong numbers, and unless either a speed or a
+    frequency above 0 is given.
     """
     curve = Curve.line(vector("start", start), vector("end", end), flag("there_and_back", there_and_back))
     return walk(curve, speed=speed, frequency=frequency, pressures=pressures)
@@ -91,11 +90,11 @@ def polyline(
     """A point along straight lines between corners (K, 3) in m, closed or not.
 
     speed : in m/s; or
-    frequency : how often a second it walks the whole
-    pressures : in Pa; left out, balanced
+    frequency : times a second along the whole way
+    pressures : in Pa; by default balanced
 
-    Raises SceneError for corners in one place, for numbers that are not in order, and unless either a speed
-    or a frequency above 0 is given.
+    Raises SceneError for corners in one place, for wrong numbers, and unless either a speed or a frequency
+    above 0 is given.
     """
     curve = Curve.lines("corners", vectors("corners", corners), flag("closed", closed))
     return walk(curve, speed=speed, frequency=frequency, pressures=pressures)
@@ -119,10 +118,9 @@ def lissajous(
     phase : in rad
     speed : in m/s, constant along the figure (a sine in time would not be); or
     frequency : figures a second
-    pressures : in Pa; left out, balanced
+    pressures : in Pa; by default balanced
 
-    Raises SceneError for a size or ratio that is not in order, and unless either a speed or a frequency above
-    0 is given.
+    Raises SceneError for a wrong size or ratio, and unless either a speed or a frequency above 0 is given.
     """
     middle, phase = vector("center", center), number("phase", phase)
     sizes, lobes = real("size", size, "give (width, height) in m"), real("ratio", ratio, "give (a, b)")
@@ -130,7 +128,7 @@ def lissajous(
         raise refused("size", size, "give (width, height) in m, not both 0")
     if lobes.shape != (2,) or not all(1 <= n <= MOST_LOBES and n == round(n) for n in lobes):
         raise refused("ratio", ratio, f"give two whole numbers from 1 to {MOST_LOBES}")
-    # In lowest terms the figure is walked once.
+    # In lowest terms the figure is passed once.
     a, b = Fraction(int(lobes[0]), int(lobes[1])).as_integer_ratio()
     u = 2 * math.pi * np.arange(PIECES * max(a, b)) / (PIECES * max(a, b))
     shifts = sizes / 2 * np.stack([np.sin(a * u + phase), np.sin(b * u)], axis=1)
@@ -143,7 +141,7 @@ class Walk(Piece):
     """Points on one curve, each `way` further at the end."""
 
     curve: Curve
-    #: Where each of the M points begins, in m along the curve.
+    #: Start of each of the M points, in m along the curve.
     starts: Numbers
     #: In m.
     way: float
@@ -155,11 +153,11 @@ class Walk(Piece):
         return self.curve.after(self.starts + self.way * (times / self.duration)[:, None])
 
     def pace(self, times: Numbers) -> Numbers:
-        """The one speed."""
+        """The constant speed."""
         return np.full((len(times), self.points), self.way / self.duration)
 
     def level(self, times: Numbers) -> Numbers:
-        """The targets, which do not change."""
+        """The constant targets."""
         return np.tile(self.targets, (len(times), 1))
 
 
@@ -172,7 +170,7 @@ def walk(
     points: int = 1,
     pressures: ArrayLike | None = None,
 ) -> Path:
-    """Points, evenly spaced on a curve, that walk it `laps` times."""
+    """Points, evenly spaced on a curve, that move along it `laps` times."""
     targets = constant_pressures(pressures, points)
     way = laps * curve.length
     return Path(
@@ -190,7 +188,7 @@ def walk(
 
 
 def lasting(way: float, laps: float, *, speed: float | None, frequency: float | None) -> float:
-    """The duration in s of `laps` that are a way in m, by speed in m/s or by frequency in laps a second."""
+    """Duration in s of `laps` of a way in m, by speed in m/s or by frequency in laps a second."""
     if not 0 < way < math.inf:
         raise SceneError(f"the way is {way:g} m long: give a path of a finite length above 0")
     if speed is not None and frequency is not None:

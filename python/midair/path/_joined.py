@@ -1,8 +1,8 @@
-"""Pieces one after the other; what does not meet fades out and in between them, standing still.
+"""Pieces one after the other; points that do not continue fade out and in between them, at rest.
 
-A piece of M points has M slots. Points of the second piece that start where points of the first end go on in
+A piece of M points has M slots. Points of the second piece that start where points of the first end keep
 their slots. All others of the first fade to 0; those of the second rise from 0, in slots whose target is 0,
-or in new ones. A slot whose target is 0 holds no point, and only such a slot changes its place at once.
+or in new ones. A slot whose target is 0 has no point, and only such a slot changes its place at once.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ MOST_LAPS = 64
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Beside(Piece):
-    """The points of all parts, one part after the other; a closed part may go around several times."""
+    """The points of all parts, one part after the other; a closed part may repeat."""
 
     parts: tuple[Piece, ...]
 
@@ -47,7 +47,7 @@ class Beside(Piece):
 
 
 def beside(first: Piece, second: Piece) -> Piece:
-    """Both at the same time, of one duration, or closed and around until both are at their start again."""
+    """Both at the same time, of one duration, or closed and repeated until both are at their start again."""
     same_unit(first, second)
     return Beside(
         points=first.points + second.points,
@@ -64,14 +64,14 @@ def beside(first: Piece, second: Piece) -> Piece:
 
 
 def same_unit(first: Piece, second: Piece) -> None:
-    """Refuse a path in Pa together with one that leaves pressures to the balance."""
+    """Reject a path in Pa together with one that is balanced."""
     if first.pascals != second.pascals:
         which = "first" if first.pascals else "second"
         raise SceneError(f"pressures are given for the {which} path only: give them for both or for neither")
 
 
 def _together(first: Piece, second: Piece) -> float:
-    """The duration after which both end, or join their starts."""
+    """The duration after which both end, or reach their starts."""
     ratio = Fraction(1)
     if first.closed and second.closed and ROUNDING < first.duration / second.duration < 1 / ROUNDING:
         ratio = Fraction(first.duration / second.duration).limit_denominator(MOST_LAPS)
@@ -85,7 +85,7 @@ def _together(first: Piece, second: Piece) -> float:
     return ends[0]
 
 
-#: Nearer than this, in m, an end and a start are one place: a ten-thousandth of the wavelength.
+#: An end and a start nearer than this, in m, are one place: a ten-thousandth of the wavelength.
 MEET = 1e-6
 
 
@@ -135,7 +135,7 @@ class Joined(Piece):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Fade(Piece):
-    """Points at rest whose targets go from one to the other along half a period of a cosine."""
+    """Points at rest whose targets change along half a period of a cosine."""
 
     #: (M, 3) in m.
     at: Numbers
@@ -144,11 +144,11 @@ class Fade(Piece):
     after: Numbers
 
     def place(self, times: Numbers) -> Numbers:
-        """The same at all times."""
+        """The same places at all times."""
         return np.tile(self.at, (len(times), 1, 1))
 
     def pace(self, times: Numbers) -> Numbers:
-        """None."""
+        """Speeds of 0."""
         return np.zeros((len(times), self.points))
 
     def level(self, times: Numbers) -> Numbers:
@@ -165,7 +165,7 @@ class State(NamedTuple):
 
 
 def then(first: Piece, second: Piece, fade: float | None) -> Piece:
-    """The second after the first, with a fade of so many s between them where they do not meet."""
+    """The second after the first, with a fade of a duration in s between them if they do not meet."""
     same_unit(first, second)
     end, begin = _state(first, first.duration), _state(second, 0.0)
     slots, goes_on = _slots(end, begin)
@@ -229,7 +229,7 @@ def _state(piece: Piece, time: float) -> State:
 
 
 def _slots(end: State, begin: State) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """The slot of each point of the second piece, and whether a point of the first goes on in it."""
+    """The slot of each point of the second piece, and whether a point of the first continues in it."""
     count = len(begin.places)
     slots, goes_on = np.full(count, -1), np.zeros(count, bool)
     open_ends = end.targets > 0
@@ -245,7 +245,7 @@ def _slots(end: State, begin: State) -> tuple[NDArray[np.int64], NDArray[np.bool
 
 
 def _jump(end: State, begin: State, slots: NDArray[np.int64], goes_on: NDArray[np.bool_]) -> str:
-    """What does not meet."""
+    """The difference at the joint, in words."""
     counts = [int((state.targets > 0).sum()) for state in (end, begin)]
     if counts[0] != counts[1]:
         return f"M changes from {counts[0]} to {counts[1]} at the joint"

@@ -1,4 +1,4 @@
-"""Path: control points and their targets as functions of time, and how paths are put together."""
+"""Path: control points and their targets as functions of time, and combinations of paths."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ._piece import ROUNDING, Numbers, Piece, instants
 
 Shape: TypeAlias = Literal["sqrt", "cosine", "square"]
 
-#: By periods since the start; each begins at 1.
+#: Shapes by periods since the start; each begins at 1.
 SHAPES: dict[str, Callable[[Numbers], Numbers]] = {
     "sqrt": lambda periods: np.sqrt((1 + np.cos(2 * math.pi * periods)) / 2),
     "cosine": lambda periods: (1 + np.cos(2 * math.pi * periods)) / 2,
@@ -31,7 +31,7 @@ class Wave:
     frequency : in Hz
     finest : the highest frequency that frames must follow, in Hz
     depth : 1 - depth + depth s
-    shape : of s, where there are no samples
+    shape : of s, without samples
     samples : (S,) of s in a period
     """
 
@@ -42,7 +42,7 @@ class Wave:
     samples: Numbers | None = None
 
     def factors(self, periods: Numbers) -> Numbers:
-        """By periods since the start."""
+        """Factors by periods since the start."""
         if self.samples is None:
             s = SHAPES[self.shape](periods)
         else:
@@ -77,20 +77,20 @@ class Modulated(Piece):
     wave: Wave
 
     def place(self, times: Numbers) -> Numbers:
-        """As the piece's."""
+        """Places of the piece."""
         return self.piece.place(times)
 
     def pace(self, times: Numbers) -> Numbers:
-        """As the piece's."""
+        """Speeds of the piece."""
         return self.piece.pace(times)
 
     def level(self, times: Numbers) -> Numbers:
-        """Those of the piece, modulated."""
+        """Targets of the piece, modulated."""
         return self.wave.factors(self.wave.frequency * times)[:, None] * self.piece.level(times)
 
 
 def modulated(piece: Piece, by: Wave) -> Piece:
-    """The piece, modulated; a closed one holds a whole number of periods."""
+    """The piece, modulated; a closed one must have a whole number of periods."""
     periods = by.frequency * piece.duration
     if piece.closed and abs(periods - round(periods)) > ROUNDING * max(periods, 1):
         near = " or ".join(
@@ -117,11 +117,11 @@ MOST_FRAMES = 100_000_000
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Path:
-    """M control points that move for a time, with a target for each; nothing about it changes.
+    """M control points that move for a time, with a target for each; immutable.
 
-    Targets are in Pa (peak) where `pressures` were given, and then `pascals` is true. Where they were left
-    out, targets are relative to full: 1, times what modulation and fades leave of it, for a solver that
-    balances. A point whose target is 0 is not there: such a one is to be left out of that frame's scene.
+    Targets are in Pa (peak) if `pressures` were given, and then `pascals` is true. Otherwise targets are
+    relative to full: 1, times modulation and fades, for a solver that balances. A point whose target is 0
+    is absent: leave it out of that frame's scene.
 
     `a & b` are the points of both at the same time, `a.then(b)` those of b after those of a.
     """
@@ -135,30 +135,30 @@ class Path:
 
     @property
     def duration(self) -> float:
-        """In s."""
+        """Duration in s."""
         return self._piece.duration
 
     @property
     def closed(self) -> bool:
-        """Whether the end joins the start, so that the path can go around for ever."""
+        """Whether the end joins the start, so that the path can repeat for ever."""
         return self._piece.closed
 
     @property
     def pascals(self) -> bool:
-        """Whether targets are in Pa (pressures were given), or relative to full (they were left out)."""
+        """Whether targets are in Pa (pressures were given), or relative to full."""
         return self._piece.pascals
 
     def at(self, times: ArrayLike) -> Numbers:
         """Places (T, M, 3) in m at times (T,) in s.
 
-        A closed path goes around; one that is open stands still before its start and after its end.
+        A closed path repeats; an open one stands still before its start and after its end.
 
         Raises SceneError for times that are no finite numbers.
         """
         return self._piece.place(self._piece.within(instants(times)))
 
     def targets(self, times: ArrayLike) -> Numbers:
-        """Targets (T, M) at times (T,) in s: in Pa where pressures were given, else relative to full.
+        """Targets (T, M) at times (T,) in s: in Pa if pressures were given, else relative to full.
 
         Raises SceneError for times that are no finite numbers.
         """
@@ -174,8 +174,8 @@ class Path:
     def frames(self, rate: float) -> tuple[Numbers, Numbers]:
         """Places (T, M, 3) and targets (T, M) at i / rate, i = 0, 1, ..., of round(duration rate) frames.
 
-        One more where the path is open: its end. The step over the seam of a closed path is like any other
-        where duration times rate is whole.
+        An open path has one more, its end. The step over the seam of a closed path is like any other if
+        duration times rate is whole.
 
         Raises SceneError for a rate that gives less than two frames, too many for one answer, or too few for
         the modulation.
@@ -201,28 +201,28 @@ class Path:
     def beside(self, other: Path) -> Path:
         """The points of both at the same time: this path's first; also `path & other`.
 
-        Both last equally long; or both are closed, their durations in a ratio of whole numbers, and go around
-        until both are at their start again.
+        Both have the same duration; or both are closed, with durations in a ratio of whole numbers, and
+        repeat until both are at their start again.
 
-        Raises SceneError for paths that last differently, or of which one has pressures and one has none.
+        Raises SceneError for paths of other durations, or of which one has pressures and one has none.
         """
         return Path(beside(self._piece, _piece("other", other)))
 
     def __and__(self, other: Any) -> Path:
-        """Both at the same time, as `beside`."""
+        """Both at the same time, like `beside`."""
         return self.beside(other)
 
     def then(self, other: Path, fade: float | None = None) -> Path:
         """The other path after this one.
 
-        fade : in s, used where the end of this path and the start of the other differ in points, places or
-            targets. For so long all points stand still, and targets go from one value to the other (to and
-            from 0 where points vanish and appear) along a raised cosine. Left out, such paths are refused.
+        fade : in s, for paths whose end and start differ in points, places or targets. During the fade all
+            points stand still, and targets change from one value to the other (to and from 0 for points
+            that vanish and appear) along a raised cosine. Without a fade such paths are rejected.
 
-        The new path is closed where its end joins its start.
+        The new path is closed if its end joins its start.
 
-        Raises SceneError for paths that do not join where there is no fade, or of which one has pressures and
-        one has none.
+        Raises SceneError for paths that do not join without a fade, or of which one has pressures and one has
+        none.
         """
         seconds = None if fade is None else number("fade", fade, above=0)
         return Path(then(self._piece, _piece("other", other), seconds))
@@ -232,10 +232,10 @@ class Path:
 
         With c = cos(2 pi frequency t), s is sqrt((1 + c) / 2) for "sqrt", whose force on a hand has one line
         in its spectrum and the mean 1/2; (1 + c) / 2 for "cosine", of mean force 3/8; 1, then 0 for "square".
-        A closed path holds a whole number of periods.
+        A closed path needs a whole number of periods.
 
-        Raises SceneError for an unknown shape, a depth beyond 0 to 1, and a frequency that a closed path
-        cannot hold.
+        Raises SceneError for an unknown shape, a depth beyond 0 to 1, and a frequency that does not fit a
+        closed path.
         """
         return self.modulated(frequency, shape, depth)
 
@@ -249,9 +249,9 @@ class Path:
     ) -> Path:
         """The same by a frequency in Hz and a shape, or by any samples (S,) from 0 to 1 that repeat.
 
-        samples_rate : of samples, how many are played a second, each for its time; `shape` is not used then
+        samples_rate : samples a second; `shape` is not used then
 
-        Raises SceneError as `with_am` does, and for samples or their rate that are not in order.
+        Raises the errors of `with_am`, and SceneError for wrong samples or a wrong rate.
         """
         return Path(modulated(self._piece, wave(frequency, shape, depth, samples_rate)))
 

@@ -1,4 +1,4 @@
-"""Arguments of paths: targets, times and sets of points, each read or refused by name, value and cure."""
+"""Arguments of paths: targets, times and sets of points, each checked; errors state name, value and cure."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from .._support.arguments import real, refused
 #: Of times (T,), ways (T, M), places (T, M, 3), targets (T, M).
 Numbers: TypeAlias = NDArray[np.float64]
 
-#: Rounding of times, in parts of a frame or of a period, never decides on which side of a step they lie.
+#: Rounding of times, in parts of a frame or of a period, never decides the side of a step.
 ROUNDING = 1e-9
 
 
 def mixed(before: Numbers, after: Numbers, shares: Numbers) -> Numbers:
-    """Before where the share is 0, after where it is 1, straight between; exact at both and at rest."""
+    """Before at share 0, after at share 1, linear between; exact at both and at rest."""
     return np.where(shares == 1, after, before + shares * (after - before))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Piece(ABC):
-    """M points that move for a time; `place`, `pace` and `level` are asked for times within it only."""
+    """M points that move for a time; `place`, `pace` and `level` get times within it only."""
 
     #: M.
     points: int
@@ -41,7 +41,7 @@ class Piece(ABC):
 
     @abstractmethod
     def place(self, times: Numbers) -> Numbers:
-        """(T, M, 3) in m."""
+        """Places (T, M, 3) in m."""
 
     @abstractmethod
     def pace(self, times: Numbers) -> Numbers:
@@ -52,16 +52,16 @@ class Piece(ABC):
         """Targets (T, M)."""
 
     def within(self, times: Numbers) -> Numbers:
-        """Times brought into the piece: around where it is closed, else to its start or its end."""
+        """Map times into the piece: repeated if it is closed, else limited to its start or its end."""
         return times % self.duration if self.closed else times.clip(0.0, self.duration)
 
 
-#: In m; a scene refuses nearer ones, for its own reason.
+#: In m; a scene rejects nearer ones for another reason.
 FARTHEST = 1e6
 
 
 def instants(value: ArrayLike) -> Numbers:
-    """Times (T,), finite."""
+    """Check times (T,), finite."""
     cure = "give a list of finite times in s"
     found = real("times", value, cure)
     if found.ndim != 1 or not np.isfinite(found).all():
@@ -70,7 +70,7 @@ def instants(value: ArrayLike) -> Numbers:
 
 
 def constant_pressures(value: ArrayLike | None, points: int) -> Numbers:
-    """Targets (M,): one for all points or one for each, in Pa; 1 where they are left out."""
+    """Targets (M,): one for all points or one for each, in Pa; 1 by default."""
     return np.ones(points) if value is None else _pressures(value, (points,))
 
 

@@ -35,16 +35,16 @@ def svg(
     frequency: float | None = None,
     pressures: ArrayLike | None = None,
 ) -> Path:
-    """A point along the outline that an SVG file, or SVG text, draws, its middle at (0, 0, z), y up.
+    """A point that moves along the outline of an SVG file, or of SVG text, its middle at (0, 0, z), y up.
 
-    size : the longer side of what is drawn, in m
+    size : the longer side of the drawing, in m
     speed : in m/s; or
-    frequency : how often a second it walks the outline
-    pressures : in Pa; left out, balanced
+    frequency : times a second along the outline
+    pressures : in Pa; by default balanced
 
-    The path is closed where the outline is. A drawing of several outlines is refused.
+    The path is closed if the outline is. A drawing of several outlines is rejected.
 
-    Raises SceneError for a file that is not there or draws more than one outline, and unless either a speed
+    Raises SceneError for a missing file or one that draws more than one outline, and unless either a speed
     or a frequency above 0 is given.
     """
     contours = outlines("path.svg", path, size, z)
@@ -55,7 +55,7 @@ def svg(
 
 
 class Frames(NamedTuple):
-    """Points (T, M, 3) in m, targets (T, M) or None, and whether the last frame goes on to the first."""
+    """Points (T, M, 3) in m, targets (T, M) or None, and whether the last frame continues to the first."""
 
     points: Numbers
     targets: Numbers | None
@@ -63,11 +63,10 @@ class Frames(NamedTuple):
 
 
 def read(path: Path | ArrayLike, rate: float, pressures: ArrayLike | None = None) -> Frames:
-    """Frames of a path at a rate in Hz; or those of an array (T, M, 3), or of a list of frames, as they are.
+    """Frames of a path at a rate in Hz; or those of an array (T, M, 3), or of a list of frames, unchanged.
 
-    Targets are in Pa where the path has pressures, or where `pressures` (one number, (M,) or (T, M)) are
-    given, times what modulation and fades of the path leave of them. Without either they are relative to
-    full, and None where all are 1.
+    Targets are in Pa if the path has pressures, or if `pressures` (one number, (M,) or (T, M)) are given,
+    times modulation and fades of the path. Without either they are relative to full, and None if all are 1.
 
     Raises SceneError for points that are no frames, a rate that is not above 0, and pressures given twice.
     """
@@ -87,7 +86,7 @@ def read(path: Path | ArrayLike, rate: float, pressures: ArrayLike | None = None
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Samples(Piece):
-    """K frames at a rate; a closed piece goes on from the last to the first."""
+    """K frames at a rate; a closed piece continues from the last to the first."""
 
     rate: float
     #: (K, M, 3) in m.
@@ -112,7 +111,7 @@ class Samples(Piece):
         return mixed(self.targets[before], self.targets[after], share[:, None])
 
     def _between(self, times: Numbers) -> tuple[np.ndarray, np.ndarray, Numbers]:
-        """The frame before and the frame after each time, and the part of the way from one to the other."""
+        """The frame before and the frame after each time, and the fraction between them."""
         ways = times * self.rate
         ways = np.where(np.abs(ways - np.rint(ways)) < ROUNDING * (1 + ways), np.rint(ways), ways)
         count = len(self.frames)
@@ -125,10 +124,10 @@ def from_array(
 ) -> Path:
     """A path through frames of points (T, M, 3) in m, at `rate` frames a second, straight between them.
 
-    pressures : in Pa, one number, (M,) or (T, M), straight between frames, too; left out, balanced
-    closed : whether the last frame goes on to the first
+    pressures : in Pa, one number, (M,) or (T, M), straight between frames, too; by default balanced
+    closed : whether the last frame continues to the first
 
-    Raises SceneError for points, pressures or a rate that are not in order, and for fewer than two frames.
+    Raises SceneError for wrong points, pressures or rate, and for fewer than two frames.
     """
     rate, closed = number("rate", rate, above=0), flag("closed", closed)
     frames = point_sets("points", points)
@@ -148,8 +147,8 @@ def morph(
     """A path from points (M, 3) to as many others in m, each straight and at constant speed.
 
     duration : in s; or
-    speed : in m/s, of the point that goes furthest
-    pressures : in Pa, one number or (M,); left out, balanced
+    speed : in m/s, of the point with the longest way
+    pressures : in Pa, one number or (M,); by default balanced
 
     Raises SceneError for sets of different numbers of points, and unless either a duration or a speed above 0
     is given.
@@ -178,12 +177,12 @@ def morph(
 
 
 def still(places: ArrayLike, *, duration: float, pressures: ArrayLike | None = None) -> Path:
-    """Points (3,) or (M, 3) in m that stay where they are: what modulation and joining need of a focus.
+    """Points (3,) or (M, 3) in m at rest, for a modulated or joined focus.
 
-    duration : in s, after which it begins anew: it is closed
-    pressures : in Pa, one number or (M,); left out, balanced
+    duration : in s, after which it repeats: it is closed
+    pressures : in Pa, one number or (M,); by default balanced
 
-    Raises SceneError for places, a duration or pressures that are not in order.
+    Raises SceneError for wrong places, duration or pressures.
     """
     points = _set("places", np.atleast_2d(real("places", places, "give (3,) or (M, 3) in m")))
     lasts = number("duration", duration, above=0)
