@@ -86,10 +86,10 @@ def settings(points: list[list[float]], target: float, solver: str, options: Opt
 
 def solve_field(settings: Mapping[str, Any], start: int, stop: int) -> Arrays:
     """|p|^2 on the plane (1, pixels, pixels), |p| at the points (1, M), metrics (1,)."""
-    asked = scene(settings["points"], settings["target"])
-    solution = _midair.solve(asked, settings["solver"], **settings["options"])
+    requested = scene(settings["points"], settings["target"])
+    solution = _midair.solve(requested, settings["solver"], **settings["options"])
     plane = Plane(Z, settings["size"], settings["pixels"])
-    pressure = _midair.field(asked, solution.drive, plane).pressure
+    pressure = _midair.field(requested, solution.drive, plane).pressure
     names = ("accuracy", "sigma", "uniformity", "residual")
     return {
         "field": np.abs(pressure)[None].astype(np.float64) ** 2,
