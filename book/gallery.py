@@ -1,4 +1,4 @@
-"""The gallery, `make gallery`: runs the examples, keeps their pictures and writes docs/gallery.md."""
+"""The gallery, `make gallery`: runs the examples, stores their pictures and writes docs/gallery.md."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ EXAMPLES = ROOT / "examples"
 PAGE = ROOT / "docs" / "gallery.md"
 PICTURES = ROOT / "docs" / "gallery"
 
-#: Every example by what it is about.
+#: Examples by subject.
 ORDER = {
     "Fields": ["smiley.py", "letters.py", "picture.py", "weak.py", "pair.py"],
     "Motion, traps, obstacles": ["ring.py", "traps.py", "ear.py", "ball.py"],
-    "Arrays as they are": ["board.py", "calibrate.py", "microphone.py", "faults.py", "air.ipynb"],
+    "Measured arrays": ["board.py", "calibrate.py", "microphone.py", "faults.py", "air.ipynb"],
     "Methods": ["methods.ipynb", "study.py", "own_solver.py"],
 }
 
 INTRODUCTION = """\
 # Gallery
 
-Short programs, each with the picture that it makes. They are in the folder [examples](../examples), and the
-tests run all of them. Eight begin with a scene of the [studio's](studio.md) gallery, which
-`midair studio docs/scenes/gallery/smiley.json` opens.
+These short programs are in the folder [examples](../examples), each with its picture. The tests run all of
+them. Eight begin with a scene of the [studio's](studio.md) gallery;
+`midair studio docs/scenes/gallery/smiley.json` opens one.
 """
 #: Pixels across, at most.
 WIDTH = 1000
@@ -44,7 +44,7 @@ def cells(path: Path, kind: str) -> list[str]:
 
 
 def run(path: Path) -> dict[str, Any]:
-    """Runs a script or a notebook in the present folder, where it leaves its picture; returns its names."""
+    """Run a script or a notebook in the current folder, where it writes its picture; return its names."""
     if path.suffix == ".ipynb":
         names: dict[str, Any] = {}
         exec(compile("\n".join(cells(path, "code")), str(path), "exec"), names)
@@ -54,7 +54,7 @@ def run(path: Path) -> dict[str, Any]:
 
 
 def reported(path: Path) -> tuple[str, str]:
-    """An example's title and what it says of itself."""
+    """Title and description of an example."""
     if path.suffix == ".ipynb":
         title, text = cells(path, "markdown")[0].split("\n", 1)
         return title.removeprefix("# "), text.strip()

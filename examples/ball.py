@@ -1,7 +1,7 @@
-"""A hard ball in the way: foci in its shadow, by a drive that does not know of it and by one that does.
+"""A hard ball in the way: foci in its shadow, solved without the ball and with it.
 
-Both are played beside the ball, which takes a sixth of the foci. A solve that knows how the waves bend around
-it gets half of that back. `midair.Sphere` has these waves exactly, by their series.
+Both drives are played beside the ball, which takes a sixth of the foci. A solve that includes the scattered
+waves recovers half of that. `midair.Sphere` computes these waves exactly, by their series.
 """
 
 from pathlib import Path

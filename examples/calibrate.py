@@ -1,7 +1,7 @@
-"""An array as it is: gains, phases and dead transducers, found from readings of four microphones.
+"""The array as measured: gains, phases and dead transducers, found from readings of four microphones.
 
-The readings are simulated, with noise 60 dB below a focus. A focus of the array as it is believed to be
-stands beside one of the array as it was found.
+The readings are simulated, with noise 60 dB below a focus. The picture compares a focus solved for the
+assumed array with one solved for the measured array.
 """
 
 import matplotlib.pyplot as plt

@@ -1,7 +1,7 @@
-"""An ear beside four loud foci: quiet points around it take 25 dB away, and the foci stay.
+"""An ear beside four loud foci: quiet points around it reduce the level by 25 dB, and the foci stay.
 
-Nine points of 0 Pa fill a box of 4 mm. `uniform` holds them to a thousandth of the loudest focus, while
-superposed foci know nothing of them.
+Nine points of 0 Pa fill a box of 4 mm. `uniform` keeps them at a thousandth of the loudest focus. Superposed
+foci cannot do this.
 """
 
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Faults of array and air: what phases that are off, dead transducers, warmth and a tilt leave of an answer.
+"""Faults of array and air: the remaining level with wrong phases, dead transducers, warm air and a tilt.
 
 `midair.tolerate` plays one drive in a hundred trials of each fault, and of all together.
 """

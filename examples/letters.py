@@ -1,7 +1,7 @@
-"""Letters as strokes of foci 5 mm apart: how strong each of them is, by three methods.
+"""Letters as strokes of foci 5 mm apart: the strength of each focus, by three methods.
 
-A finger that follows the strokes finds a gap wherever a focus is weak. The metric for that is `uniformity`,
-the weakest focus over the loudest.
+A finger that follows the strokes finds a gap at a weak focus. The metric `uniformity` measures this: it is
+the weakest focus over the strongest.
 """
 
 from pathlib import Path

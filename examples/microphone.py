@@ -1,9 +1,9 @@
-"""Four foci tuned by a microphone: one on a sound card, or a simulated one for those who have none.
+"""Four foci tuned by a microphone: one on a sound card, or a simulated one.
 
-    python examples/microphone.py                    simulated: an array that its model does not know
+    python examples/microphone.py                    simulated: an array that differs from its model
     python examples/microphone.py --device 3         a sound card: a microphone at each focus, a channel each
 
-The sound card's part needs the extra midair[sound] and a card of 96 kHz or more. It is untested on hardware.
+A sound card needs the extra midair[sound] and a rate of 96 kHz or more. This is untested on hardware.
 """
 
 from __future__ import annotations

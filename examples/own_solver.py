@@ -1,7 +1,7 @@
-"""A method of one's own: a function of G, targets and weights, beside those that are here.
+"""A method of your own: a function of G, targets and weights, compared with methods of midair.
 
-The function repeats back-propagation with phases at random and keeps the try whose weakest point is
-strongest.
+The function repeats back-propagation with random phases and keeps the trial with the strongest weakest
+point.
 """
 
 import numpy as np

@@ -1,6 +1,6 @@
 """Two boards face to face: foci between them stand in waves from both sides, half a wavelength apart.
 
-The plane of the five foci, and an upright one through one of them.
+The picture shows the plane of the five foci, and an upright plane through one of them.
 """
 
 from pathlib import Path

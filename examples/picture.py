@@ -1,8 +1,8 @@
 """A picture as a field: a heart whose grey is a pressure, 1024 points by `descent`.
 
-`midair.image` turns the pixels of any picture into points and pressures, dark ones into quiet points. So many
-can no longer be exact: `descent` makes the squared errors least, and a warning reports them. The pixels are
-3.75 mm apart, so that little is left free between them; around the picture the field does as it likes.
+`midair.image` converts the pixels of a picture to points and pressures, dark ones to quiet points. So many
+points cannot all be exact: `descent` minimises the squared errors, and a warning reports them. The pixels are
+3.75 mm apart, so the field between them is nearly determined; around the picture it is arbitrary.
 """
 
 import warnings

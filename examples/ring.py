@@ -1,7 +1,7 @@
-"""Six foci that go round: how far transducers turn from frame to frame, solved one by one and by `glide`.
+"""Six foci on a circle: phase changes from frame to frame, solved one by one and by `glide`.
 
-A phase that jumps is a click in the ear and a dip under the hand. `midair.sequence` holds every phase to a
-bound.
+A jump of a phase is an audible click and a dip under the hand. `midair.sequence` limits the change of every
+phase.
 """
 
 from pathlib import Path

@@ -1,6 +1,7 @@
-"""A face of foci that a palm can feel: superposed single foci leave gaps, `uniform` makes all alike.
+"""A face of foci that a palm can feel: superposed single foci leave gaps, `uniform` makes all equal.
 
-The studio's first scene, solved by three methods and drawn in one scale. `compare` prints their numbers, too.
+This is the studio's first scene, solved by three methods and drawn in one scale. `compare` also prints their
+metrics.
 """
 
 from pathlib import Path

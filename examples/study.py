@@ -1,6 +1,6 @@
-"""A study in a dozen lines: how the weakest focus fares as there are more of them, by five methods.
+"""A study in a dozen lines: the weakest focus over the number of foci, by five methods.
 
-A hundred random scenes for each number of points, in one table; `midair.sweep` takes the same to a cluster.
+The table has a hundred random scenes for each number of points. `midair.sweep` also runs on a cluster.
 """
 
 import matplotlib.pyplot as plt

@@ -1,8 +1,8 @@
-"""Three beads between two boards: the field that holds them, and the force that brings one back.
+"""Three beads between two boards: the field that traps them, and the force that returns one.
 
 `signature="trap"` turns foci into acoustic traps: each is a dark place in strong sound. The dotted line is
-the weight of a bead of polystyrene 2 mm across, 1.2 µN, hardly above zero: it hangs some micrometres below
-the middle of its trap.
+the weight of a bead of polystyrene 2 mm across, 1.2 µN, hardly above zero: the bead rests some micrometres
+below the middle of its trap.
 """
 
 from pathlib import Path

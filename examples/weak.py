@@ -1,7 +1,7 @@
-"""A focus that is asked to be weak: greedy search smears it, balancing cures that.
+"""A weak focus: greedy search smears it, balancing cures that.
 
-Fig. 7 of Suzuki et al. 2021. `balance=True` solves at the level that the array can reach, and reduces the
-drives afterwards.
+Fig. 7 of Suzuki et al. 2021. `balance=True` solves at the level that the array can reach, and then reduces
+the drives.
 """
 
 import warnings
