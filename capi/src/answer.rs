@@ -1,4 +1,4 @@
-//! Answer: what a solve returns beside the drive: status, steps, scale, metrics.
+//! Answer: results of a solve beside the drive: status, steps, scale, metrics.
 
 /// How a solve ended.
 #[repr(C)]

@@ -1,4 +1,4 @@
-//! Arrays: from a preset, a grid or positions; unchanged once made.
+//! Arrays: from a preset, a grid or positions; immutable.
 
 use std::ffi::c_char;
 

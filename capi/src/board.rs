@@ -1,4 +1,4 @@
-//! Boards: drives to the bytes that make a board play them.
+//! Boards: conversion of drives to the bytes of a board.
 
 use std::ffi::c_char;
 

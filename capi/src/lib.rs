@@ -1,4 +1,4 @@
-//! The C door of midair: arrays, sessions and boards as opaque handles, numbers in the caller's memory.
+//! The C binding of midair: arrays, sessions and boards as opaque handles, numbers in the caller's memory.
 //!
 //! Each function reads its arguments, calls the core once and hands the answer over; no formula lives here.
 //! `include/midair.h` is made from this crate by cbindgen, docs/c.md is the page for users.

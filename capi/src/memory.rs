@@ -1,4 +1,4 @@
-//! Memory of the caller's: its handles, texts and lists, read and written.
+//! Memory of the caller: its handles, texts and lists, read and written.
 
 use std::ffi::{CStr, c_char};
 use std::slice;

@@ -1,4 +1,4 @@
-//! Outcome of a call: a result code, a line in the caller's buffer, and no panic that crosses into C.
+//! Outcome of a call: a result code and a line in the caller's buffer; no panic crosses into C.
 
 use std::any::Any;
 use std::ffi::c_char;

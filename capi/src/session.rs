@@ -1,4 +1,4 @@
-//! Sessions: one array and one method, many requests, all memory kept between them.
+//! Sessions: one array and one method for many requests, with reused memory.
 
 use std::ffi::c_char;
 use std::path::Path;

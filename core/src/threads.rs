@@ -1,4 +1,4 @@
-//! Threads: parts of one work over several threads, while the calling thread listens.
+//! Threads: parts of one task over several threads, while the calling thread checks for signals.
 //!
 //! With the feature `parallel` they are those of a pool of rayon's. With `std` alone they are made for the work and end with
 //! it, and there is one unless more are wanted.

@@ -1,4 +1,4 @@
-//! Workspace: the memory of solves, taken and given back.
+//! Workspace: reusable memory of solves.
 
 use alloc::vec::Vec;
 use core::cell::{Cell, RefCell};

@@ -1,4 +1,4 @@
-//! `midair.Wall`, `midair.Sphere`, ...: the obstacles that a few numbers describe, a class for each kind of the core.
+//! `midair.Wall`, `midair.Sphere`, ...: obstacles of a few numbers, a class for each kind of the core.
 
 use std::hash::{Hash, Hasher};
 

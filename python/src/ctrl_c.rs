@@ -1,4 +1,4 @@
-//! Ctrl-C and progress callbacks while the core computes, and what it may use: threads and memory.
+//! Ctrl-C and progress callbacks during a computation of the core, and its limits: threads and memory.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};

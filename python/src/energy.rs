@@ -1,4 +1,4 @@
-//! An energy written in Python: what the fields of greedy's candidates cost.
+//! An energy written in Python: the costs of greedy's candidates.
 
 use midair::solvers::{ActiveRequest, Configured, Energy, Greedy, GreedyBy};
 use midair::{Complex32, Configure, Error, Options, Value};

@@ -1,4 +1,4 @@
-//! `midair.SceneError`, `midair.SceneWarning`: refusals and warnings.
+//! `midair.SceneError` and `midair.SceneWarning`.
 
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;

@@ -1,4 +1,4 @@
-//! Getters: what a class of Python shows of itself, a line for each property.
+//! Getters: the properties of a Python class, one a line.
 
 /// Properties of a class, each with its documentation: a name, whether it needs `py`, its type and its value.
 macro_rules! getters {

@@ -1,4 +1,4 @@
-//! Arrays handed out: those of an answer are copies that cannot be written, so that it stays what it was.
+//! Returned arrays: read-only copies.
 
 use numpy::{Element, IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;

@@ -1,4 +1,4 @@
-//! `midair.gorkov`, `midair.rest` and what they return.
+//! `midair.gorkov`, `midair.rest` and their results.
 
 use midair::{Complex32, Model, Particle};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};

@@ -1,4 +1,4 @@
-//! What `midair.grad` calls: a quantity of the field at points and its gradients.
+//! Implementation of `midair.grad`: a quantity of the field at points and its gradients.
 
 use midair::{Complex64, Model, Quantity};
 use numpy::IntoPyArray;

@@ -1,4 +1,4 @@
-//! Keywords of a call: the air and the transducers that they change, and what is left of them.
+//! Keywords of a call: those of the air and the transducers, and the rest.
 
 use midair::Medium;
 use pyo3::prelude::*;

@@ -1,4 +1,4 @@
-//! The Python door: NumPy in, NumPy out, the GIL released; it reads arguments, calls the core once, decides nothing.
+//! The Python binding: NumPy in, NumPy out, the GIL released; it reads arguments, calls the core once, decides nothing.
 
 mod ahead;
 mod array;

@@ -1,4 +1,4 @@
-//! What a computation may use: threads of this process, and memory up to a limit.
+//! Limits of a computation: threads of this process, and memory.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::{mem, process};

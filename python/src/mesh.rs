@@ -1,4 +1,4 @@
-//! `midair.Mesh`, and its boundary as Python solves it.
+//! `midair.Mesh`, and its boundary from Python's linear algebra.
 
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Scene files of points that move, read for the toolbox, which draws their paths.
+//! Scene files of moving points, read for the toolbox, which draws their paths.
 
 use std::path::PathBuf;
 

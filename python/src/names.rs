@@ -1,4 +1,4 @@
-//! Names as they are listed, for those that somebody typed: whatever their case, "-" and "_".
+//! Listed names for a typed name, ignoring case, "-" and "_".
 
 use midair::{Error, presets, solvers};
 use pyo3::exceptions::PyTypeError;

@@ -1,4 +1,4 @@
-//! The one reader of arrays: numbers of any memory layout, copied in C order; what numpy would guess or lose is refused.
+//! The one reader of arrays: numbers of any memory layout, copied in C order; rejects arrays that numpy would guess or lose.
 
 use numpy::ndarray::{Dimension, IxDyn};
 use numpy::{

@@ -1,4 +1,4 @@
-//! `obstacles=` as Python gives and shows it.
+//! `obstacles=` from Python and back.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! `out` arrays: refused where a drive cannot be written as it is, then written.
+//! `out` arrays: checked for a drive, then written.
 
 use midair::Complex32;
 use numpy::ndarray::Dimension;

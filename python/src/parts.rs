@@ -1,4 +1,4 @@
-//! Parts of an array, from Python and back: what every way to make one takes as keywords.
+//! Parts of an array, from Python and back: the keywords of all its constructors.
 
 use midair::{Array, Directivity, Part, PartKind, PartValue};
 use pyo3::exceptions::PyTypeError;

@@ -1,4 +1,4 @@
-//! Pickles and copies: what a class is made again from.
+//! Pickles and copies: the data from which a class is made again.
 
 use pyo3::PyTypeInfo;
 use pyo3::prelude::*;

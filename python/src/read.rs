@@ -1,4 +1,4 @@
-//! Arguments by what they mean (points, pressures, drives, options), read for the core; everything else refused by name.
+//! Arguments by their meaning (points, pressures, drives, options), read for the core; errors state the name.
 
 use midair::solvers as registry;
 use midair::{Aim, Choice, Complex32, Complex64, Directivity, OptionValue, Options, Request, Start, Value};

@@ -1,4 +1,4 @@
-//! Ready: an array prepared for a medium, kept beside the array for the next scene of the two.
+//! Ready: an array prepared for a medium, stored beside the array for the next scene of both.
 
 use std::sync::{Arc, Mutex, PoisonError};
 

@@ -1,4 +1,4 @@
-//! A scene with other parts: `scene.replace(...)`, and what `solve` takes beside a scene.
+//! A scene with other parts: `scene.replace(...)`, and keywords of `solve` beside a scene.
 
 use midair::Request;
 use pyo3::prelude::*;

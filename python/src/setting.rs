@@ -1,4 +1,4 @@
-//! What `midair.Solver` and `solve_batch` share: a session from transducers, a solver and keywords.
+//! Common part of `midair.Solver` and `solve_batch`: a session from transducers, a solver and keywords.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! `signature=`: what turns foci into traps, as Python gives and shows it.
+//! `signature=` from Python and back: factors that turn foci into traps.
 
 use midair::{Complex64, Signature};
 use pyo3::prelude::*;

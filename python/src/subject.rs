@@ -1,4 +1,4 @@
-//! First argument of `midair.solve`, `judge` and `bound`: a scene, or a matrix and what goes beside it.
+//! First argument of `midair.solve`, `judge` and `bound`: a scene, or a matrix with its keywords.
 
 use std::sync::Arc;
 

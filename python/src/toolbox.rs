@@ -1,4 +1,4 @@
-//! Toolbox: what Python's part of the package does for the extension, which never imports that part.
+//! Toolbox: functions of the package's Python part for the extension, which never imports that part.
 
 use pyo3::exceptions::PyImportError;
 use pyo3::prelude::*;

@@ -1,4 +1,4 @@
-//! Board: drives of an array to the bytes that make its boards play them, and back.
+//! Board: conversion of drives to the bytes of an array's boards, and back.
 
 use alloc::borrow::Cow;
 use alloc::format;

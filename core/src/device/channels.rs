@@ -1,4 +1,4 @@
-//! Channels: which transducers one output of a board drives together, because they are wired together.
+//! Channels: transducers that are wired together and driven by one output of a board.
 
 use alloc::format;
 use alloc::sync::Arc;

@@ -1,4 +1,4 @@
-//! Code: what one transducer plays, as whole numbers of its board.
+//! Code: phase and amplitude of one transducer as whole numbers of its board.
 
 use alloc::vec::Vec;
 use core::f64::consts::{PI, TAU};

@@ -1,4 +1,4 @@
-//! Format: all that is known of a kind of board: its bytes, its link and its array, as data and functions.
+//! Format: description of a kind of board: its bytes, its link and its array, as data and functions.
 
 use alloc::format;
 use alloc::vec::Vec;

@@ -1,4 +1,4 @@
-//! Link: how bytes reach a kind of board, and what the board does by itself behind it.
+//! Link: the line to a kind of board, and the board's own behaviour.
 
 /// How bytes reach a kind of board.
 #[derive(Clone, Copy, Debug, PartialEq)]

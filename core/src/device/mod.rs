@@ -1,4 +1,4 @@
-//! What a board can play, and the bytes that make it play; no sockets.
+//! Capabilities and bytes of boards; no sockets.
 
 pub(crate) mod board;
 mod boards;

@@ -1,4 +1,4 @@
-//! Tables of numbers in text: rows between commas, semicolons or tabs, columns by name or by their number.
+//! Tables of numbers in text: rows with commas, semicolons or tabs, columns by name or by their number.
 
 use alloc::format;
 use alloc::string::{String, ToString};

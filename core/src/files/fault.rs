@@ -1,4 +1,4 @@
-//! What is wrong with a document, told with its name, the line and column, and a line as it would be correct.
+//! Error in a document, with its name, line and column, and a correct line as an example.
 
 use alloc::boxed::Box;
 use alloc::format;

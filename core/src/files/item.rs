@@ -1,4 +1,4 @@
-//! Reading of a document's values as types, each refused by its path where it is another.
+//! Values of a document as types; a value of another type is rejected by its path.
 
 use alloc::borrow::Cow;
 use alloc::format;

@@ -1,4 +1,4 @@
-//! JSON by `serde_json`, read as a tree of values; and where a value of it is written.
+//! JSON by `serde_json`, read as a tree of values; and the place of a value in the text.
 
 use alloc::collections::BTreeMap;
 use alloc::format;

@@ -1,4 +1,4 @@
-//! Kinds: tables whose key `kind` says which other keys they have.
+//! Kinds: tables whose key `kind` determines their other keys.
 
 use alloc::format;
 use alloc::string::String;

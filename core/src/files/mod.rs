@@ -1,4 +1,4 @@
-//! Scene files, TOML or JSON: read and written here for every door.
+//! Scene files, TOML or JSON, read and written for every binding.
 
 mod csv;
 mod drawn;

@@ -1,4 +1,4 @@
-//! Scene files of points that move: the table `[motion]` in place of `[[points]]`, beside array, medium and solver.
+//! Scene files of moving points: the table `[motion]` in place of `[[points]]`, beside array, medium and solver.
 
 use alloc::format;
 use alloc::vec::Vec;

@@ -1,4 +1,4 @@
-//! A document of TOML or JSON as a tree of values, which have no meaning yet.
+//! A document of TOML or JSON as a tree of values, not yet interpreted.
 
 use alloc::borrow::Cow;
 use alloc::string::{String, ToString};

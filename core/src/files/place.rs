@@ -1,4 +1,4 @@
-//! Line and column of an item in a document, found again from its name once there is an error to tell.
+//! Line and column of an item in a document, found by its name for an error message.
 
 use alloc::vec::Vec;
 

@@ -1,4 +1,4 @@
-//! Positions of transducers in a file of their own: CSV with a row x, y, z in metres, and nx, ny, nz where they are turned.
+//! Positions of transducers in a separate CSV file: a row x, y, z in metres, and nx, ny, nz for turned ones.
 
 use alloc::format;
 use alloc::string::ToString;

@@ -1,4 +1,4 @@
-//! From the tables of a scene file (`[medium]`, `[array]`, `[[points]]`, what is drawn, `[[obstacles]]`, `[solver]`, `[plane]`) to a scene.
+//! Conversion of the tables of a scene file (`[medium]`, `[array]`, `[[points]]`, shapes, `[[obstacles]]`, `[solver]`, `[plane]`) to a scene.
 
 use alloc::string::String;
 use alloc::sync::Arc;

@@ -1,4 +1,4 @@
-//! The keys of a scene file, each with its meaning and with a value, for editors and for errors that show a correct line.
+//! The keys of a scene file, each with its meaning and an example, for editors and error messages.
 
 use alloc::format;
 use alloc::string::String;

@@ -1,4 +1,4 @@
-//! Where a document comes from: its format, its name in errors, and the folder of the files that it names.
+//! Source of a document: its format, its name in errors, and the folder of its files.
 
 use alloc::format;
 use alloc::string::ToString;

@@ -1,4 +1,4 @@
-//! Step: one step of a path into a document, and the place that some steps lead to.
+//! Step of a path into a document, and the place after several steps.
 
 /// How deep a path leads into a document: where its last value there begins, and the key of that, after so many steps.
 pub(super) struct Place {

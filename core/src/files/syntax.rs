@@ -1,4 +1,4 @@
-//! Text that is no TOML or no JSON: told in the words of somebody who writes a scene file.
+//! Syntax errors of TOML and JSON, in words for users of scene files.
 
 use alloc::format;
 use alloc::string::String;

@@ -1,4 +1,4 @@
-//! From a scene to the tables of its file, as they are written.
+//! Conversion of a scene to the tables of its file.
 
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;

@@ -1,4 +1,4 @@
-//! TOML, read as a tree of values; and where a value of it is written.
+//! TOML, read as a tree of values; and the place of a value in the text.
 
 use alloc::format;
 use alloc::string::ToString;

@@ -1,4 +1,4 @@
-//! A tree of values, written as TOML or JSON.
+//! Tree of values, written as TOML or JSON.
 
 use alloc::format;
 use alloc::string::{String, ToString};

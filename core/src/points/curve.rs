@@ -1,4 +1,4 @@
-//! Curves by arc length: a circle or straight lines, as evenly spaced points and as the place after a way.
+//! Curves by arc length: a circle or straight lines, as evenly spaced points and as the place at a distance.
 
 use alloc::vec::Vec;
 use core::f64::consts::PI;

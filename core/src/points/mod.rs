@@ -1,4 +1,4 @@
-//! Points of lines, circles and contours: evenly spaced along them, or after a way along one.
+//! Points of lines, circles and contours: evenly spaced, or at a distance along them.
 
 pub(crate) mod contour;
 pub(crate) mod curve;

@@ -1,4 +1,4 @@
-//! Complex targets: those of a problem whose phases were asked for, too.
+//! Complex targets: those of a problem that also requests phases.
 
 use num_complex::Complex64;
 

@@ -1,4 +1,4 @@
-//! Feasibility: what an array can do at the points, and requests provably beyond it.
+//! Feasibility: the reach of an array at the points, and requests provably beyond it.
 
 use alloc::format;
 use alloc::string::String;

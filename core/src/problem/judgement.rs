@@ -1,4 +1,4 @@
-//! Judgement: what fields and drives come to, by what a problem asks for.
+//! Judgement: the metrics of fields and drives for the targets of a problem.
 
 use alloc::vec;
 

@@ -1,4 +1,4 @@
-//! Mix: a level between two amplitudes of a board, made of both.
+//! Mix: a level between two amplitudes of a board, from drives at both.
 //!
 //! ```text
 //! c_ij = G_ij q_i / P_j             the part of a point's pressure that a transducer makes, of its component along P_j

@@ -1,4 +1,4 @@
-//! Problem: G, targets and weights of the points that take part, in units of the reference.
+//! Problem: G, targets and weights of the points with a weight above 0, in units of the reference.
 
 pub(crate) mod array_request;
 pub(crate) mod complex_targets;

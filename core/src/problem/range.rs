@@ -1,4 +1,4 @@
-//! Range: rows of G too weak or too strong for squares in f32, and targets far beyond reach, brought to its middle.
+//! Range: rescales rows of G too weak or too strong for squares in f32, and targets far beyond reach.
 //!
 //! A solver gets these rows and their targets times a power of two, which changes no digit: the drive that meets them is
 //! the same one. Their terms of eq. (7) then count as those of the other points do, among which f32 would have lost them.

@@ -1,4 +1,4 @@
-//! Setup: the array behind G, as far as a problem needs it (medium, quantization, positions, channels).
+//! Setup: the parts of the array that a problem needs (medium, quantization, positions, channels).
 
 use alloc::borrow::Cow;
 use alloc::sync::Arc;

@@ -1,4 +1,4 @@
-//! Status: how a solve ended.
+//! Status: end of a solve.
 
 use alloc::format;
 use core::fmt;

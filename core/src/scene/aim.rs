@@ -1,4 +1,4 @@
-//! Aim: as loud as asked ("target"), or as loud as the array can make it ("max").
+//! Aim: meet the targets ("target"), or as loud as the array can ("max").
 
 use crate::scene::words;
 

@@ -1,4 +1,4 @@
-//! A solver by its name and options, as a scene file or a door writes it down.
+//! A solver by its name and options, as in a scene file or a binding.
 
 use alloc::string::String;
 

@@ -1,4 +1,4 @@
-//! Coordinates are refused that are too far away for phases in f32.
+//! Extent: rejects coordinates that are too far away for phases in f32.
 
 use alloc::format;
 

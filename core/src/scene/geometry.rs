@@ -1,4 +1,4 @@
-//! Geometry: lattices of positions, bounding boxes, distances, and coordinates that are refused.
+//! Geometry: lattices of positions, bounding boxes, distances, and checks of coordinates.
 
 use alloc::format;
 use alloc::vec::Vec;

@@ -1,4 +1,4 @@
-//! Scene: an array, a medium, control points and what is asked of them, checked once.
+//! Scene: an array, a medium, control points and their targets, checked once.
 
 pub(crate) mod aim;
 pub(crate) mod air;

@@ -1,4 +1,4 @@
-//! Obstacles: what the waves meet beside the array, checked once against it.
+//! Obstacles: bodies that reflect or scatter waves, checked once against the array.
 
 use alloc::format;
 use alloc::string::String;

@@ -1,4 +1,4 @@
-//! Origin: how an array came about.
+//! Origin of an array: a grid, a preset or positions.
 
 /// How an array came about, so that a scene file can say it as briefly as it was said.
 #[derive(Clone, Debug, PartialEq)]

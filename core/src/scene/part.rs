@@ -1,4 +1,4 @@
-//! Part: what an array has beside its places, such as a mask; each is declared once here for every binding.
+//! Part: data of an array beside its places, such as a mask; each is declared once here for every binding.
 
 use alloc::format;
 use alloc::vec;

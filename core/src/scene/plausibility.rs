@@ -1,4 +1,4 @@
-//! Plausibility: values that are answered but hardly meant, and the unit they were probably given in.
+//! Plausibility: values that are computed but probably mistakes, and the unit that was probably meant.
 //!
 //! Each limit lies where a slip of a thousand lands outside for every array that has been built, and where nothing that
 //! has been built is.

@@ -1,4 +1,4 @@
-//! Request: targets (as pressures, with or without phases) and weights of the control points, and their refusals.
+//! Request: targets (as pressures, with or without phases) and weights of the control points, and their checks.
 
 use alloc::format;
 use alloc::vec::Vec;

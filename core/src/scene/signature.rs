@@ -1,4 +1,4 @@
-//! Signature: what turns a focus into a trap, a factor of modulus 1 for each transducer and point.
+//! Signature: factors of modulus 1 for each transducer and point that turn a focus into a trap.
 
 use alloc::format;
 use alloc::sync::Arc;

@@ -1,4 +1,4 @@
-//! Surface: what that of an obstacle does to a wave.
+//! Acoustic boundary condition of an obstacle: rigid or soft.
 
 use crate::scene::value::words;
 

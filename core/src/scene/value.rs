@@ -1,4 +1,4 @@
-//! Values of options as doors hand them over, read as a type.
+//! Values of options from bindings, read as a type.
 
 use alloc::collections::BTreeMap;
 use alloc::format;

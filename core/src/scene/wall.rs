@@ -1,4 +1,4 @@
-//! Walls: obstacles that are planes without end, as mirrors that face the array.
+//! Walls: infinite planes as obstacles, with a mirror that faces the array.
 
 use alloc::format;
 

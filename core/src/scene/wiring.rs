@@ -1,4 +1,4 @@
-//! Wiring: which transducers share a channel, and arrays and the boards behind them.
+//! Wiring: transducers that share a channel, and the boards of an array.
 
 use alloc::format;
 use alloc::vec::Vec;

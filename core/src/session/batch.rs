@@ -1,4 +1,4 @@
-//! What comes out of a batch: pressures, metrics, scale, status and steps of each problem.
+//! Results of a batch: pressures, metrics, scale, status and steps of each problem.
 
 use alloc::format;
 use alloc::string::String;

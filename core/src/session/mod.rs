@@ -1,4 +1,4 @@
-//! Session: one array and one method, one request or many, all memory kept between them.
+//! Session: one array and one method for one request or many, with reused memory.
 
 pub(crate) mod batch;
 pub(crate) mod follow;

@@ -1,4 +1,4 @@
-//! Parts of a batch's output, dealt out to the workers.
+//! Parts of a batch's output for the workers.
 
 use alloc::vec::Vec;
 use core::ops::Range;

@@ -1,4 +1,4 @@
-"""The fit: responses, sound speed and places from readings, by Levenberg-Marquardt with annealed trust."""
+"""The fit: responses, sound speed and places from readings, by Levenberg-Marquardt with falling noise."""
 
 from __future__ import annotations
 

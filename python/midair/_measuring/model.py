@@ -1,4 +1,4 @@
-"""What microphones hear of an array by the core's propagation, and what is believed before they do."""
+"""Model of readings by the core's propagation, and the prior of the fit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A calibration: what was found of an array, drawn, and kept in files."""
+"""Result of a calibration: responses and errors, their picture and files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A solution's picture: what was asked and got at each point, beside its field."""
+"""A solution's picture: target and pressure of each point, beside its field."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the colours of a picture mean: the quantity, its unit, and the ends of the scale."""
+"""Colours of a picture: the quantity, its unit, and the ends of the scale."""
 
 from __future__ import annotations
 

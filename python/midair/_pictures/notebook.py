@@ -1,4 +1,4 @@
-"""What notebooks show: arrays, scenes, solutions, fields, sequences and the list of solvers as HTML."""
+"""Display in notebooks: arrays, scenes, solutions, fields, sequences and the list of solvers as HTML."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Titles: whose field it is, what was asked and how loud it is, which plane."""
+"""Titles of pictures: solver, targets, level and plane."""
 
 from __future__ import annotations
 

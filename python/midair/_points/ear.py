@@ -1,4 +1,4 @@
-"""Ears: a small box that is to stay quiet, and the sound pressure level in it."""
+"""Ears: a small box of quiet points, and the sound pressure level in it."""
 
 from __future__ import annotations
 

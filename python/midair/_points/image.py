@@ -1,4 +1,4 @@
-"""Pictures as points: a grid of pixels, each asking for a pressure in proportion to its brightness."""
+"""Pictures as points: a grid of pixels, each with a target in proportion to its brightness."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One run of a figure: what was asked for, and its jobs through the sweeps' engine."""
+"""One run of a figure: its request, and its jobs through the sweeps' engine."""
 
 from __future__ import annotations
 

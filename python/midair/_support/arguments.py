@@ -1,4 +1,4 @@
-"""Arguments of shapes and pictures, each read as a type or refused by name, value and cure."""
+"""Arguments of shapes and pictures, each checked; errors state name, value and cure."""
 
 from __future__ import annotations
 

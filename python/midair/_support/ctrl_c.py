@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM: work stops between two steps, library calls are left behind, all else tidies up."""
+"""Ctrl-C and SIGTERM: work stops between two steps, library calls are abandoned, the rest cleans up."""
 
 from __future__ import annotations
 

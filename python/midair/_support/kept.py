@@ -1,4 +1,4 @@
-"""Kept files: arrays that can be made again, each with a digest, in folders of one run at a time."""
+"""Cache files: arrays that can be computed again, each with a digest, in folders of one run at a time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Foreign files: read up to a limit, nothing in them run; what is wrong, by file, line, value and cure."""
+"""Foreign files: read up to a limit, never executed; errors state file, line, value and cure."""
 
 from __future__ import annotations
 

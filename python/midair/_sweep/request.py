@@ -1,4 +1,4 @@
-"""The sweep file, read and checked before anything is solved: blocks of problems in the table's order."""
+"""The sweep file, read and checked before any solve: blocks of problems in the table's order."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lines, circles, polylines and text; contours brought to their place, along which the core makes points."""
+"""Lines, circles, polylines and text; contours at their place, along which the core makes points."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-//! The bytes of each board, a family a file, and the list of them.
+//! The bytes of each board, one family a file, and the list of them.
 
 mod autd3;
 mod homies;

@@ -1,4 +1,4 @@
-//! OpenMPD: of each board 256 bytes of phases, then 256 of pulse widths, by pin.
+//! OpenMPD: for each board 256 bytes of phases, then 256 of pulse widths, by pin.
 
 use crate::device::boards::planes;
 use crate::device::code::{Levels, Steps};

@@ -1,4 +1,4 @@
-//! Planes: of each board the phases of all N channels, a byte each, then their levels.
+//! Planes: for each board the phases of all N channels, a byte each, then their levels.
 
 use crate::device::code::Code;
 use crate::device::format::Reader;

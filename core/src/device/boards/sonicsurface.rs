@@ -1,4 +1,4 @@
-//! SonicSurface: codes of 256 channels between a start and a swap byte; two boards are selected in turn and swap as one.
+//! SonicSurface: codes of 256 channels between a start and a swap byte; two boards are selected in turn and swap at once.
 
 use alloc::vec::Vec;
 

@@ -1,4 +1,4 @@
-//! Ultraino's Arduinos: which pins are high in each tick of a period, a bit a pin, four bits a byte.
+//! Ultraino's Arduinos: the high pins in each tick of a period, a bit a pin, four bits a byte.
 
 use alloc::format;
 

@@ -1,4 +1,4 @@
-//! Law: how a kind of transducer radiates over the angle, stated once; and a directivity, a law with its parameter.
+//! Law: radiation of a kind of transducer over the angle, stated once; and a directivity, a law with its parameter.
 
 use core::fmt;
 

@@ -1,4 +1,4 @@
-//! Directivity D(theta) of a transducer: the laws, a file each, and a law with its parameter by name.
+//! Directivity D(theta) of a transducer: the laws, one a file, and a law with its parameter by name.
 
 pub(crate) mod bessel;
 pub(crate) mod cos;
