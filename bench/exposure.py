@@ -20,7 +20,7 @@ FOCI = np.array([[x, y, 0.15] for x in (-0.03, 0.03) for y in (-0.03, 0.03)])
 
 
 def ears() -> None:
-    """A head over four AUTD3 boards: levels before and after its ears are asked to be quiet."""
+    """A head over four AUTD3 boards: levels without and with quiet points at its ears."""
     array = midair.Array.preset("autd3", tiles=(2, 2))
     middle = array.positions.mean(axis=0)
     scene = midair.Scene(array, middle + np.array([[-0.03, 0, 0.2], [0.03, 0, 0.2]]))
@@ -37,7 +37,7 @@ def ears() -> None:
 
 
 def others() -> None:
-    """What is stated of a box, minus the loudest of 400 and of 40,000 places held out in it, in dB."""
+    """Reported maximum of a box, minus the loudest of 400 and of 40,000 other places in it, in dB."""
     array = midair.Array.grid(20, 20, 10e-3)
     random = np.random.default_rng(0)
     focused = midair.solve(midair.Scene(array, FOCI), "uniform").drive
@@ -51,7 +51,7 @@ def others() -> None:
         pressure = np.abs(midair.field(scene, drive, random.uniform(low, high, (40_000, 3))).pressure)
         loudest = [pressure[:count].max() for count in (400, 40_000)]
         apart.append(stated - 20 * np.log10(np.array(loudest) / np.sqrt(2) / 20e-6))
-    print("stated - held out (400, 40,000), least and most in dB:")
+    print("reported - other places (400, 40,000), least and most in dB:")
     print(np.min(apart, axis=0), np.max(apart, axis=0), "\n")
 
 

@@ -1,7 +1,7 @@
 """Measuring: what calibration and tuning make of arrays that their model does not know.
 
 Prints the tables of docs/measuring.md and draws docs/measuring.png. The rigs are plain float64: transducers
-off their places by 0.3 mm (sd), gains and phases off, some dead, a piston's lobe that the fit is not told, an
+off their places by 0.3 mm (sd), gains and phases off, some dead, a piston's lobe unknown to the fit, an
 echo of 5 % from a wall behind, air of 346.1 m/s believed to be 340.
 """
 
@@ -109,7 +109,7 @@ def calibrated(
     drives = midair.calibration_drives(rig.array, readings, microphones=rig.microphones, seed=rig.seed)
     received = rig.read(drives, decibels, phased)
     began = time.process_time()
-    error = 0 if rig.held else None
+    error = 0 if rig.fixed else None
     found = midair.calibrate(rig.array, drives, received, microphones=rig.given, microphones_error=error)
     return found, time.process_time() - began
 

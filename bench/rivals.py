@@ -1,4 +1,4 @@
-"""Who takes part: one process each, of its own environment, held to one thread."""
+"""The compared libraries: one process each, of its own environment, limited to one thread."""
 
 import json
 import os
@@ -80,7 +80,7 @@ class Worker:
 
     def ask(self, request: dict[str, Any]) -> dict[str, Any]:
         """One request, one answer (workers/serve.py)."""
-        with suppress(BrokenPipeError):  # then there is no answer either, which is told
+        with suppress(BrokenPipeError):  # then there is no answer either, which is reported
             self._in.write(json.dumps(request) + "\n")
             self._in.flush()
         return self._hear(f"it answered {request['method']}, M = {len(request['points'])}")

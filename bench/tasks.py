@@ -1,4 +1,4 @@
-"""What is asked of every rival: arrays, seeded points, targets, grid of the drives."""
+"""Tasks of every library: arrays, seeded points, targets, grid of the drives."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,11 +14,11 @@ HALF = 0.1  # m, half the side of the square of points
 
 METHODS = ("greedy 16 phases", "fast", "uniform", "best", "lm", "gspat", "gs", "wgs", "naive")
 SEARCHES = METHODS[:2]
-#: On its board midair's greedy takes phases and amplitudes of the board, unless told otherwise.
+#: On its board midair's greedy takes phases and amplitudes of the board by default.
 BOARD_METHODS = ("greedy 256 x 16", *METHODS)
 #: The grid that drives lie on: none, any of |q| <= 1 will do, or the preset's board's.
 NONE, BOARD = "none", "board"
-#: The part of p1 that a lone point is asked for: it can be had anywhere in the square.
+#: Target of a single point as a part of p1, which is within reach anywhere in the square.
 ALONE = 0.85
 
 

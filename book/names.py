@@ -1,4 +1,4 @@
-"""Every public name of the package on the built site: one that has no place of its own is told."""
+"""Every public name of the package on the built site: names without a place of their own are reported."""
 
 from __future__ import annotations
 

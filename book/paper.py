@@ -49,7 +49,7 @@ WORDS = {
     ),
     "fig3": (
         "Fig. 3: accuracy",
-        "20 x 20 transducers, random points within the array's outline at z = 150 mm, each asked for"
+        "20 x 20 transducers, random points within the array's outline at z = 150 mm, each with the target"
         " p1/sqrt(M). Accuracy is eq. (12), sum |p| over the sum of targets, not clipped. In percent:",
     ),
     "fig4": ("Fig. 4: variation", "The same trials. sigma is eq. (13) with 1/M in place of the printed 1/N:"),

@@ -13,7 +13,7 @@ PYTHON = [
     (
         "scenes",
         "Arrays and scenes",
-        "What is asked for: transducers, points, the air, and what stands in it.",
+        "Requests: transducers, points, the air, and the bodies in it.",
         f"Array presets PresetInfo Scene Reach Plane {' '.join(midair._midair.bodies())} Mesh Propagation "
         "SceneError SceneWarning",
     ),
@@ -127,7 +127,7 @@ def methods() -> str:
         taken = ["pressures", *(what for what, used in uses.items() if used)]
         habit = "balanced" if about.balance else "not balanced"
         text += f"\n## {name}\n\n{about.summary[0].upper()}{about.summary[1:]}. Source: {about.source}.\n\n"
-        text += f"Takes {', '.join(taken)}; {habit} unless told otherwise.\n\n"
+        text += f"Takes {', '.join(taken)}; {habit} by default.\n\n"
         text += row("option", "default", "what it does") + row(*["---"] * 3)
         for option, known in about.options.items():
             text += row(f"`{option}`", f"`{known.default}`", known.doc)

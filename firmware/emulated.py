@@ -29,7 +29,7 @@ LINKERS = ("ld.lld", "ld.lld-19", "ld.lld-14")
 
 @dataclass(frozen=True)
 class Run:
-    """What a program told: numbers by name, the bits of each frame's drive, all bytes of its line."""
+    """Output of a program: numbers by name, the bits of each frame's drive, all bytes of its line."""
 
     numbers: dict[str, int]
     drives: list[str]

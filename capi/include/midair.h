@@ -238,7 +238,7 @@ midair_result midair_board_encode(const midair_board *board,
 // Bytes that silence the boards; 0 for NULL.
 size_t midair_board_silence_size(const midair_board *board);
 
-// Writes the bytes that silence the boards whatever they were told before, size being midair_board_silence_size().
+// Writes the bytes that silence the boards from any state, size being midair_board_silence_size().
 midair_result midair_board_silence(const midair_board *board,
                                    uint8_t *bytes,
                                    size_t size,

@@ -151,7 +151,7 @@ pub extern "C" fn midair_board_silence_size(board: Option<&Board>) -> usize {
     board.map_or(0, |board| board.silence.len())
 }
 
-/// Writes the bytes that silence the boards whatever they were told before, size being midair_board_silence_size().
+/// Writes the bytes that silence the boards from any state, size being midair_board_silence_size().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_board_silence(
     board: Option<&Board>,

@@ -30,7 +30,7 @@ pub(crate) struct State {
 }
 
 impl State {
-    /// That of a setting; its doubts that are not among those told before are to be heard.
+    /// The session of a setting, and its warnings except those already given.
     fn open(setting: Setting, reported: &[String]) -> Result<(Self, String), Error> {
         let (model, session) = setting.open()?;
         let doubts = setting.doubts();

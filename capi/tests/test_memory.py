@@ -14,7 +14,7 @@ MANY = ROOT / "capi" / "tests" / "many_calls.c"
 PROGRAMS = [MANY, *sorted((ROOT / "examples").glob("c*/solve.c*"))]
 LEAKS = ["--leak-check=full", "--show-leak-kinds=all", "--errors-for-leak-kinds=all"]
 VALGRIND = ["valgrind", *LEAKS, "--error-exitcode=9"]
-#: A handle that nobody frees.
+#: A handle that is never freed.
 FORGETFUL = """
 #include <midair.h>
 int main(void)

@@ -169,7 +169,7 @@ fn many_candidates(array: &Array, points: usize, rounds: usize) {
     println!("greedy N={} M={points}: K=16 L=256 {many:.2?}, {ratio:.2} times K=1 L=16, {few:.2?}", array.len());
 }
 
-/// A batch on one thread against a loop of lone solves, each problem made anew on both sides.
+/// A batch on one thread against a loop of single solves, each problem made anew on both sides.
 fn batch(array: &Array, name: &str, points: usize, count: usize, rounds: usize) {
     let model = Model::new(array, Medium::default(), InstructionSet::best()).expect("an array with a medium");
     let mut rng = Rng::new(points as u64);
@@ -203,7 +203,7 @@ fn batch(array: &Array, name: &str, points: usize, count: usize, rounds: usize) 
     let mut drives = [(); 2].map(|()| vec![Complex32::ZERO; count * array.len()]);
     single(&mut drives[0]);
     together(&mut drives[1]);
-    assert_eq!(drives[0], drives[1], "a batch is lone solves");
+    assert_eq!(drives[0], drives[1], "a batch is single solves");
     let mut times = [const { Vec::new() }; 3];
     for _ in 0..rounds {
         times[0].push(timed(|| (0..count).for_each(|k| drop(black_box(problem(k))))));

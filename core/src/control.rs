@@ -19,7 +19,7 @@ pub struct Progress<'a> {
 }
 
 impl Progress<'_> {
-    /// The residual so far (see [`crate::Metrics`]); computed only when asked for.
+    /// The residual so far (see [`crate::Metrics`]); computed only on request.
     #[must_use]
     pub fn residual(&self) -> f64 {
         (self.residual)()
@@ -32,7 +32,7 @@ impl fmt::Debug for Progress<'_> {
     }
 }
 
-/// Who watches a computation. A closure of [`Progress`] is one that is asked after every step.
+/// Observer of a computation. A closure of [`Progress`] is called after every step.
 pub trait Observe {
     /// Called after every step.
     fn step(&mut self, progress: Progress<'_>) -> ControlFlow<()>;
@@ -49,13 +49,13 @@ impl<F: FnMut(Progress<'_>) -> ControlFlow<()>> Observe for F {
     }
 }
 
-/// Bytes that a computation may take at once, unless told otherwise.
+/// Bytes that a computation may take at once by default.
 const MEMORY: u64 = 8_000_000_000;
 
 /// One pulse of so many is passed on: a row of G takes but ten times as long as asking does.
 const PULSES: u32 = 8;
 
-/// Below this many bytes nobody asks whether they can be had.
+/// Fewer bytes than this are taken without a check.
 const SMALL: u64 = 1 << 26;
 
 /// The caller's hand on a running computation: called once a step, it answers go or stop; and what it may use.
@@ -76,10 +76,10 @@ const SMALL: u64 = 1 << 26;
 /// ```
 pub struct Control<'a> {
     observer: Option<&'a mut (dyn Observe + 'a)>,
-    /// Whether steps are told, too, or pulses alone.
+    /// Whether steps are reported, too, or pulses alone.
     reported: bool,
     stop: Option<&'a AtomicBool>,
-    /// Whether a stop has been heard: what is finished then is not interrupted again.
+    /// Whether a stop was noticed: the final work is not interrupted again.
     received: bool,
     pulses: u32,
     trace: Option<Vec<f64>>,
@@ -104,7 +104,7 @@ impl Default for Control<'_> {
 }
 
 impl<'a> Control<'a> {
-    /// Nobody watches.
+    /// Without an observer.
     #[must_use]
     pub fn none() -> Self {
         Self::default()
@@ -129,7 +129,7 @@ impl<'a> Control<'a> {
         self
     }
 
-    /// Refuses what would take more than this many bytes at once; 8 GB unless told otherwise.
+    /// Refuses what would take more than this many bytes at once; 8 GB by default.
     #[must_use]
     pub fn with_memory(mut self, bytes: u64) -> Self {
         self.memory = bytes;

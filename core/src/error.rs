@@ -20,7 +20,7 @@ pub enum Error {
         /// What to change.
         cure: String,
     },
-    /// A name nobody here answers to.
+    /// An unknown name.
     #[error("unknown {kind} \"{name}\": {hint}known are {known}")]
     Unknown {
         /// What the name should have named: `solver`, `preset`, `option of greedy`.
@@ -88,7 +88,7 @@ pub enum Error {
         /// Bytes allowed.
         limit: u64,
     },
-    /// The caller asked to stop before there was an answer.
+    /// The caller requested a stop before there was an answer.
     #[error("stopped before there was an answer")]
     Stopped,
     /// A scene file, or one that it names, that cannot be read as one.

@@ -48,7 +48,7 @@ impl Threads {
     }
 
     /// Runs every part on a thread of its own (at most [`Threads::count`] parts); the results in order. Meanwhile `listen`
-    /// is asked every few milliseconds whether to go on; once it says no, `stop` is set for the parts to see. `None` if
+    /// is called every few milliseconds and decides whether to continue; once it returns no, `stop` is set for the parts to see. `None` if
     /// they are better run here: a single one, or where this thread is itself one of a pool's.
     #[cfg(feature = "std")]
     pub(crate) fn spread<T: Send, R: Send>(

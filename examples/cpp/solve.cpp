@@ -1,4 +1,4 @@
-// A focus that circles above an AUTD3 board, solved a thousand times a second's worth, then asked for too near.
+// A focus that circles above an AUTD3 board, solved a thousand times a second's worth, then requested too near.
 //
 //     c++ -std=c++17 solve.cpp $(pkg-config --cflags --libs midair) -o solve
 #include <cmath>

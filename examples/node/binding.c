@@ -10,7 +10,7 @@ static const napi_type_tag SESSION = {0x6d69646169720001, 0x73657373696f6e01};
 typedef struct {
     midair_session *session;
     size_t transducers;
-} held;
+} owned;
 
 /* A buffer for what midair says; workers may call at the same time, so that each call has its own. */
 typedef char line[1024];
@@ -59,7 +59,7 @@ static int numbers(napi_env env, napi_value value, napi_typedarray_type kind, vo
            napi_get_typedarray_info(env, value, &found, length, data, NULL, NULL) == napi_ok && found == kind;
 }
 
-static held *session_of(napi_env env, napi_value value)
+static owned *session_of(napi_env env, napi_value value)
 {
     bool is = false;
     void *data = NULL;
@@ -74,7 +74,7 @@ static void let_go(napi_env env, void *data, void *hint)
 {
     (void)env;
     (void)hint;
-    midair_session_free(((held *)data)->session);
+    midair_session_free(((owned *)data)->session);
     free(data);
 }
 
@@ -85,7 +85,7 @@ static napi_value open_session(napi_env env, napi_callback_info info)
     size_t count = 3;
     char preset[64], method[64];
     midair_array *array = NULL;
-    held *own;
+    owned *own;
     line message;
     napi_get_cb_info(env, info, &count, arguments, NULL, NULL);
     if (count < 3 || !text(env, arguments[1], preset, sizeof preset) || !text(env, arguments[2], method, sizeof method)) {
@@ -120,7 +120,7 @@ static napi_value set_option(napi_env env, napi_callback_info info)
     char name[64], word[64];
     double number;
     midair_result result;
-    held *own;
+    owned *own;
     line message;
     napi_get_cb_info(env, info, &count, arguments, NULL, NULL);
     own = session_of(env, arguments[0]);
@@ -193,7 +193,7 @@ static napi_value solve_batch(napi_env env, napi_callback_info info)
     size_t count = 5, coordinates, each, problems;
     void *points, *pressures, *data;
     midair_answer *found;
-    held *own;
+    owned *own;
     line message;
     napi_get_cb_info(env, info, &count, arguments, NULL, NULL);
     own = session_of(env, arguments[0]);
@@ -280,7 +280,7 @@ static napi_value solve(napi_env env, napi_callback_info info)
     size_t count = 3, coordinates;
     void *points, *pressures, *data;
     midair_answer found;
-    held *own;
+    owned *own;
     line message;
     napi_get_cb_info(env, info, &count, arguments, NULL, NULL);
     own = session_of(env, arguments[0]);

@@ -39,7 +39,7 @@ unsafe impl GlobalAlloc for Counting {
 
 /// Makes the heap ready: once, before anything is allocated.
 pub fn begin() {
-    // SAFETY: nobody else names the memory, and the heap itself refuses to begin twice.
+    // SAFETY: no other code names the memory, and the heap itself refuses to begin twice.
     unsafe { HEAP.heap.init(&raw mut MEMORY as usize, SIZE) }
 }
 

@@ -1,4 +1,4 @@
-//! Measured: a few frames under an emulator, what they cost, and their drives, told by semihosting.
+//! Measured: a few frames under an emulator, their costs and their drives, reported by semihosting.
 
 use midair::{Error, Solve};
 use semihosting::println;

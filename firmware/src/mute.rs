@@ -1,9 +1,9 @@
-//! Mute: a board falls silent where nothing was heard for some time, and plays again with what is heard next.
+//! Mute: silences a board after some time without points, and lets it play again with the next ones.
 //!
 //! Boards play their last frame for ever. A microcontroller that is sent points from elsewhere, by a line that may break, asks
 //! [`Mute::is_due`] as often as it looks for points, and then sends [`crate::player::Player::silence`].
 
-/// A watch over something that should be heard, in ticks of any clock that counts through all of u32.
+/// A timeout for a source of points, in ticks of any clock that counts through all of u32.
 #[derive(Clone, Copy, Debug)]
 pub struct Mute {
     patience: u32,
@@ -18,12 +18,12 @@ impl Mute {
         Self { patience, received: 0, silent: true }
     }
 
-    /// Something was heard, points or a word that they stay.
+    /// Notes that points arrived, or a word that they stay.
     pub const fn hear(&mut self, now: u32) {
         (self.received, self.silent) = (now, false);
     }
 
-    /// Whether the board is to be silenced now; once, until something is heard again. To be called within 2^31 ticks.
+    /// Whether to silence the board now; true once, until points arrive again. Call it within 2^31 ticks.
     pub const fn is_due(&mut self, now: u32) -> bool {
         let due = !self.silent && now.wrapping_sub(self.received) >= self.patience;
         self.silent |= due;

@@ -125,7 +125,7 @@ impl<S: Solve> Player<S> {
         Ok(&self.frame)
     }
 
-    /// The bytes that silence the board, whatever it was told before.
+    /// The bytes that silence the board, from any state.
     #[must_use]
     pub fn silence(&self) -> Vec<u8> {
         self.board.silence()

@@ -1,4 +1,4 @@
-"""Resume folders: whatever lies in one, the sequence that is finished from it is the one asked for."""
+"""Resume folders: with any content, the finished sequence is the requested one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-//! Answers: what every solution must hold, whatever was asked, and how far numbers in f32 may be from those in f64.
+//! Answers: requirements of every solution, and the largest differences of f32 from f64.
 
 use midair::{Array, Complex32, Complex64, Directivity, Error, Medium, Metrics, Problem, Propagation, Solution};
 
@@ -103,7 +103,7 @@ impl Allowed {
         }
     }
 
-    /// Holds a solution to what was asked: a drive that can be played, pressures that are those of the drive in f64,
+    /// Checks a solution against its request: a drive that can be played, pressures that are those of the drive in f64,
     /// metrics that are numbers.
     pub fn check(&self, problem: &Problem, propagation: &Propagation, solution: &Solution, name: &str) {
         let drive = &solution.drive;

@@ -135,7 +135,7 @@ test("the catalogue names presets, solvers and boards", () => {
 });
 
 const refusals = {
-  "a preset nobody has": [{ ...ring(), array: { preset: "sonicsurfac" } }, /sonicsurface/],
+  "an unknown preset": [{ ...ring(), array: { preset: "sonicsurfac" } }, /sonicsurface/],
   "no point": [{ ...ring(), points: [] }, /points/],
   "text that is no scene": ["{", /./],
   "a point on a transducer's other side of the world": [{ ...ring(), points: [{ position: [1e9, 0, 0] }] }, /points\[0\]/],

@@ -27,7 +27,7 @@ pub(crate) fn attend<R: Send>(
 /// step, and again within steps that take longer than a fifth of a second.
 pub(crate) struct Watch {
     progress: Option<Py<PyAny>>,
-    /// What the callback was told last, and when.
+    /// The last arguments of the callback, and their time.
     reported: (usize, usize, f64),
     called: Instant,
     /// When signals were last looked at.

@@ -66,7 +66,7 @@ fn drawing(py: Python<'_>, name: &str, text: &str, folder: Option<&Path>) -> PyR
     Ok(Drawing::Mesh(read::vectors("vertices", &vertices)?, indices(&faces)?))
 }
 
-/// Points of a table, and what is asked of them.
+/// Points of a table, and their targets.
 fn points(py: Python<'_>, name: &str, text: &str, folder: Option<&Path>) -> PyResult<(Vec<[f64; 3]>, Request)> {
     let drawn = toolbox::call(py, "points", (name, text, folder))?;
     let (points, pressures, weights): (Bound<'_, PyAny>, Argument<'_>, Argument<'_>) = drawn.extract()?;

@@ -89,7 +89,7 @@ getters! {
 
 /// Where beads come to rest that start at some points (P,), and what holds them there.
 ///
-/// Of a bead that is not held all but `place` is NaN.
+/// For a bead that is not trapped all but `place` is NaN.
 #[pyclass(frozen, module = "midair")]
 pub(crate) struct Rest {
     inner: midair::Rest,
@@ -118,17 +118,17 @@ impl Rest {
 
     fn __repr__(&self) -> String {
         let held = self.inner.held.iter().filter(|held| **held).count();
-        format!("<midair.Rest: {kept} of {} beads held>", self.inner.held.len())
+        format!("<midair.Rest: {held} of {} beads held>", self.inner.held.len())
     }
 }
 
 getters! {
     Rest:
 
-    /// Places (P, 3) in m where the net force is 0; where a bead that is not held was lost.
+    /// Places (P, 3) in m where the net force is 0; or where an untrapped bead was lost.
     place(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, &self.inner.place);
 
-    /// Whether each is held (P,): the net force pulls back from all sides, within a wavelength of the start.
+    /// Whether each is trapped (P,): the net force pulls back from all sides, within a wavelength of the start.
     held(self, py) -> Bound<'py, PyArray1<bool>> = give::list(py, self.inner.held.clone());
 
     /// Stiffness (P, 3) in N/m along the axes, the softest first: the eigenvalues of Gor'kov's hessian.
@@ -150,7 +150,7 @@ getters! {
     mass(self, _py) -> f64 = self.mass;
 }
 
-/// What a trap is asked with.
+/// Arguments of a trap's evaluation.
 struct Requested {
     model: Model,
     drive: Vec<Complex32>,

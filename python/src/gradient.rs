@@ -10,7 +10,7 @@ use crate::ctrl_c::attend;
 use crate::error::{invalid, refused};
 use crate::give::rows;
 use crate::limits;
-use crate::numbers::{Numbers, numbers, told};
+use crate::numbers::{Numbers, numbers, reported};
 use crate::read::{self, NUMBER};
 use crate::solution::{Solution, about, played};
 
@@ -55,7 +55,7 @@ fn cotangent(quantity: Quantity, value: &Bound<'_, PyAny>, count: usize) -> PyRe
             let values = match shape[..] {
                 [] => values.repeat(count),
                 [length] if length == count => values,
-                _ => return Err(invalid("cotangent", &told(&shape), &cure)),
+                _ => return Err(invalid("cotangent", &reported(&shape), &cure)),
             };
             Ok(values.iter().flat_map(|w| [w.re, w.im]).collect())
         }

@@ -17,7 +17,7 @@ const MEMORY: u64 = 8_000_000_000;
 /// The threads of this process, one a processor: a child made by fork has none of its parent's, and gets its own.
 pub(crate) fn threads(_py: Python<'_>) -> PyResult<Threads> {
     static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
-    // Locked with the GIL held, and so free whenever Python forks.
+    // Locked with the GIL taken, and so free whenever Python forks.
     let mut kept = POOL.lock().unwrap_or_else(PoisonError::into_inner);
     let process = process::id();
     if let Some((owner, pool)) = &*kept
@@ -37,7 +37,7 @@ pub(crate) fn at_most(py: Python<'_>, given: Option<&Bound<'_, PyAny>>) -> PyRes
     match given.map(|value| read::count("threads", value)).transpose()? {
         None => threads(py),
         Some(0) => Err(invalid("threads", "0", "give a whole number, 1 or above")),
-        // One works here, and wakes nobody.
+        // One works here, and wakes no other.
         Some(1) => Ok(Threads::default().at_most(1)),
         Some(most) => Ok(threads(py)?.at_most(most)),
     }

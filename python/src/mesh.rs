@@ -127,7 +127,7 @@ impl Mesh {
 }
 
 /// Faces (F, 3).
-#[allow(clippy::cast_sign_loss, reason = "below 0 is asked before")]
+#[allow(clippy::cast_sign_loss, reason = "below 0 is checked before")]
 pub(crate) fn indices(value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
     let (item, cure) = ("mesh.faces", "give whole numbers of shape (F, 3), indices of vertices");
     let Numbers { values, shape } = numbers::<f64>(item, value, "iu", cure)?;

@@ -51,7 +51,7 @@ impl Ready {
     }
 }
 
-/// The last that an array was asked for. Copies share it.
+/// The last preparation of an array. Copies share it.
 #[derive(Clone, Default)]
 pub(crate) struct Kept(Arc<Mutex<Option<Arc<Ready>>>>);
 
@@ -62,7 +62,7 @@ impl Kept {
 
     /// That of the array which it is kept beside.
     pub(crate) fn get(&self, array: &midair::Array, medium: Medium) -> PyResult<Arc<Ready>> {
-        // Locked with the GIL held, and so free whenever Python forks.
+        // Locked with the GIL taken, and so free whenever Python forks.
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(ready) = kept.as_ref().filter(|ready| ready.model.medium() == medium) {
             return Ok(Arc::clone(ready));

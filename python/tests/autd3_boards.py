@@ -78,7 +78,7 @@ def widths(intensities: NDArray[np.uint8]) -> NDArray[np.int64]:
 
 
 def played(drive: oracle.Complex, *, pulses: bool) -> oracle.Complex:
-    """The drive that codes stand for; with the amplitudes sin(pi w / 512) of the pulses, if asked for."""
+    """The drive that codes stand for; with the amplitudes sin(pi w / 512) of the pulses, on request."""
     phases, intensities = codes(drive)
     amplitudes = np.sin(math.pi * widths(intensities) / 512) if pulses else intensities / 255
     return (amplitudes * np.exp(2j * math.pi * phases / 256)).ravel()

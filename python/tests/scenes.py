@@ -16,7 +16,7 @@ POINTS = [[-0.021, 0.004, 0.15], [0.019, 0.013, 0.15], [0.003, -0.022, 0.152], [
 
 
 def small(**scene) -> midair.Scene:
-    """8 x 8 transducers and POINTS, unless told otherwise."""
+    """8 x 8 transducers and POINTS by default."""
     array = scene.pop("array", None) or midair.Array.grid(8, 8, pitch=0.01)
     return midair.Scene(array, scene.pop("points", POINTS), **scene)
 

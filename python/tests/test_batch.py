@@ -1,4 +1,4 @@
-"""`solve_batch` and `Solver`: the bits of lone solves, arguments of every kind, refusals."""
+"""`solve_batch` and `Solver`: the bits of single solves, arguments of every kind, refusals."""
 
 import threading
 

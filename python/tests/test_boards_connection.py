@@ -295,7 +295,7 @@ def test_a_board_that_is_louder_than_requested_is_reported_once():
         solution = midair.solve(soft)
     assert solution.scale < 0.3
     with midair.connect("sonicsurface:null") as null:
-        with pytest.warns(midair.SceneWarning, match=r"plays 5\.4\d* times the pressures asked for"):
+        with pytest.warns(midair.SceneWarning, match=r"plays 5\.4\d* times the requested pressures"):
             null.send(solution)
         null.send(solution)
 

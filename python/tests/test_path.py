@@ -1,4 +1,4 @@
-"""Paths: where points are, how fast they go, what is asked of them, and the frames that are read."""
+"""Paths: where points are, how fast they go, their targets, and the frames that are read."""
 
 import math
 import pickle

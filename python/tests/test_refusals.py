@@ -51,7 +51,7 @@ def refused(call: Callable[[], object], *words: str) -> str:
 
 
 def scene(**arguments: Any) -> midair.Scene:
-    """A scene of one point above 4 x 4 transducers, unless told otherwise."""
+    """A scene of one point above 4 x 4 transducers by default."""
     return midair.Scene(arguments.pop("array", ARRAY), arguments.pop("points", POINT), **arguments)
 
 

@@ -32,7 +32,7 @@ def wild(frames: int = FRAMES, seed: int = 3) -> np.ndarray[Any, Any]:
 
 
 def made(drives: Any = None, **given: Any) -> midair.Sequence:
-    """Points on circles with wild drives, unless told otherwise."""
+    """Points on circles with wild drives by default."""
     drives = wild() if drives is None else drives
     setting = {"array": ARRAY, "points": circles(len(drives)), "targets": 500.0, "rate": RATE} | given
     return midair.Sequence(drives=drives, **setting)

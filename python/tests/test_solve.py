@@ -231,7 +231,7 @@ def test_balance_solves_at_the_balanced_level_and_reduces_the_drive() -> None:
     # Within f32 rounding of the level that was solved at.
     found = oracle.regrets(G, ratios * factor, full, order=order)
     assert found.max() < REGRET
-    # All that is told refers to the drive returned and the pressures asked for.
+    # All that is told refers to the drive returned and the requested pressures.
     assert solution.targets.tolist() == ratios.tolist()
     p_abs = np.abs(G @ solution.drive)
     assert numbers(solution.metrics) == pytest.approx(oracle.metrics(p_abs, ratios), rel=1e-2)

@@ -191,7 +191,7 @@ def blocks(language: str) -> list[str]:
 
 
 def sane(table: dict[str, np.ndarray]) -> bool:
-    """Whether the numbers are what somebody would want: nothing far below or above what was asked for."""
+    """Whether the numbers are what somebody would want: nothing far below or above what was requested."""
     near = [(table[name] > 0.5) & (table[name] < 1.5) for name in ("accuracy", "level")]
     return bool(np.all(near)) and set(table["status"]) == {"done"}
 

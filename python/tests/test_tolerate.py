@@ -80,7 +80,7 @@ def test_a_seed_is_the_same_table_whatever_the_threads() -> None:
     for name in ("phase", "tilt", "together"):
         np.testing.assert_array_equal(one[name].level, other[name].level)
         np.testing.assert_array_equal(one[name].uniformity, other[name].uniformity)
-    # A fault alone is the same draw whatever else is asked for.
+    # A fault alone is the same draw whatever else is requested.
     alone = midair.tolerate(SCENE, "naive", seed=3, tilt=0.5, trials=25)
     np.testing.assert_array_equal(alone["tilt"].level, one["tilt"].level)
     assert list(alone.rows) == ["tilt"]

@@ -322,7 +322,7 @@ impl Board {
         frame
     }
 
-    /// Bytes that silence the boards whatever they were told before, in both banks of those that have two.
+    /// Bytes that silence the boards from any state, in both banks of those that have two.
     #[must_use]
     pub fn silence(&self) -> Vec<u8> {
         (self.format.silence)(self.boards, &self.off_frame())

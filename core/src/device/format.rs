@@ -40,7 +40,7 @@ pub(crate) struct Format {
     pub(crate) encode: Encode,
     /// Reads them back.
     pub(crate) decode: Decode,
-    /// Silences so many boards whatever they were told before, half a frame included, by their off frame.
+    /// Silences so many boards from any state, half a frame included, by their off frame.
     pub(crate) silence: fn(boards: usize, off: &[u8]) -> Vec<u8>,
 }
 

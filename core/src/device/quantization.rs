@@ -163,7 +163,7 @@ impl Quantization {
 
     /// The drive of the nearest phase and the nearest amplitude, of two as near the later phase and the larger amplitude; of uneven
     /// ticks the nearest pulse.
-    /// 0 (dead, masked, not driven) stays 0. Phases are told apart to 3e-8 turns.
+    /// 0 (dead, masked, not driven) stays 0. Phases are distinguished to 3e-8 turns.
     #[must_use]
     pub fn nearest(&self, drive: Complex32) -> Complex32 {
         if let Some(pulses) = self.uneven() {
@@ -179,7 +179,7 @@ impl Quantization {
         &self.grid
     }
 
-    /// What supply or modulation have to do where the largest drive asked for is below the least amplitude above 0,
+    /// The factor for supply or modulation if the largest requested drive is below the least amplitude above 0,
     /// at which there would only be silence: the drives divided by this factor (at most 1) reach that amplitude.
     pub(crate) fn scale(&self, largest: f64) -> f64 {
         match self.on().first() {

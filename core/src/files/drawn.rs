@@ -17,7 +17,7 @@ use crate::scene::Request;
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::exhaustive_enums, reason = "what the tables of a scene file stand for")]
 pub enum Drawing {
-    /// Of `shape` and `image`: points (M, 3) in m and what is asked of them. Of `motion`: the points of the first frame.
+    /// Of `shape` and `image`: points (M, 3) in m and their targets. Of `motion`: the points of the first frame.
     Points(Vec<[f64; 3]>, Request),
     /// Of `obstacles`: vertices (V, 3) in m and faces (F, 3).
     Mesh(Vec<[f64; 3]>, Vec<[u32; 3]>),
@@ -26,7 +26,7 @@ pub enum Drawing {
 /// Draws a table by its name, `shape` (of text and drawings), `image`, `obstacles` or `motion.path`, and its keys as TOML; `motion.file` by the
 /// file's name.
 ///
-/// A refusal is one line, `radius is -0.03: give a number above 0`; that of a key is told with its place.
+/// A refusal is one line, `radius is -0.03: give a number above 0`; for a key it gets the key's place.
 pub type Draw<'a> = dyn FnMut(&str, &str) -> Result<Drawing, String> + 'a;
 
 /// The tables, in the order in which their points follow those of the document.

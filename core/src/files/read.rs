@@ -141,7 +141,7 @@ fn obstacle(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Obstacle, Fault> {
     Ok(Obstacle::Mesh(Arc::new(made)))
 }
 
-/// A refusal of `mesh`, told as that of an obstacle.
+/// An error of `mesh`, reported as that of an obstacle.
 fn of_obstacle(error: Error, item: &Item<'_>) -> Fault {
     let error = match error {
         Error::Invalid { item: name, value, cure } => Error::invalid(name.replacen("mesh", &item.path, 1), value, cure),

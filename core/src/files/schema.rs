@@ -214,7 +214,7 @@ const TABLES: &[Table] = &[
         &[
             Key::new("name", r#""greedy""#, "`midair solvers` lists them."),
             Key::new("balance", "true", "Solve at the level the array can reach and reduce the drives afterwards."),
-            Key::new("aim", r#""max""#, "target: as loud as asked; max: as loud as the array can."),
+            Key::new("aim", r#""max""#, "target: as loud as requested; max: as loud as the array can."),
         ],
     ),
     (
@@ -297,7 +297,7 @@ fn rows(pattern: &str) -> impl Iterator<Item = &'static Key> + Clone + use<> {
     TABLES.iter().filter(move |(path, _)| is(path, &pattern)).flat_map(|(_, rows)| *rows)
 }
 
-/// Whether tables of the schema are meant by a pattern: `shape[]` by a lone `shape`, too, and `array` by one of several.
+/// Whether a pattern means tables of the schema: `shape[]` also means a single `shape`, and `array` one of several.
 fn is(path: &str, pattern: &str) -> bool {
     path.trim_end_matches("[]") == pattern.trim_end_matches("[]")
 }

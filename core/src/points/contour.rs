@@ -64,7 +64,7 @@ pub fn fitted(most: usize, mut make: impl FnMut(f64) -> Result<Vec<[f64; 3]>, Er
     Ok(points)
 }
 
-/// Refuses a length of so many steps that nobody means it.
+/// Rejects a length of too many steps.
 pub(crate) fn few(length: f64, step: f64) -> Result<(), Error> {
     if length / step <= MOST as f64 {
         return Ok(());

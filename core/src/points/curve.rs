@@ -70,7 +70,7 @@ impl Curve {
         Ok(Self { length: lines.length(), closed, course: Course::Lines(lines) })
     }
 
-    /// A straight line from start to end in m, and back where asked.
+    /// A straight line from start to end in m, and back on request.
     ///
     /// # Errors
     /// An end that is the start, a number that is not finite.

@@ -43,14 +43,14 @@ pub(crate) struct ArrayRequest {
     pub(crate) weighted: bool,
     /// Factor that brings the targets to the balanced level.
     pub(crate) balance: f64,
-    /// The first point asked for more than its own reach, and that reach in Pa.
+    /// The first point with a target above its own reach, and that reach in Pa.
     pub(crate) overasked: Option<(usize, f64)>,
-    /// How many times its own reach a point is asked for at most, where that is more than once; else 0.
+    /// Largest ratio of a target to its point's own reach, if it is above 1; else 0.
     pub(crate) excess: f64,
 }
 
 impl ArrayRequest {
-    /// Nothing asked yet.
+    /// Without a request.
     pub(crate) fn new(propagation: Propagation, setup: Arc<Setup>) -> Self {
         Self {
             propagation,

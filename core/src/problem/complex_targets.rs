@@ -22,7 +22,7 @@ impl Problem {
         self.scaled.iter().zip(active).map(move |(&target, &j)| f64::from(target) * phasor(j))
     }
 
-    /// Targets in Pa as complex numbers, over the points of weight above 0 and balanced where that was asked for; `None` where
+    /// Targets in Pa as complex numbers, over the points of weight above 0 and balanced if that was requested; `None` where
     /// their phases are free.
     #[must_use]
     pub fn complex_targets_in_pascals(&self) -> Option<impl Iterator<Item = Complex64> + '_> {

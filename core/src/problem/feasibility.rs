@@ -92,7 +92,7 @@ impl Problem {
         Ok(Reach { alone, level: self.targets_in_pascals().iter().map(level).collect() })
     }
 
-    /// What is asked for and provably cannot be had, of [`Aim::Target`]: a target above its point's own reach, or targets of which no
+    /// The provably impossible part of a request, for [`Aim::Target`]: a target above its point's own reach, or targets of which no
     /// drive gives more than three quarters at the same time, as the quick form of [`crate::bound()`] proves (up to 64 points; from
     /// about 1.4 times the balanced level on at a few points, from 2 to 2.5 times at 64).
     ///
@@ -116,7 +116,7 @@ impl Problem {
         Some(Beyond::Alone { point, target: self.targets_in_pascals()[point], alone })
     }
 
-    /// How many times its own reach a point is asked for at most, of [`Aim::Target`]; 0 where no target is above its point's reach.
+    /// Largest ratio of a target to its point's own reach, for [`Aim::Target`]; 0 if no target is above it.
     #[must_use]
     pub fn excess(&self) -> f64 {
         if self.aim() == Aim::Target { self.targets.excess } else { 0.0 }

@@ -46,7 +46,7 @@ pub struct Problem {
     selected: Option<Propagation>,
     /// The same as the caller gave it, where rows of it were brought into f32's range.
     plain: Option<Propagation>,
-    /// What was asked of all points, in Pa.
+    /// The request of all points, in Pa.
     targets: Arc<ArrayRequest>,
     start: Option<Arc<Start>>,
     pub(crate) aim: Option<Aim>,
@@ -151,7 +151,7 @@ impl Problem {
         Ok(self)
     }
 
-    /// A problem of which nothing is asked yet.
+    /// A problem without a request.
     pub(crate) fn unasked(propagation: Propagation, setup: Arc<Setup>) -> Self {
         Self::of(Arc::new(ArrayRequest::new(propagation, setup)))
     }
@@ -249,7 +249,7 @@ impl Problem {
         self
     }
 
-    /// How loud the points are to be: unless chosen, as loud as asked where pressures were given, else as loud as
+    /// Level of the points: by default the targets if pressures were given, else as loud as
     /// the array can make them.
     #[must_use]
     pub fn aim(&self) -> Aim {
@@ -307,7 +307,7 @@ impl Problem {
         &self.scaled
     }
 
-    /// The same in Pa, without padding: targets |p_j| of the points of weight above 0, balanced where that was asked for.
+    /// The same in Pa, without padding: targets |p_j| of the points of weight above 0, balanced if that was requested.
     pub fn active_targets_in_pascals(&self) -> impl Iterator<Item = f64> + '_ {
         self.targets.active.iter().map(|&j| self.targets.pascals[j] * self.factor)
     }

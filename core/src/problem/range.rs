@@ -13,7 +13,7 @@ use crate::workspace::Workspace;
 /// p1_j in units of the reference, 2^-30 to 2^30: squares of sums and of their inverses stay within f32.
 const MIDDLE: RangeInclusive<f64> = 1.0 / (1 << 30) as f64..=(1 << 30) as f64;
 
-/// How many times its reach a point is asked for at most: what is further away is no nearer for the asking.
+/// Largest ratio of a target to its reach: a larger target would change nothing.
 const MOST_EXCESS: f64 = (1 << 20) as f64;
 
 impl Problem {
@@ -70,7 +70,7 @@ impl Problem {
         let mut powers = Vec::with_capacity(reach.len());
         for (k, (&j, &reach)) in self.targets.active.iter().zip(reach).enumerate() {
             let target = (self.targets.pascals[j] * self.factor / reference).min(MOST_EXCESS * reach);
-            // A quiet point may stay too weak to be heard.
+            // A quiet point may stay too weak.
             let outside = reach > *MIDDLE.end() || (reach < *MIDDLE.start() && target > 0.0);
             let power = if outside { inverse_power(reach) } else { 1.0 };
             self.scaled[k] = (target * power) as f32;

@@ -93,7 +93,7 @@ impl Solution {
     }
 
     /// The solution that `drive` is: a solver's last line. How the steps ended and how many they were, of `steps`. Its
-    /// pressures are computed here, and the last step is told.
+    /// pressures are computed here, and the last step is reported.
     ///
     /// # Errors
     /// A stop, if it is the first.
@@ -112,7 +112,7 @@ impl Solution {
         Ok(solution)
     }
 
-    /// As [`Solution::new`], in one step, of a drive that nobody has checked yet. Transducers without effect get drive 0,
+    /// As [`Solution::new`], in one step, of an unchecked drive. Transducers without effect get drive 0,
     /// whatever it says of them.
     ///
     /// # Errors

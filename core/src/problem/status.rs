@@ -13,7 +13,7 @@ pub enum Status {
     Done,
     /// The method's steps ran out before its tolerance was met.
     OutOfSteps,
-    /// The caller asked to stop; the answer is the best so far.
+    /// The caller requested a stop; the answer is the best so far.
     Stopped,
     /// The method ran to its end, and the targets are missed by more than 1 %.
     Missed,

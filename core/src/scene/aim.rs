@@ -6,7 +6,7 @@ use crate::scene::words;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(clippy::exhaustive_enums, reason = "the two of docs/conventions.md")]
 pub enum Aim {
-    /// As loud as asked, and no louder.
+    /// Meet the targets, and never exceed them.
     Target,
     /// As loud as the array can make them, the ratios kept.
     Max,

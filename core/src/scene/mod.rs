@@ -91,7 +91,7 @@ impl Scene {
     /// A scene of M `points` (M, 3) in m; without a medium, in that of the array ([`Array::medium`]).
     ///
     /// # Errors
-    /// No point, a value that is not finite or out of range, lists of unequal lengths, nothing asked for, a
+    /// No point, a value that is not finite or out of range, lists of unequal lengths, nothing requested, a
     /// transducer or point too far away for f32 phases. A point *on* a transducer is found when solving.
     pub fn new(
         array: Array,
@@ -117,7 +117,7 @@ impl Scene {
         Ok(self)
     }
 
-    /// The same scene with these obstacles in place of its own: see [`Obstacle`]. What the waves do then is told by
+    /// The same scene with these obstacles in place of its own: see [`Obstacle`]. The waves then follow
     /// [`crate::Model::with_obstacles`].
     ///
     /// # Errors
@@ -178,7 +178,7 @@ impl Scene {
         &self.points
     }
 
-    /// What is asked for at the points.
+    /// The targets at the points.
     #[must_use]
     pub fn request(&self) -> &Request {
         &self.request

@@ -198,7 +198,7 @@ impl Plane {
         inside && (point[self.axis.index()] - self.at).abs() <= 1.001 * NEAR * wavelength
     }
 
-    /// The same to whole micrometres, to be told to a person.
+    /// The same in whole micrometres, for messages.
     #[must_use]
     pub fn rounded(&self) -> Self {
         let round = |x: f64| libm::round(x * 1e6) / 1e6;

@@ -17,7 +17,7 @@ use crate::scene::origin::Origin;
 use crate::scene::plane::Plane;
 use crate::scene::request::Request;
 
-/// Hz of air-coupled arrays, 20 kHz to 1 MHz, with room for what is heard and for the laboratory's.
+/// Hz of air-coupled arrays, 20 kHz to 1 MHz, with a margin for audible and for laboratory frequencies.
 const FREQUENCY: RangeInclusive<f64> = 5e3..=2e6;
 
 /// Degrees C of air that anybody works in.

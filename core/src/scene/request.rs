@@ -52,7 +52,7 @@ impl Request {
     ///
     /// # Errors
     /// No points; another length; a value that is not finite, or negative and no phase; phases without pressures;
-    /// nothing asked for (every pressure 0 or every weight 0).
+    /// nothing requested (every pressure 0 or every weight 0).
     pub fn check(&self, points: usize) -> Result<(), Error> {
         if points == 0 {
             return Err(Error::invalid("points", "empty", "give at least one point"));

@@ -83,7 +83,7 @@ pub(super) struct Outcome {
     scale: f64,
     status: Status,
     steps: usize,
-    /// How many times its reach a point is asked for, where that is above 1.
+    /// Ratio of a target to its reach, if it is above 1.
     excess: f64,
     /// The error by which the targets are missed, where that is reported; else 0.
     missed: f64,

@@ -26,7 +26,7 @@ pub struct Frames<'a> {
 impl Session {
     /// Solves T frames one after another into `drives` (T, N). A solver that remembers its last frame goes on from it, from
     /// call to call until [`Session::last`] is cleared; with `starts` the others have the last drive as their start. `ask`
-    /// says what else is asked, and is memory. A frame without points is silent.
+    /// has the other parts of the request, and is reused. A frame without points is silent.
     ///
     /// # Errors
     /// Lists that do not fit each other, what [`Session::solve`] refuses of a frame, named by its index; a stop.

@@ -80,7 +80,7 @@ impl Session {
         Self::of(Task { transducers, setup, solver: solver.into(), balance }, vicinity)
     }
 
-    /// A session of a given G, the array behind it, and a solver: points are left out of what it is asked.
+    /// A session of a given G, the array behind it, and a solver: its requests have no points.
     ///
     /// # Errors
     /// Another number of positions than transducers, a medium out of range.
@@ -227,7 +227,7 @@ impl Session {
         Ok((transducers, threads, LANES * (STRETCH / (LANES * transducers * points)).max(1)))
     }
 
-    /// What a caller should hear beside the last solution and has not yet heard of this session: each kind once. Costs
+    /// Warnings for the last solution that this session has not yet given: each kind once. Costs
     /// nothing but the one time that it looks for the proof of [`Problem::beyond`].
     pub fn remarks(&mut self) -> impl Iterator<Item = Remark> + use<> {
         let (Some(problem), Some(solution)) = (self.problem(), self.solution()) else {

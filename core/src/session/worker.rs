@@ -21,7 +21,7 @@ use crate::workspace::Workspace;
 
 /// One request to a session.
 #[derive(Clone, Debug, Default)]
-#[allow(clippy::exhaustive_structs, reason = "what a session is asked, in one piece")]
+#[allow(clippy::exhaustive_structs, reason = "a session's request, in one piece")]
 pub struct SolveRequest {
     /// Points (M, 3) in m; empty where G is given.
     pub points: Vec<[f64; 3]>,
@@ -79,7 +79,7 @@ pub(super) struct Task {
 }
 
 impl Task {
-    /// Writes what is asked over problem `k`, or makes that one: the sums of |G| and the targets come next.
+    /// Writes a request over problem `k`, or makes that problem: the sums of |G| and the targets come next.
     pub(super) fn read(&self, problems: &mut Vec<Problem>, k: usize, ask: &SolveRequest) -> Result<(), Error> {
         let points = match &self.transducers {
             Transducers::Model(_) => Some(&ask.points[..]),

@@ -1,4 +1,4 @@
-//! `uniform` and `best`: even, loud, as loud as asked.
+//! `uniform` and `best`: even, loud, as loud as requested.
 
 use midair::solvers::{Best, Naive, Uniform, find};
 use midair::{
@@ -44,7 +44,7 @@ fn mean(count: usize, trials: u64, solver: &dyn Solve) -> f64 {
 #[test]
 fn uniform_is_even_and_loud() {
     // Over 1000 scenes the means are .8645, .8824, .9148, .9640 and 1.031; one of 40 scenes has a standard error of .004
-    // at 4 points, falling to .002 at 64. What is asked for lies below by two of them at 4 points, by five at 64.
+    // at 4 points, falling to .002 at 64. What is requested lies below by two of them at 4 points, by five at 64.
     for (count, trials, least) in [(4, 80, 0.859), (8, 40, 0.873), (16, 40, 0.901), (32, 40, 0.947), (64, 20, 1.01)] {
         let mean = mean(count, trials, &Uniform::default());
         assert!(mean >= least, "M = {count}: {mean}");
@@ -106,7 +106,7 @@ fn no_point_is_louder_than_requested() {
             let solution = solved(&problem, solver);
             assert!(loudest(&solution) <= 1.0 + 1e-4, "seed {seed}: {}", loudest(&solution));
             assert!(solution.metrics().sigma <= 1e-5, "seed {seed}: {:?}", solution.metrics());
-            // In reach all are as loud as asked; out of reach some drive is full.
+            // In reach all are as loud as requested; out of reach some drive is full.
             let full = solution.drive.iter().any(|q| q.norm() > 0.9999);
             assert!(full || solution.metrics().level > 1.0 - 1e-4, "seed {seed}: {:?}", solution.metrics());
         }

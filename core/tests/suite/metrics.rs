@@ -171,5 +171,5 @@ fn targets_below_half_the_balanced_level_are_weak() {
         assert!((requested.balance() * share - 1.0).abs() < 1e-12);
     }
     let alone = scene(Array::grid(3, 3, 1e-2).expect("a grid"), vec![[0.0, 0.0, 0.1]], None);
-    assert!(!problem(&alone).is_weak(), "nothing was asked for");
+    assert!(!problem(&alone).is_weak(), "nothing was requested");
 }

@@ -1,4 +1,4 @@
-//! Batches and sessions: every answer bit for bit that of a lone solve.
+//! Batches and sessions: every answer bit for bit that of a single solve.
 
 use std::sync::Arc;
 
@@ -169,7 +169,7 @@ fn bits(list: &[Complex32]) -> Vec<[u32; 2]> {
     list.iter().map(|z| [z.re.to_bits(), z.im.to_bits()]).collect()
 }
 
-/// Holds batches of every size up to the number of problems to lone solves, in bits.
+/// Holds batches of every size up to the number of problems to single solves, in bits.
 fn hold(model: &Model, asks: &[SolveRequest], solver: &Solver, balance: bool, what: &str) {
     let single: Vec<Solution> = asks.iter().map(|ask| alone(&problem(model, ask), &**solver, balance)).collect();
     let points = asks[0].points.len();

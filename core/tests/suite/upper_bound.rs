@@ -46,7 +46,7 @@ fn one_point_is_bounded_by_its_reach_and_two_coincident_points_by_theirs() {
         let scene = scene(preset("paper20"), points, Some(pressures));
         (
             bound(&problem(&scene), &mut Control::none()).expect("a bound"),
-            problem(&scene).reach(&mut Control::none()).expect("nobody stops it").alone[0],
+            problem(&scene).reach(&mut Control::none()).expect("it is not stopped").alone[0],
         )
     };
     let (most, alone) = requested(vec![at], vec![0.5]);
@@ -77,7 +77,7 @@ fn reach_is_the_sum_of_the_moduli_and_the_balanced_level() {
     let request =
         Request { pressures: Some(vec![0.2, 0.1, 0.0]), weights: Some(vec![1.0, 2.0, 1.0]), ..Request::default() };
     let scene = Scene::new(array, Medium::default(), random_points(3, 0.08, 33), request).expect("a scene");
-    let reach = problem(&scene).reach(&mut Control::none()).expect("nobody stops it");
+    let reach = problem(&scene).reach(&mut Control::none()).expect("it is not stopped");
     for (j, alone) in reach.alone.iter().enumerate() {
         let sum: f64 = propagation(&scene).iter().map(|row| row[j].norm()).sum();
         assert!((alone / sum - 1.0).abs() < 1e-12, "{alone} for {sum}");
@@ -93,7 +93,7 @@ fn only_what_provably_cannot_be_had_is_beyond_reach() {
     let beyond = |points: &[[f64; 3]], pressures: Vec<f64>| {
         problem(&scene(preset("paper20"), points.to_vec(), Some(pressures)))
             .beyond(&mut Control::none())
-            .expect("nobody stops it")
+            .expect("it is not stopped")
     };
     let p1 = 2.36066;
     for (count, factor, expected) in
@@ -120,7 +120,7 @@ fn only_what_provably_cannot_be_had_is_beyond_reach() {
     assert_eq!(
         problem(&scene(preset("paper20"), random_points(64, 0.1, 35), None))
             .beyond(&mut Control::none())
-            .expect("nobody stops it"),
+            .expect("it is not stopped"),
         None
     );
 }

@@ -18,7 +18,7 @@ impl Uart {
     /// Opens it.
     #[must_use]
     pub fn new(baud: u32) -> Self {
-        // SAFETY: registers of the UART, which nobody else names.
+        // SAFETY: registers of the UART, which no other code names.
         unsafe {
             DIVISOR.write_volatile(CLOCK / baud);
             CONTROL.write_volatile(SEND);

@@ -29,7 +29,7 @@ impl Uart {
     #[must_use]
     pub fn new(baud: u32) -> Self {
         let set = |register: *mut u32, mask: u32, bits: u32| {
-            // SAFETY: registers of clocks, pin and USART, which nobody else names.
+            // SAFETY: registers of clocks, pin and USART, which no other code names.
             unsafe { register.write_volatile(register.read_volatile() & !mask | bits) };
         };
         set(CLOCK_OF_PORTS, 0, PORT_A);

@@ -272,7 +272,7 @@ class Connection:
         if scale < 1 and not self._warned:
             self._warned = True
             text = (
-                f"the board plays {1 / scale:.3g} times the pressures asked for, "
+                f"the board plays {1 / scale:.3g} times the requested pressures, "
                 f"{-20 * math.log10(scale):.3g} dB more: turn its supply or modulation down to {scale:.3g}, "
                 "or ask for more"
             )

@@ -17,7 +17,7 @@ from .progress import FAULT, INTERRUPTED, REFUSED, UNREAD, abandon, fault, one_l
 #: Each command by the module of its function, NAME_command, loaded when used, and its line in the list.
 COMMANDS = {
     "new": ("new", "Write a commented scene file to begin with."),
-    "solve": ("solve", "Find a drive for a scene, judge it, write what is asked for."),
+    "solve": ("solve", "Find a drive for a scene, judge it, write what is requested."),
     "compare": ("compare", "Solve a scene by several methods: a table and a picture."),
     "solvers": ("presets", "List the solvers with their options and defaults."),
     "presets": ("presets", "List the arrays known by name."),

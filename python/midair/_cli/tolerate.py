@@ -35,7 +35,7 @@ def exposure_command(
     at
         A place x,y,z in m; once for each place.
     box
-        Two corners x,y,z,x,y,z in m, of which the loudest place is told; once for each box.
+        Two corners x,y,z,x,y,z in m of a box, for its loudest place; once for each box.
     limit
         What the levels stand beside: howard (110 dB), acgih (115), acgih-air (145), irpa
         (100), or a level in dB.

@@ -26,7 +26,7 @@ PAIR, BOARD, SIDE = 512, 256, 16
 #: In m: transducers of a pair stand so near to their places.
 NEAR = 2e-3
 
-#: |q| below this is told to be lost.
+#: Amplitudes below this give a warning that they are lost.
 FULL = 1 - 1e-3
 
 
@@ -84,18 +84,18 @@ def read(path: str | PathLike[str], data: bytes, array: Array | None = None) -> 
     frames, transducers = (int(number(cell) or 0) for cell in head)
     # A number takes two bytes at least, with what follows it.
     if not 2 <= 2 * frames * transducers <= len(data):
-        reported = f"{frames} frames of {transducers} transducers are told, more than the file can hold"
+        reported = f"{frames} frames of {transducers} transducers are stated, more than the file can contain"
         raise fault(path, line, f"{reported}: get the file again")
     order = csv_order(array, transducers)
     drives = np.empty((frames, transducers), np.complex64)
     frame = 0
     for line, cells in table:
         if frame == frames:
-            raise fault(path, line, f"{frames} frames are told and more are there: get the file again")
+            raise fault(path, line, f"{frames} frames are stated and more are there: get the file again")
         if len(cells) != transducers:
             raise fault(path, line, f"{len(cells)} phases: give one for each of {transducers} transducers")
         drives[frame, order] = np.exp(1j * numbers(path, line, cells))
         frame += 1
     if frame < frames:
-        raise fault(path, line, f"{frames} frames are told and {frame} are there: get the file again")
+        raise fault(path, line, f"{frames} frames are stated and {frame} are there: get the file again")
     return one_or_more(drives)

@@ -35,7 +35,7 @@ BLOCK = 256
 
 @dataclass(frozen=True)
 class Fitted:
-    """Where a fit ended: responses (N,) and state with their standard deviations, held ones with 0."""
+    """Result of a fit: responses (N,) and state with their standard deviations, 0 for fixed ones."""
 
     responses: Complex
     responses_error: Real
@@ -52,7 +52,7 @@ class Fitted:
 
 @dataclass(frozen=True)
 class Place:
-    """A place on the way: what is held true, and how far that is from the readings."""
+    """An iterate: its parameters, and its distance from the readings."""
 
     #: How far re and im of the responses, and what of the state is free, are from what was believed.
     off: Real

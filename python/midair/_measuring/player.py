@@ -21,7 +21,7 @@ class Tuning:
 
     drive : (N,), complex of |q| <= 1
     pressures : (M,) |p| with it, as read or as three readings determine it
-    value : how far it is from what was asked: the residual of eq. (7) over silence's;
+    value : its distance from the targets: the residual of eq. (7) over silence's;
         feedback: 1 - uniformity
     readings : how often was read
     status : "done", "stopped", "out_of_readings" or "failed"
@@ -67,7 +67,7 @@ class Unreadable(Exception):
 class Player:
     """Reads |p| (M,) of drives (N,), at most `budget` times, and keeps the best of what it is offered.
 
-    `value` tells how far pressures are from what is asked; `progress` is called with (readings, of how many).
+    `value` measures the error of pressures; `progress` is called with (readings, of how many).
     """
 
     def __init__(
@@ -109,7 +109,7 @@ class Player:
         return found
 
     def offer(self, drive: NDArray[Any], pressures: Real) -> None:
-        """Keep a drive if its pressures are nearer to what is asked."""
+        """Keep a drive if its pressures are nearer to the targets."""
         value = self.value(pressures)
         if self.best is None or value < self.best[0]:
             kept = drive.astype(np.complex64)
@@ -117,7 +117,7 @@ class Player:
             self.best = (value, kept, pressures)
 
     def deaf(self) -> str | None:
-        """Places that gave 0 in all readings, or the same whatever the drive, told in a line."""
+        """Places that gave 0 in all readings, or the same for every drive, in a line."""
         same = (self._loudest == self._quietest) & ((self._loudest == 0) | (self._changes >= CHANGES))
         if not same.any():
             return None

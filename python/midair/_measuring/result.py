@@ -106,7 +106,7 @@ class Calibration:
     response_error : (N,) of re and of im of each
     dead, reversed : indices of those that do not sound, and of those that sound the wrong way round
     sound_speed, sound_speed_error : in m/s
-    microphones, microphones_error : (M, 3) in m; errors of 0 where their places were held
+    microphones, microphones_error : (M, 3) in m; errors of 0 for fixed places
     pose, pose_error : (6,) of the second board: moved by x, y, z in m and turned about x, y, z in rad, about
         its middle
     noise : standard deviation of a reading about the model, in Pa: noise, and what the model does not know
@@ -190,7 +190,7 @@ class Calibration:
     ) -> Figure:
         """Gains and phases over the array, dead and reversed ones marked, and the residuals.
 
-        ax : axes of your own for one panel, the first of those asked for
+        ax : axes of your own for one panel, the first of `panels`
         cmap : a colour map of matplotlib or its name, for the gains
         panels : "gain", "phase", "residuals" or several; left out, all
         size : of the figure in inches, its width or (width, height)

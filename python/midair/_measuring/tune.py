@@ -46,7 +46,7 @@ def greedy(player: Player, drive: Complex, order: Indices, phases: int, tries: b
     turns = 2 * np.pi * np.arange(phases) / phases
     received = np.arange(phases) if tries or phases <= 3 else np.round(np.arange(3) * phases / 3).astype(int)
     waves = np.stack([np.ones(phases), np.cos(turns), np.sin(turns)], axis=1)
-    # From the phases heard to all of them.
+    # From the measured phases to all of them.
     spread = np.eye(phases) if len(received) == phases else waves @ np.linalg.inv(waves[received])
     drive = drive.copy()
     for index in order:
@@ -80,7 +80,7 @@ def feedback(player: Player, scene: Scene, targets: Real, solver: str, steps: in
     for step in range(steps):
         with warnings.catch_warnings():
             if step:
-                # What nobody asked for is nothing to warn of.
+                # Targets of this step are internal and need no warning.
                 warnings.simplefilter("ignore", SceneWarning)
             drive = solve(scene.replace(pressures=wanted), solver, aim=aim).drive
         pressures = player(drive)
@@ -94,7 +94,7 @@ def feedback(player: Player, scene: Scene, targets: Real, solver: str, steps: in
 
 
 METHODS = ("greedy", "feedback", "spsa")
-#: Steps where none are asked for.
+#: Default number of steps.
 STEPS = {"feedback": 10, "spsa": 384}
 
 

@@ -128,7 +128,7 @@ def answer(
     panels: Panel | Iterable[Panel] | None = None,
     size: Size | None = None,
 ) -> Figure:
-    """What was asked and got at each point, in Pa, and the field in the planes through the points.
+    """Targets and pressures of each point, in Pa, and the field in the planes through the points.
 
     Of drawings, more than 40 points in one plane, the field has three panels: wanted, made, difference.
 
@@ -204,7 +204,7 @@ def requested_and_got(solution: Solution, ax: Axes) -> None:
             ax.bar(index[chosen], got[chosen], 0.7, color=colour, label=label)
         else:
             ax.plot(index[chosen], got[chosen], ".", color=colour, markersize=4, label=label)
-    ax.hlines(targets, index - 0.5, index + 0.5, color="black", linewidth=1.2, label="asked")
+    ax.hlines(targets, index - 0.5, index + 0.5, color="black", linewidth=1.2, label="target")
     scene = solution.scene
     unit = " in the paper's unit" if scene is not None and scene.in_paper_unit else " / Pa"
     ax.set(

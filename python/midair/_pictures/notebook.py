@@ -27,7 +27,7 @@ MOST_POINTS, MOST_CORNERS = 200, 400
 #: The most transducers that are drawn; of more of them one in each square of so many units.
 MOST_DOTS, SQUARE = 1500, 25
 
-#: Colours that can be told from a light and from a dark page.
+#: Colours that are visible on a light and on a dark page.
 POINT, QUIET = "#e0662e", "#3b8fd4"
 
 #: Radius of the rings of up to so many points, in units; of more the rings cover as much together.
@@ -99,7 +99,7 @@ class _View:
     def __init__(self, array: Array, points: NDArray[np.float64]) -> None:
         everything = np.vstack([array.positions[:, :2], points[:, :2]])
         least, most = everything.min(axis=0), everything.max(axis=0)
-        # A lone point, or transducers in one line, have room around them, too.
+        # A single point, or transducers in one line, have room around them, too.
         room = max(float((most - least).max()), 1e-3)
         edge = 0.06 * room
         self._corner = np.array([least[0] - edge, most[1] + edge])
@@ -280,9 +280,9 @@ def scene(scene: Scene) -> str:
 
 
 def solution(solution: Solution) -> str:
-    """A solution: how it ended, how good it is, and what the points asked for and got.
+    """A solution: status, metrics, and targets and pressures of the points.
 
-    In its picture the ring of a point is what it asked for, the disc in it what it got, and the colour of a
+    In its picture the ring of a point is its target, the disc in it its pressure, and the colour of a
     transducer its phase; beside it stands |p| in the plane through the points.
     """
     got, targets = np.abs(solution.pressures), solution.targets
@@ -296,7 +296,7 @@ def solution(solution: Solution) -> str:
         *([] if solution.scale == 1 else [("scale", f"{solution.scale:.4f}")]),
         ("time", f"{1e3 * solution.elapsed:.4g} ms"),
     )
-    listed = _table(rows, ("point", "asked / Pa", "got / Pa", "part"), len(got))
+    listed = _table(rows, ("point", "target / Pa", "pressure / Pa", "ratio"), len(got))
     if solution.scene is None:
         return facts + listed
     scene, part = solution.scene, got / np.where(targets > 0, targets, np.inf)
@@ -310,7 +310,7 @@ def _slice(solution: Solution) -> str:
     if scene is None or len(scene.array) * SAMPLES**2 > PRODUCTS:
         return ""
     with warnings.catch_warnings():
-        # What is hardly meant was told when the scene was solved.
+        # Probable mistakes were reported when the scene was solved.
         warnings.simplefilter("ignore", SceneWarning)
         return slice_of(_midair.field(scene, solution))
 

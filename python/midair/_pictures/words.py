@@ -12,7 +12,7 @@ from .colours import is_dark
 
 
 def heading(fields: Sequence[Field]) -> list[str]:
-    """The lines above a field in some planes: its solver, what was asked and got, what the marks mean."""
+    """The lines above a field in some planes: its solver, targets and level, the meaning of the marks."""
     solution, scene = fields[0].solution, fields[0].scene
     if solution is not None:
         lines = [solver(solution), reported(solution, scene)]

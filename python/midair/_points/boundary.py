@@ -110,7 +110,7 @@ def load(content: bytes, shape: tuple[int, int]) -> NDArray[np.complex64] | None
 
 
 def store(content: bytes, sound: NDArray[np.complex64]) -> None:
-    """Keep it, if there is room: nobody needs it to go on."""
+    """Store it, if there is space: the computation does not need it."""
     target, identity = path(content)
     with suppress(SceneError, OSError):
         kept.save(target, identity, {"sound": sound})

@@ -68,7 +68,7 @@ def lines(axes: Axes, rows: tables.Rows, methods: tuple[Method, ...], x: str, y:
 
 
 def scene(points: list[list[float]], target: float) -> Scene:
-    """Points over the paper's large array, each asked for the same."""
+    """Points over the paper's large array, with equal targets."""
     return Scene(Array.grid(SIDE, SIDE, PITCH, source_pressure=1e-3), points, target)
 
 

@@ -20,7 +20,7 @@ Tell = Callable[[int, int], None]
 
 
 def silent(done: int, items: int) -> None:
-    """Tells nobody."""
+    """Do nothing."""
 
 
 class Found(NamedTuple):
@@ -32,7 +32,7 @@ class Found(NamedTuple):
 
 @dataclass(frozen=True)
 class Run:
-    """What was asked for: trials, seed, where to work and where to keep what is done."""
+    """Request: trials, seed, place of the work and of its results."""
 
     trials: int
     seed: int

@@ -112,7 +112,7 @@ def reach(side: int) -> float:
 
 
 def random_points(side: int, count: int) -> dict[str, Any]:
-    """Random points over an array, each asked for p1/sqrt(M): settings of midair.sweep's blocks."""
+    """Random points over an array, each with the target p1/sqrt(M): settings of midair.sweep's blocks."""
     half = side * PITCH / 2
     target = reach(side) / math.sqrt(count)
     return {

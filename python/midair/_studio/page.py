@@ -1,4 +1,4 @@
-"""Told: a scene as the page takes it, and the scene that the page shows."""
+"""Scenes in the form of the studio's page, and back."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Server: the page, and a board that it plays, for browsers of this machine and for nobody else."""
+"""Server: the page, and a board that it plays, for browsers of this machine only."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ TYPES = {
     ".bin": "application/octet-stream",
 }
 
-#: The page may use nothing but its own files, and is in nobody's frame.
+#: The page may use only its own files, and no other page may frame it.
 POLICY = (
     "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; "
     "img-src 'self' data: blob:; connect-src 'self'; worker-src 'self' blob:; "

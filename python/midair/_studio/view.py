@@ -109,7 +109,7 @@ class View:
 
     @property
     def metrics(self) -> dict[str, Any]:
-        """Accuracy, sigma, uniformity and the rest by method, as the page told last; empty until it is up."""
+        """Accuracy, sigma, uniformity and the others by method, from the page; empty before it has started."""
         return dict(self._widget.metrics)
 
     def _state(self) -> dict[str, Any]:

@@ -1,1 +1,1 @@
-"""Support: what many packages need and nobody draws, holds or hears."""
+"""Support: functions of many packages."""

@@ -24,7 +24,7 @@ ENDING = [
 
 
 class Terminated(KeyboardInterrupt):
-    """The end that a signal other than Ctrl-C asked for."""
+    """The end requested by a signal other than Ctrl-C."""
 
     def __init__(self, number: int) -> None:
         super().__init__(number)
@@ -32,7 +32,7 @@ class Terminated(KeyboardInterrupt):
 
 
 class Stop:
-    """Whether somebody asked to stop; `number` is the signal, 0 before."""
+    """Whether a stop was requested; `number` is the signal, 0 before."""
 
     number = 0
 
@@ -41,7 +41,7 @@ class Stop:
         return self.number != 0
 
     def error(self) -> KeyboardInterrupt:
-        """The end that the signal asked for, for work that keeps nothing but what is done."""
+        """The end requested by the signal, for work that stores only finished parts."""
         return KeyboardInterrupt() if self.number == signal.SIGINT else Terminated(self.number)
 
 
@@ -64,7 +64,7 @@ def interruptible() -> Iterator[Stop]:
 
 @contextmanager
 def terminable() -> Iterator[None]:
-    """Ends the block by `Terminated` when asked to end: what it opened is tidied up, as after Ctrl-C."""
+    """End the block by `Terminated` on request, and clean up as after Ctrl-C."""
 
     def end(number: int, _: FrameType | None) -> None:
         signal.signal(number, before[signal.Signals(number)])

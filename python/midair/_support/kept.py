@@ -96,7 +96,7 @@ def check(folder: Path) -> None:
 def locked(folder: Path) -> Iterator[None]:
     """Make the folder if need be, and hold it: no other run works on it meanwhile.
 
-    Raises SceneError at once where another one holds it. The system frees what a killed process held.
+    Raises SceneError at once if another process has the lock. The system frees the lock of a killed process.
     """
     check(folder)
     with refusing(folder):
@@ -110,7 +110,7 @@ def locked(folder: Path) -> Iterator[None]:
     try:
         yield
     finally:
-        # Windows removes no open file; elsewhere it has to go while it is held.
+        # Windows removes no open file; elsewhere it must be removed while it is locked.
         if windows:
             os.close(handle)
         with suppress(OSError):

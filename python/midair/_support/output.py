@@ -94,7 +94,7 @@ def tidy(path: Path) -> None:
 
 
 def _lives(process: int) -> bool:
-    """Whether a process of that number is there; Windows cannot be asked in this way."""
+    """Whether a process of that number exists; Windows has no such check."""
     if os.name == "nt":
         return True
     try:

@@ -18,7 +18,7 @@ from .._support.kept import Arrays
 from .._support.output import METRICS
 from .engine import Stopped, go_on
 
-#: What a table needs of each problem: whether more is asked for than the array reaches, or too little.
+#: Flags of each problem for warnings: targets above the array's reach, or too weak.
 REPORTED = (*METRICS, "status", "beyond", "weak")
 
 #: Settings of a block, all that JSON can hold. "array", "medium": the tables of a scene file. "count": M.
@@ -32,7 +32,7 @@ Settings = Mapping[str, Any]
 def solve_block(settings: Settings, start: int, stop: int) -> Arrays:
     """Trials start to stop of a block.
 
-    Returns TOLD, each (B,), and, if asked for, drive (B, N), scale (B,), points (B, M, 3), pressures (B, M)
+    Returns REPORTED, each (B,), and, on request, drive (B, N), scale (B,), points (B, M, 3), pressures (B, M)
     as attained and targets (B, M) where the block has them.
     """
     array, medium = array_and_medium(settings)

@@ -27,7 +27,7 @@ MOST_BLOCKS = 10**6
 #: Bytes that a random point and its target take while they are drawn.
 POINT = 64
 
-#: Different warnings that are told before any work; more would repeat themselves.
+#: Largest number of different warnings before any work.
 MOST_REPORTED = 3
 
 _FIXED = ("positions", "pressures", "weights")
@@ -65,7 +65,7 @@ def tables_of(tables: Tables, key: str) -> list[Tables]:
 
 
 def reason(error: SceneError) -> str:
-    """What an error of a scene's text says, without the place in a text that nobody wrote."""
+    """Text of an error in a scene, without the place in its generated text."""
     return re.sub(r"^scene, line \d+(, column \d+)?: ", "", str(error))
 
 
@@ -152,7 +152,7 @@ def _listed(points: list[Any]) -> Tables:
 
 
 def _scenes(tables: Tables, folder: Path) -> tuple[list[Base], list[Path]]:
-    """Each scene; its own solver is not asked for."""
+    """Yield each scene; its own solver is ignored."""
     for key in ("array", "medium", "points"):
         if key in tables:
             raise SceneError(f"{key} is given beside scenes: a scene has its own")

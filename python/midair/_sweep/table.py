@@ -42,7 +42,7 @@ class Shortfall:
         self.least = min(self.least, arrays["level"][beyond].min(initial=np.inf))
 
     def text(self) -> str:
-        """What is to be told of them; nothing, if there are none."""
+        """Their warning, empty if there are none."""
         parts = []
         if self.beyond:
             parts.append(
@@ -240,7 +240,7 @@ def open_drives(path: Path, request: Request) -> Iterator[Callable[[Arrays, int]
     """A Zarr group with a row for each row of the table; what it yields takes a chunk and its first row.
 
     drive (rows, N), pressures (rows, M) as attained, complex64; scale (rows,); points (rows, M, 3) in m;
-    targets (rows, M) in Pa if pressures were asked for. N and M are the sweep's largest: what a row lacks is
+    targets (rows, M) in Pa if pressures were requested. N and M are the sweep's largest: what a row lacks is
     0, points NaN.
     """
     import zarr

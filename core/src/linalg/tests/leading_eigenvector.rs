@@ -14,7 +14,7 @@ fn the_leading_eigenvector_is_found_at_every_size() {
             let mut vector = Planar::zeros(1, crate::kernels::lanes::padded(count), &work);
             vector.re[..count].fill(1.0);
             leading_eigenvector(InstructionSet::best(), &stored, &mut vector, count, &work, &mut Control::none())
-                .expect("nobody stops it");
+                .expect("it is not stopped");
             let value = (0..count).map(|k| (entry(&vector, k).conj() * apply(&matrix, &vector, k)).re).sum::<f64>();
             let residual = (0..count).map(|k| (apply(&matrix, &vector, k) - value * entry(&vector, k)).norm_sqr());
             // f32 products of vectors of length 1, relative to the eigenvalue.

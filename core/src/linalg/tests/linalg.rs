@@ -37,7 +37,7 @@ fn a_hermitian_system_is_solved_at_every_size() {
     for count in 1..=40 {
         let (matrix, stored) = random(count, 2 * count, &work);
         let solver = Hermitian::new(InstructionSet::best(), &stored, count, 0.5, &work, &mut Control::none())
-            .expect("nobody stops it")
+            .expect("it is not stopped")
             .expect("positive definite");
         let mut x = Planar::zeros(1, crate::kernels::lanes::padded(count), &work);
         for j in 0..count {
