@@ -44,7 +44,7 @@ class Built:
 
 
 class Packaged:
-    """Devices of firmware 0.12 in this process, whose state nobody can read."""
+    """Devices of firmware 0.12 in this process, whose state cannot be read."""
 
     def __init__(self, devices: int) -> None:
         self._emulator = autd3.UdpEmulator(devices)

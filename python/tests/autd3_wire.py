@@ -1,4 +1,4 @@
-"""A wire between midair and an emulator of AUTD3 boards: loses datagrams, and keeps what boards were told.
+"""A wire between midair and an emulator of AUTD3 boards: loses datagrams, and stores the boards' steps.
 
 The client is given the wire's address for the emulator's. Each board answers from a socket of its own, so the
 wire has one for each, too, towards the client, made when the board first speaks.
@@ -54,7 +54,7 @@ class Wire:
         self._selector.close()
 
     def steps(self) -> list[list[bytes]]:
-        """The steps that each board was told, the first board first: the last one is told first."""
+        """The steps that each board received, the first board first: the last one receives first."""
         return [list(each) for each in reversed(self._steps.values())]
 
     def _socket(self, board: Any) -> socket.socket:

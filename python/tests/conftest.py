@@ -91,7 +91,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
 
 @pytest.fixture
 def dark(request: pytest.FixtureRequest) -> Callable[..., AbstractContextManager[None]]:
-    """A board is silent within so many seconds of what is done in the block; the time is told at the end."""
+    """Check that a board is silent within a time in s after the block; the run's end prints the times."""
 
     @contextmanager
     def within(line: Line, allowed: float) -> Iterator[None]:

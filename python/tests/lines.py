@@ -89,7 +89,7 @@ class Line:
                 self.changed.notify_all()
 
     def wait(self, condition, seconds=5.0):
-        """The time at which a condition of the surface held."""
+        """The time at which a condition of the surface was true."""
         with self.lock:
             assert self.changed.wait_for(lambda: condition(self.surface), seconds), "it never came"
             return time.monotonic()

@@ -67,7 +67,7 @@ class Rig:
         return p + (noise[0] + 1j * noise[1]) / np.sqrt(2) if phased else np.abs(np.abs(p) + noise[0])
 
     def kept(self, array: midair.Array, sound_speed: float) -> float:
-        """Level at points where nobody measured, solved by a model, over that solved by the truth."""
+        """Level at points without microphones, solved by a model, over that solved by the truth."""
         truth = self.matrix(self.new)
         best = midair.solve(midair.Propagation(truth), "uniform").drive
         found = midair.solve(midair.Scene(array, self.new, sound_speed=sound_speed), "uniform").drive

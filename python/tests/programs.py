@@ -59,7 +59,7 @@ def spin(surface):
 
 
 def native(surface):
-    """Hang with the lock of the interpreter held."""
+    """Hang with the lock of the interpreter taken."""
     ctypes.PyDLL(None).sleep(30)
 
 

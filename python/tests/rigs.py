@@ -50,7 +50,7 @@ def playable(kind: str) -> Complex:
         return np.ravel(amplitudes * np.exp(TURNING * phases[:, None]))
     ticks = TICKS[kind]
     starts, widths = np.meshgrid(np.arange(ticks), np.array(WIDTHS.get(kind, (0, ticks // 2))))
-    # Drives are told from where edges differ least from equal ones; the rest is in the response.
+    # Drives are decoded from where edges differ least from equal ones; the rest is in the response.
     early = np.unwrap(np.angle(edges(LENGTHS[kind])[:-1])) - 2 * np.pi * np.arange(ticks) / ticks
     return pulses(starts, widths, LENGTHS[kind]) / TURN[kind] * np.exp(-1j * early.mean())
 

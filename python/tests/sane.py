@@ -9,7 +9,7 @@ import pyarrow.parquet
 
 import midair
 
-#: The weakest method of docs/how-to-choose.md reaches .42; far above the targets is what nobody asked for.
+#: The weakest method of docs/how-to-choose.md reaches .42; far above the targets is a fault, too.
 LEAST, MOST = 0.3, 1.2
 #: Its most uneven one has .24.
 UNEVEN = 0.3

@@ -46,7 +46,7 @@ limit = ["clamp", "full"]
 
 
 def changed(**tables: Any) -> dict[str, Any]:
-    """ASKED with other tables, or without those given as None."""
+    """REQUESTED with other tables, or without those given as None."""
     return {key: value for key, value in {**deepcopy(REQUESTED), **tables}.items() if value is not None}
 
 

@@ -61,7 +61,7 @@ def reported(monkeypatch: pytest.MonkeyPatch) -> Reported:
 
 
 def samples(reported: Reported) -> np.ndarray:
-    """Phases and pulse widths (T, 2 N), from what was told and the times that were waited in between."""
+    """Phases and pulse widths (T, 2 N), from the steps and the waits between them."""
 
     def play(recorder: Recorder) -> None:
         for each in reported.log:

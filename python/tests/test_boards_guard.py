@@ -1,4 +1,4 @@
-"""Nobody holds it, nothing plays: programs that play on a pseudo-terminal die in every way, and it is off.
+"""A board without a program is off: programs that play on a pseudo-terminal die in every way, and it is off.
 
 MIDAIR_SLOW=1 lets each die twenty times.
 """

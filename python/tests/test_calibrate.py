@@ -1,4 +1,4 @@
-"""Calibration, held to arrays and air that the fit does not know."""
+"""Calibration, tested on arrays and air that the fit does not know."""
 
 from pathlib import Path
 from typing import Any

@@ -357,10 +357,10 @@ def test_progress_is_shown_only_of_what_takes_over_a_second(
 LONG = """
 from midair._cli import main, solve as module
 solve = module.solve
-def told(*arguments, **options):
+def reported(*arguments, **options):
     print("ready", flush=True)
     return solve(*arguments, **options)
-module.solve = told
+module.solve = reported
 main({arguments!r})
 """
 

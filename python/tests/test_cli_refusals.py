@@ -88,7 +88,7 @@ ARGUMENTS: dict[str, str] = {
     "order of a deep nest": "solve scene.toml -o out.csv --order " + "[" * 100000,
     "balance of no sense": "solve scene.toml --balance maybe",
     "aim of no sense": "solve scene.toml --solver uniform --aim loud -o out.csv",
-    "aim nobody uses": "solve scene.toml --solver naive --aim max -o out.csv",
+    "unused aim": "solve scene.toml --solver naive --aim max -o out.csv",
     "pressures": "solve scene.toml --pressures 5 -o out.csv",
     "start": "solve scene.toml --start 5 -o out.csv",
     "unknown ending": "solve scene.toml -o out.mat",

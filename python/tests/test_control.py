@@ -15,7 +15,7 @@ from scenes import same_bits, small, usable
 #: One step a transducer, and one step an iteration.
 SOLVERS = ("greedy", "gs")
 
-#: Nobody waits this long for Ctrl-C; it is there so that a hang is a failure and not a hung suite.
+#: Far above the time that Ctrl-C may take: a hang becomes a failure, not a hung suite.
 HANG = 60
 
 INTERRUPTED = """
@@ -38,7 +38,7 @@ else:
     print("finished", flush=True)
 """
 
-#: What takes from seconds to minutes where nobody interrupts it.
+#: Work of seconds to minutes if it is not interrupted.
 LONG = {
     "greedy": 'midair.solve(few, "greedy", amplitudes=256, phases=4096, objective="l1")',
     "evd": 'midair.solve(many, "evd")',

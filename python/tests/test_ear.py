@@ -1,4 +1,4 @@
-"""`quiet=` and `midair.ear`: quiet points held to a tolerance, and boxes of them."""
+"""`quiet=` and `midair.ear`: quiet points within a tolerance, and boxes of them."""
 
 from __future__ import annotations
 

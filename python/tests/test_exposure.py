@@ -1,4 +1,4 @@
-"""`midair.exposure`: levels by plain NumPy, boxes against places held out, limits by name."""
+"""`midair.exposure`: levels by plain NumPy, boxes against other places in them, limits by name."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Arrays from files of other programs, held to geometry worked out here from the formats' own words."""
+"""Arrays from files of other programs, compared with geometry computed here from the formats' own words."""
 
 import gzip
 import json

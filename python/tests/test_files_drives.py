@@ -41,7 +41,7 @@ def acoustools_places() -> list[tuple[float, float, bool]]:
 
 
 def by_place(values: Any, places: list[tuple[float, float, bool]]) -> np.ndarray[Any, Any]:
-    """Values told by place, in the order of the preset."""
+    """Values by place, in the order of the preset."""
     known = {
         (round(x, 2), round(y, 2), top): value for (x, y, top), value in zip(places, values, strict=True)
     }

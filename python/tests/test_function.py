@@ -112,7 +112,7 @@ def test_what_it_raises_comes_out_unchanged(error) -> None:
     with pytest.raises(error if isinstance(error, type) else type(error)) as raised:
         midair.solve(small(), broken)
     assert raised.value is error or isinstance(error, type)
-    # Its own frame is told, so that it can be found.
+    # Its own frame is reported, so that it can be found.
     assert [entry.name for entry in raised.traceback][-1] == "broken"
     assert usable(midair.solve(small(), foci))
 

@@ -17,7 +17,7 @@ from midair._toolbox import HOMES
 
 PACKAGE = Path(midair.__file__).parent
 
-#: The packages and lone modules from the lowest layer up; one may import those before it, and itself.
+#: The packages and single modules from the lowest layer up; one may import those before it, and itself.
 LAYERS = (
     "_midair",
     "_support",

@@ -1,4 +1,4 @@
-"""Known answers of the NumPy reference that midair is held to."""
+"""Known answers of the NumPy reference with which midair is compared."""
 
 import numpy as np
 import pytest

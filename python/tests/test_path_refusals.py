@@ -21,7 +21,7 @@ REFUSED: dict[str, Callable[[], Any]] = {
     "speed and frequency": lambda: ring(speed=1),
     "neither": lambda: ring(frequency=None),
     "a speed of 0": lambda: ring(frequency=None, speed=0),
-    "a speed of nobody": lambda: ring(frequency=None, speed=1e-320),
+    "a tiny speed": lambda: ring(frequency=None, speed=1e-320),
     "a frequency of NaN": lambda: ring(frequency=math.nan),
     "no turns": lambda: ring(turns=0),
     "half a point": lambda: ring(points=1.5),
@@ -65,7 +65,7 @@ REFUSED: dict[str, Callable[[], Any]] = {
     "no frames": lambda: path.from_array([], rate=1),
     "frames of nothing": lambda: path.from_array(None, rate=1),  # type: ignore[arg-type]
     "complex frames": lambda: path.from_array(np.zeros((2, 1, 3), complex), rate=1),
-    "a rate of nobody": lambda: path.from_array([POINT] * 2, rate=1e-310),
+    "a tiny rate": lambda: path.from_array([POINT] * 2, rate=1e-310),
     "pressures of others": lambda: path.from_array([POINT] * 4, rate=1, pressures=np.ones((3, 1))),
     "frames at 0": lambda: ring().frames(0),
     "frames at NaN": lambda: ring().frames(math.nan),

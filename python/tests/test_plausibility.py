@@ -1,4 +1,4 @@
-"""Units nobody means are told once, by every way in: scenes, files, Solvers, batches, planes, commands."""
+"""Probably wrong units give one warning everywhere: scenes, files, Solvers, batches, planes, commands."""
 
 import pickle
 import warnings
@@ -78,7 +78,7 @@ def test_a_slip_is_reported_each_object_once(tmp_path: Path) -> None:
     (odd,) = scenes
     path = tmp_path / "odd.toml"
     odd.save(path)
-    # Made anew, it is told anew; what is done with it says no more.
+    # A new scene warns again; its use does not.
     assert len(received(lambda: midair.Scene.load(path))) == 1
     assert len(received(lambda: midair.Scene.parse(path.read_text()))) == 1
     midair.solve(odd, "naive")

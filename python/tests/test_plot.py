@@ -1,4 +1,4 @@
-"""Pictures, by the data on their axes: fields in planes, asked and got, contact sheets."""
+"""Pictures, by the data on their axes: fields in planes, targets and pressures, contact sheets."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -203,7 +203,7 @@ def test_a_sheet_shares_axes_and_a_scale_that_no_method_alone_sets() -> None:
         assert "sigma" in ax.get_title()
     assert "targets 60 Pa" in figure.get_suptitle()
     assert "z = 150 mm" in figure.get_suptitle()
-    # One that is far louder than asked is clipped, and an arrow says so.
+    # One that is far louder than requested is clipped, and an arrow says so.
     right, loud = midair.field(scene, table[0]), midair.field(scene, np.ones(64))
     assert np.abs(loud.pressure).max() > 5 * 60
     sheet = contact_sheet([right, right, loud], ["a", "b", "loud"])

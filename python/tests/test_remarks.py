@@ -1,4 +1,4 @@
-"""What an answer falls short of is told once: alone, by a Solver, and over a batch with counts."""
+"""Warnings of an answer's shortcomings: once for a solve and a Solver, with counts for a batch."""
 
 import warnings
 from collections.abc import Callable

@@ -40,7 +40,7 @@ def test_a_path_is_even_within_the_bound(board, ring):
     # In whole codes of the board.
     steps = found.changes * 256 / (2 * np.pi)
     np.testing.assert_allclose(steps, steps.round(), atol=1e-3)
-    # The same bound, told in rad/s.
+    # The same bound in rad/s.
     other = midair.sequence(board, frames, rate=RATE, change_rate=np.pi / 16 * RATE)
     assert np.array_equal(found.drives, other.drives)
 

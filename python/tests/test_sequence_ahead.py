@@ -94,7 +94,7 @@ def test_points_of_a_stream_come_and_go() -> None:
     drives = np.array(list(midair.stream(BOARD, frames, rate=RATE, change=CHANGE, ahead=4, absorption=0)))
     loud = np.abs(drives).max(axis=1)
     assert loud[:8].max() < 0.9
-    # What appears at once is uneven for some frames, and the loudest is no louder than asked.
+    # What appears at once is uneven for some frames, and the loudest is no louder than requested.
     assert loud[12:].min() > 0.95
     codes = np.rint(np.angle(drives) * 128 / np.pi).astype(int) % 256
     assert steps(codes).max() <= 4
@@ -192,7 +192,7 @@ def test_a_closed_sequence_asks_for_a_closed_path() -> None:
     for ahead in (0, 3, "all"):
         with pytest.raises(midair.SceneError, match=r"^closed is True: the path's end is not its start"):
             midair.sequence(BOARD, line, rate=RATE, closed=True, ahead=ahead)
-    # Of an array nobody knows; its seam is a step like any other.
+    # Of an unknown array; its seam is a step like any other.
     with pytest.warns(midair.SceneWarning, match="rad a frame, 0.196 allowed"):
         midair.sequence(BOARD, line.frames(RATE)[0][:40], rate=RATE, closed=True, ahead="all")
 

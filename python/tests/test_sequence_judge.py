@@ -288,7 +288,7 @@ def test_noise_is_reported_beside_amplitude_modulation_at_200_hertz() -> None:
     def plain(c: Any) -> Any:
         return (1 + c) / 2
 
-    # So many frames that no corner of their amplitudes is heard.
+    # So many frames that no corner of their amplitudes is audible.
     rate = 40e3
     assert modulated(plain, rate=rate).judge(TAU, hold="linear").noise == pytest.approx(0, abs=0.01)
     # Twice the frequency: four times the bend, and the ear hears its lines 6.1 and 4.0 dB better.
@@ -302,7 +302,7 @@ def test_noise_is_reported_beside_amplitude_modulation_at_200_hertz() -> None:
     assert modulated(plain, 400, rate).judge(TAU, hold="linear").noise == pytest.approx(louder, abs=0.03)
     opened = modulated(plain, rate=rate, closed=False)
     assert opened.judge(TAU, hold="linear").noise == pytest.approx(0, abs=0.1)
-    # Frames of 10 kHz that are held: their steps are heard, too.
+    # Frames of 10 kHz with steps: these are audible, too.
     assert modulated(plain).judge(TAU).noise > 3
     assert single(np.ones(50)).metrics.noise == -200
 

@@ -221,7 +221,7 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "no text": (lambda: shape.text(" ", height=1, z=1), 'string is " ": give at least a letter'),
     "no word": (lambda: shape.text(3, height=1, z=1), "string is 3: give text"),  # type: ignore[arg-type]
-    "a letter nobody has": (lambda: shape.text("a一", height=1, z=1), "the font has no '一'"),
+    "a missing letter": (lambda: shape.text("a一", height=1, z=1), "the font has no '一'"),
     "two lines": (lambda: shape.text("a\nb", height=1, z=1), "the font has no '\\n', give one line"),
     "an unknown font": (
         lambda: shape.text("a", height=1, z=1, font="Nofont"),

@@ -86,7 +86,7 @@ def test_the_sheet_is_that_of_finite_differences(frequency: float) -> None:
     second = sparse.diags_array([1.0, -2.0, 1.0], offsets=[-1, 0, 1], shape=(count, count)) / step**2
     one = sparse.eye_array(count)
     laplacian = sparse.kron(second, one) + sparse.kron(one, second)
-    # m w'' = T laplacian w + p, T with a loss, held at rims 8 cm away.
+    # m w'' = T laplacian w + p, T with a loss, fixed at rims 8 cm away.
     w2 = (2 * np.pi * frequency) ** 2
     matrix = 6.4 * 36 * (1 + 0.4j) * laplacian + 6.4 * w2 * sparse.eye_array(count**2)
     push = spot(*np.meshgrid(x, x, indexing="ij"))

@@ -136,7 +136,7 @@ def test_random_order_is_that_of_its_seed() -> None:
 def test_columns_run_along_y_from_the_corner_with_the_smallest_x() -> None:
     array = midair.Array.grid(5, 4, pitch=0.01)
     positions = array.positions.copy()
-    # Columns are told apart to 1 um.
+    # Columns are distinguished to 1 um.
     positions[:, 0] += np.random.default_rng(7).uniform(-1e-7, 1e-7, 20)
     order = np.arange(20).reshape(4, 5).T.ravel()
     for made in (array, midair.Array(positions)):
@@ -231,7 +231,7 @@ def test_balance_solves_at_the_balanced_level_and_reduces_the_drive() -> None:
     # Within f32 rounding of the level that was solved at.
     found = oracle.regrets(G, ratios * factor, full, order=order)
     assert found.max() < REGRET
-    # All that is told refers to the drive returned and the requested pressures.
+    # All results refer to the drive returned and the requested pressures.
     assert solution.targets.tolist() == ratios.tolist()
     p_abs = np.abs(G @ solution.drive)
     assert numbers(solution.metrics) == pytest.approx(oracle.metrics(p_abs, ratios), rel=1e-2)

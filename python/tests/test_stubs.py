@@ -48,7 +48,7 @@ midair.solve(scene, "greedy", ofset=1)  # wrong: misspelt
 midair.solve(scene, "greedy", phases="many")  # wrong: no number
 midair.solve(scene, "gspat", limit="clmp")  # wrong: no such word
 midair.solve(scene, "naive", phases=16)  # wrong: another solver's
-midair.solve(scene, ofset=1)  # wrong: nobody's
+midair.solve(scene, ofset=1)  # wrong: unknown
 midair.Solver(scene, own)  # wrong: a function solves one scene at a time
 midair.Solver(array, "greedy", tolerance=1.0)  # wrong: another solver's
 midair.solve_batch(array, points, None, "greedy", ofset=1)  # wrong: misspelt

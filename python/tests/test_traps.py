@@ -172,7 +172,7 @@ def test_a_signature_multiplies_the_responses_and_is_not_played(name: str) -> No
     real = oracle.propagation(positions, points, normals=normals) @ drive
     np.testing.assert_allclose(midair.field(scene, solution, points).pressure, real, atol=1.0)
     assert (abs(real) < 0.5 * abs(solution.pressures)).all()
-    # Whoever gives the factors gets the same foci, and a single one stands for all points.
+    # Given factors give the same foci, and a single factor stands for all points.
     given = plain.replace(signature=signs)
     foci = [midair.solve(which, "uniform", pressures=1000.0, aim="max").drive for which in (given, scene)]
     assert np.array_equal(*foci)

@@ -134,7 +134,7 @@ fn pressures_are_of_all_or_none_across_tables() {
 
 #[test]
 fn a_reader_without_a_door_says_who_draws() {
-    let error = read(SCENE.as_bytes(), Format::Toml).expect_err("nobody draws").to_string();
+    let error = read(SCENE.as_bytes(), Format::Toml).expect_err("no drawing").to_string();
     let begin =
         "scene file, line 13, column 1: shape[0] is a table of kind, height, string, z: midair's Python package";
     assert!(error.starts_with(begin), "{error}");

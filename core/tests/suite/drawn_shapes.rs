@@ -37,7 +37,7 @@ fn array() -> Array {
     Array::new(Array::preset("autd3", [2, 2]).expect("a preset").positions().to_vec(), None).expect("positions")
 }
 
-/// Points, all asked for `factor` times the balanced level.
+/// Points, all with the target `factor` times the balanced level.
 fn requested(points: Vec<[f64; 3]>, factor: f64) -> Problem {
     let reach = problem(&scene(array(), points.clone(), None)).targets_in_pascals()[0];
     let pressures = vec![factor * reach; points.len()];

@@ -1,4 +1,4 @@
-//! What is wrong with a scene file is told in one line: its name, the place, the item, and a line as it would be correct.
+//! Errors of scene files are one line: file, place, item, and a correct line as an example.
 
 use midair::files::{Format, MOST_BYTES, Source, read, read_from};
 

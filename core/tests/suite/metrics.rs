@@ -105,7 +105,7 @@ fn an_answer_reports_the_metrics_and_radiation_of_its_pressures() {
         let moduli: Vec<f64> = widen(&solution.pressures).iter().map(|p| p.norm()).collect();
         let wanted = oracle::metrics(&moduli, problem.targets_in_pascals(), problem.point_weights());
         assert_metrics(solution.metrics(), wanted, 1e-12);
-        assert!(solution.metrics().leak > 0.0, "the quiet point must be heard, or its metric is not tested");
+        assert!(solution.metrics().leak > 0.0, "the quiet point must leak, or its metric is not tested");
         for (j, modulus) in moduli.iter().enumerate() {
             let radiation = modulus * modulus / (1.2 * 346.0 * 346.0);
             assert!((solution.radiation(j) - radiation).abs() <= 1e-12 * radiation);

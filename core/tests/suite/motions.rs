@@ -1,4 +1,4 @@
-//! Where a scene lies and in what order it is told changes no answer: permuted, moved and mirrored scenes, for every
+//! Place and order of a scene change no answer: permuted, moved and mirrored scenes, for every
 //! registered solver, with real transducers that a mistake in their normals or responses would show.
 
 use midair::solvers::{Entry, SOLVERS};
@@ -71,7 +71,7 @@ impl Parts {
         }
     }
 
-    /// The transducers told in another order.
+    /// The transducers in another order.
     fn transducers_shuffled(&self) -> Self {
         let order = Rng::new(99).permutation(196);
         let by = |i: &u32| *i as usize;
@@ -83,7 +83,7 @@ impl Parts {
         }
     }
 
-    /// The points told in another order.
+    /// The points in another order.
     fn points_shuffled(&self) -> Self {
         let order = [3, 0, 4, 2, 1];
         Self {
@@ -115,7 +115,7 @@ fn permuting_moving_or_mirroring_a_whole_scene_changes_no_metric() {
     ];
     let parts: Vec<Parts> = (0..20).map(|seed| Parts::new(200 + seed)).collect();
     for entry in SOLVERS {
-        // A method that draws lots draws others for the same scene told otherwise: its answers agree in the mean
+        // A method that draws lots draws others for the same scene in another order: its answers agree in the mean
         // alone. Any other must give the same answer each time, so that its changes may not even cancel.
         let drawn = entry.options().iter().any(|option| option.name == "seed");
         let before: Vec<_> = parts.iter().map(|parts| metrics(entry, parts)).collect();

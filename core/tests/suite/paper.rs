@@ -19,7 +19,7 @@ fn greedy_draws_the_smiley() {
     }
 }
 
-/// Means over random scenes of fig. 3: `count` points over the 20 x 20 array, each asked for p1/sqrt(M).
+/// Means over random scenes of fig. 3: `count` points over the 20 x 20 array, each with the target p1/sqrt(M).
 fn mean(count: usize, trials: u64, greedy: &Greedy) -> Metrics {
     let (mut accuracy, mut sigma) = (0.0, 0.0);
     for seed in 0..trials {

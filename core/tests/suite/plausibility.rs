@@ -1,4 +1,4 @@
-//! What is hardly meant is told, each slip once and with its unit; what arrays are built like is not.
+//! Probable mistakes give a warning, each once and with its unit; usual arrays give none.
 
 use midair::presets::PRESETS;
 use midair::{Array, Medium, Plane, Request, Scene, Transducer};
@@ -159,8 +159,8 @@ fn two_pressures_in_one_place_are_reported_and_what_a_wave_can_do_is_not() {
 fn planes_in_millimetres_are_reported() {
     let plane = |z: f64, size: f64| Plane::new(z, size, 10, [0.0, 0.0]).expect("a plane").doubt();
     assert!(plane(0.15, 0.1).is_none() && plane(-1.0, 5.0).is_none());
-    assert_eq!(plane(150.0, 100.0).expect("told").to_string(), "plane.z is 150 m: give m (150 mm are 0.15 m)");
-    assert_eq!(plane(0.15, 100.0).expect("told").to_string(), "plane.size is 100 m: give m (100 mm are 0.1 m)");
+    assert_eq!(plane(150.0, 100.0).expect("a warning").to_string(), "plane.z is 150 m: give m (150 mm are 0.15 m)");
+    assert_eq!(plane(0.15, 100.0).expect("a warning").to_string(), "plane.size is 100 m: give m (100 mm are 0.1 m)");
 }
 
 #[test]

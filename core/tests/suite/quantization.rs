@@ -378,7 +378,7 @@ fn a_device_plays_no_point_louder_than_requested_unless_it_misses_less_and_keeps
                     let residual = solution.metrics().residual;
                     assert!(loudest <= 1.0 + 1e-4 || residual < even, "{reported}");
                     even = residual;
-                    // As loud as asked to a tenth, or all that the array has.
+                    // As loud as requested to a tenth, or all that the array has.
                     let full = scale == 1.0 && solution.drive.iter().all(|q| q.norm() > 0.9999);
                     assert!(full || loudest >= 0.9 - 1e-4, "{reported}");
                     // A fine table does without the supply.

@@ -97,7 +97,7 @@ fn a_bad_problem_is_named_and_a_stop_keeps_what_is_done() {
         asks.iter_mut().enumerate().for_each(|(k, ask)| spoil(k, ask));
         batch_of(&model, &asks, &solver, false).expect_err("refused").to_string()
     };
-    // Found when placed, when measured, when held to the reach: the first by index is named.
+    // Found when placed, when measured, when compared with the reach: the first by index is named.
     let far = |ask: &mut SolveRequest| ask.points[0][1] = f64::NAN;
     let near = |ask: &mut SolveRequest| ask.points[2] = model.array().positions()[0];
     let loud = |ask: &mut SolveRequest| ask.request.pressures.as_mut().expect("pressures")[1] = 1e200;

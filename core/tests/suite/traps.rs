@@ -128,7 +128,7 @@ fn what_does_not_fit_is_refused() {
     assert!((0..128).all(|i| real.exact(0, i).re == real.exact(0, 127 - i).re));
 }
 
-/// One who says stop whenever asked.
+/// Observer that always stops.
 struct Stop;
 
 impl midair::Observe for Stop {

@@ -102,7 +102,7 @@ fn only_what_provably_cannot_be_had_is_beyond_reach() {
         for seed in 0..10 {
             let points = random_points(count, 0.1, 300 + seed);
             let found = beyond(&points, vec![factor * p1 / (count as f64).sqrt(); count]);
-            // The paper's own targets, up to 13 % out of reach at few points, are nobody's mistake.
+            // The paper's own targets, up to 13 % out of reach at few points, are no mistake.
             assert_eq!(found.is_some(), expected, "M = {count}, seed {seed}: {found:?}");
         }
     }

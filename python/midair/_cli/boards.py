@@ -38,11 +38,7 @@ def off_command(address: str) -> int:
     with connect(whole, array=array) as board:
         board.off()
     reported = f"{board.board.name} at {address} is off"
-    cure = (
-        f"; it was taken for a {BOARD}; else use midair off BOARD:{address}"
-        if alone
-        else ""
-    )
+    cure = f"; it was taken for a {BOARD}; else use midair off BOARD:{address}" if alone else ""
     print_line(reported + cure)
     return 0
 

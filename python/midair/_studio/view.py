@@ -109,7 +109,7 @@ class View:
 
     @property
     def metrics(self) -> dict[str, Any]:
-        """Accuracy, sigma, uniformity and the others by method, from the page; empty before it has started."""
+        """Metrics by method (accuracy, sigma, uniformity, ...) from the page; empty before it has started."""
         return dict(self._widget.metrics)
 
     def _state(self) -> dict[str, Any]:
