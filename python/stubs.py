@@ -67,12 +67,12 @@ from numpy.typing import ArrayLike, NDArray
 from . import _keywords as k
 from ._midair import Array, Batch, Metrics, Propagation, Scene, Solution, _Option
 
-_Asked: TypeAlias = Scene | Propagation
+_Given: TypeAlias = Scene | Propagation
 _Driven: TypeAlias = Scene | Array | Propagation
 _Numbers: TypeAlias = ArrayLike | None
 
 {solve}@overload
-def solve(scene: _Asked, solver: Callable[..., ArrayLike], **keywords: Any) -> Solution: ...
+def solve(scene: _Given, solver: Callable[..., ArrayLike], **keywords: Any) -> Solution: ...
 
 @final
 class Solver:
@@ -228,7 +228,7 @@ def calls() -> str:
     first = "scene: _Driven, points: _Numbers, pressures: _Numbers, solver: "
     left_out = "scene: _Driven, points: _Numbers = None, pressures: _Numbers = None, "
     for name, title in solvers:
-        solve += overload("solve", f"scene: _Asked, solver: {name}", f"Solve{title}", "Solution")
+        solve += overload("solve", f"scene: _Given, solver: {name}", f"Solve{title}", "Solution")
         solver += overload(
             "__new__", f"cls, scene: _Driven, solver: {name}", f"Solver{title}", "Solver", "    "
         )
