@@ -1,7 +1,7 @@
-"""A SonicSurface's phases: the step that each of its 256 transducers plays, and the field that they make.
+"""A SonicSurface's phases: the step of each of its 256 transducers, and the field that they make.
 
-The board knows 32 phases, on and off, and every answer for its array is already of these. Played on a board
-at the end of a line that is none; `sonicsurface:/dev/ttyUSB0` is a real one.
+The board has 32 phases, on and off, and every drive for its array already consists of these. The program
+plays it on a simulated board; `sonicsurface:/dev/ttyUSB0` is a real one.
 """
 
 import matplotlib.pyplot as plt

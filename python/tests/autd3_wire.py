@@ -33,7 +33,7 @@ class Wire:
 
     def __init__(self, emulator: str, lose: Callable[[bytes], bool] = lambda _: False) -> None:
         self.lose = lose
-        self.told: dict[Any, list[bytes]] = defaultdict(list)
+        self.reported: dict[Any, list[bytes]] = defaultdict(list)
         self._steps: dict[Any, list[bytes]] = defaultdict(list)
         self.lost, self.carried, self.heartbeats = 0, 0, 0
         self._client: Any = None
@@ -91,7 +91,7 @@ class Wire:
             self._steps[board].append(data[HEADER:])
             if data[HEADER + 1] == PATTERN:
                 codes = data[CODES:]
-                self.told[board].append(codes[::2] + codes[1::2] if data[0] == PAIRED else codes)
+                self.reported[board].append(codes[::2] + codes[1::2] if data[0] == PAIRED else codes)
 
 
 def described(address: str) -> Autd3Transport:

@@ -21,13 +21,13 @@ from autd3_wire import BOARDS, Wire, described
 def test_the_makers_client_sends_boards_the_same_bytes() -> None:
     """Of firmware 0.12, whose client is a package: the acts of golden/autd3 in its words, without counts."""
     emulator = Packaged(BOARDS)
-    told = []
+    reported = []
     for speak in (of_midair, of_the_makers):
         wire = Wire(emulator.address)
         speak(wire.address)
-        told.append([[read(step)[1:] for step, _ in groupby(each)] for each in wire.steps()])
+        reported.append([[read(step)[1:] for step, _ in groupby(each)] for each in wire.steps()])
         wire.close()
-    for ours, theirs in zip(*told, strict=True):
+    for ours, theirs in zip(*reported, strict=True):
         # They look for the firmware before they clear it, and leave boards as they are then.
         assert sorted(ours[:4]) == sorted(theirs[:4])
         assert ours[6:] == theirs[4:]

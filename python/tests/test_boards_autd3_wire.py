@@ -63,15 +63,15 @@ def wire(emulator: Packaged | Built) -> Iterator[Wire]:
 @pytest.fixture
 def boards(wire: Wire) -> Iterator[Autd3Transport]:
     made = described(f"autd3:{wire.address}")
-    wire.told.clear()
+    wire.reported.clear()
     yield made
     made.close()
 
 
 def each_board(wire: Wire) -> list[list[bytes]]:
     """What each board was told, in order, with what was said again at once counted once."""
-    assert len(wire.told) == BOARDS
-    return [[codes for codes, _ in groupby(told)] for told in wire.told.values()]
+    assert len(wire.reported) == BOARDS
+    return [[codes for codes, _ in groupby(reported)] for reported in wire.reported.values()]
 
 
 def wanted(sent: list[bytes]) -> list[list[bytes]]:
@@ -95,7 +95,7 @@ def test_every_frame_comes_once(wire: Wire, boards: Autd3Transport) -> None:
 def test_every_frame_comes_where_datagrams_are_lost(wire: Wire, seed: int) -> None:
     wire.lose = one_in(100, seed)
     boards = described(f"autd3:{wire.address}")
-    wire.told.clear()
+    wire.reported.clear()
     sent = frames(FRAMES)
     for frame in sent:
         boards.play(frame)
@@ -119,12 +119,12 @@ def test_sequences_and_modulation_come_where_datagrams_are_lost(wire: Wire, boar
 @pytest.mark.slow
 def test_opening_and_closing_leave_the_boards_silent(wire: Wire) -> None:
     boards = described(f"autd3:{wire.address}")
-    assert all(silent(told[-1]) for told in each_board(wire))
-    wire.told.clear()
+    assert all(silent(reported[-1]) for reported in each_board(wire))
+    wire.reported.clear()
     boards.play(frames(1)[0])
-    assert not any(silent(told[-1]) for told in each_board(wire))
+    assert not any(silent(reported[-1]) for reported in each_board(wire))
     boards.close()
-    assert all(silent(told[-1]) for told in each_board(wire))
+    assert all(silent(reported[-1]) for reported in each_board(wire))
     boards.close()
     for ask in (lambda: boards.play(frames(1)[0]), boards.silence, lambda: boards.modulate(None)):
         with pytest.raises(BoardLost, match="closed; connect again"):
@@ -142,7 +142,7 @@ def test_silence_comes_at_once_and_again(wire: Wire, boards: Autd3Transport) -> 
         begin = time.perf_counter()
         boards.silence()
         assert time.perf_counter() - begin < 0.2
-        assert all(silent(told[-1]) for told in each_board(wire))
+        assert all(silent(reported[-1]) for reported in each_board(wire))
 
 
 @pytest.mark.slow
@@ -157,14 +157,14 @@ def test_what_is_under_way_does_not_come_after_silence(wire: Wire, boards: Autd3
     boards.silence()
     player.join()
     time.sleep(0.05)
-    for told, begun in zip(sorted(each_board(wire)), sorted(wanted([first])), strict=True):
-        assert told[0] == begun[0]
-        assert silent(told[-1])
-        assert not any(map(silent, told[:-1]))
+    for reported, begun in zip(sorted(each_board(wire)), sorted(wanted([first])), strict=True):
+        assert reported[0] == begun[0]
+        assert silent(reported[-1])
+        assert not any(map(silent, reported[:-1]))
 
 
 @pytest.mark.slow
-def test_lost_boards_are_told_and_left(wire: Wire, boards: Autd3Transport) -> None:
+def test_lost_boards_are_reported_and_left(wire: Wire, boards: Autd3Transport) -> None:
     """Frames are lost, heartbeats are not: were they to go on, the boards would play on for ever."""
     gc.disable()
     boards.play(frames(1)[0])
@@ -190,7 +190,7 @@ def test_lost_boards_are_told_and_left(wire: Wire, boards: Autd3Transport) -> No
 
 
 @pytest.mark.slow
-def test_a_dead_line_is_told_within_half_a_second_and_closes(wire: Wire) -> None:
+def test_a_dead_line_is_reported_within_half_a_second_and_closes(wire: Wire) -> None:
     for ask in ("play", "close"):
         wire.lose = lambda _: False
         boards = described(f"autd3:{wire.address}")
@@ -219,7 +219,7 @@ def test_boards_that_rebooted_are_lost_and_come_back(
 
     with pytest.raises(BoardLost, match=r"board 1 .*: unplugged, rebooted"):
         play_on()
-    assert any(silent(told[-1]) for told in each_board(wire))
+    assert any(silent(reported[-1]) for reported in each_board(wire))
     again = described(f"autd3:{wire.address}")
     again.play(frames(1)[0])
     again.close()
@@ -251,7 +251,7 @@ def test_boards_without_a_word_mute_themselves_until_they_are_opened(
     again.close()
 
 
-def test_boards_that_are_not_there_are_told() -> None:
+def test_boards_that_are_not_there_are_reported() -> None:
     with pytest.raises(
         BoardNotFound,
         match=r"autd3: no AUTD3 board answers; the array stands for 2 boards: .* speaks EtherCAT",
@@ -260,7 +260,7 @@ def test_boards_that_are_not_there_are_told() -> None:
 
 
 @pytest.mark.slow
-def test_a_missing_board_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_board_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(autd3_chain, "ENUMERATION", 1)
     alone = Packaged(1)
     with pytest.raises(
@@ -270,7 +270,7 @@ def test_a_missing_board_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.slow
-def test_a_board_too_many_is_told() -> None:
+def test_a_board_too_many_is_reported() -> None:
     more = Packaged(3)
     with pytest.raises(BoardNotFound, match="more than 2 AUTD3 boards answered; the array stands for 2"):
         described(f"autd3:{more.address}")
@@ -293,10 +293,12 @@ def test_boards_are_silent_when_their_program_is_ended(wire: Wire, end: str) -> 
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as program:
         assert program.stdout
         assert program.stdout.readline() == b"plays\n"
-        assert not any(silent(told[-1]) for told in each_board(wire))
+        assert not any(silent(reported[-1]) for reported in each_board(wire))
         program.send_signal(signal.Signals[end])
         begin = time.perf_counter()
-        while not all(silent(told[-1]) for told in each_board(wire)) and time.perf_counter() - begin < 2:
+        while (
+            not all(silent(reported[-1]) for reported in each_board(wire)) and time.perf_counter() - begin < 2
+        ):
             time.sleep(0.005)
         assert time.perf_counter() - begin < 0.25
         assert program.wait(5) != 0
@@ -307,7 +309,7 @@ def test_a_connection_plays_on_the_emulator(wire: Wire) -> None:
     array = midair.Array.preset("autd3", tiles=(BOARDS, 1))
     drives = np.exp(2j * np.pi * np.random.default_rng(1).integers(0, 256, (5, len(array))) / 256)
     with midair.connect(f"autd3:{wire.address}", array=array) as boards:
-        wire.told.clear()
+        wire.reported.clear()
         boards.stream(drives, rate=50, late="wait")
         assert sorted(each_board(wire)) == sorted(wanted([boards.board.encode(drive) for drive in drives]))
         assert boards.emitting == pytest.approx(drives[-1], abs=1e-6)
@@ -318,9 +320,9 @@ def test_a_connection_plays_on_the_emulator(wire: Wire) -> None:
         boards.send(drives[0])
         boards.off()
         assert boards.state == "off"
-        assert all(silent(told[-1]) for told in each_board(wire))
+        assert all(silent(reported[-1]) for reported in each_board(wire))
         boards.send(drives[0])
-    assert all(silent(told[-1]) for told in each_board(wire))
+    assert all(silent(reported[-1]) for reported in each_board(wire))
 
 
 @pytest.mark.slow

@@ -76,7 +76,7 @@ def test_a_set_that_was_stopped_goes_on_and_ends_alike(tmp_path: Path) -> None:
     assert all((tmp_path / "second" / name).stat().st_mtime_ns == then for name, then in kept.items())
 
 
-def test_drives_are_judged_by_the_scenes_held_out(tmp_path: Path) -> None:
+def test_drives_are_judged_by_the_scenes_kept_out(tmp_path: Path) -> None:
     made = midair.dataset(REQUEST, tmp_path / "scenes")
     own = np.concatenate([part["drive"] * part["scale"][:, None] for part in made.read("held_out")])
     judged = made.judge(own)

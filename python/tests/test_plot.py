@@ -145,10 +145,10 @@ def test_pictures_count_the_scale_in_and_tell_it() -> None:
     table = midair.compare(flat(array=array, pressures=16), ["naive", "uniform"], balance=True)
     solution = table["naive"]
     assert solution.scale < 0.1
-    told = f"level {solution.metrics.level:.3f}, scale {solution.scale:.3g}"
+    reported = f"level {solution.metrics.level:.3f}, scale {solution.scale:.3g}"
     plotted = midair.plot(solution).figure
     for figure in (plotted, solution.plot()):
-        assert f"targets 16 Pa, {told}" in titles(figure)
+        assert f"targets 16 Pa, {reported}" in titles(figure)
         # The brightest pixels are as loud as the table says, within what 200 pixels miss of a focus.
         assert images(figure)[0].max() == pytest.approx(np.abs(solution.pressures).max(), rel=0.05)
     sheet = table.plot()
@@ -228,7 +228,7 @@ def test_a_sheet_has_a_row_a_solver_where_points_lie_in_several_planes() -> None
 # Of a hundred points some are near one another.
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 @pytest.mark.parametrize("count", [2, 3, 100])
-def test_a_solution_plots_what_was_asked_and_got(count: int) -> None:
+def test_a_solution_plots_what_was_requested_and_got(count: int) -> None:
     rng = np.random.default_rng(2)
     points = rng.uniform([-0.03, -0.03, 0.15], [0.03, 0.03, 0.15], (count, 3))
     targets = rng.uniform(20, 60, count) * (np.arange(count) != 2)
@@ -242,8 +242,8 @@ def test_a_solution_plots_what_was_asked_and_got(count: int) -> None:
     dots = {int(x): y for line in ax.lines for x, y in zip(*line.get_data(), strict=True)}
     assert (bars or dots) == pytest.approx(got)
     assert bool(bars) == (count < 50)
-    asked = np.array([segment[:, 1].mean() for segment in ax.collections[0].get_segments()])
-    assert asked == pytest.approx(targets)
+    requested = np.array([segment[:, 1].mean() for segment in ax.collections[0].get_segments()])
+    assert requested == pytest.approx(targets)
     assert ax.get_ylim()[1] > max(*got.values(), targets.max())
     labels = [text.get_text() for text in ax.get_legend().get_texts()]
     assert ("got at a quiet point" in labels) == (count > 2)
@@ -307,7 +307,7 @@ def test_axes_of_ones_own_hold_one_panel() -> None:
             draw(panels="gs")
 
 
-def test_a_solution_of_a_matrix_plots_what_was_asked_and_got_alone() -> None:
+def test_a_solution_of_a_matrix_plots_what_was_requested_and_got_alone() -> None:
     solution = midair.solve(midair.Propagation(small().propagation()), "naive", pressures=500)
     figure = answer(solution)
     assert not images(figure)

@@ -12,7 +12,7 @@ import zarr
 import midair
 from midair import _cli as cli
 from midair._sweep import table as files
-from sweeps import ASKED, TOML, changed
+from sweeps import REQUESTED, TOML, changed
 
 
 @pytest.fixture(autouse=True)
@@ -44,7 +44,7 @@ def test_the_command_writes_what_python_gives(run: Run) -> None:
     assert zarr.open("drives.zarr", mode="r")["drive"].shape == (18, 400)
 
 
-POINTS = ASKED["points"]
+POINTS = REQUESTED["points"]
 BAD: dict[str, tuple[dict[str, Any], str]] = {
     "an unknown key": ({"sedes": 4}, 'unknown key "sedes": did you mean seeds? known are seed, seeds'),
     "an unknown key of points": ({"points": {**POINTS, "w": 1}}, 'unknown key of points "w"'),
@@ -133,7 +133,7 @@ def test_what_an_extra_brings_is_named_where_it_is_missing(monkeypatch: pytest.M
     monkeypatch.setattr(files, "find_spec", lambda name: None)
     for places in ({"output": "table.parquet"}, {"drives": "drives.zarr"}):
         with pytest.raises(midair.SceneError, match=r'pip install "midair\[sweep\]"'):
-            midair.sweep(ASKED, **places)
+            midair.sweep(REQUESTED, **places)
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(midair.SceneError, match=r'pip install "midair\[cluster\]"'):
-        midair.sweep(ASKED, scheduler="tcp://127.0.0.1:1")
+        midair.sweep(REQUESTED, scheduler="tcp://127.0.0.1:1")

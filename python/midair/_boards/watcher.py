@@ -1,4 +1,4 @@
-"""Watcher: a third process, which turns the device off where its guard and the guard's owner die together.
+"""Watcher: a third process, which turns the device off if its guard and the guard's owner die together.
 
 The guard forks it first of all, twice and into a session of its own, so that what ends a group or a tree of
 processes does not find it. It reads the guard's beats. Where these end without a word, the owner turns the
@@ -24,35 +24,35 @@ from typing import Any
 from .transport import open_transport
 from .wire import BEATS
 
-#: A dead process that its parent has not waited for, and stopped ones, by a signal and by a debugger.
+#: States of a dead process that its parent has not waited for, and of stopped ones.
 DEAD, STOPPED, TRACED = "ZX", "T", "t"
 
 #: Links behind which a board plays on: AUTD3 mutes itself, others are no device.
 WATCHED = ("serial", "fifo")
 
-#: A guard that is silent for so long is ended, and so long an owner has to turn the device off, in s: longer
+#: A guard silent for this time, in s, is ended, and an owner has this time to turn the device off: longer
 #: than owner and guard may miss each other's beats.
 SILENT = 1.5
 
-#: A port that another still holds is tried so often, so many seconds apart.
+#: Number of attempts to open a port that another process keeps, and the seconds between them.
 TRIES = 50
 PAUSE = 0.02
 
-#: How often the watcher looks whether guard and owner are stopped, in s.
+#: Time in s between two checks whether guard and owner are stopped.
 LOOK = 0.04
 
 BEAT, END = b".", b"E"
 
 
 def runs(process: int) -> bool:
-    """Whether a process is there and neither stopped nor a zombie."""
+    """Whether a process exists and is neither stopped nor a zombie."""
     if state := _state(process):
         return state not in DEAD + STOPPED + TRACED
     try:
         os.kill(process, 0)
     except OSError:
         return False
-    # Where there is no /proc, a process that is there runs.
+    # Without /proc, an existing process counts as running.
     return not Path("/proc/self/stat").exists()
 
 
@@ -62,20 +62,20 @@ def is_stopped(process: int) -> bool:
 
 
 class Stops:
-    """Notes whether a process is stopped by a signal; one that is stopped but at a single look goes on."""
+    """Notes whether a process is stopped by a signal, at two checks one after another."""
 
     def __init__(self, process: int) -> None:
         self._process = process
         self._before = False
 
     def look(self) -> bool:
-        """Whether it is stopped now and was at the look before."""
+        """Whether it is stopped now and was at the check before."""
         before, self._before = self._before, is_stopped(self._process)
         return before and self._before
 
 
 def _state(process: int) -> str:
-    """The letter of a process's state, none where it cannot be read."""
+    """The letter of a process's state, none if it cannot be read."""
     with suppress(OSError):
         return Path(f"/proc/{process}/stat").read_text(errors="replace").rpartition(")")[2].split()[0]
     return ""
@@ -89,7 +89,7 @@ class Watch:
         self._over = threading.Event()
 
     def begin(self, setting: dict[str, Any]) -> None:
-        """Tell what the device's transport is made of, and beat from now on."""
+        """Send the description of the device's transport, and beat from now on."""
         if self._pipe is None or setting["transport"]["kind"] not in WATCHED:
             self.end()
             return
@@ -114,7 +114,7 @@ class Watch:
 
 
 def _forked() -> int:
-    """The pipe to a watcher, whose parent is not the guard."""
+    """Read end of the pipe, in a watcher whose parent is not the guard."""
     guard, owner = os.getpid(), os.getppid()
     theirs, ours = os.pipe()
     if child := os.fork():
@@ -136,7 +136,7 @@ def _forked() -> int:
 
 
 def _watch(pipe: int, guard: int, owner: int) -> None:
-    """Read beats until the guard says that all is over, or says nothing."""
+    """Read beats until the guard reports the end, or stops."""
     with os.fdopen(pipe, "rb", buffering=0) as beats:
         line = beats.readline()
         if not line.endswith(b"\n"):
@@ -154,14 +154,14 @@ def _watch(pipe: int, guard: int, owner: int) -> None:
             if not came:
                 break
         else:
-            # An owner that runs would have done so before.
+            # An owner that runs would have turned it off before.
             with suppress(OSError):
                 os.kill(guard, signal.SIGKILL)
     _silence(setting["transport"], node, owner)
 
 
 def _node(transport: dict[str, Any]) -> tuple[int, ...] | None:
-    """Which node in /dev a port is: that of a port that was pulled and plugged in again is another."""
+    """The node in /dev of a port: a port that was pulled and plugged in again has another."""
     with suppress(OSError, KeyError):
         found = os.stat(transport["port"])
         return found.st_ino, found.st_rdev, found.st_ctime_ns
@@ -169,7 +169,7 @@ def _node(transport: dict[str, Any]) -> tuple[int, ...] | None:
 
 
 def _left_to(owner: int) -> bool:
-    """Whether an owner runs for as long as it may take to turn the device off."""
+    """Whether an owner runs for as long as it may need to turn the device off."""
     until = time.monotonic() + SILENT
     while runs(owner):
         if time.monotonic() > until:
@@ -179,7 +179,7 @@ def _left_to(owner: int) -> bool:
 
 
 def _silence(transport: dict[str, Any], node: tuple[int, ...] | None, owner: int) -> None:
-    """Turn the device off, as soon as it is let go of and takes what is sent; not one that took its place."""
+    """Turn the device off as soon as it is free and accepts bytes; not another device in its place."""
     for _ in range(TRIES):
         if _node(transport) != node:
             return

@@ -61,13 +61,21 @@ def sweep(
     (60,)
     """
     parts: list[dict[str, list[Any]]] = []
-    asked = read(request, drives=drives is not None)
-    work(asked, output, drives, receive=parts.append, scheduler=scheduler, threads=threads, progress=progress)
-    return table.as_columns(parts, asked)
+    requested = read(request, drives=drives is not None)
+    work(
+        requested,
+        output,
+        drives,
+        receive=parts.append,
+        scheduler=scheduler,
+        threads=threads,
+        progress=progress,
+    )
+    return table.as_columns(parts, requested)
 
 
 def work(
-    asked: Request,
+    requested: Request,
     output: str | PathLike[str] | None,
     drives: str | PathLike[str] | None,
     *,
@@ -82,7 +90,7 @@ def work(
         None if path is None else path_of(name, path)
         for name, path in (("output", output), ("drives", drives))
     ]
-    folder = table.check(asked, *places)
+    folder = table.check(requested, *places)
     if threads is not None:
         whole(threads, "threads", least=1)
     shortfall = Shortfall()
@@ -93,12 +101,12 @@ def work(
         nonlocal done
         done += items
         if progress is not None:
-            progress(done, asked.problems)
+            progress(done, requested.problems)
 
     with nullcontext() if folder is None else locked(folder):
         with ExitStack() as stack:
-            write = stack.enter_context(table.open_table(places[0], asked)) if places[0] else None
-            give = stack.enter_context(table.open_drives(places[1], asked)) if places[1] else None
+            write = stack.enter_context(table.open_table(places[0], requested)) if places[0] else None
+            give = stack.enter_context(table.open_drives(places[1], requested)) if places[1] else None
 
             def take(job: Job, arrays: Arrays) -> None:
                 nonlocal first
@@ -112,7 +120,7 @@ def work(
                 first += job.stop - job.start
 
             run(
-                _jobs(asked, chunk),
+                _jobs(requested, chunk),
                 take,
                 chunks=folder,
                 scheduler=scheduler,
@@ -126,7 +134,7 @@ def work(
         warn(text)
 
 
-def _jobs(asked: Request, chunk: int) -> Iterator[Job]:
-    for block in asked.blocks:
+def _jobs(requested: Request, chunk: int) -> Iterator[Job]:
+    for block in requested.blocks:
         for start in range(0, block.trials, chunk):
             yield Job(solve_block, block.settings, start, min(start + chunk, block.trials), block)

@@ -191,18 +191,20 @@ def solve_scenes(settings: Mapping[str, Any], start: int, stop: int) -> Arrays:
     return arrays
 
 
-def _blocks(asked: Request, bounds: bool) -> list[Block]:
+def _blocks(requested: Request, bounds: bool) -> list[Block]:
     """The blocks of a request that a data set can have, with one seed for all scenes."""
-    methods = {json.dumps([block.settings["solver"], block.settings["options"]]) for block in asked.blocks}
-    sizes = {block.columns["transducers"] for block in asked.blocks}
+    methods = {
+        json.dumps([block.settings["solver"], block.settings["options"]]) for block in requested.blocks
+    }
+    sizes = {block.columns["transducers"] for block in requested.blocks}
     if len(methods) > 1:
         raise SceneError(f"the data set has {len(methods)} methods: give one [solver] without lists")
     if len(sizes) > 1:
         raise SceneError(f"the data set has arrays of {sorted(sizes)} transducers: give arrays of one size")
-    if any(block.settings.get("region") is None for block in asked.blocks):
+    if any(block.settings.get("region") is None for block in requested.blocks):
         raise SceneError("the data set has fixed points: give points.count and the ranges x, y and z")
     made = []
-    for block in asked.blocks:
+    for block in requested.blocks:
         options = dict(block.settings["options"])
         if "seed" in solvers()[block.settings["solver"]].options:
             options.setdefault("seed", block.settings["seed"])

@@ -65,16 +65,16 @@ MARK = {"midair": "sweep"}
 ARRAYS = ("drive", "scale", "pressures", "points", "targets")
 
 
-def check(asked: Request, table: Path | None, drives: Path | None) -> Path | None:
+def check(requested: Request, table: Path | None, drives: Path | None) -> Path | None:
     """Refuse files that cannot be written, or that no sweep made; returns the folder of finished chunks."""
     if table is not None:
-        output.check(table, TABLES, asked.files)
+        output.check(table, TABLES, requested.files)
         if table.suffix.lower() == ".parquet":
             _need("pyarrow", table)
     if drives is not None:
         _need("zarr", drives)
         check_drives(drives)
-        _spare([*asked.files, *([] if table is None else [table])], drives)
+        _spare([*requested.files, *([] if table is None else [table])], drives)
         output.tidy(output.real(drives))
     beside = table or drives
     if beside is None:
