@@ -41,7 +41,7 @@ pub(crate) fn tracks<'py>(
         change: read::real("change", change)?,
         phases: whole("phases", phases)?,
         ends: match read::flag("closed", closed)? {
-            _ if start.is_some() => Ends::Kept,
+            _ if start.is_some() => Ends::Held,
             true => Ends::Closed,
             false => Ends::Open,
         },
