@@ -68,7 +68,7 @@ def read(file: Path) -> Document | None:
     def start(name: str, text: str) -> NDArray[np.float64]:
         """The points of the first frame of a path, or of a file of frames."""
         folder = file.parent
-        one = _points(text, folder) if name == "motion.file" else _path(tomllib.loads(text), folder)
+        one = _points(text, folder) if name == "motion.file" else path_of(tomllib.loads(text), folder)
         moving.append(one)
         first: NDArray[np.float64] = one.at([0.0])[0] if isinstance(one, Moving) else one[0]
         return first
@@ -144,7 +144,8 @@ def _frames(file: Path) -> NDArray[np.float64]:
     return points.reshape(frames, count, 3)
 
 
-def _path(table: dict[str, Any], folder: Path) -> Moving:
+def path_of(table: dict[str, Any], folder: Path) -> Moving:
+    """A path by its table in a scene file, whose files lie in a folder."""
     if "kind" not in table:
         raise SceneError(f"kind is left out: give one of {', '.join(KINDS)}")
     kind = word("kind", table.pop("kind"))

@@ -28,6 +28,10 @@ SAMPLES, END = 221, 16.0
 LEAST, MOST, ENTRIES = 1e-5, 400.0, 6000
 
 
+#: Corners that are not divided further.
+LEAF = 48
+
+
 @dataclass(frozen=True)
 class Sheet:
     """A membrane: wave speed in m/s, loss factor, and mass in kg/m^2."""
@@ -85,11 +89,16 @@ class Sheet:
         """Displacement (L, V) in m under pressure lines (L, V) in Pa at the corners of triangles."""
         from scipy.sparse.linalg import splu
 
-        found = np.empty_like(lines)
-        for k, frequency in enumerate(frequencies):
-            stiff = mesh.stiffness + mesh.areas_of_corners * complex(self.decay(frequency)) ** 2
-            load = mesh.areas_of_corners @ lines[k].astype(np.complex128)
-            found[k] = splu(stiff.tocsc()).solve(load) / self.tension
+        found, order = np.empty_like(lines), mesh.order
+        stiffness, shares = mesh.stiffness[order][:, order].tocsc(), mesh.areas_of_corners.diagonal()[order]
+        places = np.arange(len(order) + 1)
+        for k, squared in enumerate(self.decay(frequencies) ** 2):
+            inertia = type(stiffness)((squared * shares, places[:-1], places), stiffness.shape)
+            stiff = (stiffness + inertia).astype(np.complex64)
+            # The matrix is symmetric, and its loss keeps every pivot from 0: the order may stay.
+            factors = splu(stiff, permc_spec="NATURAL", diag_pivot_thresh=0, options={"SymmetricMode": True})
+            load = (lines[k][order] * shares).astype(np.complex64)
+            found[k, order] = factors.solve(load) / np.complex64(self.tension)
         return found
 
 
@@ -122,6 +131,7 @@ class Triangles:
 
     stiffness : (V, V), the integral of the product of gradients
     areas_of_corners : (V, V), a third of the triangles around each corner, on the diagonal
+    order : (V,), of corners, in which factors of such matrices stay sparse
     """
 
     def __init__(self, vertices: NDArray[np.float64], faces: NDArray[Any]) -> None:
@@ -146,6 +156,7 @@ class Triangles:
         self.stiffness = sum(g.T @ weights @ g for g in self._gradients)
         shares = np.bincount(faces.ravel(), np.repeat(self._areas / 3, 3), count)
         self.areas_of_corners = diags_array(shares)
+        self.order = np.array(_dissected(np.arange(count), vertices, self.stiffness.tocsr()))
         outward = np.zeros((count, 3))
         np.add.at(outward, faces, cross[:, None])
         self.normals = outward / np.linalg.norm(outward, axis=1, keepdims=True)
@@ -156,3 +167,16 @@ class Triangles:
         for line in lines:
             squares = sum(np.abs(g @ line) ** 2 for g in self._gradients) * self._areas / 3
             yield np.bincount(self._faces.ravel(), np.repeat(squares, 3), len(line)) / self._shares
+
+
+def _dissected(corners: NDArray[np.int64], vertices: NDArray[np.float64], graph: Any) -> list[int]:
+    """Nested dissection (George 1973): one half, the other, and last those of it that touch the first."""
+    if len(corners) <= LEAF:
+        return list(corners)
+    along = vertices[corners, int(np.ptp(vertices[corners], axis=0).argmax())]
+    first, second = corners[along < np.median(along)], corners[along >= np.median(along)]
+    touches = np.diff(graph[second][:, first].indptr) > 0
+    if not len(first) or touches.all():
+        return list(corners)
+    halves = (_dissected(half, vertices, graph) for half in (first, second[~touches]))
+    return [*next(halves), *next(halves), *second[touches]]

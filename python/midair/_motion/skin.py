@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 from html import escape
 from typing import TYPE_CHECKING, Literal, get_args
 
@@ -70,8 +71,8 @@ def skin(
     >>> array = midair.Array.preset("autd3")
     >>> ring = midair.path.circle([0, 0, 0.15], 0.02, speed=7)
     >>> touch = midair.skin(midair.sequence(array, ring, rate=4e3, change=1.0))
-    >>> touch.displacement.shape[1], touch.level > 0
-    (4096, True)
+    >>> touch.displacement.shape, touch.level > 0
+    ((18, 4096), True)
     """
     if not isinstance(sequence, Sequence):
         raise refused("sequence", sequence, "give a midair.Sequence")
@@ -88,12 +89,14 @@ def skin(
         moved = sheet.on_plane(frequencies, lines[1:].reshape(-1, *shape), step)
         slopes = [sum(np.abs(g) ** 2 for g in np.gradient(line, step)).ravel() for line in moved]
     elif isinstance(hand, Mesh):
-        mesh = Triangles(hand.vertices, hand.faces)
+        mesh = _triangles(hand)
         places = hand.vertices
-        frequencies, lines = _lines(sequence, places, tau)
         ways = places - sequence.array.positions.mean(axis=0)
         cosines = -np.einsum("pk,pk->p", mesh.normals, ways) / np.linalg.norm(ways, axis=1)
-        lines *= np.square(np.maximum(cosines, 0)).astype(np.float32)
+        (near,) = np.nonzero(cosines > 0)
+        frequencies, pushed = _lines(sequence, places[near], tau)
+        lines = np.zeros((len(pushed), len(places)), np.complex64)
+        lines[:, near] = pushed * np.square(cosines[near]).astype(np.float32)
         moved = sheet.on_mesh(frequencies, lines[1:], mesh)
         slopes = list(mesh.slopes(moved))
     else:
@@ -279,6 +282,11 @@ class Skin:
             ("width", f"{1e3 * self.width():.1f} mm felt, {1e3 * self.focus_width():.1f} mm of pressure"),
             ("displacement", spectrum or "none"),
         ]
+
+
+@lru_cache(maxsize=2)
+def _triangles(hand: Mesh) -> Triangles:
+    return Triangles(hand.vertices, hand.faces)
 
 
 def _decibels(strength: float) -> float:
