@@ -1,17 +1,25 @@
-"""Playing one drive: repeats it while it lasts, and turns off at the end."""
+"""Playing: one drive that stays and is repeated; and points that come while the board plays."""
 
 from __future__ import annotations
 
 import math
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from itertools import count
 from typing import Any
 
-from .._midair import SceneError, Solution
+import numpy as np
+from numpy.typing import NDArray
+
+from .._midair import Scene, SceneError, Solution
+from .._motion import stream
 from .._support.arguments import number
+from ..path import Path
 from . import connection as connections
 from .connection import Connection
+from .errors import BoardError
 
 #: Time in s after which a drive is sent again, well before a connection's `hold` expires.
 AGAIN = 10.0
@@ -57,3 +65,127 @@ def play(solution: Solution, address: str, *, seconds: float | None = None, **op
     given = {} if "board" in options else {"array": solution.scene.array}
     with connections.connect(address, **{**given, **options}) as connection:
         keep(connection, solution, duration)
+
+
+#: Points that are taken at once, and s without a sign of life of who gives them after which the board is off.
+MOST_POINTS, SILENCE = 256, 0.2
+
+#: Times of a path that are looked at before it is played.
+LOOKED = 16
+
+Frame = tuple[NDArray[np.float64], NDArray[np.float64] | None]
+
+
+class Live:
+    """Plays the newest points on a board, each frame within a bound of the one before; off in silence.
+
+    rate : frames a second; left out, as many as the board takes
+    change : the bound in rad a frame; left out, that of `midair.stream`
+    """
+
+    def __init__(
+        self, connection: Connection, rate: float | None = None, change: float | None = None
+    ) -> None:
+        self.connection = connection
+        most = connection.board.rate
+        self.rate = most if rate is None else min(number("rate", rate, above=0), most)
+        self._change = change
+        self._news = threading.Condition()
+        self._wanted: Callable[[float], Frame] | None = None
+        self._signed = -math.inf
+        self._ended = False
+        self._error: str | None = None
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+    def place(self, points: NDArray[np.float64], pressures: NDArray[np.float64] | None = None) -> None:
+        """Play points (M, 3) in m, with pressures (M,) in Pa or as loud as can be.
+
+        Raises SceneError for points where none can be, BoardError where the board is gone.
+        """
+        if len(points) > MOST_POINTS:
+            raise SceneError(f"points are {len(points)}: give {MOST_POINTS} at most")
+        Scene(self.connection.board.array, points, 1.0 if pressures is None else pressures)
+        self._want(lambda time: (points, pressures))
+
+    def follow(self, path: Path) -> None:
+        """Play a path, over and over where it is closed; then its end stays.
+
+        Raises SceneError for more points than a frame takes, BoardError where the board is gone.
+        """
+        if path.points > MOST_POINTS:
+            raise SceneError(f"path has {path.points} points: give {MOST_POINTS} at most")
+        looked = np.linspace(0, path.duration, LOOKED)
+        for points in path.at(looked):
+            Scene(self.connection.board.array, points)
+
+        def wanted(time: float) -> Frame:
+            at = [time % path.duration if path.closed else min(time, path.duration)]
+            return path.at(at)[0], path.targets(at)[0] if path.pascals else None
+
+        self._want(wanted)
+
+    def keep(self) -> None:
+        """Note a sign of life."""
+        with self._news:
+            self._signed = time.monotonic()
+            self._news.notify()
+
+    def off(self) -> None:
+        """Turn off until the next points. Raises BoardError where the board is gone."""
+        with self._news:
+            self._wanted = None
+        self.connection.off()
+
+    def state(self) -> dict[str, Any]:
+        """What the board does, its counts of frames, and the error that ended the last points, if any."""
+        stats = self.connection.stats
+        counts = {"frames": stats.frames, "late": stats.late, "lapses": stats.lapses}
+        return {"state": self.connection.state, **counts, "error": self._error}
+
+    def close(self) -> None:
+        """Stop playing; the connection stays."""
+        with self._news:
+            self._ended, self._wanted = True, None
+            self._news.notify()
+        self._thread.join(1.0)
+        with suppress(BoardError):
+            self.connection.off()
+
+    def _want(self, wanted: Callable[[float], Frame]) -> None:
+        begin = time.monotonic()
+        with self._news:
+            self._wanted, self._error = (lambda now: wanted(now - begin)), None
+            self._signed = begin
+            self._news.notify()
+
+    def _lives(self) -> bool:
+        return self._wanted is not None and time.monotonic() - self._signed < SILENCE
+
+    def _run(self) -> None:
+        while not self._ended:
+            with self._news:
+                self._news.wait_for(lambda: self._ended or self._lives())
+            try:
+                due = time.monotonic()
+                frames = stream(
+                    self.connection.board.array, self._frames(), rate=self.rate, change=self._change
+                )
+                for drive in frames:
+                    if not self._lives():
+                        break
+                    self.connection.send(drive)
+                    # A frame that came late moves the clock.
+                    due = max(due + 1 / self.rate, time.monotonic() - 1 / self.rate)
+                    time.sleep(max(0.0, due - time.monotonic()))
+                self.connection.off()
+            except (SceneError, BoardError) as error:
+                with self._news:
+                    self._wanted, self._error = None, str(error)
+                with suppress(BoardError):
+                    self.connection.off()
+
+    def _frames(self) -> Iterator[Any]:
+        while (wanted := self._wanted) is not None and self._lives():
+            points, pressures = wanted(time.monotonic())
+            yield points if pressures is None else (points, pressures)

@@ -1,4 +1,4 @@
-"""`midair studio`: serves the studio's page to a browser of this machine."""
+"""`midair studio` serves the page to a browser of this machine; `midair serve` plays points of other programs."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from pathlib import Path
 
 from .. import Board, connect
 from .._boards.address import DEFAULT, parse
+from .._boards.doors import Doors
+from .._boards.playing import SILENCE, Live
 from .._studio.page import greeting, scene_text
 from .._studio.server import HOLD, PagesBoard, Server
 from .play import board_of
@@ -49,4 +51,41 @@ def studio_command(
             # In a thread, because a browser in the terminal returns only when it is closed.
             threading.Thread(target=webbrowser.open, args=(server.address,), daemon=True).start()
         server.serve_forever()
+    return 0
+
+
+def serve_command(
+    *,
+    on: str,
+    port: int = 0,
+    osc: int = 0,
+    origin: list[str] | None = None,
+    rate: float | None = None,
+    change: float | None = None,
+) -> int:
+    """Play points that other programs of this machine send, by WebSocket or OSC. Ctrl-C ends it.
+
+    Parameters
+    ----------
+    on
+        The board and where it is: autd3, sonicsurface:/dev/ttyUSB0, sonicsurface:loop (docs/boards.md).
+    port
+        Of 127.0.0.1, for WebSocket; left out, a free one.
+    osc
+        Of 127.0.0.1, for OSC over UDP; left out, a free one.
+    origin
+        A web page that may connect, as http://localhost:8000; may be repeated. Left out, none.
+    rate
+        Frames a second; left out, as many as the board takes.
+    change
+        The largest change of a phase between two frames, in rad; left out, pi/16.
+    """
+    with (
+        connect(on, hold=SILENCE) as connection,
+        Doors(Live(connection, rate, change), port, osc, origin or ()) as doors,
+    ):
+        print(doors.address, flush=True)
+        print(f"osc://127.0.0.1:{doors.osc} token {doors.token}", flush=True)
+        tell("Ctrl-C ends it")
+        threading.Event().wait()
     return 0

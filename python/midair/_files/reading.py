@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._boards.board import Board
-from .._midair import Array, Solution
+from .._midair import Array, Solution, drive_from_csv
 from .._motion import Sequence
 from .._support.arguments import path_of
 from .._support.text import content, fault, number, rows, text
-from . import acoustools, archive, control_points, holo, one_drive, pair
+from . import acoustools, archive, control_points, holo, pair
 from . import played as board_frames
 from .control_points import ControlPoints
 from .played import known
@@ -64,7 +64,7 @@ def _csv(path: str | PathLike[str], array: Array | None) -> NDArray[np.complex64
         raise fault(path, None, f"no row is in it: {CSV}")
     names = {name.lower() for name in head}
     if names >= {"amplitude", "phase"}:
-        return one_drive.read(path, data)
+        return drive_from_csv(data, f'file "{path}"')
     if "intensity" in names:
         return control_points.read(path, data)
     values = [number(cell) for cell in head]

@@ -7,13 +7,13 @@ from pathlib import Path as File
 from typing import Any
 
 from .._boards.board import Board
-from .._midair import SceneError, Solution
+from .._midair import SceneError, Solution, drive_to_csv
 from .._motion import Sequence
 from .._motion.files import whole
 from .._support import output
 from .._support.arguments import path_of, refused, shown, word
 from ..path import Path
-from . import acoustools, archive, control_points, holo, one_drive, pair
+from . import acoustools, archive, control_points, holo, pair
 from . import played as board_frames
 from .control_points import ControlPoints
 from .played import Played, known, played
@@ -102,5 +102,20 @@ def _write(file: File, layout: str, drives: Played, board: Board | None) -> None
         if layout == ".bin":
             board_frames.write(part, drives, board)
         else:
-            plain = {".npz": archive, ".holo": holo, "acoustools": acoustools, "drive": one_drive}
-            plain[layout].write(part, drives)
+            plain = {
+                ".npz": archive.write,
+                ".holo": holo.write,
+                "acoustools": acoustools.write,
+                "drive": _drive,
+            }
+            plain[layout](part, drives)
+
+
+def _drive(path: File, drives: Played) -> None:
+    """Write one drive, a row index,x,y,z,amplitude,phase a transducer; x, y, z where an array is known."""
+    if drives.frames != 1:
+        cure = 'give layout="acoustools" or "ultraino", or a name that ends in .npz'
+        raise SceneError(f"{drives.frames} frames: this .csv holds one drive, {cure}")
+    (drive,) = drives
+    positions = None if drives.array is None else drives.array.positions
+    path.write_bytes(drive_to_csv(drive, positions).encode())

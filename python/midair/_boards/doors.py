@@ -1,0 +1,236 @@
+"""Doors: points of other programs for a board, by WebSocket and by OSC over UDP, of this machine alone.
+
+A message says what is to play; docs/serve.md lists them. Who does not know the token is refused, and so is a
+page of another origin, unless its origin is named. A client that is silent for 0.2 s, or gone, leaves the
+board off.
+"""
+
+from __future__ import annotations
+
+import hmac
+import json
+import secrets
+import socket
+import threading
+from collections.abc import Iterable
+from contextlib import suppress
+from http import HTTPStatus
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+from urllib.parse import parse_qs, urlsplit
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._midair import SceneError
+from .._motion import document
+from .._support.arguments import number, real, refused
+from .errors import BoardError
+from .playing import SILENCE, Live
+
+#: The largest message, in bytes, and numbers of a point in a binary one.
+MOST_BYTES, ROW = 1 << 16, 4
+
+#: What a message may hold.
+KEYS = ("points", "path", "modulation", "off", "keep", "state")
+
+MISSING = 'serve needs websockets and python-osc: pip install "midair[serve]"'
+
+
+class Doors:
+    """Serves a board until it is closed.
+
+    port, osc : of 127.0.0.1, for WebSocket and for OSC; 0 for free ones
+    origins : of web pages that may connect, such as "http://localhost:8000"
+
+    Raises SceneError for ports that cannot be had, and where websockets or python-osc is missing.
+    """
+
+    def __init__(self, live: Live, port: int = 0, osc: int = 0, origins: Iterable[str] = ()) -> None:
+        try:
+            from pythonosc.osc_packet import OscPacket
+            from websockets.sync.server import serve
+        except ImportError as error:
+            raise SceneError(MISSING) from error
+        self._live = live
+        self._packet = OscPacket
+        self.token = secrets.token_urlsafe(16)
+        self._udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        try:
+            self._udp.bind(("127.0.0.1", osc))
+            self._server = serve(
+                self._talk,
+                "127.0.0.1",
+                port,
+                origins=[None, *origins],  # type: ignore[list-item]
+                process_request=self._admit,
+                max_size=MOST_BYTES,
+                compression=None,
+            )
+        except (OSError, OverflowError) as error:
+            self._udp.close()
+            raise SceneError(
+                f"port {port} or {osc}: {error}; give another one, or 0 for a free one"
+            ) from error
+        self.port = self._server.socket.getsockname()[1]
+        self.osc = self._udp.getsockname()[1]
+        for serves in (self._server.serve_forever, self._listen):
+            threading.Thread(target=serves, daemon=True).start()
+
+    @property
+    def address(self) -> str:
+        """Where a WebSocket client connects, with the token."""
+        return f"ws://127.0.0.1:{self.port}/?token={self.token}"
+
+    def close(self) -> None:
+        """Let nobody in any more, and turn the board off."""
+        self._server.shutdown()
+        self._udp.close()
+        self._live.close()
+
+    def __enter__(self) -> Doors:
+        return self
+
+    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    def obey(self, message: str | bytes) -> dict[str, Any]:
+        """Do what a message says; returns the answer.
+
+        Raises SceneError for a message that is not in order, BoardError where the board is gone.
+        """
+        live = self._live
+        if isinstance(message, bytes):
+            return self._rows(np.frombuffer(_whole(message), "<f4").astype(np.float64))
+        asked = _read(message)
+        if "modulation" in asked:
+            wave = asked["modulation"]
+            if isinstance(wave, list):
+                wave = real("modulation", wave, "give a frequency in Hz, or numbers from 0 to 1")
+            live.connection.modulate(wave)
+        if "points" in asked:
+            points = real("points", asked["points"], "give (M, 3) in m")
+            if points.ndim != 2 or points.shape[1] != 3 or not len(points):
+                raise refused("points", asked["points"], "give (M, 3) in m")
+            pressures = asked.get("pressures")
+            live.place(points, None if pressures is None else real("pressures", pressures, "give (M,) in Pa"))
+        elif "path" in asked:
+            live.follow(_path(asked["path"]))
+        elif "off" in asked:
+            live.off()
+        live.keep()
+        return live.state() if "state" in asked else {}
+
+    def _rows(self, values: NDArray[np.float64]) -> dict[str, Any]:
+        """Points and pressures (M, 4); none turns off, and pressures of 0 alone mean as loud as can be."""
+        rows = values.reshape(-1, ROW)
+        if not len(rows):
+            self._live.off()
+            return {}
+        self._live.place(rows[:, :3], rows[:, 3] if rows[:, 3].any() else None)
+        return {}
+
+    def _admit(self, connection: Any, request: Any) -> Any:
+        """Refuse who does not know the token."""
+        given = parse_qs(urlsplit(request.path).query).get("token", [""])[0]
+        if hmac.compare_digest(given.encode(), self.token.encode()):
+            return None
+        return connection.respond(HTTPStatus.FORBIDDEN, "the token that midair serve printed is missing\n")
+
+    def _talk(self, client: Any) -> None:
+        board = self._live.connection.board
+        greeting = {"board": board.name, "transducers": len(board.array), "rate": self._live.rate}
+        client.send(json.dumps({**greeting, "silence": SILENCE}))
+        try:
+            for message in client:
+                try:
+                    answer = self.obey(message)
+                except (SceneError, BoardError) as error:
+                    answer = {"error": str(error)}
+                if answer:
+                    client.send(json.dumps(answer))
+        finally:
+            with suppress(BoardError):
+                self._live.off()
+
+    def _listen(self) -> None:
+        """Obey datagrams of OSC whose first argument is the token; others are dropped without an answer."""
+        while True:
+            try:
+                data, sender = self._udp.recvfrom(MOST_BYTES)
+            except OSError:
+                if self._udp.fileno() < 0:
+                    return
+                continue
+            try:
+                messages = [each.message for each in self._packet(data).messages]
+            # Whatever a damaged datagram makes the parser raise.
+            except Exception:
+                continue
+            for message in messages:
+                token, *values = message.params or [""]
+                if isinstance(token, str) and hmac.compare_digest(token.encode(), self.token.encode()):
+                    self._answer(sender, message.address, values)
+
+    def _answer(self, sender: Any, address: str, values: list[Any]) -> None:
+        from pythonosc.osc_message_builder import OscMessageBuilder
+
+        try:
+            answer = self._hear(address.removeprefix("/midair/"), values)
+            name = "state"
+        except (SceneError, BoardError) as error:
+            answer, name = {"error": str(error)}, "error"
+        if answer:
+            built = OscMessageBuilder(f"/midair/{name}")
+            for value in answer.values():
+                built.add_arg("" if value is None else value)
+            with suppress(OSError):
+                self._udp.sendto(built.build().dgram, sender)
+
+    def _hear(self, name: str, values: list[Any]) -> dict[str, Any]:
+        """The same messages as by WebSocket: points x y z ..., rows x y z pressure ..., modulation hz, ..."""
+        if name in ("points", "rows"):
+            numbers = real(name, values, "give numbers")
+            width = 3 if name == "points" else ROW
+            if numbers.ndim != 1 or not numbers.size or numbers.size % width:
+                raise SceneError(f"{name} are {numbers.size} numbers: give {width} a point")
+            rows = np.zeros((numbers.size // width, ROW))
+            rows[:, :width] = numbers.reshape(-1, width)
+            return self._rows(rows.ravel())
+        if name == "modulation":
+            return self.obey(json.dumps({name: number(name, values[0], least=0) or None if values else None}))
+        return self.obey(json.dumps({name: True}))
+
+
+def _whole(message: bytes) -> bytes:
+    if len(message) % (4 * ROW):
+        raise SceneError(f"message is {len(message)} bytes long: give float32 x, y, z, pressure a point")
+    return message
+
+
+def _read(message: str) -> dict[str, Any]:
+    """A JSON object of known keys, without NaN."""
+
+    def nan(name: str) -> float:
+        raise SceneError(f"message holds {name}: give finite numbers")
+
+    try:
+        asked = json.loads(message, parse_constant=nan)
+    except SceneError:
+        raise
+    except (ValueError, RecursionError) as error:
+        raise SceneError('message is no JSON: give an object such as {"points": [[0, 0, 0.15]]}') from error
+    if not isinstance(asked, dict) or not asked.keys() & set(KEYS):
+        raise SceneError(f"message has none of the keys {', '.join(KEYS)}")
+    for key in asked:
+        if key not in (*KEYS, "pressures"):
+            raise refused("key", key, f"give {', '.join(KEYS)} or pressures")
+    return asked
+
+
+def _path(table: Any) -> Any:
+    """A path of the table that a scene file has; none that reads a file."""
+    if not isinstance(table, dict) or table.get("kind") == "svg" or "file" in table:
+        raise SceneError("path reads a file, or is no object: give a table as in [[motion.path]], but no svg")
+    return document.path_of(dict(table), Path())

@@ -1,0 +1,202 @@
+"""`midair serve`: points of other programs by WebSocket and OSC, and what is refused."""
+
+from __future__ import annotations
+
+import json
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+import midair
+
+pytest.importorskip("websockets")
+pytest.importorskip("pythonosc")
+
+from pythonosc.osc_message_builder import OscMessageBuilder
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
+
+from midair._boards.doors import Doors
+from midair._boards.playing import SILENCE, Live
+
+# A board of one amplitude warns that it plays louder than it is asked to.
+pytestmark = pytest.mark.filterwarnings("ignore::midair.SceneWarning")
+
+POINT = [0.0, 0.0, 0.1]
+
+
+@pytest.fixture
+def doors() -> Iterator[Doors]:
+    with midair.connect("sonicsurface:loop", hold=SILENCE) as board, Doors(Live(board)) as found:
+        yield found
+
+
+def ask(client: Any, **message: Any) -> Any:
+    client.send(json.dumps({**message, "state": True}))
+    return json.loads(client.recv(timeout=5))
+
+
+def until(doors: Doors, state: str, seconds: float = 2.0) -> float:
+    """The time until the board is in a state."""
+    begin = time.monotonic()
+    while doors._live.connection.state != state:
+        assert time.monotonic() - begin < seconds, doors._live.state()
+        time.sleep(0.005)
+    return time.monotonic() - begin
+
+
+def focus(doors: Doors) -> float:
+    """|p| of what plays at POINT, over what one focus there can have."""
+    gains = midair.Scene(doors._live.connection.board.array, [POINT]).propagation()[0]
+    return float(abs(gains @ doors._live.connection.emitting) / abs(gains).sum())
+
+
+@pytest.mark.slow
+def test_points_are_played_and_silence_is_silent(doors: Doors) -> None:
+    with connect(doors.address) as client:
+        greeting = json.loads(client.recv(timeout=5))
+        assert (greeting["board"], greeting["transducers"]) == ("sonicsurface", 256)
+        assert ask(client, points=[POINT])["error"] is None
+        until(doors, "playing")
+        assert focus(doors) > 0.9
+        # A client that says nothing more is taken for dead.
+        assert until(doors, "off") < SILENCE + 0.3
+        client.send(np.array([[*POINT, 0.0]], "<f4").tobytes())
+        until(doors, "playing")
+        client.send(b"")
+        until(doors, "off")
+        ask(client, points=[POINT, [0.01, 0, 0.1]], pressures=[300, 100])
+        until(doors, "playing")
+    # Its end is the board's.
+    assert until(doors, "off") < SILENCE + 0.3
+
+
+@pytest.mark.slow
+def test_a_path_goes_on_while_there_are_signs_of_life(doors: Doors) -> None:
+    with connect(doors.address) as client:
+        client.recv(timeout=5)
+        circle = {"kind": "circle", "center": POINT, "radius": 0.01, "frequency": 2}
+        assert ask(client, path=circle)["error"] is None
+        until(doors, "playing")
+        for _ in range(8):
+            client.send('{"keep": true}')
+            time.sleep(0.05)
+        assert doors._live.connection.state == "playing"
+        client.send('{"off": true}')
+        until(doors, "off")
+
+
+@pytest.mark.slow
+def test_osc_plays_with_the_token_and_not_without(doors: Doors) -> None:
+    sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    sender.settimeout(5)
+
+    def osc(name: str, *values: Any) -> None:
+        built = OscMessageBuilder(f"/midair/{name}")
+        for value in values:
+            built.add_arg(value)
+        sender.sendto(built.build().dgram, ("127.0.0.1", doors.osc))
+
+    osc("points", *POINT)
+    osc("points", "guessed", *POINT)
+    time.sleep(0.2)
+    assert doors._live.connection.state == "off"
+    osc("points", doors.token, *POINT)
+    until(doors, "playing")
+    osc("points", doors.token, 1.0)
+    assert b"give 3 a point" in sender.recv(4096)
+    osc("off", doors.token)
+    until(doors, "off")
+    sender.close()
+
+
+def test_who_lacks_the_token_or_comes_from_another_page_is_refused(doors: Doors) -> None:
+    plain = doors.address.partition("?")[0]
+    for address, origin in (
+        (plain, None),
+        (plain + "?token=x", None),
+        (doors.address, "https://evil.example"),
+    ):
+        with pytest.raises(InvalidStatus, match="403"), connect(address, origin=origin):  # type: ignore[arg-type]
+            pass
+
+
+HOSTILE: tuple[str | bytes, ...] = (
+    "",
+    "{",
+    "[" * 50_000,
+    '{"points": ' + "[" * 30_000 + "]" * 30_000 + "}",
+    "null",
+    "[1]",
+    '{"points": [[NaN, 0, 0.1]]}',
+    '{"points": [[Infinity, 0, 0.1]]}',
+    '{"points": [[1e999, 0, 0.1]]}',
+    '{"points": [[1e300, 0, 0.1]]}',
+    '{"points": []}',
+    '{"points": [[0, 0]]}',
+    '{"points": "all"}',
+    '{"points": {"x": 1}}',
+    '{"points": [[0, 0, 0.1]], "pressures": [-1]}',
+    '{"points": [[0, 0, 0.1]], "pressures": [1, 2]}',
+    '{"points": [[0, 0, 0.1]], "pressures": "loud"}',
+    '{"points": [[0, 0, 0.1]], "volume": 11}',
+    json.dumps({"points": [[0, 0, 0.1 + 1e-4 * k] for k in range(1000)]}),
+    '{"path": {"kind": "svg", "file": "/etc/passwd"}}',
+    '{"path": {"kind": "circle"}}',
+    '{"path": {"kind": "circle", "center": [0, 0, 0.1], "radius": 1e9, "speed": 1}}',
+    '{"path": 3}',
+    '{"modulation": -5}',
+    '{"modulation": "fast"}',
+    '{"modulation": [[1]]}',
+    b"\x00",
+    b"\xff" * 16,
+    np.full(4, np.nan, "<f4").tobytes(),
+    b"\x00" * (16 * 1000),
+)
+
+
+@pytest.mark.slow
+def test_hostile_messages_make_no_sound_and_end_nothing(doors: Doors) -> None:
+    for message in HOSTILE * 34:
+        with pytest.raises((midair.SceneError, midair.BoardError)):
+            doors.obey(message)
+    with connect(doors.address) as client:
+        client.recv(timeout=5)
+        for message in HOSTILE:
+            client.send(message)
+            assert "error" in json.loads(client.recv(timeout=10)), message[:60]
+        assert doors._live.connection.stats.frames == 0
+        client.send("x" * 70_000)
+        with pytest.raises(Exception, match=r"1009|too big"):
+            client.recv(timeout=5)
+    flood = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    random = np.random.default_rng(0)
+    for k in range(1000):
+        flood.sendto(b"/midair/points\0\0" * (k % 2) + random.bytes(k % 90), ("127.0.0.1", doors.osc))
+    flood.close()
+    with connect(doors.address) as client:
+        client.recv(timeout=5)
+        assert ask(client, points=[POINT])["error"] is None
+        until(doors, "playing")
+
+
+@pytest.mark.slow
+def test_the_command_prints_where_it_serves_and_ends_by_ctrl_c() -> None:
+    command = [sys.executable, "-m", "midair", "serve", "--on", "sonicsurface:loop"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as program:
+        assert program.stdout is not None
+        address, osc = program.stdout.readline().strip(), program.stdout.readline()
+        assert osc.startswith("osc://127.0.0.1:")
+        with connect(address) as client:
+            assert json.loads(client.recv(timeout=10))["board"] == "sonicsurface"
+        program.send_signal(signal.SIGINT)
+        _, told = program.communicate(timeout=20)
+    assert "interrupted" in told
+    assert program.returncode == 130
