@@ -26,7 +26,7 @@ from websockets.sync.client import connect
 from midair._boards.doors import Doors
 from midair._boards.playing import SILENCE, Live
 
-# A board of one amplitude warns that it plays louder than it is asked to.
+# A board of one amplitude warns that it plays louder than requested.
 pytestmark = pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 
 POINT = [0.0, 0.0, 0.1]
@@ -117,7 +117,7 @@ def test_osc_plays_with_the_token_and_not_without(doors: Doors) -> None:
     sender.close()
 
 
-def test_who_lacks_the_token_or_comes_from_another_page_is_refused(doors: Doors) -> None:
+def test_a_client_without_the_token_or_from_another_page_is_refused(doors: Doors) -> None:
     plain = doors.address.partition("?")[0]
     for address, origin in (
         (plain, None),
@@ -197,6 +197,6 @@ def test_the_command_prints_where_it_serves_and_ends_by_ctrl_c() -> None:
         with connect(address) as client:
             assert json.loads(client.recv(timeout=10))["board"] == "sonicsurface"
         program.send_signal(signal.SIGINT)
-        _, told = program.communicate(timeout=20)
-    assert "interrupted" in told
+        _, printed = program.communicate(timeout=20)
+    assert "interrupted" in printed
     assert program.returncode == 130

@@ -1,7 +1,7 @@
 """Doors: points of other programs for a board, by WebSocket and by OSC over UDP, of this machine alone.
 
-A message says what is to play; docs/serve.md lists them. Who does not know the token is refused, and so is a
-page of another origin, unless its origin is named. A client that is silent for 0.2 s, or gone, leaves the
+A message says what is to play; docs/serve.md lists them. A client without the token is refused, and so is a
+page of another origin, unless `origins` names it. A client that is silent for 0.2 s, or gone, leaves the
 board off.
 """
 
@@ -84,7 +84,7 @@ class Doors:
         return f"ws://127.0.0.1:{self.port}/?token={self.token}"
 
     def close(self) -> None:
-        """Let nobody in any more, and turn the board off."""
+        """Close both ports and turn the board off."""
         self._server.shutdown()
         self._udp.close()
         self._live.close()
@@ -103,24 +103,24 @@ class Doors:
         live = self._live
         if isinstance(message, bytes):
             return self._rows(np.frombuffer(_whole(message), "<f4").astype(np.float64))
-        asked = _read(message)
-        if "modulation" in asked:
-            wave = asked["modulation"]
+        wanted = _read(message)
+        if "modulation" in wanted:
+            wave = wanted["modulation"]
             if isinstance(wave, list):
                 wave = real("modulation", wave, "give a frequency in Hz, or numbers from 0 to 1")
             live.connection.modulate(wave)
-        if "points" in asked:
-            points = real("points", asked["points"], "give (M, 3) in m")
+        if "points" in wanted:
+            points = real("points", wanted["points"], "give (M, 3) in m")
             if points.ndim != 2 or points.shape[1] != 3 or not len(points):
-                raise refused("points", asked["points"], "give (M, 3) in m")
-            pressures = asked.get("pressures")
+                raise refused("points", wanted["points"], "give (M, 3) in m")
+            pressures = wanted.get("pressures")
             live.place(points, None if pressures is None else real("pressures", pressures, "give (M,) in Pa"))
-        elif "path" in asked:
-            live.follow(_path(asked["path"]))
-        elif "off" in asked:
+        elif "path" in wanted:
+            live.follow(_path(wanted["path"]))
+        elif "off" in wanted:
             live.off()
         live.keep()
-        return live.state() if "state" in asked else {}
+        return live.state() if "state" in wanted else {}
 
     def _rows(self, values: NDArray[np.float64]) -> dict[str, Any]:
         """Points and pressures (M, 4); none turns off, and pressures of 0 alone mean as loud as can be."""
@@ -132,7 +132,7 @@ class Doors:
         return {}
 
     def _admit(self, connection: Any, request: Any) -> Any:
-        """Refuse who does not know the token."""
+        """Reject a client without the token."""
         given = parse_qs(urlsplit(request.path).query).get("token", [""])[0]
         if hmac.compare_digest(given.encode(), self.token.encode()):
             return None
@@ -177,7 +177,7 @@ class Doors:
         from pythonosc.osc_message_builder import OscMessageBuilder
 
         try:
-            answer = self._hear(address.removeprefix("/midair/"), values)
+            answer = self._by_osc(address.removeprefix("/midair/"), values)
             name = "state"
         except (SceneError, BoardError) as error:
             answer, name = {"error": str(error)}, "error"
@@ -188,7 +188,7 @@ class Doors:
             with suppress(OSError):
                 self._udp.sendto(built.build().dgram, sender)
 
-    def _hear(self, name: str, values: list[Any]) -> dict[str, Any]:
+    def _by_osc(self, name: str, values: list[Any]) -> dict[str, Any]:
         """The same messages as by WebSocket: points x y z ..., rows x y z pressure ..., modulation hz, ..."""
         if name in ("points", "rows"):
             numbers = real(name, values, "give numbers")
@@ -216,17 +216,17 @@ def _read(message: str) -> dict[str, Any]:
         raise SceneError(f"message holds {name}: give finite numbers")
 
     try:
-        asked = json.loads(message, parse_constant=nan)
+        wanted = json.loads(message, parse_constant=nan)
     except SceneError:
         raise
     except (ValueError, RecursionError) as error:
         raise SceneError('message is no JSON: give an object such as {"points": [[0, 0, 0.15]]}') from error
-    if not isinstance(asked, dict) or not asked.keys() & set(KEYS):
+    if not isinstance(wanted, dict) or not wanted.keys() & set(KEYS):
         raise SceneError(f"message has none of the keys {', '.join(KEYS)}")
-    for key in asked:
+    for key in wanted:
         if key not in (*KEYS, "pressures"):
             raise refused("key", key, f"give {', '.join(KEYS)} or pressures")
-    return asked
+    return wanted
 
 
 def _path(table: Any) -> Any:
