@@ -1,4 +1,4 @@
-"""`midair studio` serves the page to a browser of this machine; `midair serve` plays points of other programs."""
+"""`midair studio` serves the page to a browser; `midair serve` plays points of other programs."""
 
 from __future__ import annotations
 
