@@ -37,6 +37,8 @@ ALLOWED = {
     "Zlib",
 }
 ALLOWED |= {"Unicode-3.0", "Unlicense", "CC0-1.0", "BSL-1.0"}
+#: A scene of a board.
+BOARD = 'array.preset = "sonicsurface"\n[[points]]\nposition = [0, 0, 0.15]\n'
 #: Bytes of a wheel at most.
 MOST = 6_000_000
 
@@ -137,49 +139,33 @@ def example() -> str:
 def try_wheel(python: str) -> None:
     """README's example, the command line, the studio's page and a board's loop, by the installed wheel."""
     with empty(python) as (folder, env):
-        run("python", "-c", example(), cwd=folder, env=env)
-        run("midair", "new", "scene.toml", cwd=folder, env=env)
-        run(
-            "midair",
-            "solve",
-            "scene.toml",
-            "--output",
-            "drive.npz",
-            "--image",
-            "field.png",
-            cwd=folder,
-            env=env,
-        )
-        run(
-            "midair",
-            "play",
-            "scene.toml",
-            "--on",
-            "sonicsurface:loop",
-            "--seconds",
-            "0.5",
-            cwd=folder,
-            env=env,
-        )
+        (folder / "board.toml").write_text(BOARD)
+        for command in (
+            ("python", "-c", example()),
+            ("midair", "new", "scene.toml"),
+            ("midair", "solve", "scene.toml", "--output", "drive.npz", "--image", "field.png"),
+            ("midair", "play", "board.toml", "--on", "sonicsurface:loop", "--for", "500ms"),
+        ):
+            run(*command, cwd=folder, env=env)
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))
             port = free.getsockname()[1]
         command = ["midair", "studio", "--no-browser", "--port", str(port)]
         with subprocess.Popen(command, cwd=folder, env=env, stdout=subprocess.PIPE, text=True) as served:
             try:
-                page = fetched(f"http://127.0.0.1:{port}/")
+                module = fetched(f"http://127.0.0.1:{port}/midair.wasm")
             finally:
                 served.terminate()
-        if "<canvas" not in page:
-            raise SystemExit(f"midair studio serves no page: {page[:80]}")
+        if not module.startswith(b"\0asm"):
+            raise SystemExit(f"midair studio serves no module: {module[:80]!r}")
 
 
-def fetched(address: str) -> str:
-    """A page, as soon as it is served."""
+def fetched(address: str) -> bytes:
+    """A file, as soon as it is served."""
     for _ in range(100):
         try:
             with urllib.request.urlopen(address, timeout=5) as answer:
-                return str(answer.read(), "utf-8")
+                return bytes(answer.read())
         except OSError:
             time.sleep(0.1)
     raise SystemExit(f"{address} does not answer")
