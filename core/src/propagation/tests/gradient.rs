@@ -46,7 +46,7 @@ impl Setting {
         let complex = |of: &[[f64; 3]]| of.iter().map(|v| Complex64::new(v[0], v[1])).collect::<Vec<_>>();
         let (drive, response) = (complex(&vectors(count, [0.7; 3], 0.0)), complex(&vectors(count, [1.2; 3], 0.0)));
         let [[frequency, speed, absorption]] = vectors(1, [3e3, 20.0, 0.1], 0.12)[..] else { unreachable!() };
-        let absorption = if seed % 2 == 0 { absorption } else { 0.0 };
+        let absorption = if seed.is_multiple_of(2) { absorption } else { 0.0 };
         let medium =
             Medium { frequency: 40e3 + frequency, sound_speed: 340.0 + speed, absorption, ..Medium::default() };
         let wall = |point, normal, kind| Obstacle::Wall { point, normal, kind };
