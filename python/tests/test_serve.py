@@ -68,6 +68,10 @@ def test_points_are_played_and_silence_is_silent(doors: Doors) -> None:
         assert focus(doors) > 0.9
         # A client that says nothing more is taken for dead.
         assert until(doors, "off") < SILENCE + 0.3
+        # A later sign of life does not bring its points back.
+        assert ask(client, keep=True)["state"] == "off"
+        time.sleep(0.1)
+        assert doors._live.connection.state == "off"
         client.send(np.array([[*POINT, 0.0]], "<f4").tobytes())
         until(doors, "playing")
         client.send(b"")

@@ -178,8 +178,13 @@ class Live:
                     # A frame that came late moves the clock.
                     due = max(due + 1 / self.rate, time.monotonic() - 1 / self.rate)
                     time.sleep(max(0.0, due - time.monotonic()))
+                with self._news:
+                    if not self._lives():
+                        # A later sign of life does not bring them back.
+                        self._wanted = None
                 self.connection.off()
-            except (SceneError, BoardError) as error:
+            # Whatever ends these points, the next ones are played.
+            except Exception as error:
                 with self._news:
                     self._wanted, self._error = None, str(error)
                 with suppress(BoardError):
