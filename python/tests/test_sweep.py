@@ -211,7 +211,7 @@ def test_the_docs_sweeps_have_sane_numbers(text: str, problems: int) -> None:
     assert sane(midair.sweep(request))
 
 
-@pytest.mark.parametrize("text", blocks("python"))
+@pytest.mark.parametrize("text", [text for text in blocks("python") if "midair.sweep" in text])
 def test_the_docs_python_has_sane_numbers(text: str) -> None:
     names: dict[str, Any] = {"midair": midair}
     exec(text, names)

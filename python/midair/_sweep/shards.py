@@ -43,9 +43,13 @@ MANIFEST, SPLITS = "dataset.json", ("train", "held_out")
 class Dataset:
     """A data set in a folder: `Dataset("folder")` opens one that `midair.dataset` made.
 
+    folder : where its files are
+
     Files of both parts, "train" and "held_out", have a row for each scene: trial; points (M, 3) in m; targets
     (M,) in Pa where the request has pressures; pressures (M,) and drive (N,), complex numbers as re and im in
     turn; scale; the metrics; status; the bound, if requested.
+
+    Raises SceneError for a folder without a data set.
     """
 
     folder: Path
@@ -72,13 +76,15 @@ class Dataset:
         return array_and_medium(self.manifest["blocks"][0])[0]
 
     def files(self, split: str = "train") -> list[Path]:
-        """The Parquet files of a part, in order."""
+        """The Parquet files of a part, in order. Raises SceneError for a part of another name."""
         if split not in SPLITS:
             raise SceneError(f'split is "{split}": give "train" or "held_out"')
         return sorted(self.folder.glob(f"{split}-*.parquet"))
 
     def read(self, split: str = "train") -> Iterator[dict[str, NDArray[Any]]]:
         """One file after another as arrays of B rows: points (B, M, 3), drive (B, N) and so on.
+
+        Raises SceneError for a part of another name.
 
         >>> for part in midair.Dataset("scenes").read("held_out"):  # doctest: +SKIP
         ...     learn(part["points"], part["drive"])
@@ -92,7 +98,7 @@ class Dataset:
         """The metrics of other drives (B, N) for the B held-out scenes, in their order.
 
         Each is an array (B,); "reference_accuracy" and so on are those of the data set's own drives. Targets
-        are the request's; without pressures each scene's are equal.
+        are the request's; without pressures each scene's are equal. Raises SceneError for another shape.
         """
         given = np.asarray(drives)
         count = sum(part["trial"].size for part in self.read("held_out"))
