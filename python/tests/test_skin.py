@@ -231,6 +231,13 @@ def test_kept_frames_have_the_lines_of_their_steps() -> None:
     assert touch.spectrum(MIDDLE)[1] < 1e-3 * touch.spectrum(MIDDLE)[0]
 
 
+def test_what_repeats_faster_than_1_khz_is_not_felt() -> None:
+    touch = midair.skin(played(np.broadcast_to(MIDDLE, (2, 1, 3)), 4e3, np.array([1.0, 0.0])), PLANE)
+    assert touch.displacement.shape == (0, 441)
+    assert touch.level == pytest.approx(-200)
+    assert "none" in repr(touch)
+
+
 def test_motion_is_the_sum_of_its_lines() -> None:
     touch = midair.skin(am(100), PLANE)
     times = np.arange(64) / 6400

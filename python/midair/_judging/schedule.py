@@ -22,8 +22,8 @@ from .._motion.skin import HIGHEST, squares
 #: Foci beside a curve: so far apart at least, in m, and at most about so many.
 APART, BESIDE = 4e-3, 250
 
-#: Places of the curve that count.
-COUNTED = 64
+#: Places of the curve that count, and lines at most: slow frames have many by their steps.
+COUNTED, LINES = 64, 400
 
 #: Rounds of an ascent, and those without a gain after which it ends, by aim.
 ROUNDS, IDLE = 120, {"strong": 1, "even": 30}
@@ -69,7 +69,7 @@ class Foci:
         apart = np.linalg.norm(counted[:, None] - skin, axis=2)
         # The mean of log(r) over a disc of a square's area is that at e^(-1/2) of its radius.
         apart = np.maximum(apart, step * np.exp(-0.5) / np.sqrt(np.pi))
-        lines = np.arange(1, int(HIGHEST * frames / rate * (1 + 1e-9)) + 1)
+        lines = np.arange(1, min(int(HIGHEST * frames / rate * (1 + 1e-9)), LINES) + 1)
         weights = np.sinc(lines / frames) / threshold(lines * (rate / frames), [FAST])
         answers = np.empty((len(lines), len(counted), len(places)), np.complex64)
         for k, weight in enumerate(weights):

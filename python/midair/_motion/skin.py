@@ -101,7 +101,7 @@ def skin(
         slopes = list(mesh.slopes(moved))
     else:
         raise refused("hand", hand, "give a midair.Plane or a midair.Mesh")
-    displacement = moved.reshape(len(frequencies), -1)
+    displacement = moved.reshape(len(frequencies), len(places))
     slow = width * np.sqrt(_weighted(np.array(slopes).reshape(displacement.shape), frequencies, SLOW))
     fast = np.sqrt(_weighted(np.abs(displacement) ** 2, frequencies, FAST))
     return Skin(places, hand, lines[0].real.astype(np.float64), frequencies, displacement, slow, fast)
