@@ -6,8 +6,9 @@ import { type Gl, LOOK_UP, type Program, program, vectors } from "./gl.ts";
 import type { Picture } from "./picture.ts";
 import { aim, type View } from "./view.ts";
 
-/** Strips across the half of a can's side that is seen. */
-const SIDES = 5;
+/** Strips across the half of a can's side that is seen; of so many cans, which are small, fewer: software takes 1 us for a vertex. */
+const STRIPS = [5, 3];
+const MANY = 400;
 
 /** Height of a can, in radii. */
 export const HEIGHT = 0.9;
@@ -26,13 +27,14 @@ vec3 across(vec3 n) {
 
 /** A strip around the half of the side that faces the eye. */
 const SIDE_VERTEX = `${CAN}
+uniform float strips;
 out vec3 paint;
 void main() {
-  int can = gl_VertexID / ${6 * SIDES}, k = corner();
+  int all = int(strips), can = gl_VertexID / (6 * all), k = corner();
   vec3 position = vectorOf(positions, can).xyz, normal = vectorOf(normals, can).xyz;
   vec3 to = eye - position, sight = to - normal * dot(normal, to);
   vec3 a = length(sight) > 1e-6 ? normalize(sight) : across(normal);
-  float turn = (float(gl_VertexID / 6 % ${SIDES} + (k & 1)) / ${SIDES}. - .5) * 3.1415927;
+  float turn = (float(gl_VertexID / 6 % all + (k & 1)) / strips - .5) * 3.1415927;
   vec3 outward = cos(turn) * a + sin(turn) * cross(normal, a);
   paint = metal * .4 * (1. + max(dot(outward, light), 0.));
   gl_Position = matrix * vec4(position + radius * (outward - normal * ${HEIGHT} * float(k >> 1)), 1);
@@ -50,12 +52,12 @@ out vec3 outward;
 out vec2 at;
 flat out vec3 axis, halfway, face, rim;
 void main() {
-  int can = gl_VertexID / 6;
+  int can = gl_VertexID / 3;
   vec3 position = vectorOf(positions, can).xyz, normal = vectorOf(normals, can).xyz;
   vec2 drive = vectorOf(drives, can).xy;
   vec3 a = across(normal), to = normalize(eye - position);
-  int k = corner();
-  at = vec2(k & 1, k >> 1) * 2. - 1.;
+  // A triangle around the circle.
+  at = vec2[3](vec2(0, 2), vec2(-1.7320508, -1), vec2(1.7320508, -1))[gl_VertexID % 3];
   outward = a * at.x + cross(normal, a) * at.y;
   axis = normal;
   halfway = normalize(light + to);
@@ -132,9 +134,12 @@ export function createDiscs(gl: Gl, field: FieldPainter): (view: View, picture: 
       part.set("known", known ? 1 : 0);
       gl.drawArrays(gl.TRIANGLES, 0, corners * count);
     };
-    draw(sides, 6 * SIDES);
+    const strips = STRIPS[Number(count > MANY)];
+    sides.use();
+    sides.set("strips", strips);
+    draw(sides, 6 * strips);
     faces.use();
     field.setLook(faces, { ...picture.look, top: 1, quantity: picture.discs });
-    draw(faces, 6);
+    draw(faces, 3);
   };
 }
