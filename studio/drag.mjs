@@ -1,6 +1,6 @@
 // How long the new picture of a drag takes: node drag.mjs [moves]. Each move of the pointer waits for the picture of the one
 // before; the time ends at the first frame after the slices' upload, once the GPU, or what stands for it, is done with it.
-import { withSite } from "./with_site.mjs";
+import { each, spent, withSite } from "./with_site.mjs";
 
 const moves = Number(process.argv[2] ?? 30);
 
@@ -43,6 +43,7 @@ async function measure({ browser, url, visit, grab }, name, state) {
   const [x, y] = await grab(page, 1);
   await page.waitForTimeout(1500);
   const rows = [];
+  const before = spent();
   for (let k = 1; k <= moves; k += 1) {
     await page.evaluate(() => void ((window.pictures.length = 0), (window.moves.length = 0)));
     await page.mouse.move(x + 30 * Math.sin(k), y + 15 * Math.cos(k));
@@ -51,13 +52,14 @@ async function measure({ browser, url, visit, grab }, name, state) {
     rows.push(Object.fromEntries(Object.entries(picture).map(([key, at]) => [key, at - moved])));
     await page.waitForTimeout(200);
   }
+  const cost = each(before, moves);
   await page.mouse.up();
   const of = (key) => median(rows.map((row) => row[key]));
   const least = Math.min(...rows.map((row) => row.seen));
   const late = rows.map((row) => row.seen).toSorted((a, b) => a - b).at(Math.ceil(0.9 * moves) - 1);
   console.log(
     `${name}: seen after ${of("seen")} ms (at best ${least.toFixed(0)}, 9 of 10 within ${late.toFixed(0)}); ` +
-      `upload begins ${of("begun")}, painted by ${of("sent")}, drawn by ${of("drawn")}`,
+      `upload begins ${of("begun")}, painted by ${of("sent")}, drawn by ${of("drawn")}; ms of CPU each: ${cost}`,
   );
   await context.close();
 }

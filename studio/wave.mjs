@@ -1,30 +1,6 @@
 // How many pictures a second the wave has: node wave.mjs [seconds]. A picture counts once it is painted and read back, and only
 // where it is another than the one before: a wave that stands has none, however often the screen is drawn.
-import { readdirSync, readFileSync } from "node:fs";
-
-import { withSite } from "./with_site.mjs";
-
-/** CPU time of the browser's processes so far, in ms by their kind; nothing where there is no /proc. */
-function spent() {
-  const all = new Map();
-  try {
-    for (const pid of readdirSync("/proc").filter((name) => /^\d+$/.test(name))) {
-      try {
-        const cells = readFileSync(`/proc/${pid}/stat`, "utf8").split(") ").at(-1).split(" ");
-        const kind = readFileSync(`/proc/${pid}/cmdline`, "utf8").match(/--type=([\w-]+)/)?.[1] ?? "browser";
-        all.set(Number(pid), { parent: Number(cells[1]), ms: 10 * (Number(cells[11]) + Number(cells[12])), kind });
-      } catch {
-        // It has ended.
-      }
-    }
-  } catch {
-    return {};
-  }
-  const ours = (pid) => all.has(pid) && (all.get(pid).parent === process.pid || ours(all.get(pid).parent));
-  const found = {};
-  for (const [pid, { kind, ms }] of all) if (ours(pid)) found[kind] = (found[kind] ?? 0) + ms;
-  return found;
-}
+import { each, spent, withSite } from "./with_site.mjs";
 
 const seconds = Number(process.argv[2] ?? 5);
 
@@ -73,9 +49,7 @@ await withSite(async ({ browser, url, visit }) => {
     await page.waitForTimeout(1000);
     const before = spent();
     const [rate, drawn] = await page.evaluate(count, 1000 * seconds);
-    const each = Object.entries(spent()).map(([kind, ms]) => [kind, (ms - (before[kind] ?? 0)) / (rate * seconds)]).filter(([, ms]) => ms >= 0.5);
-    const told = each.map(([kind, ms]) => `${kind} ${ms.toFixed(0)}`).join(", ");
-    console.log(`${name}: ${rate.toFixed(1)} pictures a second (the screen is drawn ${drawn.toFixed(1)} times); ms of CPU each: ${told}`);
+    console.log(`${name}: ${rate.toFixed(1)} pictures a second (the screen is drawn ${drawn.toFixed(1)} times); ms of CPU each: ${each(before, rate * seconds)}`);
   }
 });
 process.exit(0);
