@@ -11,6 +11,8 @@ ROOT = Path(__file__).parents[1]
 MOST = 800
 #: Generated from texts that are counted where they are written, and recorded data.
 GENERATED = {"docs/map.md", "docs/scene.schema.json", "docs/sweep.schema.json", "capi/include/midair.h"}
+#: Names that programs use: an attribute of midair.Rest, and the ends of a track.
+PUBLIC = r"\.held\b|\bheld(?=: |\()|::Held\b|\bHeld,"
 TEXTS = (
     ".c", ".cpp", ".cs", ".h", ".hpp", ".md", ".mjs", ".py", ".pyi", ".rs", ".sh", ".toml", ".ts", ".vhd",
     ".yml",
@@ -24,7 +26,8 @@ def words(page: str) -> list[str]:
 
 
 def prose(text: str, markdown: bool) -> str:
-    """The text without what a page quotes: code spans and words between quotation marks."""
+    """The text without public names, and of a page without code spans and words between quotation marks."""
+    text = re.sub(PUBLIC, "", text)
     return re.sub(r"`[^`\n]+`|\"[^\"\n]+\"", "", text) if markdown else text
 
 

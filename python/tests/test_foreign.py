@@ -229,7 +229,7 @@ def test_what_is_above_one_in_a_large_file_is_refused_even_if_its_time_says_noth
     found = midair.Sequence.load(path)
     before = path.stat()
     with path.open("r+b") as stream:
-        stream.seek(found._drives.held._start + 800_000)
+        stream.seek(found._drives.kept._start + 800_000)
         stream.write(np.full(100, 5 + 0j, np.complex64).tobytes())
     os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
     with pytest.raises(midair.SceneError, match=r"drives\[\d+, \d+\] is .*: give \|q\| of at most 1"):

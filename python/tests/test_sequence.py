@@ -113,7 +113,7 @@ def test_a_file_goes_on_where_it_was_to_the_same_bits(board, ring, tmp_path, mon
     assert midair.Sequence.load(file) == whole
     free = midair.Array.grid(16, 16, 10e-3)
     other = midair.sequence(free, frames[:20], rate=RATE, resume=tmp_path / "free.npz")
-    assert isinstance(midair.Sequence.load(tmp_path / "free.npz")._drives.held, Stored)
+    assert isinstance(midair.Sequence.load(tmp_path / "free.npz")._drives.kept, Stored)
     assert other == midair.sequence(free, frames[:20], rate=RATE)
     (tmp_path / "free.npz").unlink()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["motion.npz"]

@@ -34,7 +34,7 @@ fn reduce<S: Simd, const N: usize>(s: S, above: &[f32], row: &mut [f32], i: usiz
 /// diagonal; `false` if it is not positive definite in f32.
 ///
 /// # Errors
-/// A stop, asked for once a row.
+/// A check for a stop once a row.
 pub(crate) fn factor(
     set: InstructionSet,
     matrix: &mut [f32],

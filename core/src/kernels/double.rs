@@ -155,7 +155,7 @@ fn add_combined(rows: &[f64], i: usize, sign: f64, to: &mut [f64]) {
 /// Adds the upper half of C^T C, C the rows of `size` numbers (a multiple of [`WIDE`]), to a matrix of that size.
 ///
 /// # Errors
-/// A stop, asked for once a row.
+/// A check for a stop once a row.
 pub(crate) fn add_products(
     set: InstructionSet,
     rows: &[f64],
@@ -176,7 +176,7 @@ pub(crate) fn add_products(
 /// zeros in the lanes before a row's diagonal; `false` if it is not positive definite.
 ///
 /// # Errors
-/// A stop, asked for once a row.
+/// A check for a stop once a row.
 pub(crate) fn factor(
     set: InstructionSet,
     matrix: &mut [f64],

@@ -224,8 +224,8 @@ impl Grid {
         if let Some(phases) = &self.phases {
             return phases.nearest(s, q);
         }
-        let held = s.max(modulus(s, q), s.splat(f32::MIN_POSITIVE));
-        [s.div(q[0], held), s.div(q[1], held)]
+        let clamped = s.max(modulus(s, q), s.splat(f32::MIN_POSITIVE));
+        [s.div(q[0], clamped), s.div(q[1], clamped)]
     }
 
     /// The nearest drives of the grid, of the amplitude `known` if it is; 0 stays 0.

@@ -16,7 +16,7 @@ const TOGETHER: usize = LANES / 2;
 /// out_k = `sum_j conj(row_kj) vector_j` for every row of a planar matrix.
 ///
 /// # Errors
-/// A stop, asked for once every few rows.
+/// A check for a stop once every few rows.
 pub(crate) fn correlate_rows(
     set: InstructionSet,
     rows: [&[f32]; 2],
@@ -49,7 +49,7 @@ pub(crate) fn correlate_rows(
 /// P += G q for every transducer that is driven.
 ///
 /// # Errors
-/// A stop, asked for once a transducer or oftener.
+/// A check for a stop once a transducer or oftener.
 pub(crate) fn add_waves(
     set: InstructionSet,
     rows: Rows<'_>,

@@ -87,7 +87,7 @@ pub fn ahead(
     let steps = ahead.rounds as usize + 1;
     let guess = match start {
         None if ahead.ends == Ends::Held => {
-            return Err(Error::invalid("start", "left out", "give codes, the first of which are held"));
+            return Err(Error::invalid("start", "left out", "give codes, the first of which stay"));
         }
         None => guess(&frames, ahead.ends == Ends::Closed, control)?,
         Some(start) => {

@@ -73,7 +73,7 @@ impl<'a> Tracker<'a> {
         Self { circle, set, best: vec![0.0; frames * circle.levels], memory }
     }
 
-    /// Writes the best track along the waves (T,). One that is held begins where `codes` do. One that is closed comes
+    /// Writes the best track along the waves (T,). With [`Ends::Held`] it begins at `codes`. One that is closed comes
     /// back to where it began: it begins as a track of two laps goes through their middle, and is the best of all that begin
     /// there.
     pub(super) fn follow(

@@ -1,6 +1,6 @@
 //! Bodies: what spheres and meshes add to G.
 //!
-//! It is H S: waves or surface elements heard at a point times what each transducer makes of them. S is found once; a point
+//! It is H S: waves or surface elements at a point times their response to each transducer. S is found once; a point
 //! that moves needs its own row of H alone.
 
 use alloc::sync::Arc;
@@ -67,8 +67,8 @@ impl Bodies {
         let mut row = Vec::new();
         self.basis.row(point, &mut row);
         let [mut re, mut im] = [(); 2].map(|()| vec![0.0_f32; self.transducers]);
-        for (heard, [own_re, own_im]) in row.iter().zip(self.each()) {
-            let (x, y) = (heard.re as f32, heard.im as f32);
+        for (received, [own_re, own_im]) in row.iter().zip(self.each()) {
+            let (x, y) = (received.re as f32, received.im as f32);
             for (((re, im), a), b) in re.iter_mut().zip(&mut im).zip(own_re).zip(own_im) {
                 *re += x * a - y * b;
                 *im += x * b + y * a;
@@ -98,7 +98,7 @@ impl Bodies {
     /// The pressure at a point of waves or elements so driven, in Pa.
     pub(crate) fn pressure(&self, driven: &[Complex64], point: [f64; 3], row: &mut Vec<Complex64>) -> Complex64 {
         self.basis.row(point, row);
-        row.iter().zip(driven).map(|(heard, driven)| heard * driven).sum()
+        row.iter().zip(driven).map(|(received, driven)| received * driven).sum()
     }
 }
 

@@ -180,7 +180,7 @@ fn integral(wave: Complex64, place: Place, element: &Element, patch: &Patch, cut
     sum * at_center
 }
 
-/// g or dg/dn_y at a node, 1/`near` away along `ray`, and where it is asked for a factor times its derivative along n_x.
+/// g or dg/dn_y at a node, 1/`near` away along `ray`, and on request a factor times its derivative along n_x.
 fn kernel(
     turned: Complex64,
     (ray, near, g): ([f64; 3], f64, Complex64),

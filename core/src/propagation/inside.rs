@@ -1,7 +1,7 @@
 //! Inside: what tells that meshes cannot be solved, before by their geometry and after by the sound that is left inside.
 //!
 //! A place inside one body has the winding number 1: the solid angles of all triangles there add up to 4 pi. Where bodies
-//! overlap or coincide it is 2, outside 0. It is asked a little below the middle of each element, so deep that a plate
+//! overlap or coincide it is 2, outside 0. It is computed a little below the middle of each element, so deep that a plate
 //! which is too thin for its elements has no inside there.
 
 use alloc::format;
@@ -72,11 +72,11 @@ impl Boundary {
             self.row(place, &mut row);
             for i in 0..transducers {
                 let sent: Complex64 = self.sources.iter().map(|sources| sources.exact(i, place)).sum();
-                let heard = row.iter().enumerate().map(|(e, heard)| {
+                let received = row.iter().enumerate().map(|(e, received)| {
                     let u = sound[e * transducers + i];
-                    heard * Complex64::new(f64::from(u.re), f64::from(u.im))
+                    received * Complex64::new(f64::from(u.re), f64::from(u.im))
                 });
-                left += (sent + heard.sum::<Complex64>()).norm_sqr();
+                left += (sent + received.sum::<Complex64>()).norm_sqr();
                 came += sent.norm_sqr();
             }
             control.pulse()?;

@@ -1,4 +1,4 @@
-//! Propagation matrix G, row by row: computed from positions when asked, or given.
+//! Propagation matrix G, row by row: computed from positions on request, or given.
 
 pub(crate) mod bodies;
 pub(crate) mod boundary;
@@ -48,7 +48,7 @@ use crate::scene::{Array, Scene, UNITS};
 /// Square wavelengths, a little more than a hundredth squared: f32 decides where f64 is to look.
 pub(crate) const NEAR: f32 = 1.01e-4;
 
-/// A source of rows of G, one row a transducer: computed from positions when asked, or a matrix of the user's
+/// A source of rows of G, one row a transducer: computed from positions on request, or a matrix of the user's
 /// own (measured, scattered by obstacles). A solver cannot tell which.
 ///
 /// Rows are planar f32 in units of [`Propagation::reference`], padded with zeros to [`Propagation::lanes`].
@@ -339,7 +339,7 @@ impl Propagation {
         Ok(())
     }
 
-    /// The same transducers at other points, in the same memory where nobody else holds it.
+    /// The same transducers at other points, in the same memory if it has no other owner.
     pub(crate) fn carry(&mut self, points: &[[f64; 3]]) -> Result<(), Error> {
         let (sources, frame, old) = match &mut self.rows {
             Rows::Computed { sources, frame, points } => (sources, frame, points),

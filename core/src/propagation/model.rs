@@ -54,7 +54,7 @@ impl Model {
         let bare = Self { sources, set, scattering: None, signature: None, make: None };
         bare.with_signature(scene.signature().cloned())
             .scattered(scene.checked_obstacles(), &mut Control::none())
-            .unwrap_or_else(|_| unreachable!("nobody stops it"))
+            .unwrap_or_else(|_| unreachable!("it is not stopped"))
     }
 
     /// The same behind obstacles, in place of those that it has: rows of G are then what comes straight from the
@@ -82,7 +82,7 @@ impl Model {
         self.with_obstacles_watched(obstacles, &mut Control::none())
     }
 
-    /// The same over the control's threads, until it is told to stop: a sphere as large as a head takes seconds.
+    /// The same over the control's threads, until a stop: a sphere as large as a head takes seconds.
     ///
     /// # Errors
     /// As [`Model::with_obstacles`]; a stop.
@@ -157,7 +157,7 @@ impl Model {
         Propagation::kept(Kept { sources, points: points.into(), scattering, signature, channels, make }, self.set)
     }
 
-    /// Bytes that G at a point is kept in, in f64 and f32; 0 where it is computed when asked.
+    /// Bytes that G at a point is kept in, in f64 and f32; 0 where it is computed on request.
     pub(crate) fn bytes_a_point(&self) -> usize {
         if self.make.is_some() || self.array().wiring().is_some() { 24 * self.array().len() } else { 0 }
     }

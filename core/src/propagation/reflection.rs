@@ -52,7 +52,7 @@ impl Reflection {
 
 /// Each mirror, and the mirrors' images in one another, as seen about a place.
 pub(crate) fn reflections(centre: [f64; 3], obstacles: &Obstacles) -> Vec<Reflection> {
-    // A transformation is told by what it makes of four places.
+    // Four places determine a transformation.
     let [x, y, z] = centre;
     let probe = [[x, y, z], [x + 1.0, y, z], [x, y + 1.0, z], [x, y, z + 1.0]];
     let mut seen = vec![probe];

@@ -24,14 +24,14 @@ const STEPS: usize = 300;
 /// A step so short that the place is found, in wavelengths.
 const STILL: f64 = 1e-7;
 
-/// A particle that moves farther than that is not held, and the force is looked at so far along an axis, in wavelengths.
+/// A particle that moves farther than that is not trapped, and the force is sampled so far along an axis, in wavelengths.
 const FAR: f64 = 1.0;
 
-/// Where particles rest, one for each point that they start at (P,). Of one that is not held all but `place` is NaN.
+/// Where particles rest, one for each point that they start at (P,). For one that is not trapped all but `place` is NaN.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Rest {
-    /// The place (P, 3) in m where the net force is 0; where a particle that is not held was lost.
+    /// The place (P, 3) in m where the net force is 0; or where an untrapped particle was lost.
     pub place: Vec<[f64; 3]>,
     /// Whether the place holds it (P,): the net force pulls back from all sides, within a wavelength of the start.
     pub held: Vec<bool>,

@@ -129,7 +129,7 @@ struct Barrier<'w> {
     roots: Buffer<'w, f64>,
     /// W^(1/2) p, and its norm.
     targets: Vector<'w>,
-    asked: f64,
+    requested: f64,
     drive: Vector<'w>,
     residual: Vector<'w>,
     /// g = G^H r: minus the gradient of ||r||^2 / 2.
@@ -183,17 +183,17 @@ impl<'w> Barrier<'w> {
         }
         let mut residual = vector(count, work);
         zip(&mut residual, &targets).for_each(|(residual, target)| residual.copy_from_slice(target));
-        let asked = math::sqrt(entries(&targets).map(|target| target.norm_sqr()).sum());
+        let requested = math::sqrt(entries(&targets).map(|target| target.norm_sqr()).sum());
         let mut barrier = Self {
             set: propagation.instruction_set(),
             rows,
             roots,
             targets,
-            asked,
+            requested,
             drive: vector(lanes, work),
             residual,
             descent: vector(lanes, work),
-            error: asked,
+            error: requested,
             least: 0.0,
             mu: f64::INFINITY,
             inverse: vector(lanes, work),
@@ -222,7 +222,7 @@ impl<'w> Barrier<'w> {
 
     /// Whether no allowed drive's error is below this one's by more than `tolerance` of it.
     fn is_proven(&self, tolerance: f64) -> bool {
-        self.error - self.least <= tolerance * self.least.max(LEAST_ERROR * self.asked)
+        self.error - self.least <= tolerance * self.least.max(LEAST_ERROR * self.requested)
     }
 
     /// |p| at the points, without weights.
@@ -294,7 +294,7 @@ impl<'w> Barrier<'w> {
     fn lower_mu(&mut self) {
         let own = zip(entries(&self.descent), entries(&self.drive)).map(|(g, q)| modulus(g) - inner(q, g));
         let share = own.sum::<f64>() / self.drive[0].len() as f64;
-        let floor = f64::EPSILON * self.asked * self.asked / self.drive[0].len() as f64;
+        let floor = f64::EPSILON * self.requested * self.requested / self.drive[0].len() as f64;
         self.mu = if self.mu.is_finite() { self.mu.min((AIM * share).max(STEEPEST * self.mu)) } else { 0.5 * share }
             .max(floor);
     }

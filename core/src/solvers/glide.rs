@@ -8,7 +8,7 @@
 //! ```
 //!
 //! The last frame's point phases are those that move fewest transducers, the global phase among them. A transducer that
-//! is held back by its bound stands where the waves to the points cancel, and is hardly missed. With an envelope of time constant
+//! is limited by its bound is where the waves to the points cancel, and is hardly missed. With an envelope of time constant
 //! tau, y' = (q - y)/tau, the field at a frame's end is P = a G y + (1 - a) G q with a = e^{-1/(rate tau)}: that one is made
 //! even.
 //!

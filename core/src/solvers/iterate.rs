@@ -31,7 +31,7 @@ pub(super) fn iterate<T>(
     Ok((if tolerance > 0.0 { Status::OutOfSteps } else { Status::Done }, steps))
 }
 
-/// Steps at most, and the tolerance, of a projection back and forth: to a lone point the first step is the last, what
+/// Steps at most, and the tolerance, of a projection back and forth: to a single point the first step is the last, what
 /// further ones change is rounding.
 pub(super) fn projections(problem: &Problem, steps: u32, tolerance: f64) -> (u32, f64) {
     if problem.propagation().points() == 1 { (1, 0.0) } else { (steps, tolerance) }

@@ -20,7 +20,7 @@ pub trait Solve {
     /// Options that this problem cannot be solved with.
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error>;
 
-    /// Itself, where it knows how to share the work of several problems: a type to be told by, and no code.
+    /// Itself, where it knows how to share the work of several problems: a marker type without code.
     #[doc(hidden)]
     fn interleaved(&self) -> Option<&dyn Any> {
         None
@@ -94,7 +94,7 @@ pub struct Info {
     pub summary: &'static str,
     /// Paper and equation.
     pub source: &'static str,
-    /// Whether [`crate::solve`] balances the targets unless told otherwise.
+    /// Whether [`crate::solve`] balances the targets by default.
     pub balance: bool,
     /// By how much permuting, moving or mirroring a scene may change a metric (in the mean over 20 scenes).
     pub tolerance: f64,
@@ -111,7 +111,7 @@ impl Info {
         Self { name, summary, source, balance: false, tolerance: 1e-4, uses_start: false, uses_aim: false }
     }
 
-    /// The same, balancing the targets unless told otherwise.
+    /// The same, balancing the targets by default.
     #[must_use]
     pub const fn balanced(self) -> Self {
         Self { balance: true, ..self }

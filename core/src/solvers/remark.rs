@@ -18,7 +18,7 @@ use crate::solvers::registry::SOLVERS;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::exhaustive_enums, reason = "the eight ways in which an answer differs from the request")]
 pub enum Remark {
-    /// What was asked for and cannot be had.
+    /// An impossible request.
     Beyond(Beyond),
     /// The error by which the targets are missed, where that is more than 1 %.
     Missed(f64),

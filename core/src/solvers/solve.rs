@@ -16,7 +16,7 @@ use crate::workspace::Workspace;
 /// |q|^2 at most, up to rounding: what [`crate::Start::Drive`] may have, too.
 const MOST_POWER: f32 = 1.0 + 2e-6;
 
-/// Solves a problem, balancing it first if asked to.
+/// Solves a problem, balancing it first on request.
 ///
 /// Balancing multiplies the targets by [`Problem::balance`] when that is above 1, and brings the drives down to the targets
 /// afterwards, as far as that is down: the cure of the paper's section V, where foci much weaker than the array can make

@@ -1,4 +1,4 @@
-//! uniform: even points at the highest common level, or as loud as asked.
+//! uniform: even points at the highest common level, or as loud as requested.
 
 use crate::control::Control;
 use crate::error::{Error, real};

@@ -44,14 +44,14 @@ class Comparison:
 
     scene : what was solved
     bound : the level min |p| / target that no drive exceeds (`midair.bound`), or None for over 64 points
-    solutions : in the order asked for
+    solutions : in the requested order
     """
 
     scene: Scene | Propagation
     bound: float | None
     solutions: tuple[Solution, ...] = ()
     _options: tuple[Mapping[str, Any], ...] = field(default=(), compare=False)
-    _heard: NDArray[np.bool_] | None = field(default=None, compare=False)
+    _received: NDArray[np.bool_] | None = field(default=None, compare=False)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -59,8 +59,8 @@ class Comparison:
         solvers = [solution.solver for solution in self.solutions]
         names: list[str] = []
         for solver, options in zip(solvers, self._options, strict=True):
-            told = (f"{key}={value}" for key, value in options.items())
-            name = ", ".join([solver, *told]) if solvers.count(solver) > 1 else solver
+            reported = (f"{key}={value}" for key, value in options.items())
+            name = ", ".join([solver, *reported]) if solvers.count(solver) > 1 else solver
             again = sum(other == name or other.startswith(f"{name} (") for other in names)
             names.append(f"{name} ({again + 1})" if again else name)
         return tuple(names)
@@ -73,7 +73,7 @@ class Comparison:
         )
 
     def _gap(self, solution: Solution, bound: float) -> float:
-        weakest = np.min(np.abs(solution.pressures[self._heard]) / solution.targets[self._heard])
+        weakest = np.min(np.abs(solution.pressures[self._received]) / solution.targets[self._received])
         return float(1 - weakest / bound)
 
     def to_dict(self) -> dict[str, list[Any]]:
@@ -104,7 +104,7 @@ class Comparison:
     ) -> Figure:
         """A sheet with the field of every solution, all in the same colours.
 
-        ax : axes of your own for one panel, the first of those asked for
+        ax : axes of your own for one panel, the first of `panels`
         plane : the midair.Plane of the fields in place of those through the points
         quantity : "pressure", "radiation", "spl" or "phase", as `midair.plot` takes it
         cmap : a colour map of matplotlib or its name
@@ -246,29 +246,29 @@ def compare(
     >>> table["greedy"].metrics.accuracy > 0.8
     True
     """
-    asked = {"pressures": pressures, "weights": weights, "balance": balance}
+    settings = {"pressures": pressures, "weights": weights, "balance": balance}
     board = {"quantization": quantization, "mask": mask, "positions": positions}
-    *_, table = growing(scene, solvers, **asked, **board)
+    *_, table = growing(scene, solvers, **settings, **board)
     return table
 
 
-def growing(scene: Scene | Propagation, solvers: Solvers, **asked: Any) -> Iterator[Comparison]:
-    """The comparison after each solver, so that whoever is interrupted has what was solved before."""
+def growing(scene: Scene | Propagation, solvers: Solvers, **settings: Any) -> Iterator[Comparison]:
+    """The comparison after each solver, so that an interruption keeps the finished ones."""
     if not isinstance(scene, Scene | Propagation):
         kinds = "midair.Scene or midair.Propagation"
         raise TypeError(f"expected a {kinds} first, not {type(scene).__qualname__}")
     entries = choices(scene, solvers)
-    asked = {key: value for key, value in asked.items() if value is not None}
-    beside = {key: asked[key] for key in ("pressures", "weights", "mask") if key in asked}
+    settings = {key: value for key, value in settings.items() if value is not None}
+    beside = {key: settings[key] for key in ("pressures", "weights", "mask") if key in settings}
     weights = beside.get("weights", getattr(scene, "weights", None))
     pressures = beside.get("pressures", getattr(scene, "pressures", None))
     count = len(scene.points) if isinstance(scene, Scene) else scene.shape[0]
     wanted = _above_zero(pressures, count) & _above_zero(weights, count)
     # Beyond, it would take too long to know.
     bound = _midair.bound(scene, **beside) if wanted.sum() <= BOUND_POINTS else None
-    table = Comparison(scene, bound, _heard=wanted)
+    table = Comparison(scene, bound, _received=wanted)
     for solver, options in entries:
-        solution = _midair.solve(scene, solver, **asked, **options)
+        solution = _midair.solve(scene, solver, **settings, **options)
         table = replace(table, solutions=(*table.solutions, solution), _options=(*table._options, options))
         yield table
 

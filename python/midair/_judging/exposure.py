@@ -22,7 +22,7 @@ from .._support.arguments import number, refused, vector, warn
 class Limit:
     """A level that somebody has named as a limit.
 
-    name : what it is asked for by
+    name : the name of the limit
     spl : in dB re 20 uPa
     band : lowest and highest frequency in Hz that it is meant for
     source : who says so, and for whom
@@ -60,13 +60,13 @@ LIMITS = {
 }
 
 
-def limit_of(scene: Scene, asked: Any) -> Limit:
+def limit_of(scene: Scene, requested: Any) -> Limit:
     """The limit by its name, or by a level in dB of one's own; refused where it is not meant for."""
-    if not isinstance(asked, str):
-        return Limit("own", number("limit", asked), (0.0, float("inf")), "a level of one's own")
-    found = LIMITS.get(asked.lower().replace("-", " ").replace("_", " "))
+    if not isinstance(requested, str):
+        return Limit("own", number("limit", requested), (0.0, float("inf")), "a level of one's own")
+    found = LIMITS.get(requested.lower().replace("-", " ").replace("_", " "))
     if found is None:
-        raise refused("limit", asked, f"give {', '.join(LIMITS)}, or a level in dB")
+        raise refused("limit", requested, f"give {', '.join(LIMITS)}, or a level in dB")
     low, high = found.band
     if not low <= scene.frequency <= high:
         raise SceneError(
@@ -83,7 +83,7 @@ Levels: TypeAlias = Callable[[Points], NDArray[np.float64]]
 #: at least P cos(k d) (Duffin and Schaeffer 1938): half a cell's diagonal hides 2.2 dB, before the search.
 FINE = 8
 
-#: Points taken at once, so that Ctrl-C is heard between them, and most of a box.
+#: Points taken at once, so that Ctrl-C works between them, and most of a box.
 BLOCK, MOST = 100_000, 20_000_000
 
 #: Samples from which the search starts, how far apart in wavelengths, and how often it halves its step.

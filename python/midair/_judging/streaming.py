@@ -112,7 +112,7 @@ def streaming(
 
     F is 2 alpha I/c of a plane wave of |p| (Nyborg 1965), and only nearly that where waves cross at large
     angles. Its direction is that of the active intensity Im(conj(p) grad p), by central differences over
-    lambda/25. Forces compare drives; how fast air then flows is not told here.
+    lambda/25. Forces compare drives; the speed of the air is not computed here.
 
     Raises SceneError for a drive or points of another shape, TypeError where scene is neither.
 
@@ -157,9 +157,9 @@ def places(field: Field) -> NDArray[np.float64]:
     return points
 
 
-def _absorption(scene: Scene, asked: float | None) -> float:
-    if asked is not None:
-        return number("absorption", asked, above=0)
+def _absorption(scene: Scene, requested: float | None) -> float:
+    if requested is not None:
+        return number("absorption", requested, above=0)
     if scene.absorption > 0:
         return scene.absorption
     if not NEAR[0] <= scene.frequency <= NEAR[1]:

@@ -27,9 +27,9 @@ SPEED, ZERO = 331.3, 273.15
 Responses: TypeAlias = NDArray[np.complex128]
 
 
-def sizes(**asked: float) -> dict[str, float]:
+def sizes(**requested: float) -> dict[str, float]:
     """The faults above 0, in their order."""
-    read = {name: number(name, asked[name], least=0) for name in FAULTS}
+    read = {name: number(name, requested[name], least=0) for name in FAULTS}
     for name, size in read.items():
         if size > FAULTS[name].most:
             raise refused(name, size, f"give at most {FAULTS[name].most:g}")
@@ -171,7 +171,7 @@ def draw(
 Panel = Literal["level", "uniformity"]
 PANELS = get_args(Panel)
 
-#: The part of the trials that is worse than what is told beside mean and worst.
+#: The part of the trials below the quantile beside mean and worst.
 PART = 0.05
 
 #: The row of all faults together.
@@ -190,12 +190,12 @@ class Kept:
 
     def summary(self) -> dict[str, float]:
         """Mean, the 5 % quantile and the worst of level and uniformity."""
-        told = {}
+        reported = {}
         for name, values in (("level", self.level), ("uniformity", self.uniformity)):
-            told[name] = float(values.mean())
-            told[f"{name}_5"] = float(np.quantile(values, PART))
-            told[f"{name}_worst"] = float(values.min())
-        return told
+            reported[name] = float(values.mean())
+            reported[f"{name}_5"] = float(np.quantile(values, PART))
+            reported[f"{name}_worst"] = float(values.min())
+        return reported
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -205,7 +205,7 @@ class Tolerance:
     solution : what is played; None where a bare drive was given
     faults : their sizes by name, those above 0
     rows : by fault, and "together" where there are several, what its trials kept (`level`, `uniformity`)
-    status : "done", or "stopped" where there are fewer trials than asked for
+    status : "done", or "stopped" if there are fewer trials than requested
     """
 
     solution: Solution | None
@@ -237,10 +237,10 @@ class Tolerance:
         """The table as text for people: the parts that are kept."""
         table = {"fault": list(self.rows)}
         table["size"] = [self._size(name) for name in self.rows]
-        told = [row.summary() for row in self.rows.values()]
-        for name in told[0]:
+        reported = [row.summary() for row in self.rows.values()]
+        for name in reported[0]:
             head = name.replace("_5", " 5 %").replace("_", " ")
-            table[head] = [f"{row[name]:.4f}" for row in told]
+            table[head] = [f"{row[name]:.4f}" for row in reported]
         return table
 
     def plot(
@@ -252,7 +252,7 @@ class Tolerance:
     ) -> Figure:
         """Every trial's level and uniformity, a row a fault.
 
-        ax : axes of your own for one panel, the first of those asked for
+        ax : axes of your own for one panel, the first of `panels`
         panels : "level", "uniformity" or both; left out, both
         size : of the figure in inches, its width or (width, height)
 
@@ -270,11 +270,11 @@ class Tolerance:
     def sentence(self) -> str:
         """What most trials of all faults keep, in plain words."""
         name = TOGETHER if TOGETHER in self.rows else next(iter(self.rows))
-        told = self.rows[name].summary()
+        reported = self.rows[name].summary()
         faults = "all faults together" if name == TOGETHER else f"{name} alone"
         return (
-            f"{faults}: {1 - PART:.0%} of the trials keep {told['level_5']:.1%} of the level or more, "
-            f"and {told['uniformity_5']:.1%} of the uniformity"
+            f"{faults}: {1 - PART:.0%} of the trials keep {reported['level_5']:.1%} of the level or more, "
+            f"and {reported['uniformity_5']:.1%} of the uniformity"
         )
 
     @property

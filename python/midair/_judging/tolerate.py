@@ -24,7 +24,7 @@ SIZE = 10
 
 
 class _Halted(Exception):
-    """`progress` asked to stop."""
+    """`progress` requested a stop."""
 
 
 def tolerate(
@@ -62,7 +62,7 @@ def tolerate(
     seed : the answer is the same for a seed, whatever the threads
     threads : how many at most; left out, one a processor
     scheduler : address of a Dask scheduler; left out, this machine works
-    progress : called with (trials done, trials); False stops, and what is done is told
+    progress : called with (trials done, trials); False stops, and returns the finished trials
 
     What is kept is `midair.judge`'s level, the mean of |p|/target, and uniformity, min/max of it, over those
     without faults. Of many transducers in step, a phase error s (rad) leaves exp(-s^2/2) of the level, dead
@@ -102,7 +102,7 @@ def tolerate(
 
 
 class Trials:
-    """Trials as they are done, for whoever is interrupted and wants what there is."""
+    """Trials as they are done, so that an interruption keeps them."""
 
     def __init__(
         self,
@@ -130,7 +130,7 @@ class Trials:
         self._seed = whole("seed", seed, least=0)
         if drive is None:
             solution = solve(scene, solver, **options)
-            # With what was asked for by options.
+            # With the requested options.
             assert solution.scene is not None
             scene, drive, targets = solution.scene, solution, solution.targets
         else:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 ENDINGS = (".gif", ".webp", ".mp4")
 
-#: Pictures where nobody says how many: some seconds.
+#: Default number of pictures: some seconds.
 PICTURES = 100
 
 #: Points by which a plane is chosen; more would tell no more about where a path lies.
@@ -49,7 +49,7 @@ def animate(
     chosen = np.arange(count) * len(sequence) // count
     plane = plane or _plane(sequence)
     with files.whole(path, ENDINGS) as part, warnings.catch_warnings():
-        # Points leave the plane, and what else is hardly meant was told when the sequence was made.
+        # Points leave the plane, and probable mistakes were reported when the sequence was made.
         warnings.simplefilter("ignore", SceneWarning)
         film = (_Film if part.suffix == ".mp4" else _Pictures)(part, fps)
         picture = _Picture(sequence, plane, float(sequence.pressures[chosen].max()))
@@ -136,9 +136,9 @@ class _Film:
 
     def finish(self) -> None:
         assert self.process is not None
-        _, told = self.process.communicate()
+        _, reported = self.process.communicate()
         if self.process.returncode:
-            line = " ".join(told.decode(errors="replace").split()) or f"code {self.process.returncode}"
+            line = " ".join(reported.decode(errors="replace").split()) or f"code {self.process.returncode}"
             raise SceneError(f"ffmpeg ended with: {line}; give a .webp or .gif")
 
     def close(self) -> None:

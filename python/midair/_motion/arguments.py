@@ -114,7 +114,7 @@ def _first(item: str, found: NDArray[np.float64], wrong: NDArray[np.bool_], cure
 
 
 def _kept(found: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A copy that nobody changes."""
+    """A read-only copy."""
     kept = np.array(found)
     kept.flags.writeable = False
     return kept

@@ -55,10 +55,10 @@ class Document:
         try:
             return sequence(self.array if array is None else array, self.path, name, **given)
         except SceneError as error:
-            told = placed(self.file.read_bytes(), str(self.file), f"motion.{error}")
-            if told.startswith("motion.") or str(error).partition(" is ")[0] in keywords:
+            reported = placed(self.file.read_bytes(), str(self.file), f"motion.{error}")
+            if reported.startswith("motion.") or str(error).partition(" is ")[0] in keywords:
                 raise
-            raise SceneError(told) from error
+            raise SceneError(reported) from error
 
 
 def read(file: Path) -> Document | None:

@@ -34,24 +34,24 @@ SLACK = 1e-6
 
 @dataclass(frozen=True)
 class Drives:
-    """The drive of each frame: `held` (T, N), complex64, or codes l of phases 2 pi l/L as uint8 or uint16.
+    """The drive of each frame: `kept` (T, N), complex64, or codes l of phases 2 pi l/L as uint8 or uint16.
 
-    `held` lies in memory, or in a file.
+    `kept` is in memory, or in a file.
 
     live : (N,) False where a transducer is masked or dead, whose drive is 0
     phases : L, or None for complex drives
     """
 
-    held: NDArray[Any] | Stored
+    kept: NDArray[Any] | Stored
     live: NDArray[np.bool_]
     phases: int | None
 
     def __len__(self) -> int:
-        return len(self.held)
+        return len(self.kept)
 
     def __getitem__(self, frames: int | slice | NDArray[np.intp]) -> NDArray[np.complex64]:
         """Drives (frames, N) of a block, (N,) of one frame."""
-        given: NDArray[Any] = self.held[frames]
+        given: NDArray[Any] = self.kept[frames]
         if self.phases is None:
             return given
         table = np.exp(2j * np.pi * np.arange(self.phases) / self.phases).astype(np.complex64)
@@ -67,12 +67,12 @@ class Drives:
         index = np.arange(frames.start, frames.stop)
         before = np.where(index > 0, index - 1, len(self) - 1 if closed else 0)
         if self.phases is None:
-            new, old = self.held[index], self.held[before]
+            new, old = self.kept[index], self.kept[before]
             # The product of equal numbers need not be real to the last bit, and the arg of -0 is pi.
             moved = (new != old) & (new != 0) & (old != 0)
             angles: NDArray[np.float32] = np.abs(np.angle(new * old.conj())) * moved
             return angles
-        steps = (self.held[index].astype(np.int32) - self.held[before]) % self.phases
+        steps = (self.kept[index].astype(np.int32) - self.kept[before]) % self.phases
         steps = np.minimum(steps, self.phases - steps) * self.live
         turned: NDArray[np.float32] = (steps * (2 * np.pi / self.phases)).astype(np.float32)
         return turned

@@ -16,8 +16,8 @@ from .envelope import Envelope
 #: Samples/s of the envelope; what lies above half of it folds back at least 30 dB down.
 SAMPLES = 160e3
 
-#: What is heard, in Hz.
-HEARD = (20.0, 16e3)
+#: Audible frequencies, in Hz.
+RECEIVED = (20.0, 16e3)
 
 #: The amplitude modulation that is 0 dB, in Hz.
 REFERENCE = 200.0
@@ -53,8 +53,8 @@ def _loudness(envelope: Envelope) -> float:
         return 0.0
     lines = np.abs(np.fft.rfft(bent * window)) ** 2
     frequencies = np.fft.rfftfreq(len(bent), 1 / rate)
-    heard = (frequencies >= HEARD[0]) & (frequencies <= HEARD[1])
-    power = 2 * np.sum(lines[heard] * a_weighting(frequencies[heard]) ** 2)
+    received = (frequencies >= RECEIVED[0]) & (frequencies <= RECEIVED[1])
+    power = 2 * np.sum(lines[received] * a_weighting(frequencies[received]) ** 2)
     return float(rate**2 * sqrt(power / (len(bent) * np.sum(window**2))))
 
 
@@ -161,11 +161,11 @@ class Felt:
         return f"<table>{''.join(rows)}</table>"
 
     def _rows(self) -> list[tuple[str, str]]:
-        told = [
+        reported = [
             (f"rms {low:g} to {high:g} Hz", f"{part:.4g} {self.unit}")
             for (low, high), part in zip(self.bands, self.rms, strict=True)
         ]
-        return [("static", f"{self.static:.4g} {self.unit}"), *told]
+        return [("static", f"{self.static:.4g} {self.unit}"), *reported]
 
 
 def spectrum(values: NDArray[np.float64], rate: float) -> tuple[NDArray[Any], NDArray[Any]]:

@@ -32,14 +32,14 @@ KEYS = ("points", "targets", "drives", "scene", "setting")
 @contextmanager
 def whole(path: str | PathLike[str], endings: tuple[str, ...]) -> Iterator[Path]:
     """A file that becomes `path` if all goes well, and is removed otherwise."""
-    asked = path_of("path", path)
-    output.check(asked, endings)
-    target = output.real(asked)
+    requested = path_of("path", path)
+    output.check(requested, endings)
+    target = output.real(requested)
     # A folder, because the ending tells programs what to write.
     folder = output.part_of(target)
     try:
         folder.mkdir()
-        part = folder / f"part{asked.suffix.lower()}"
+        part = folder / f"part{requested.suffix.lower()}"
         yield part
         output.put(part, target)
     except OSError as error:

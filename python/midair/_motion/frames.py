@@ -1,4 +1,4 @@
-"""Frames of a sequence as they are held: points, targets, drives, air and setting; values that compare."""
+"""Frames of a sequence: points, targets, drives, air and setting; values that compare."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class Frames:
 
     @property
     def change(self) -> float | None:
-        """The bound of the phase change in rad a frame that held when it was solved, or None."""
+        """The bound of the phase change in rad a frame of the solve, or None."""
         return self._change
 
     @property
@@ -95,7 +95,7 @@ class Frames:
     @property
     def codes(self) -> NDArray[Any] | None:
         """Codes l (T, N) of the phases 2 pi l/L, uint8 or uint16, or None where drives are complex."""
-        return None if self._drives.phases is None else self._drives.held[:]
+        return None if self._drives.phases is None else self._drives.kept[:]
 
     @property
     def drives(self) -> NDArray[np.complex64]:
@@ -112,7 +112,7 @@ class Frames:
         arrays = (
             (self._points, other._points),
             (self._targets, other._targets),
-            (self._drives.held, other._drives.held),
+            (self._drives.kept, other._drives.kept),
         )
         return (
             same
@@ -125,7 +125,7 @@ class Frames:
     def __reduce__(self) -> tuple[Any, ...]:
         around: dict[str, Any] = {"obstacles": self._scene.obstacles, "signature": self._scene.signature}
         made = partial(type(self), **around, **self.setting())
-        return made, (self.array, self._points, self._targets, self._drives.held)
+        return made, (self.array, self._points, self._targets, self._drives.kept)
 
     def __repr__(self) -> str:
         return f"<midair.{self._heading()}>"

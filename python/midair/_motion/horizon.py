@@ -140,7 +140,7 @@ Frame = tuple[NDArray[np.float64], NDArray[np.float64]]
 class Horizon:
     """An iterator over codes (N,), `ahead` frames behind the frames that it is given.
 
-    done, state : to go on, how many frames were handed out, and what `state` told then; `frames` begin
+    done, state : to go on, how many frames were handed out, and the `state` of then; `frames` begin
         with the last of them
     """
 
@@ -166,18 +166,18 @@ class Horizon:
         return self
 
     def __next__(self) -> NDArray[np.uint16]:
-        held = min(self._done, 1)
-        most = held + 1 + self._ahead
+        kept = min(self._done, 1)
+        most = kept + 1 + self._ahead
         self._frames += islice(self._coming, most - len(self._frames))
-        if len(self._frames) == held:
+        if len(self._frames) == kept:
             raise StopIteration
-        if self._decided == held:
-            self._codes = self._plan(held)
+        if self._decided == kept:
+            self._codes = self._plan(kept)
             last = len(self._frames) < most
-            self._decided = len(self._frames) if last else held + 1 + self._ahead // 3
+            self._decided = len(self._frames) if last else kept + 1 + self._ahead // 3
         assert self._codes is not None
-        self._frames, self._codes = self._frames[held:], self._codes[held:]
-        self._decided -= held
+        self._frames, self._codes = self._frames[kept:], self._codes[kept:]
+        self._decided -= kept
         self._done += 1
         found: NDArray[np.uint16] = self._codes[0]
         return found
@@ -191,25 +191,25 @@ class Horizon:
         """What there is to know to go on, once a frame was handed out."""
         return {"codes": self._codes, "decided": self._decided}
 
-    def _plan(self, held: int) -> NDArray[np.uint16]:
+    def _plan(self, kept: int) -> NDArray[np.uint16]:
         points, targets = _table(self._frames)
         if self._codes is None:
             return self._tracks.find(points, targets)
         if not targets[0].any():
-            # A silent frame binds nobody.
-            rest = self._tracks.find(points[held:], targets[held:], first=self._done)
-            return np.concatenate([self._codes[:held], rest])
+            # A silent frame gives no bound.
+            rest = self._tracks.find(points[kept:], targets[kept:], first=self._done)
+            return np.concatenate([self._codes[:kept], rest])
         missing = len(points) - len(self._codes)
         start = np.concatenate([self._codes, np.repeat(self._codes[-1:], missing, axis=0)])
-        return self._tracks.find(points, targets, start=start, first=self._done - held)
+        return self._tracks.find(points, targets, start=start, first=self._done - kept)
 
 
 def _table(frames: list[Frame]) -> Frame:
     """Points (T, M, 3) and targets (T, M) of frames of M points at most; 0 for who is not there."""
     count = max(len(points) for points, _ in frames)
     points, targets = np.zeros((len(frames), count, 3)), np.zeros((len(frames), count))
-    for frame, (places, asked) in enumerate(frames):
-        points[frame, : len(places)], targets[frame, : len(places)] = places, asked
+    for frame, (places, requested) in enumerate(frames):
+        points[frame, : len(places)], targets[frame, : len(places)] = places, requested
     return points, targets
 
 
@@ -272,14 +272,14 @@ class Found(Protocol):
 class Followed:
     """By a solver, each frame from the last one; `exact` where its phases are the board's."""
 
-    def __init__(self, asked: Request, solver: Solver, exact: bool) -> None:
-        self.board: dict[str, Any] | None = asked.options.get("quantization")
-        self._asked = asked
+    def __init__(self, requested: Request, solver: Solver, exact: bool) -> None:
+        self.board: dict[str, Any] | None = requested.options.get("quantization")
+        self._requested = requested
         self._solver = solver
-        self._phases = asked.board.get("phases") if exact and asked.full else None
+        self._phases = requested.board.get("phases") if exact and requested.full else None
 
     def block(self, frames: slice) -> NDArray[Any]:
-        drives = self._solver.follow(self._asked.points[frames], self._asked.targets[frames])
+        drives = self._solver.follow(self._requested.points[frames], self._requested.targets[frames])
         return drives if self._phases is None else coded(drives, self._phases)
 
     def state(self) -> dict[str, Any]:
@@ -294,20 +294,20 @@ class Followed:
 class Foreseen:
     """By tracks, each frame with some of the next in sight."""
 
-    def __init__(self, asked: Request, tracks: Tracks, ahead: int) -> None:
+    def __init__(self, requested: Request, tracks: Tracks, ahead: int) -> None:
         self.board: dict[str, Any] | None = tracks.board
-        self._asked = asked
+        self._requested = requested
         self._tracks = tracks
         self._ahead = ahead
-        self._horizon = Horizon(tracks, zip(asked.points, asked.targets, strict=True), ahead)
+        self._horizon = Horizon(tracks, zip(requested.points, requested.targets, strict=True), ahead)
 
     def block(self, frames: slice) -> NDArray[Any]:
-        points, targets = self._asked.points[frames], self._asked.targets[frames]
+        points, targets = self._requested.points[frames], self._requested.targets[frames]
         return self._tracks.played(points, targets, np.stack(list(islice(self._horizon, len(points)))))
 
     def state(self) -> dict[str, Any]:
         return self._horizon.state()
 
     def restore(self, done: int, state: dict[str, Any]) -> None:
-        rest = zip(self._asked.points[done - 1 :], self._asked.targets[done - 1 :], strict=True)
+        rest = zip(self._requested.points[done - 1 :], self._requested.targets[done - 1 :], strict=True)
         self._horizon = Horizon(self._tracks, rest, self._ahead, done, state)

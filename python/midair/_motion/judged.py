@@ -20,7 +20,7 @@ from .felt import BANDS, Felt, noise, spectrum
 from .frames import Frames
 from .propagation import Between, between, pressures, rows
 
-#: Time constant in s at which the noise of a sequence is told where none is given.
+#: Time constant in s for the noise of a sequence by default.
 TAU = 0.2e-3
 
 #: What settles goes below the least number there is, which a program may have made an error (np.seterr).
@@ -74,9 +74,9 @@ class SequenceMetrics:
 
     def _rows(self) -> list[tuple[str, str, str]]:
         values = self.asdict()
-        told = {name: "-" if value is None else f"{value:.4f}" for name, value in values.items()}
-        told["noise"] = f"{self.noise:.1f}"
-        return [(name, told[name], meaning) for name, meaning in MEANINGS.items()]
+        reported = {name: "-" if value is None else f"{value:.4f}" for name, value in values.items()}
+        reported["noise"] = f"{self.noise:.1f}"
+        return [(name, reported[name], meaning) for name, meaning in MEANINGS.items()]
 
 
 def measure(
@@ -88,8 +88,8 @@ def measure(
 ) -> SequenceMetrics:
     """Metrics of |p| (S, M) beside targets (S, M), 0 where a point is not there, and of changes (T,)."""
     there = targets > 0
-    heard = there.any(axis=1)
-    x = np.divide(pressures, targets, out=np.full(targets.shape, np.nan), where=there)[heard]
+    received = there.any(axis=1)
+    x = np.divide(pressures, targets, out=np.full(targets.shape, np.nan), where=there)[received]
     largest = np.nanmax(x, axis=1)
     even = np.divide(np.nanmin(x, axis=1), largest, out=np.zeros(len(x)), where=largest > 0)
     # A point that is never there has no mean.
@@ -168,7 +168,7 @@ class JudgedFrames(Frames):
 
     @cached_property
     def metrics(self) -> SequenceMetrics:
-        """Metrics of the frames at rest; the noise is that of held drives and tau = 0.2 ms."""
+        """Metrics of the frames at rest; the noise is that of constant drives and tau = 0.2 ms."""
         return self.judge()
 
     @SETTLING
@@ -179,13 +179,13 @@ class JudgedFrames(Frames):
 
         Raises SceneError for a tau below 0, an unknown hold and substeps below 1.
         """
-        heard = self._envelope(TAU if tau is None else tau, hold)
+        received = self._envelope(TAU if tau is None else tau, hold)
         steps = arguments.substeps(substeps)
         if tau is None:
             got, targets = self.pressures, self._targets
         else:
-            got, targets = self._between(heard, steps).pressures, np.repeat(self._targets, steps, axis=0)
-        return measure(got, targets, self.changes, self._closed, noise(heard))
+            got, targets = self._between(received, steps).pressures, np.repeat(self._targets, steps, axis=0)
+        return measure(got, targets, self.changes, self._closed, noise(received))
 
     @property
     def summary(self) -> str:
@@ -249,8 +249,8 @@ class JudgedFrames(Frames):
             yield frames, parts[:, ::2] + parts[:, 1::2]
 
     def _envelope(self, tau: float, hold: Hold) -> Envelope:
-        held = arguments.hold(hold)
-        return Envelope(self._drives, self._rate, self._closed, arguments.time_constant(tau), held)
+        kept = arguments.hold(hold)
+        return Envelope(self._drives, self._rate, self._closed, arguments.time_constant(tau), kept)
 
     def _between(self, envelope: Envelope, substeps: int) -> Between:
         return between(self._scene, self._points, self._targets, envelope, substeps)

@@ -167,8 +167,8 @@ def _spectrum(sequence: JudgedFrames, ax: Axes) -> None:
     frequencies, lines = spectrum(values, sequence.rate)
     ax.plot(frequencies[1:], lines[1:], color="black", linewidth=0.9)
     for band, colour in zip(BANDS, ("tab:blue", "tab:orange"), strict=True):
-        told = f"{band[0]:g} to {band[1]:g} Hz: {rms(frequencies, lines, band):.3g} Pa rms"
-        ax.axvspan(*band, color=colour, alpha=0.15, linewidth=0, label=told)
+        reported = f"{band[0]:g} to {band[1]:g} Hz: {rms(frequencies, lines, band):.3g} Pa rms"
+        ax.axvspan(*band, color=colour, alpha=0.15, linewidth=0, label=reported)
     ax.axhline(lines[0], color="grey", linestyle="--", linewidth=0.9, label=f"static: {lines[0]:.3g} Pa")
     if lines[1:].any():
         ax.set(xscale="log", yscale="log")

@@ -25,7 +25,7 @@ def rows(
     part = max(MOST_KEPT // len(scene.array), 1) if scene.obstacles else len(flat)
     blocks = []
     with warnings.catch_warnings():
-        # The scene itself has told of what is hardly meant.
+        # The scene itself has reported probable mistakes.
         warnings.simplefilter("ignore", SceneWarning)
         for start in range(0, len(flat), part):
             try:

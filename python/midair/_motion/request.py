@@ -1,4 +1,4 @@
-"""What a sequence is asked: path, rate and bound, read once; and the speed that the bound allows."""
+"""Request of a sequence: path, rate and bound, read once; and the speed that the bound allows."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Request:
     """Points (T, M, 3) in m, targets (T, M) in Pa, and how they are to be solved.
 
     scene : the array, its air and the first frame
-    aim : "target", or "max" where nothing was asked but points
+    aim : "target", or "max" if only points are given
     """
 
     array: Array
@@ -65,7 +65,7 @@ def solver_name(given: Any) -> Any:
 
 
 def bound(rate: float, change: Any, change_rate: Any) -> float:
-    """The bound in rad a frame, told so or in rad/s."""
+    """The bound in rad a frame, given so or in rad/s."""
     if change is not None and change_rate is not None:
         raise refused("change_rate", change_rate, "change is given, too: give one of them")
     if change_rate is not None:
@@ -97,19 +97,28 @@ def request(
     if closed and isinstance(path, Path) and not loops:
         raise refused("closed", closed, "the path's end is not its start, leave it out")
     air = {name: options.pop(name) for name in AIR if name in options}
-    told = pressures is not None or (isinstance(path, Path) and path.pascals)
-    asked = np.ones(points.shape[:2]) if targets is None else np.asarray(targets)
+    reported = pressures is not None or (isinstance(path, Path) and path.pascals)
+    requested = np.ones(points.shape[:2]) if targets is None else np.asarray(targets)
     scene = Scene(array, points[0], **air)
-    if not told:
+    if not reported:
         # Relative to what the array can do at the first frame.
-        asked = asked * scene.reach().level
+        requested = requested * scene.reach().level
     if aim is None:
         aim = "max" if targets is None else "target"
-    elif aim == "max" and _swells(asked):
+    elif aim == "max" and _swells(requested):
         warn('aim is "max", but pressures change between frames: leave it out, it plays each frame in full')
     rad = bound(frames, *bounds)
     return Request(
-        array, scene, points, asked, frames, rad, bool(loops if closed is None else closed), aim, air, options
+        array,
+        scene,
+        points,
+        requested,
+        frames,
+        rad,
+        bool(loops if closed is None else closed),
+        aim,
+        air,
+        options,
     )
 
 
@@ -119,7 +128,7 @@ def _swells(targets: NDArray[np.float64]) -> bool:
     return level.size > 0 and bool(level.max() > 1.01 * level.min())
 
 
-def warn_of_speed(asked: Request, phases: int | None) -> None:
+def warn_of_speed(requested: Request, phases: int | None) -> None:
     """Warn where points move faster than the bound lets a focus follow (docs/motion.md).
 
     On a board's grid the bound is in whole steps of its phases; where not one fits, the solver tells it.
@@ -127,14 +136,14 @@ def warn_of_speed(asked: Request, phases: int | None) -> None:
     A focus that moves by d along e between two frames turns transducer i by k d (u_i e), u_i from it to the
     focus, of which one phase is free for all: half the spread of k d (u_i e) is needed.
     """
-    needed, speed = _needed(asked)
+    needed, speed = _needed(requested)
     step = 0.0 if phases is None else 2 * pi / phases
-    allowed = step * floor(asked.change / step + 1e-9) if step else asked.change
+    allowed = step * floor(requested.change / step + 1e-9) if step else requested.change
     if needed <= allowed * (1 + 1e-9) or allowed == 0:
         return
-    faster = ceil(asked.rate * needed / allowed / 100) / 10
+    faster = ceil(requested.rate * needed / allowed / 100) / 10
     wanted = step * ceil(needed / step) if step else needed
-    whole = f" in whole steps of {phases} phases" if allowed < asked.change * (1 - 1e-9) else ""
+    whole = f" in whole steps of {phases} phases" if allowed < requested.change * (1 - 1e-9) else ""
     wider = f" or pi/{int(pi / wanted)}" if wanted <= pi else ""
     text = (
         f"{speed:.3g} m/s needs {needed:.2g} rad a frame, {allowed:.3g} allowed{whole}: the level falls; "
@@ -143,22 +152,22 @@ def warn_of_speed(asked: Request, phases: int | None) -> None:
     warn(text)
 
 
-def _needed(asked: Request) -> tuple[float, float]:
+def _needed(requested: Request) -> tuple[float, float]:
     """The largest bound that a point needs, and its speed, over some frames."""
-    points, there = asked.points, asked.targets > 0
-    steps = np.arange(0 if asked.closed else 1, len(points), max((len(points) - 1) // LOOKED, 1))
-    wavenumber = 2 * pi * asked.scene.frequency / asked.scene.sound_speed
+    points, there = requested.points, requested.targets > 0
+    steps = np.arange(0 if requested.closed else 1, len(points), max((len(points) - 1) // LOOKED, 1))
+    wavenumber = 2 * pi * requested.scene.frequency / requested.scene.sound_speed
     most, speed = 0.0, 0.0
     for step in steps:
         both = there[step] & there[step - 1]
         moved = (points[step] - points[step - 1])[both]
-        rays = points[step][both][:, None] - asked.array.positions
+        rays = points[step][both][:, None] - requested.array.positions
         rays /= np.maximum(np.linalg.norm(rays, axis=2, keepdims=True), 1e-9)
         along = np.einsum("jik,jk->ji", rays, moved)
         spread = wavenumber * np.ptp(along, axis=1) / 2
         if spread.size and spread.max() > most:
             most = float(spread.max())
-            speed = float(np.linalg.norm(moved[spread.argmax()]) * asked.rate)
+            speed = float(np.linalg.norm(moved[spread.argmax()]) * requested.rate)
     return most, speed
 
 

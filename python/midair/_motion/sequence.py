@@ -35,7 +35,7 @@ class Sequence(JudgedFrames):
     drives : (T, N), complex of |q| <= 1, or whole numbers: codes l of the phases 2 pi l/L at full amplitude
     rate : frames a second; frame t is played from t/rate to (t + 1)/rate
     closed : whether the first frame follows the last
-    change : the bound that held when it was solved, in rad a frame, if any
+    change : the bound of the solve, in rad a frame, if any
     quantization : the board, as `midair.Array` takes it; left out, the array's own; codes need its phases
     solver : the name of what solved it
     medium : frequency, sound_speed or temperature, absorption, density, obstacles and
@@ -64,7 +64,7 @@ class Sequence(JudgedFrames):
     ) -> Figure:
         """Waterfalls of |p| / target and of phase changes, and the spectrum of the radiation pressure.
 
-        ax : axes of your own for one panel, the first of those asked for
+        ax : axes of your own for one panel, the first of `panels`
         cmap : a colour map of matplotlib or its name
         panels : "pressures", "changes", "spectrum" or several; left out, all
         size : of the figure in inches, its width or (width, height)
@@ -103,7 +103,7 @@ class Sequence(JudgedFrames):
 
         Raises SceneError for another ending, and for a path that cannot be written.
         """
-        arrays = {"points": self._points, "targets": self._targets, "drives": self._drives.held}
+        arrays = {"points": self._points, "targets": self._targets, "drives": self._drives.kept}
         files.save(path, arrays, self._scene, self.setting())
 
     @staticmethod
@@ -151,7 +151,7 @@ def dataset(sequence: JudgedFrames) -> Dataset:
         "positions": (("transducer", "axis"), sequence.array.positions, {"units": "m"}),
     }
     coordinates = {"time": ("time", sequence.times, {"units": "s"}), "axis": list("xyz")}
-    told = {"rate": sequence.rate, "closed": int(sequence.closed), "solver": sequence.solver}
+    reported = {"rate": sequence.rate, "closed": int(sequence.closed), "solver": sequence.solver}
     bound = {} if sequence.change is None else {"change": sequence.change}
     copies = {name: (dims, np.array(values), attrs) for name, (dims, values, attrs) in variables.items()}
-    return xarray.Dataset(copies, coordinates, told | bound)
+    return xarray.Dataset(copies, coordinates, reported | bound)

@@ -62,7 +62,7 @@ def skin(
     The skin is an endless membrane (of a mesh, its surface) pushed by the radiation pressure
     |p|^2/(rho c^2), on a mesh times the squared cosine of the incidence, and by none on its far side. Each
     line of the sequence's spectrum up to 1 kHz is solved by itself, which is exact: the sheet is linear. The
-    steady push is left out, and so is what pushes beside the hand. A frame is held until the next one, and
+    steady push is left out, and so is what pushes beside the hand. A frame lasts until the next one, and
     its steps are in the spectrum. `docs/touch.md` lists which published orders the model has, and which not.
 
     Raises SceneError for arguments that are not in order, places on a transducer, and where SciPy is missing.
@@ -200,7 +200,7 @@ class Skin:
     ) -> Figure:
         """Pressure, skin motion (rms) and the spectrum at a place, left out the strongest, side by side.
 
-        ax : axes of your own for one panel, the first of those asked for
+        ax : axes of your own for one panel, the first of `panels`
         cmap : a colour map of matplotlib or its name
         panels : "pressure", "motion", "spectrum" or several; left out, all
         size : (width, height) in inches
@@ -321,17 +321,17 @@ def _lines(
 ) -> tuple[NDArray[np.float64], NDArray[np.complex64]]:
     """The lines up to 1 kHz above 0 (L,) in Hz, and (1 + L, P) in Pa: the mean, and the amplitude of each.
 
-    Of frames that are held: a line h of T frames is the h-th harmonic of their samples times sinc(h / T).
+    With constant frames, a line h of T frames is the h-th harmonic of their samples times sinc(h / T).
     """
     count = len(sequence)
     harmonics = np.arange(1, int(HIGHEST * count / sequence.rate * (1 + 1e-9)) + 1)
-    held = (np.sinc(harmonics / count) * 2 / count).astype(np.float32)[:, None]
+    kept = (np.sinc(harmonics / count) * 2 / count).astype(np.float32)[:, None]
     lines = np.zeros((1 + len(harmonics), len(places)), np.complex64)
     for frames, values in sequence._pushes(places, tau):
         index = np.arange(frames.start, frames.start + len(values))
         lines[0] += values.sum(axis=0) / count
         turns = np.outer(harmonics, index) % count
-        waves = held * np.exp(-2j * np.pi / count * turns).astype(np.complex64)
+        waves = kept * np.exp(-2j * np.pi / count * turns).astype(np.complex64)
         lines[1:] += waves @ values
     return (harmonics * (sequence.rate / count)).astype(np.float64), lines.astype(np.complex64)
 

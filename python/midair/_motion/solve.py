@@ -22,7 +22,7 @@ from .request import Request, bound, request, sight, solver_name, warn_of_speed
 from .sequence import Sequence
 
 #: Frames that a solution's modulation takes at most: as many as an AUTD3 board holds.
-MOST_HELD = 1024
+MOST_KEPT = 1024
 
 #: Frames between two calls of progress, and in one piece of a file.
 BLOCK = 1024
@@ -59,7 +59,7 @@ def sequence(
         sequence
     pressures : targets in Pa: one, (M,) or (T, M), 0 where a point is not there; left out the
         path's own, else the balanced level of the first frame, times modulation and fades
-    aim : "target" or "max", as `midair.solve` has it; left out "max" where nothing but points is asked
+    aim : "target" or "max", as `midair.solve` has it; by default "max" if only points are given
     progress : called with (frames done, frames)
     resume : an .npz file written as the frames are found, in the memory of a block; stopped and called
         again with the same arguments it goes on, to the same bits
@@ -77,33 +77,39 @@ def sequence(
     """
     callback(progress, "frames done, frames")
     solver = solver_name(solver)
-    asked = request(array, path, rate, (change, change_rate), closed, pressures, aim, dict(options))
+    requested = request(array, path, rate, (change, change_rate), closed, pressures, aim, dict(options))
     known = sight(ahead, bool(closed))
-    warn_of_speed(asked, (asked.board if known == 0 else board_of(asked.board)).get("phases"))
+    warn_of_speed(requested, (requested.board if known == 0 else board_of(requested.board)).get("phases"))
     if known is None:
         if resume is not None:
             raise SceneError(
                 'resume is given, but ahead is "all": all frames are found together, leave it out'
             )
-        tracks = _tracks(asked, solver, tau)
-        codes = tracks.find(asked.points, asked.targets, closed=asked.closed, progress=progress)
+        tracks = _tracks(requested, solver, tau)
+        codes = tracks.find(requested.points, requested.targets, closed=requested.closed, progress=progress)
         return store.sequence_of(
-            asked, tracks.played(asked.points, asked.targets, codes), solver, tracks.board
+            requested, tracks.played(requested.points, requested.targets, codes), solver, tracks.board
         )
     found: Found = (
-        Foreseen(asked, _tracks(asked, solver, tau), known)
+        Foreseen(requested, _tracks(requested, solver, tau), known)
         if known
-        else Followed(asked, _follower(asked, solver, tau), solver == "glide")
+        else Followed(requested, _follower(requested, solver, tau), solver == "glide")
     )
     if resume is not None:
-        setting = {"solver": solver, "tau": tau, "aim": asked.aim, "options": asked.options, "ahead": known}
-        return store.solved(resume, asked, setting, found, BLOCK, progress)
+        setting = {
+            "solver": solver,
+            "tau": tau,
+            "aim": requested.aim,
+            "options": requested.options,
+            "ahead": known,
+        }
+        return store.solved(resume, requested, setting, found, BLOCK, progress)
     blocks = []
-    for first in range(0, len(asked.points), BLOCK):
+    for first in range(0, len(requested.points), BLOCK):
         blocks.append(found.block(slice(first, first + BLOCK)))
         if progress is not None:
-            progress(min(first + BLOCK, len(asked.points)), len(asked.points))
-    return store.sequence_of(asked, np.concatenate(blocks), solver, found.board)
+            progress(min(first + BLOCK, len(requested.points)), len(requested.points))
+    return store.sequence_of(requested, np.concatenate(blocks), solver, found.board)
 
 
 def modulated(
@@ -135,7 +141,7 @@ def modulated(
         raise refused("rate", rate, f"the modulation needs {2 * by.finest:g} frames a second at least")
     # So many frames hold so many periods.
     ratio = Fraction(frames / by.frequency).limit_denominator(1024)
-    if ratio.numerator > MOST_HELD or abs(float(ratio) * by.frequency / frames - 1) > ROUNDING:
+    if ratio.numerator > MOST_KEPT or abs(float(ratio) * by.frequency / frames - 1) > ROUNDING:
         near = frames / max(round(frames / by.frequency), 2)
         raise refused(
             "frequency", by.frequency, f"no whole periods at {frames:g} frames/s, give {near:.6g} Hz"
@@ -217,15 +223,17 @@ def _frames(given: Any, options: dict[str, Any]) -> Iterator[Any]:
     return iter(given)
 
 
-def _tracks(asked: Request, solver: str, tau: float | None) -> Tracks:
-    check(solver, tau, asked.aim, asked.options)
-    board = board_of(asked.board)
-    return Tracks(asked.scene, asked.change, board, lowered=asked.aim == "target", coded=asked.full)
+def _tracks(requested: Request, solver: str, tau: float | None) -> Tracks:
+    check(solver, tau, requested.aim, requested.options)
+    board = board_of(requested.board)
+    return Tracks(
+        requested.scene, requested.change, board, lowered=requested.aim == "target", coded=requested.full
+    )
 
 
-def _follower(asked: Request, solver: str, tau: float | None) -> Solver:
-    options = {"aim": asked.aim, **asked.air, **asked.options}
-    return _solver(asked.array, solver, asked.rate, asked.change, tau, options)
+def _follower(requested: Request, solver: str, tau: float | None) -> Solver:
+    options = {"aim": requested.aim, **requested.air, **requested.options}
+    return _solver(requested.array, solver, requested.rate, requested.change, tau, options)
 
 
 def _solver(

@@ -35,27 +35,29 @@ REQUEST, STATE = "request", "state."
 OWN = re.compile(r"request|\d{12}\.npz")
 
 
-def sequence_of(asked: Request, drives: NDArray[Any], solver: str, board: dict[str, Any] | None) -> Sequence:
+def sequence_of(
+    requested: Request, drives: NDArray[Any], solver: str, board: dict[str, Any] | None
+) -> Sequence:
     """The sequence of a request, as `solver` and `board` answer it; whatever it warns of, the request did."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SceneWarning)
         return Sequence(
-            asked.array,
-            asked.points,
-            asked.targets,
+            requested.array,
+            requested.points,
+            requested.targets,
             drives,
-            rate=asked.rate,
-            closed=asked.closed,
-            change=asked.change,
+            rate=requested.rate,
+            closed=requested.closed,
+            change=requested.change,
             solver=solver,
             quantization=board,
-            **asked.air,
+            **requested.air,
         )
 
 
 def solved(
     path: str | PathLike[str],
-    asked: Request,
+    requested: Request,
     setting: dict[str, Any],
     found: Found,
     block: int,
@@ -65,9 +67,9 @@ def solved(
     target = path_of("resume", path)
     output.check(target, (".npz",))
     folder = target.with_name(target.name + ENDING)
-    total = len(asked.points)
+    total = len(requested.points)
     with kept.locked(folder):
-        pieces = Pieces(folder, _fingerprint(asked, setting, block))
+        pieces = Pieces(folder, _fingerprint(requested, setting, block))
         done = 0
         while done < total and (piece := pieces.load(done)) is not None:
             state, done = piece[1], done + block
@@ -77,18 +79,18 @@ def solved(
             pieces.save(first, found.block(slice(first, first + block)), found.state())
             if progress is not None:
                 progress(min(first + block, total), total)
-        _assemble(target, pieces, asked, setting, found.board, block)
+        _assemble(target, pieces, requested, setting, found.board, block)
         kept.remove(folder, OWN)
     return Sequence.load(target)
 
 
-def _fingerprint(asked: Request, setting: dict[str, Any], block: int) -> str:
+def _fingerprint(requested: Request, setting: dict[str, Any], block: int) -> str:
     """All that the bits of the answer depend on."""
     digest = sha256()
-    for values in (asked.points, asked.targets):
+    for values in (requested.points, requested.targets):
         digest.update(np.ascontiguousarray(values).tobytes())
-    scene = Scene(asked.array, asked.points[0], **asked.air).json()
-    rest = [scene, asked.rate, asked.change, setting, block]
+    scene = Scene(requested.array, requested.points[0], **requested.air).json()
+    rest = [scene, requested.rate, requested.change, setting, block]
     digest.update(json.dumps(rest, sort_keys=True, default=repr).encode())
     return digest.hexdigest()
 
@@ -129,18 +131,18 @@ class Pieces:
 def _assemble(
     target: Path,
     pieces: Pieces,
-    asked: Request,
+    requested: Request,
     setting: dict[str, Any],
     board: dict[str, Any] | None,
     block: int,
 ) -> None:
     """Write the file that `Sequence.save` writes, its drives copied piece after piece."""
-    shape = (len(asked.points), len(asked.array))
-    two = replace(asked, points=asked.points[:2], targets=np.ones(asked.targets[:2].shape))
+    shape = (len(requested.points), len(requested.array))
+    two = replace(requested, points=requested.points[:2], targets=np.ones(requested.targets[:2].shape))
     empty = sequence_of(two, np.ones((2, shape[1]), np.complex64), setting["solver"], board)
     texts = {"scene": empty.scene(0).json(), "setting": output.to_json(empty.setting())}
     with files.whole(target, (".npz",)) as part, zipfile.ZipFile(part, "w", allowZip64=True) as archive:
-        small = {"points": asked.points, "targets": asked.targets}
+        small = {"points": requested.points, "targets": requested.targets}
         for name, values in {**small, **{name: np.asarray(text) for name, text in texts.items()}}.items():
             with archive.open(f"{name}.npy", "w", force_zip64=True) as stream:
                 npy.write_array(stream, np.asanyarray(values), allow_pickle=False)

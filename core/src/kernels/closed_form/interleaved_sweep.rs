@@ -1,8 +1,8 @@
 //! Closed-form greedy sweep over an interleaved batch: up to 16 problems of at most 16 points, problem b in lane b.
 //!
 //! The loop is that of [`crate::kernels::closed_form`]; a list of points here has a group of lanes a point, a lane a problem. Each lane
-//! repeats the operations of its lone problem in their order, and points are added in the tree of [`Simd::reduce_add`], so
-//! that every problem has the bits of its lone sweep. Points that a problem lacks have target and weight 0 and add +0.
+//! repeats the operations of its single problem in their order, and points are added in the tree of [`Simd::reduce_add`], so
+//! that every problem has the bits of its single sweep. Points that a problem lacks have target and weight 0 and add +0.
 //!
 //! 1. No lane is wasted on padding and nothing is summed across lanes: at M = 4 a problem takes half of the time
 //!    that it takes alone.

@@ -302,10 +302,10 @@ fn add_block<S: Simd, L: Layout<S>, const QUADS: usize>(
 fn residual<S: Elementwise>(s: S, target: &[f32], weight: &[f32], pressure: [&[f32]; 2], out: [&mut [f32]; 2]) {
     let [out_re, out_im] = out;
     let (zero, least) = (s.splat(0.0), s.splat(TINY));
-    let asked = groups(target).iter().zip(groups(weight));
+    let requested = groups(target).iter().zip(groups(weight));
     let pressures = groups(pressure[0]).iter().zip(groups(pressure[1]));
     let out = groups_mut(out_re).iter_mut().zip(groups_mut(out_im));
-    for (((t, w), (re, im)), (out_re, out_im)) in asked.zip(pressures).zip(out) {
+    for (((t, w), (re, im)), (out_re, out_im)) in requested.zip(pressures).zip(out) {
         let (t, w, re, im) = (s.load(t), s.load(w), s.load(re), s.load(im));
         let square = s.fma(re, re, s.mul(im, im));
         let (guess, miss) = s.rsqrt_guess(square);

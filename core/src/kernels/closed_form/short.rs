@@ -36,7 +36,7 @@ fn run<S: Simd>(
     let Sweep { rows, target, weight, count, block, own, phases, memory } = sweep;
     let Memory { rows: kept, residual: [rest_re, rest_im] } = memory;
     let octets = groups_mut(&mut kept[..2 * MOST * target.len()]).as_chunks_mut().0.as_chunks_mut().0;
-    let mut field = Field { asked: [target, weight], pressure: [re, im], residual: [rest_re, rest_im] };
+    let mut field = Field { requested: [target, weight], pressure: [re, im], residual: [rest_re, rest_im] };
     s.apart(count, &mut Added { field: &mut field, rows: octets, change: &[0.0; LANES], members: 0 });
     let (mut sums, mut goes_on) = ([[0.0; LANES]; LANES], true);
     while goes_on {
@@ -78,7 +78,7 @@ fn run<S: Simd>(
 
 /// The points: targets and weights, P and d.
 struct Field<'a> {
-    asked: [&'a [f32]; 2],
+    requested: [&'a [f32]; 2],
     pressure: [&'a mut [f32]; 2],
     residual: [&'a mut [f32]; 2],
 }
@@ -106,7 +106,7 @@ impl Apart for Correlations<'_> {
                 im = s.fma(gr, di, s.fnma(gi, dr, im));
             }
             if self.own > 0.0 {
-                let power = own_power(s, self.rows, k, self.field.asked[1]);
+                let power = own_power(s, self.rows, k, self.field.requested[1]);
                 re = s.fma(power, s.splat(self.own * self.old[2 * k]), re);
                 im = s.fma(power, s.splat(self.own * self.old[2 * k + 1]), im);
             }
@@ -127,7 +127,7 @@ struct Added<'a, 'b> {
 impl Apart for Added<'_, '_> {
     #[inline(always)]
     fn run<S: Elementwise>(&mut self, s: S) {
-        let Field { asked, pressure: [re, im], residual: [rest_re, rest_im] } = &mut *self.field;
+        let Field { requested, pressure: [re, im], residual: [rest_re, rest_im] } = &mut *self.field;
         let pressures = groups_mut(re).iter_mut().zip(groups_mut(im));
         for (octet, (re, im)) in self.rows.iter().zip(pressures) {
             let mut real = [s.load(re), s.splat(0.0), s.splat(0.0), s.splat(0.0)];
@@ -143,7 +143,7 @@ impl Apart for Added<'_, '_> {
             s.store(s.add(s.add(real[0], real[2]), s.add(real[1], real[3])), re);
             s.store(s.add(s.add(imag[0], imag[2]), s.add(imag[1], imag[3])), im);
         }
-        residual(s, asked[0], asked[1], [re, im], [rest_re, rest_im]);
+        residual(s, requested[0], requested[1], [re, im], [rest_re, rest_im]);
     }
 }
 

@@ -10,13 +10,13 @@
 //! any other lane: its problem alone
 //! ```
 //!
-//! Each lane repeats the operations of its lone problem in their order, and an update that is not decided in the lanes
-//! is handed to the lone pass's own search. So every problem has the bits of its lone pass.
+//! Each lane repeats the operations of its single problem in their order, and an update that is not decided in the lanes
+//! is handed to the single pass's own search. So every problem has the bits of its single pass.
 //!
 //! 1. Nothing is summed across lanes, and 16 problems wait for one chain: at M = 4 a problem takes a fifth of the time
 //!    that it takes alone, at M = 16 half.
 //! 2. The powers of every candidate are computed once a pass and read as scalars.
-//! 3. Eq. (7) in every lane takes as long as some lone updates, and saves 4, 7 and 10 % at M = 4, 8 and 16: early
+//! 3. Eq. (7) in every lane takes as long as some single updates, and saves 4, 7 and 10 % at M = 4, 8 and 16: early
 //!    updates have near points in most lanes.
 
 use num_complex::Complex32;
@@ -138,7 +138,7 @@ impl<S: Simd> Layout<S> for ProblemsInLanes<'_, S::V> {
 }
 
 impl<V: Copy> ProblemsInLanes<'_, V> {
-    /// Writes the drive that the problem of a lane chooses when alone, 0 for none, into the lone pass's.
+    /// Writes the drive that the problem of a lane chooses when alone, 0 for none, into the single pass's.
     #[inline(always)]
     fn update_alone<S: Simd<V = V>>(&mut self, s: S, all: Points<'_>, lane: usize) {
         let count = all.groups.iter().rposition(|group| group.weight[lane] > 0.0).map_or(0, |last| last + 1);

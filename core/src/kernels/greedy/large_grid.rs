@@ -247,7 +247,7 @@ fn direction([re, im]: [f32; 2]) -> usize {
 struct Rivals {
     /// How far the changes' rounding leaves a comparison open,
     rounding: f32,
-    /// which differences need not be told,
+    /// which differences need no decision,
     matters: f32,
     /// and the remainder of a difference for each unit that two drives are apart.
     steep: f32,

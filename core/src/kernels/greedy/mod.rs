@@ -186,18 +186,18 @@ pub(crate) struct PointsInLanes<'a, V, T> {
 }
 
 impl<'a, V: Copy, T: Term> PointsInLanes<'a, V, T> {
-    /// Before any transducer is driven. `asked` are targets and weights.
+    /// Before any transducer is driven. `requested` are targets and weights.
     #[inline(always)]
     pub(crate) fn new<S: Simd<V = V>>(
         s: S,
-        asked: [&[f32]; 2],
+        requested: [&[f32]; 2],
         search: Search<'a>,
         drive: &'a mut [Complex32],
     ) -> Self {
         let Search { candidates, floats, indices } = search;
-        let (near, close) = indices.split_at_mut(asked[0].len());
+        let (near, close) = indices.split_at_mut(requested[0].len());
         let mut energy = s.splat(0.0);
-        for (t, w) in groups(asked[0]).iter().zip(groups(asked[1])) {
+        for (t, w) in groups(requested[0]).iter().zip(groups(requested[1])) {
             energy = s.fma(s.mul(s.load(w), s.load(t)), s.load(t), energy);
         }
         let matters = MATTERS * s.reduce_add(energy);

@@ -201,7 +201,7 @@ impl Moments {
     ) -> (Self, usize) {
         let mut count = 0;
         // In registers, which hold them all, or in memory.
-        let mut held = [s.splat(0.0); PARTS];
+        let mut kept = [s.splat(0.0); PARTS];
         let rows = groups(points.row[0]).iter().zip(groups(points.row[1]));
         for (group, (point, (re, im))) in points.groups.iter().zip(rows).enumerate() {
             let mut bits = if S::SHORT {
@@ -209,7 +209,7 @@ impl Moments {
                 s.apart(points.count - group * LANES, &mut some);
                 some.beyond
             } else {
-                add_parts::<S, FOURTH>(s, &mut held, point, [s.load(re), s.load(im)])
+                add_parts::<S, FOURTH>(s, &mut kept, point, [s.load(re), s.load(im)])
             };
             while bits != 0 {
                 near[count] = (group * LANES) as u32 + bits.trailing_zeros();
@@ -221,8 +221,8 @@ impl Moments {
             s.store(energy, &mut parts[ENERGY]);
             s.sums(parts, points.count)
         } else {
-            held[ENERGY] = energy;
-            s.reduce_add_each(&held)
+            kept[ENERGY] = energy;
+            s.reduce_add_each(&kept)
         };
         let mut moments = Self(FACTORS);
         s.store(s.mul(sums, s.load(&FACTORS)), &mut moments.0);

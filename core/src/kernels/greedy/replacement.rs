@@ -17,9 +17,9 @@ use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 
 /// Writes the state of a field's points: targets and weights, pressures, all padded alike.
-pub(crate) fn keep(set: InstructionSet, asked: [&[f32]; 2], field: [&[f32]; 2], points: &mut [PointGroup]) {
+pub(crate) fn keep(set: InstructionSet, requested: [&[f32]; 2], field: [&[f32]; 2], points: &mut [PointGroup]) {
     dispatch!(set, s => {
-        for (group, (target, weight)) in points.iter_mut().zip(groups(asked[0]).iter().zip(groups(asked[1]))) {
+        for (group, (target, weight)) in points.iter_mut().zip(groups(requested[0]).iter().zip(groups(requested[1]))) {
             *group = PointGroup::silent(s, target, weight);
         }
         point_group::add(s, points, field[0].len(), field, [1.0, 0.0]);

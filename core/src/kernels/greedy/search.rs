@@ -11,7 +11,7 @@ use crate::kernels::greedy::point_group::PointGroup;
 use crate::kernels::lanes::{LANES, Lanes, groups};
 use crate::kernels::simd::{Apart, Elementwise, Simd};
 
-/// The points as the search sees them: their pressures and what is asked for, and this transducer's row of G.
+/// The points as the search sees them: their pressures and targets, and this transducer's row of G.
 #[derive(Clone, Copy)]
 pub(crate) struct Points<'a> {
     pub(crate) groups: &'a [PointGroup],

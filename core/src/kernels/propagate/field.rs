@@ -35,7 +35,7 @@ const FEW: usize = 4;
 /// P += G q for every transducer that is driven.
 ///
 /// # Errors
-/// A stop, asked for at least once every [`RUN`] elements.
+/// A check for a stop at least once every [`RUN`] elements.
 pub(crate) fn add_field(
     set: InstructionSet,
     radiation: &Radiation,

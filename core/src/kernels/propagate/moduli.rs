@@ -67,7 +67,7 @@ impl<'a> Run<'a> {
 /// than the square root of `nearest` (square wavelengths).
 ///
 /// # Errors
-/// A stop, asked for once every few points.
+/// A check for a stop once every few points.
 pub(crate) fn add_moduli(
     set: InstructionSet,
     run: &Run<'_>,

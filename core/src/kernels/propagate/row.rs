@@ -8,7 +8,7 @@ use crate::kernels::propagate::source::{SourceLanes, SourceList};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Apart, Elementwise, Simd};
 
-/// A hundredth of a wavelength: nearer than that r is held there, so that no field is infinite.
+/// A hundredth of a wavelength: nearer than that r is limited, so that no field is infinite.
 pub(crate) const NEAREST: f32 = 0.01;
 
 /// Points in wavelengths from the array's middle, each coordinate padded with anything finite.
@@ -26,7 +26,7 @@ pub(crate) struct Row<'a> {
     pub(crate) im: &'a mut [f32],
 }
 
-/// Square distance and, held at [`NEAREST`], distance and |c| D e^{-alpha r}/r; distances in wavelengths.
+/// Square distance and, at least [`NEAREST`], distance and |c| D e^{-alpha r}/r; distances in wavelengths.
 #[inline(always)]
 pub(crate) fn spread<S: Elementwise, F: Form>(
     s: S,
@@ -38,9 +38,9 @@ pub(crate) fn spread<S: Elementwise, F: Form>(
     let [x, y, z] = from.position;
     let (dx, dy, dz) = (s.sub(point[0], x), s.sub(point[1], y), s.sub(point[2], z));
     let square = s.fma(dx, dx, s.fma(dy, dy, s.mul(dz, dz)));
-    let held = s.max(square, s.splat(NEAREST * NEAREST));
+    let clamped = s.max(square, s.splat(NEAREST * NEAREST));
     // The distance is the phase: an error in its last place is one of 2e-5 rad at a metre's tenth.
-    let (distance, inverse) = s.sqrt_rsqrt(held);
+    let (distance, inverse) = s.sqrt_rsqrt(clamped);
     let mut amplitude = s.mul(from.amplitude, inverse);
     if !F::PLAIN
         && let Some(decay) = radiation.decay

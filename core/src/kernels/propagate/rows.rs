@@ -12,7 +12,7 @@ use crate::kernels::simd::Simd;
 /// Rows of G, one a transducer, each a whole number of lane groups long.
 #[derive(Clone, Copy)]
 pub(crate) enum Rows<'a> {
-    /// Made from positions when asked for.
+    /// Made from positions on request.
     Computed { radiation: &'a Radiation, sources: &'a SourceList, control_points: ControlPoints<'a> },
     /// Kept: re and im, row after row.
     Stored { re: &'a [f32], im: &'a [f32] },

@@ -1,7 +1,7 @@
 //! Fours: the 16 lanes as four registers, where registers hold four numbers or one; or one of the four alone.
 //!
 //! A kernel in which no lane sees another runs over one register's lanes after the other's ([`Simd::apart`]): its values
-//! then stay in registers, its code is a quarter as long, and lanes that nobody needs cost nothing.
+//! then stay in registers, its code is a quarter as long, and lanes without use cost nothing.
 
 use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::simd::{Apart, Elementwise, Simd, reduce_add};
@@ -227,7 +227,7 @@ impl<R: Register> Elementwise for Quarter<R> {
 }
 
 impl<R: Register> Simd for Fours<R> {
-    // One function of the program for each kernel, whoever calls it.
+    // One function of the program for each kernel, for all callers.
     #[inline(never)]
     fn apart(self, used: usize, kernel: &mut impl Apart) {
         for k in 0..used.min(LANES).div_ceil(FOUR) {

@@ -46,7 +46,7 @@ pub(crate) enum Kind {
     Neon(Neon),
 }
 
-/// Whether the machine has some instructions: asked at run time with `std`, known when compiling without.
+/// Whether the machine has some instructions: checked at run time with `std`, known when compiling without.
 #[cfg(target_arch = "x86_64")]
 macro_rules! has {
     ($($feature:tt),*) => {{
@@ -114,14 +114,14 @@ impl InstructionSet {
     #[cfg(target_arch = "x86_64")]
     #[allow(unsafe_code, reason = "the one place where a token comes into being")]
     fn avx2() -> Option<Self> {
-        // SAFETY: what the token promises has just been asked for.
+        // SAFETY: what the token promises has just been checked.
         has!("avx2", "fma").then(|| Self(Kind::Avx2(unsafe { Avx2::assume() })))
     }
 
     #[cfg(target_arch = "x86_64")]
     #[allow(unsafe_code, reason = "the one place where a token comes into being")]
     fn avx512() -> Option<Self> {
-        // SAFETY: what the token promises has just been asked for.
+        // SAFETY: what the token promises has just been checked.
         has!("avx512f", "avx512dq", "avx2", "fma").then(|| Self(Kind::Avx512(unsafe { Avx512::assume() })))
     }
 }

@@ -44,11 +44,11 @@ fn phasors(rng: &mut Rng) -> [Vec<f32>; 2] {
     [libm::cos, libm::sin].map(|of: fn(f64) -> f64| turns.iter().map(|&turn| of(turn) as f32).collect())
 }
 
-fn near(found: &[Complex64], wanted: impl Fn(usize) -> Option<Complex64>, told: &str) {
+fn near(found: &[Complex64], wanted: impl Fn(usize) -> Option<Complex64>, reported: &str) {
     let off = |i: usize| wanted(i).map_or(0.0, |wanted| (found[i] - wanted).norm());
     let most = (0..TRANSDUCERS).map(off).fold(0.0, f64::max);
     // A few roundings of sums of 16 terms, beside sums that may be a tenth of one.
-    assert!(most < 1e-4, "{told}: {most}");
+    assert!(most < 1e-4, "{reported}: {most}");
 }
 
 #[test]

@@ -11,7 +11,7 @@ use crate::kernels::tests::{LENGTHS, numbers, wide};
 use crate::rng::Rng;
 
 fn factor(set: InstructionSet, matrix: &mut [f32], size: usize) -> bool {
-    cholesky::factor(set, matrix, size, &mut Control::none()).expect("nobody stops it")
+    cholesky::factor(set, matrix, size, &mut Control::none()).expect("it is not stopped")
 }
 
 #[test]

@@ -35,13 +35,13 @@ pub(super) fn alone(
             memory: Memory::of(&mut memory),
         };
         let mut count = 0;
-        let told = |pressures: [&[f32]; 2]| {
+        let reported = |pressures: [&[f32]; 2]| {
             report(round, count, pressures);
             count += 1;
             true
         };
         let [re, im] = &mut field;
-        assert!(sweep(set, task, order(), &mut drive, [re, im], told));
+        assert!(sweep(set, task, order(), &mut drive, [re, im], reported));
     }
     (drive, field)
 }

@@ -1,4 +1,4 @@
-//! The interleaved sweep: the bits of lone ones, and drives dealt out to their problems.
+//! The interleaved sweep: the bits of single ones, and drives dealt out to their problems.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -13,7 +13,7 @@ use crate::kernels::tests::batch::{TRANSDUCERS, each, widened};
 use crate::kernels::tests::closed_form::{alone, order};
 
 #[test]
-fn every_lane_has_the_bits_of_its_lone_sweep() {
+fn every_lane_has_the_bits_of_its_single_sweep() {
     each(|set, batch, _| {
         let board = Phases::new(16);
         for (block, phases) in [(1, None), (3, None), (MOST, None), (MOST, Some(&board)), (3, Some(&board))] {
@@ -37,9 +37,9 @@ fn every_lane_has_the_bits_of_its_lone_sweep() {
                 sweep(set, task, order(), &mut drive, [re, im]);
             }
             for (lane, lists) in batch.problems.iter().enumerate() {
-                let (lone, [re, im]) = alone(set, lists, (block, phases), |_, _, _| ());
-                batch.assert_same(lane, &lone, [&re, &im], (&drive, [&field[0], &field[1]]));
-                lists.assert_field(&widened(&lone), &re, &im);
+                let (single, [re, im]) = alone(set, lists, (block, phases), |_, _, _| ());
+                batch.assert_same(lane, &single, [&re, &im], (&drive, [&field[0], &field[1]]));
+                lists.assert_field(&widened(&single), &re, &im);
             }
         }
     });

@@ -83,7 +83,7 @@ impl Even {
         let [re, im] = &mut planes;
         let order: Vec<u32> = (0..self.points as u32).collect();
         let rows = Rows::Stored { re: &stored_re, im: &stored_im };
-        pack(set, rows, 0..TRANSDUCERS, &order, [re, im], &mut Control::none()).expect("nobody stops it");
+        pack(set, rows, 0..TRANSDUCERS, &order, [re, im], &mut Control::none()).expect("it is not stopped");
         let over = |of: fn(&Complex64) -> f64, from: &[Complex64], length: usize| {
             let mut list: Vec<_> = from.iter().map(|z| of(z) as f32).collect();
             list.resize(length, 0.0);
@@ -91,8 +91,8 @@ impl Even {
         };
         let all = lanes(TRANSDUCERS);
         let mut drive = [over(|z| z.re, &self.drive, all), over(|z| z.im, &self.drive, all)];
-        let heard = self.field(&self.drive);
-        let field = [over(|z| z.re, &heard, self.points), over(|z| z.im, &heard, self.points)];
+        let received = self.field(&self.drive);
+        let field = [over(|z| z.re, &received, self.points), over(|z| z.im, &received, self.points)];
         let (mut memory, mut codes) = (vec![f32::NAN; floats(self.points)], vec![f32::NAN; all]);
         let phases = Phases::new(count);
         let task = Task {
@@ -104,7 +104,7 @@ impl Even {
         };
         let field = field.each_ref().map(|plane| &plane[..]);
         let out = drive.each_mut().map(|plane| &mut plane[..]);
-        diffuse(set, task, out, field, &mut codes, &mut Control::none()).expect("nobody stops it");
+        diffuse(set, task, out, field, &mut codes, &mut Control::none()).expect("it is not stopped");
         let [re, im] = drive;
         assert!(re[TRANSDUCERS..].iter().chain(&im[TRANSDUCERS..]).all(|&x| x == 0.0));
         let pairs = re.iter().zip(&im).take(TRANSDUCERS);

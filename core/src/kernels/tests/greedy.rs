@@ -47,12 +47,12 @@ pub(super) fn alone<T: Reference>(
         floats: &mut vec![f32::NAN; floats(candidates.phases)],
         indices: &mut vec![u32::MAX; indices(lanes, candidates.phases)],
     };
-    let told = |updates: usize, groups: &[PointGroup]| {
+    let reported = |updates: usize, groups: &[PointGroup]| {
         let all = groups.iter().flat_map(|group| group.re.into_iter().zip(group.im));
         report(updates, all.map(|(re, im)| Complex64::new(wide(re), wide(im))).collect())
     };
     let [re, im] = &mut field;
-    let updates = pass::<T>(set, pass_over, search, &mut drive, [re, im], told);
+    let updates = pass::<T>(set, pass_over, search, &mut drive, [re, im], reported);
     (drive, field, updates)
 }
 

@@ -1,4 +1,4 @@
-//! The interleaved greedy pass: the bits of lone ones.
+//! The interleaved greedy pass: the bits of single ones.
 
 use alloc::vec;
 
@@ -12,7 +12,7 @@ use crate::kernels::tests::batch::{TRANSDUCERS, each, widened};
 use crate::kernels::tests::greedy::{alone, grid, order};
 
 #[test]
-fn every_lane_has_the_bits_of_its_lone_pass() {
+fn every_lane_has_the_bits_of_its_single_pass() {
     each(|set, batch, points| {
         for (phases, amplitudes) in [(16, 1), (10, 1), (16, 3), (51, 5)] {
             let (candidates, all) = (grid(phases, amplitudes), &batch.all);
@@ -35,9 +35,9 @@ fn every_lane_has_the_bits_of_its_lone_pass() {
             let [re, im] = &mut field;
             pass(set, pass_over, search, batch.problems.len(), &mut drive, [re, im]);
             for (lane, lists) in batch.problems.iter().enumerate() {
-                let (lone, [re, im], _) = alone::<L2>(set, lists, &candidates, |_, _| true);
-                batch.assert_same(lane, &lone, [&re, &im], (&drive, [&field[0], &field[1]]));
-                lists.assert_field(&widened(&lone), &re, &im);
+                let (single, [re, im], _) = alone::<L2>(set, lists, &candidates, |_, _| true);
+                batch.assert_same(lane, &single, [&re, &im], (&drive, [&field[0], &field[1]]));
+                lists.assert_field(&widened(&single), &re, &im);
             }
         }
     });

@@ -28,7 +28,7 @@ fn assert_best(scene: &Scene, phases: usize, amplitudes: usize) {
         for matters in [0.0, 1e-4 * silence] {
             let (index, rounding) = best(set, scene, &candidates, matters as f32);
             let bounds: f64 = (0..scene.count).map(|j| scene.bound::<L2>(j)).sum();
-            // What need not be told, the tolerance of ties and a term's few roundings as in the exact search, and
+            // Differences that need no decision: the tolerance of ties and a term's few roundings as in the exact search, and
             // the rounding of the polynomial.
             let exact = wide(tolerance::<L2>(set, scene)) + 12.0 * ROUNDING * bounds;
             let index = index.expect("a transducer that has an effect");

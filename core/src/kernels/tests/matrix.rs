@@ -61,12 +61,13 @@ fn products_with_rows_are_their_sums() {
                 let want = (0..count).map(|j| matrix.at(k, j).conj() * vector.at(0, j)).sum();
                 assert_close(exact(got), want, count, "correlate_rows");
             })
-            .expect("nobody stops it");
+            .expect("it is not stopped");
             let factors: Vec<Complex32> =
                 (0..matrix.rows).map(|k| Complex32::cis(k as f32) * if k % 5 == 4 { 0.0 } else { 0.5 }).collect();
             let want = |j: usize| (0..matrix.rows).map(|k| matrix.at(k, j) * exact(factors[k])).sum();
             let (mut re, mut im) = (vec![0.0; lanes], vec![0.0; lanes]);
-            add_waves(set, matrix.rows(), &factors, [&mut re, &mut im], &mut Control::none()).expect("nobody stops it");
+            add_waves(set, matrix.rows(), &factors, [&mut re, &mut im], &mut Control::none())
+                .expect("it is not stopped");
             for j in 0..count {
                 assert_close(Complex64::new(wide(re[j]), wide(im[j])), want(j), matrix.rows, "add_waves");
             }
@@ -78,13 +79,13 @@ fn products_with_rows_are_their_sums() {
 /// A block of `fast` as its formula reads: the new drives of some rows, from the field before.
 fn block(
     matrix: &Matrix,
-    asked: [&[f32]; 2],
+    requested: [&[f32]; 2],
     own: f64,
     old: &[Complex32],
     before: &[Complex64],
     rows: core::ops::Range<usize>,
 ) -> Vec<Complex64> {
-    let [target, weight] = asked.map(|list| move |j: usize| wide(list[j]));
+    let [target, weight] = requested.map(|list| move |j: usize| wide(list[j]));
     let short = |j: usize| {
         let p = before[j];
         let phase = if p.norm() > 0.0 { p / p.norm() } else { Complex64::ONE };
@@ -112,7 +113,7 @@ fn the_sweep_of_fast_is_its_formula() {
             matrix.im[4 * lanes..5 * lanes].fill(0.0);
             let mut rng = Rng::new(count as u64);
             let (target, weight) = (numbers(&mut rng, count, 1.0, 5.0), numbers(&mut rng, count, 0.5, 1.0));
-            let asked = [&target[..], &weight[..]];
+            let requested = [&target[..], &weight[..]];
             for size in [1, 3, 8] {
                 let mut drive = vec![Complex32::ZERO; N];
                 let (mut re, mut im) = (vec![0.0; lanes], vec![0.0; lanes]);
@@ -142,7 +143,7 @@ fn the_sweep_of_fast_is_its_formula() {
                     assert_eq!(fields.len(), 1 + N.div_ceil(size));
                     for (step, fields) in fields.windows(2).enumerate() {
                         let rows = size * step..N.min(size * (step + 1));
-                        let wanted = block(&matrix, asked, wide(own), &old, &fields[0], rows.clone());
+                        let wanted = block(&matrix, requested, wide(own), &old, &fields[0], rows.clone());
                         for (i, want) in rows.clone().zip(&wanted) {
                             // A sum of terms up to 5 that nearly cancel has few digits left: 1e-4 at the worst.
                             assert!((exact(drive[i]) - want).norm() < 1e-4, "{set}: q of {i}, M = {count}");

@@ -115,7 +115,7 @@ impl Shot {
         ControlPoints { coordinates: [x, y, z], count: self.count }
     }
 
-    /// Distance of point j, held at a hundredth of a wavelength, and the real factor of eq. (5).
+    /// Distance of point j, at least a hundredth of a wavelength, and the real factor of eq. (5).
     fn spread(&self, j: usize) -> (f64, f64) {
         let ray = [0, 1, 2].map(|axis| wide(self.coordinates[axis][j]) - wide(self.source.position[axis]));
         let r = self.square(j).sqrt().max(wide(crate::kernels::propagate::row::NEAREST));
@@ -141,8 +141,8 @@ impl Shot {
             moduli.fill(1.0);
             let limit = (nearest * factor) as f32;
             let run = Run::all(&self.radiation, &sources).next().expect("a source");
-            let told = add_moduli(set, &run, self.control_points(), limit, &mut moduli, &mut Control::none());
-            assert!(told.expect("no stop") == near || nearest == 0.0, "{set}: nearest point of {}", self.count);
+            let reported = add_moduli(set, &run, self.control_points(), limit, &mut moduli, &mut Control::none());
+            assert!(reported.expect("no stop") == near || nearest == 0.0, "{set}: nearest point of {}", self.count);
         }
         for j in 0..self.count {
             let (r, amplitude) = self.spread(j);
@@ -200,7 +200,7 @@ impl Shot {
         let [mut re, mut im] = [(); 2].map(|()| vec![f32::NAN; whole]);
         let rows =
             Rows::Computed { radiation: &self.radiation, sources: &sources, control_points: self.control_points() };
-        pack(set, rows, 0..2, &order, [&mut re, &mut im], &mut Control::none()).expect("nobody stops it");
+        pack(set, rows, 0..2, &order, [&mut re, &mut im], &mut Control::none()).expect("it is not stopped");
         // Two tiles and a spare one to four points.
         for (plane, row) in [re, im].iter().zip(row) {
             for j in 0..self.count {
@@ -250,7 +250,7 @@ fn sharp_and_steep_directivities_are_followed() {
 }
 
 #[test]
-fn nearer_than_a_hundredth_of_a_wavelength_r_is_held_there() {
+fn nearer_than_a_hundredth_of_a_wavelength_r_is_fixed_there() {
     for mut shot in shots(1, 20) {
         for (j, step) in [(3, 0.0), (7, 0.004), (17, 0.02)] {
             for axis in 0..3 {

@@ -53,9 +53,9 @@ impl Scene {
     /// The points as a pass keeps them: silence, to which the pressures were added.
     pub(super) fn kept(&self, set: InstructionSet) -> (Vec<PointGroup>, f32) {
         let [re, im] = [0, 1].map(|part| groups(&self.pressure[part]));
-        let asked = groups(&self.target).iter().zip(groups(&self.weight));
+        let requested = groups(&self.target).iter().zip(groups(&self.weight));
         let mut energy = 0.0;
-        let kept = asked.zip(re.iter().zip(im)).map(|((target, weight), (re, im))| {
+        let kept = requested.zip(re.iter().zip(im)).map(|((target, weight), (re, im))| {
             dispatch!(set, s => {
                 let mut kept = PointGroup::silent(s, target, weight);
                 energy += s.reduce_add(kept.add(s, [re, im], [s.splat(1.0), s.splat(0.0)]));
@@ -143,7 +143,7 @@ fn tolerance_is_1e_7_of_a_true_bound() {
 }
 
 #[test]
-fn candidates_are_amplitudes_times_phases_whatever_the_buffers_held() {
+fn candidates_are_amplitudes_times_phases_whatever_the_buffers_kept() {
     for phases in LENGTHS {
         for amplitudes in [1, 2, 3, 16] {
             let dirty = [3, 2 * phases + 40, 1].map(|length| vec![f32::NAN; length]);
@@ -197,16 +197,16 @@ fn best_finds_the_least_energy() {
 
 /// One point of pressure `old` at which a transducer makes the pressure 1, both of phase 0.
 fn plain(old: f32, target: f32) -> Scene {
-    let lone = |x: f32| {
+    let single = |x: f32| {
         let mut list = vec![0.0; padded(1)];
         list[0] = x;
         list
     };
     Scene {
-        pressure: [lone(old), lone(0.0)],
-        gain: [lone(1.0), lone(0.0)],
-        target: lone(target),
-        weight: lone(1.0),
+        pressure: [single(old), single(0.0)],
+        gain: [single(1.0), single(0.0)],
+        target: single(target),
+        weight: single(1.0),
         count: 1,
     }
 }

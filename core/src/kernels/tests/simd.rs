@@ -151,7 +151,7 @@ fn powers_and_tables() {
             let index: Lanes = from_fn(|l| (7 * l + turn) as f32);
             let beyond = index.map(|x| 0.5 * x.min(99.0));
             assert_eq!(stored!(set, s => s.gather_list(&list, s.load(&index))), beyond);
-            // Whatever odd lanes hold; 50 pairs, some asked for from either side of them, and one that is no number.
+            // Any content of odd lanes; 50 pairs, some requested from either side of them, and one that is no number.
             let mut noisy: Lanes = from_fn(|l| if l % 2 == 0 { 0.75 * index[l] - 40.0 } else { -3.5e9 });
             noisy[2 * (turn / 2)] = f32::NAN;
             for zero in [0, 20, 45] {

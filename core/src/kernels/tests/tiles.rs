@@ -40,7 +40,7 @@ impl Scene {
         let mut planes = [(); 2].map(|()| vec![f32::NAN; size(height(points), lanes(transducers))]);
         let [re, im] = &mut planes;
         let rows = Rows::Stored { re: &stored[0], im: &stored[1] };
-        tiles::pack(set, rows, 0..transducers, &order, [re, im], &mut Control::none()).expect("nobody stops it");
+        tiles::pack(set, rows, 0..transducers, &order, [re, im], &mut Control::none()).expect("it is not stopped");
         for plane in [re, im] {
             (0..points).for_each(|k| tiles::rescale(plane, lanes(transducers), k, scale[k]));
         }
@@ -69,9 +69,9 @@ impl Scene {
         assert!(drive[self.transducers..].iter().chain(&field[self.points..]).all(|z| z.norm() == 0.0));
         // The field is that of the drive: sums of terms of at most 2 sqrt 2.
         let allowed = 4.0 * ROUNDING * 3.0 * self.transducers as f64;
-        for (heard, row) in field.iter().zip(&self.matrix) {
+        for (received, row) in field.iter().zip(&self.matrix) {
             let want: Complex64 = row.iter().zip(&drive).map(|(g, q)| g * q).sum();
-            assert!((heard - want).norm() <= allowed, "{heard} for {want}");
+            assert!((received - want).norm() <= allowed, "{received} for {want}");
         }
         [drive, field]
     }
@@ -215,7 +215,7 @@ fn slopes_their_products_and_sums_are_those_of_j() {
             }
         }
         let mut matrix = vec![f32::NAN; size * padded(size)];
-        products::products(set, &slopes, across, size, &mut matrix, &mut Control::none()).expect("nobody stops it");
+        products::products(set, &slopes, across, size, &mut matrix, &mut Control::none()).expect("it is not stopped");
         // Terms of at most 4 squared, each of two factors with the error above.
         let allowed = 300.0 * ROUNDING * transducers as f64;
         for k in 0..size {
@@ -262,7 +262,7 @@ fn couplings_are_products_of_rows() {
             let [re, im] = &mut matrix;
             let all = 0..lanes(transducers) / LANES;
             products::couplings(set, scene.tiles(), all, count, [re, im], &mut Control::none())
-                .expect("nobody stops it");
+                .expect("it is not stopped");
             let mut powers = vec![f32::NAN; count];
             products::powers(set, scene.tiles(), &mut powers);
             // A product of two numbers below 2 sqrt 2 for each transducer, and some four roundings of it.
@@ -296,7 +296,7 @@ fn phases_set_on_the_rows_are_those_set_on_their_products() {
         let (mut vector, mut wave) = (dirty(count), dirty(lanes(37)));
         let [[re, im], [wave_re, wave_im]] = [&mut vector, &mut wave];
         let lists = (&weights[..], &powers[..]);
-        let told = phases::align_rows(
+        let reported = phases::align_rows(
             set,
             scene.tiles(),
             lists,
@@ -306,7 +306,7 @@ fn phases_set_on_the_rows_are_those_set_on_their_products() {
             [wave_re, wave_im],
             &mut Control::none(),
         )
-        .expect("nobody stops it");
+        .expect("it is not stopped");
         let mut want = vec![Complex64::ZERO; count];
         let mut energy = 0.0;
         for round in 0..2 {
@@ -326,7 +326,7 @@ fn phases_set_on_the_rows_are_those_set_on_their_products() {
             let miss = (Complex64::new(wide(re[k]), wide(im[k])) - want).norm();
             assert!(miss <= 1e-3, "{set} {count}: point {k} by {miss}");
         }
-        assert!((wide(told) - energy).abs() <= 1e-4 * energy.max(1.0), "{set} {count}: {told} for {energy}");
+        assert!((wide(reported) - energy).abs() <= 1e-4 * energy.max(1.0), "{set} {count}: {reported} for {energy}");
     });
 }
 
@@ -357,18 +357,22 @@ fn aligning_raises_the_energy_and_keeps_the_moduli() {
         let before: Vec<f64> = (0..LANES).map(|s| energy(&vectors, s)).collect();
         let visits: Vec<u32> = (0..count as u32).collect();
         let planes = [&matrix[0][..], &matrix[1]];
-        let mut told = [0.0; LANES];
+        let mut reported = [0.0; LANES];
         for _ in 0..40 {
             let [re, im] = &mut vectors;
-            told = phases::align(set, planes, &shares, &visits, 1, [re, im], &mut Control::none())
-                .expect("nobody stops it");
+            reported = phases::align(set, planes, &shares, &visits, 1, [re, im], &mut Control::none())
+                .expect("it is not stopped");
         }
         let scale = coupling(0, 0).re * (count * count) as f64;
         for s in 0..LANES {
             let after = energy(&vectors, s);
             assert!(after >= before[s] - 1e-5 * scale, "{set} {count}: {after} from {}", before[s]);
             // Summed while the vectors still move, and they hardly do.
-            assert!((wide(told[s]) - after).abs() <= 1e-2 * scale, "{set} {count}: told {}, is {after}", told[s]);
+            assert!(
+                (wide(reported[s]) - after).abs() <= 1e-2 * scale,
+                "{set} {count}: stated {}, is {after}",
+                reported[s]
+            );
             for k in 0..count {
                 let modulus = libm::hypot(wide(vectors[0][k * LANES + s]), wide(vectors[1][k * LANES + s]));
                 assert!((modulus - wide(shares[k])).abs() < 1e-6, "{set} {count}: {modulus}");

@@ -144,9 +144,9 @@ impl<'a> Points<'a> {
                 let mut signs: Lanes = [1.0; LANES];
                 signs[EIGHT..].fill(-1.0);
                 let signs = s.load(&signs);
-                let asked = self.root.iter().zip(&*self.loud).zip(&*self.field);
+                let requested = self.root.iter().zip(&*self.loud).zip(&*self.field);
                 let found = self.unit.iter_mut().zip(&mut *self.miss).zip(&mut *self.pull);
-                for (((root, loud), field), ((unit, miss), pull)) in asked.zip(found) {
+                for (((root, loud), field), ((unit, miss), pull)) in requested.zip(found) {
                     let (root, loud, field) = (s.load(root), s.load(loud), s.load(field));
                     let part = s.mul(field, field);
                     let square = s.max(s.add(part, s.swap::<8>(part)), s.splat(TINY));
@@ -217,7 +217,7 @@ impl<'a> Points<'a> {
 /// that of the drive before. `codes` are those of the phases. Then exchanges codes where that still pays.
 ///
 /// # Errors
-/// A stop, asked for once a tile: the drive is then part old and part new.
+/// A check for a stop once a tile: the drive is then part old and part new.
 pub(crate) fn diffuse(
     set: InstructionSet,
     task: Task<'_>,

@@ -92,7 +92,7 @@ pub(crate) struct Wave<'a> {
 /// transducer.
 ///
 /// # Errors
-/// A stop, asked for once a tile.
+/// A check for a stop once a tile.
 pub(crate) fn pack(
     set: InstructionSet,
     rows: Rows<'_>,

@@ -20,7 +20,7 @@ const SILENT: f32 = 1e-5;
 /// Where there is no other wave v_k stays. `powers` are those of the rows; `wave` is memory for b.
 ///
 /// # Errors
-/// A stop, asked for once a visit.
+/// A check for a stop once a visit.
 #[allow(clippy::too_many_arguments, reason = "a kernel over plain slices")]
 pub(crate) fn align_rows(
     set: InstructionSet,
@@ -89,7 +89,7 @@ pub(crate) fn align_rows(
 /// Where the sum is silent v_k stays.
 ///
 /// # Errors
-/// A stop, asked for once a visit.
+/// A check for a stop once a visit.
 pub(crate) fn align(
     set: InstructionSet,
     matrix: [&[f32]; 2],

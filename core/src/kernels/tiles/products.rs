@@ -19,7 +19,7 @@ pub(crate) const RUN: usize = 32;
 /// The upper half of J J^T, J the rows of a plane over `lanes`: a matrix of `size` padded rows.
 ///
 /// # Errors
-/// A stop, asked for once every few rows.
+/// A check for a stop once every few rows.
 pub(crate) fn products(
     set: InstructionSet,
     plane: &[f32],
@@ -69,7 +69,7 @@ pub(crate) fn products(
 /// Adds the upper half of G G^H over the first `size` points and the tiles of `over`.
 ///
 /// # Errors
-/// A stop, asked for once every few rows.
+/// A check for a stop once every few rows.
 pub(crate) fn couplings(
     set: InstructionSet,
     tiles: Tiles<'_>,

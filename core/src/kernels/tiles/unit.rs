@@ -43,7 +43,7 @@ pub(crate) const fn sweep_floats(rows: usize) -> usize {
 }
 
 /// q = b/|b| with b = sum_j conj(G_j) p_j, 0 where b is, and P = G q, in one pass over G: two tiles are still in the nearest
-/// cache when they are heard. `memory` holds the lanes of P meanwhile.
+/// cache when the points need them. `memory` holds the lanes of P meanwhile.
 pub(crate) fn sweep(set: InstructionSet, tiles: Tiles<'_>, wanted: [&[f32]; 2], wave: Wave<'_>, memory: &mut [f32]) {
     dispatch!(set, s => swept::<_, false>(s, tiles, wanted, wave, memory, [-1.0, 0.0]));
 }

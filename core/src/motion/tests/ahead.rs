@@ -173,7 +173,7 @@ fn a_start_is_gone_on_from() {
 }
 
 #[test]
-fn a_first_frame_is_held() {
+fn a_first_frame_is_kept() {
     let model = model(&grid());
     let points = circles(20, 400);
     let once = solved(&model, &points, &[1.0; 60], 20, &OPEN);
@@ -204,15 +204,15 @@ fn threads_leave_no_trace() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         let mut control = Control::none().on(Threads::of(pool.into()));
         let closed = ahead(&model, &points, &[1.0; 72], 24, &CLOSED, None, &mut control).expect("codes");
-        let held = Ahead { ends: Ends::Held, ..OPEN };
-        [ahead(&model, &points, &[1.0; 72], 24, &held, Some(&closed), &mut control).expect("codes"), closed]
+        let kept = Ahead { ends: Ends::Held, ..OPEN };
+        [ahead(&model, &points, &[1.0; 72], 24, &kept, Some(&closed), &mut control).expect("codes"), closed]
     };
     let alone = with(1);
     assert!([2, 3].into_iter().all(|threads| with(threads) == alone));
 }
 
 #[test]
-fn a_stop_is_heard_and_memory_asked_for() {
+fn a_stop_is_noticed_and_memory_requested() {
     let model = model(&grid());
     let points = circles(16, 400);
     let mut steps = 0;

@@ -25,7 +25,7 @@ fn apart(levels: usize, a: u16, b: u16) -> usize {
     distance.min(levels - distance)
 }
 
-/// Every track within reach that begins with `codes`, told to `tell`.
+/// Every track within reach that begins with `codes`, passed to `tell`.
 fn all_tracks(levels: usize, reach: usize, codes: &mut Vec<u16>, tell: &mut dyn FnMut(&[u16])) {
     if codes.len() == FRAMES {
         return tell(codes);
@@ -62,16 +62,16 @@ fn no_track_is_better() {
                 let mut tracker = Tracker::new(&circle, FRAMES, set);
                 for end in [Ends::Open, Ends::Closed, Ends::Held] {
                     let closed = end == Ends::Closed;
-                    let held = (end == Ends::Held).then_some(levels as u16 / 2);
-                    let mut codes = vec![held.unwrap_or(0); FRAMES];
+                    let kept = (end == Ends::Held).then_some(levels as u16 / 2);
+                    let mut codes = vec![kept.unwrap_or(0); FRAMES];
                     let planes = [&waves[0][..], &waves[1][..]];
-                    tracker.follow(planes, end, &mut codes, &mut Control::none()).expect("nobody stops it");
+                    tracker.follow(planes, end, &mut codes, &mut Control::none()).expect("it is not stopped");
                     let ends = closed.then(|| (codes[FRAMES - 1], codes[0]));
                     let steps = codes.windows(2).map(|pair| (pair[0], pair[1])).chain(ends);
                     assert!(steps.into_iter().all(|(a, b)| apart(levels, a, b) <= reach), "{levels} {reach} {codes:?}");
                     let found = gain(&waves, levels, &codes);
-                    assert!(held.is_none_or(|first| first == codes[0]));
-                    let first = if closed { Some(codes[0]) } else { held };
+                    assert!(kept.is_none_or(|first| first == codes[0]));
+                    let first = if closed { Some(codes[0]) } else { kept };
                     let most = best(&waves, levels, reach, closed, first);
                     assert!((found - most).abs() < 1e-5, "{levels} {reach} {end:?}: {found} of {most}");
                     if closed && set == InstructionSet::SCALAR {
@@ -91,11 +91,11 @@ fn what_asks_for_nothing_stays() {
     let mut tracker = Tracker::new(&circle, FRAMES, InstructionSet::best());
     let mut codes = vec![9; FRAMES];
     let nothing = [0.0; FRAMES];
-    tracker.follow([&nothing, &nothing], Ends::Closed, &mut codes, &mut Control::none()).expect("nobody stops it");
+    tracker.follow([&nothing, &nothing], Ends::Closed, &mut codes, &mut Control::none()).expect("it is not stopped");
     assert_eq!(codes, [0; FRAMES]);
     // A wave in the last frame alone is waited for where it comes.
     let mut pull = [0.0; FRAMES];
     pull[FRAMES - 1] = -1.0;
-    tracker.follow([&pull, &nothing], Ends::Open, &mut codes, &mut Control::none()).expect("nobody stops it");
+    tracker.follow([&pull, &nothing], Ends::Open, &mut codes, &mut Control::none()).expect("it is not stopped");
     assert_eq!(codes, [128; FRAMES]);
 }

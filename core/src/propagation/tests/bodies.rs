@@ -249,11 +249,11 @@ fn a_mesh_without_its_sound_is_refused_where_it_matters() {
     let array = Array::grid(2, 2, 15e-3).expect("a grid");
     let ball = ball(CENTER, 0.006, 1, Surface::Rigid);
     let unsolved = model(&array, Medium::default()).with_obstacles(core::slice::from_ref(&ball)).expect("obstacles");
-    let told = "obstacles is a mesh whose surface is not solved";
+    let reported = "obstacles is a mesh whose surface is not solved";
     let error = unsolved.propagation(&[[0.0, 0.0, 0.1]]).expect_err("no sound").to_string();
-    assert!(error.starts_with(told), "{error}");
+    assert!(error.starts_with(reported), "{error}");
     let error = field(&unsolved, &[Complex32::ONE; 4], &[[0.0, 0.0, 0.1]], &mut Control::none()).expect_err("no sound");
-    assert!(error.to_string().starts_with(told), "{error}");
+    assert!(error.to_string().starts_with(reported), "{error}");
     let boundary = Arc::new(Boundary::new(&array, Medium::default(), vec![ball]).expect("a boundary"));
     let own = model(&array, Medium::default());
     let short = own.clone().with_sound(Arc::clone(&boundary), &[Complex32::ONE]).expect_err("too few").to_string();
@@ -264,8 +264,8 @@ fn a_mesh_without_its_sound_is_refused_where_it_matters() {
 }
 
 #[test]
-fn the_inside_of_a_mesh_is_told_by_solid_angles() {
-    // The mesh's inside is told by solid angles.
+fn the_inside_of_a_mesh_is_found_by_solid_angles() {
+    // Solid angles determine the inside of the mesh.
     let Obstacle::Mesh(ball) = ball(CENTER, 0.01, 2, Surface::Rigid) else { unreachable!() };
     let inside = |by: f64| ball.contains([0, 1, 2].map(|x| CENTER[x] + by * [0.6, 0.64, 0.48][x]));
     assert!(inside(0.0) && inside(0.0093) && !inside(0.01001) && !inside(-0.01001));

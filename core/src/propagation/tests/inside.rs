@@ -46,10 +46,10 @@ fn bodies_apart_and_bodies_that_touch_are_solved() {
 
 #[test]
 fn bodies_that_coincide_cross_or_contain_each_other_are_refused() {
-    let told = "obstacles is bodies that cross, contain each other or are there twice near (";
+    let reported = "obstacles is bodies that cross, contain each other or are there twice near (";
     for other in [brick(AT, SIZE), brick([4e-3, 0.0, 0.08], SIZE), brick([2e-3, 2e-3, 0.082], [3e-3; 3])] {
         let error = enclosed(vec![brick(AT, SIZE), other]).expect_err("no answer");
-        assert!(error.starts_with(told) && error.ends_with("a union of the modeller's"), "{error}");
+        assert!(error.starts_with(reported) && error.ends_with("a union of the modeller's"), "{error}");
     }
 }
 

@@ -15,7 +15,7 @@ fn values_on_a_ball_give_the_polynomial_of_a_transducer() {
     for point in [[0.013, 0.002, 0.006], [0.01, -0.003, 0.0019]] {
         let mut wanted = [Jet::ZERO; 2];
         let taylor = Taylor::new(InstructionSet::best(), &sources, |_| Complex64::ONE);
-        taylor.add(point, &mut wanted, &mut Control::none()).expect("nobody stops it");
+        taylor.add(point, &mut wanted, &mut Control::none()).expect("it is not stopped");
         let clear = crate::scene::distance(point, [0.01, -0.004, 0.0]);
         let local = Local::new(medium.complex_wavenumber(), clear / 8.0);
         let found = local.expand(point, |place| sources.exact(0, place));

@@ -135,7 +135,7 @@ fn scenes_keep_obstacles_and_refuse_what_cannot_be() {
         let scene = Scene::new(array(Directivity::POINT), Medium::default(), points, Request::default());
         scene.and_then(|scene| scene.with_obstacles(obstacles))
     };
-    let told = |obstacles: Vec<Obstacle>| scene(vec![[0.0, 0.0, 0.1]], obstacles).expect_err("refused").to_string();
+    let reported = |obstacles: Vec<Obstacle>| scene(vec![[0.0, 0.0, 0.1]], obstacles).expect_err("refused").to_string();
     let rigid = |point, normal| wall(point, normal, Surface::Rigid);
     let cases = [
         (
@@ -156,7 +156,7 @@ fn scenes_keep_obstacles_and_refuse_what_cannot_be() {
         ),
     ];
     for (obstacles, cure) in cases {
-        let line = told(obstacles);
+        let line = reported(obstacles);
         assert!(line.starts_with(cure), "{line}");
     }
     // An array in the wall: the normal tells the side.

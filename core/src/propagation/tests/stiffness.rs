@@ -35,12 +35,12 @@ fn it_is_the_stiffness_of_gorkov_and_its_slope() {
     let felt = gorkov(&model, &drive, &kept.points, Particle::default(), &mut Control::none()).expect("a force");
     let c = traps.field(&drive);
     let planes = |c: &[Vec<f32>; 2]| -> Vec<f64> { traps.at([&c[0], &c[1]]).collect() };
-    let told = planes(&c);
+    let reported = planes(&c);
     let wanted: Vec<f64> = felt.hessian.iter().flat_map(|hessian| eigen(*hessian).0).collect();
     let largest = wanted.iter().fold(0.0_f64, |most, k| most.max(k.abs()));
-    assert_eq!(told.len(), 6);
-    for (told, wanted) in told.iter().zip(&wanted) {
-        assert!((told - wanted).abs() < 1e-5 * largest, "{told} {wanted}");
+    assert_eq!(reported.len(), 6);
+    for (reported, wanted) in reported.iter().zip(&wanted) {
+        assert!((reported - wanted).abs() < 1e-5 * largest, "{reported} {wanted}");
     }
     // The slope along another field, by both sides.
     let weights = [0.3, -0.2, 0.7, 0.1, 0.9, -0.4];

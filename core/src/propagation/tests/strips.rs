@@ -20,8 +20,8 @@ fn gram_is_the_weighted_conjugate_product() {
             for factors in [None, Some(&factors[..])] {
                 // Twice, over dirty memory.
                 let mut strips = Strips::new(&propagation, &work);
-                drop(strips.gram(factors, &mut Control::none()).expect("nobody stops it"));
-                let product = strips.gram(factors, &mut Control::none()).expect("nobody stops it");
+                drop(strips.gram(factors, &mut Control::none()).expect("it is not stopped"));
+                let product = strips.gram(factors, &mut Control::none()).expect("it is not stopped");
                 for k in (0..count).step_by(1 + count / 9) {
                     for l in 0..count {
                         let factor = |i: usize| factors.map_or(1.0, |factors| f64::from(factors[i]));
@@ -60,17 +60,17 @@ fn strips_add_up_to_sums_over_all_transducers() {
         let none = &mut Control::none();
         // Terms below 8, some two roundings each.
         let allowed = |terms: usize| 15.0 * f64::from(f32::EPSILON) * (terms + 8) as f64;
-        let powers = strips.powers(none).expect("nobody stops it");
-        let moduli = strips.moduli(&phasors.re, none).expect("nobody stops it");
-        let mut drives = strips.back_project(&phasors, none).expect("nobody stops it");
-        let field = strips.field(&mut drives, none).expect("nobody stops it");
+        let powers = strips.powers(none).expect("it is not stopped");
+        let moduli = strips.moduli(&phasors.re, none).expect("it is not stopped");
+        let mut drives = strips.back_project(&phasors, none).expect("it is not stopped");
+        let field = strips.field(&mut drives, none).expect("it is not stopped");
         let drive = |i: usize| Complex64::new(f64::from(drives[0][i]), f64::from(drives[1][i]));
         for j in (0..count).step_by(1 + count / 9) {
             let power: f64 = (0..transducers).map(|i| at(j, i).norm_sqr()).sum();
             assert!((f64::from(powers[j]) - power).abs() <= allowed(transducers));
-            let heard: Complex64 = (0..transducers).map(|i| at(j, i) * drive(i)).sum();
+            let received: Complex64 = (0..transducers).map(|i| at(j, i) * drive(i)).sum();
             let got = Complex64::new(f64::from(field.re[j]), f64::from(field.im[j]));
-            assert!((got - heard).norm() <= allowed(transducers) * count as f64);
+            assert!((got - received).norm() <= allowed(transducers) * count as f64);
         }
         for i in (0..transducers).step_by(1 + transducers / 9) {
             let want: Complex64 = (0..count).map(|j| at(j, i).conj() * wanted[j]).sum();

@@ -101,7 +101,7 @@ fn each_wave_and_their_sum_are_those_of_multiplied_polynomials() {
         for set in InstructionSet::all() {
             let taylor = Taylor::new(set, &sources, |i| factors[i]);
             let mut found = [Jet::ZERO; 2];
-            taylor.add(point, &mut found, &mut Control::none()).expect("nobody stops it");
+            taylor.add(point, &mut found, &mut Control::none()).expect("it is not stopped");
             found.iter().zip(&wanted).for_each(|(found, wanted)| near(found.coefficients(), wanted));
             let own = found.each_ref().map(|part| part.coefficients().map(f64::to_bits));
             assert_eq!(*bits.get_or_insert(own), own, "every set has the same bits");
@@ -110,7 +110,7 @@ fn each_wave_and_their_sum_are_those_of_multiplied_polynomials() {
                 count += 1;
                 wave.iter().zip(&all[i]).for_each(|(found, wanted)| near(found, wanted));
             };
-            taylor.each(point, &mut Control::none(), take).expect("nobody stops it");
+            taylor.each(point, &mut Control::none(), take).expect("it is not stopped");
             assert_eq!(count, 12);
         }
     }

@@ -82,7 +82,7 @@ impl CoordinateDescent<'_> {
 
     /// Sweeps over a drive whose field the `points` hold: each transducer takes the best of its range of candidates. Of
     /// `steps` the first is the number of updates before, the second that of all; tells the updates after.
-    #[allow(clippy::too_many_arguments, reason = "a drive, its field, and what a control is told")]
+    #[allow(clippy::too_many_arguments, reason = "a drive, its field, and the report to a control")]
     pub(crate) fn sweep<T: Term>(
         &self,
         problem: &Problem,

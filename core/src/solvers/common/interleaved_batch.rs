@@ -25,7 +25,7 @@ pub(crate) struct InterleavedPoints<'w> {
 
 impl<'w> InterleavedPoints<'w> {
     /// The points of weight above 0 of some problems, where that saves work: a point costs a group of lanes here, as a
-    /// lone problem does.
+    /// single problem does.
     fn of(problems: &[Problem], work: &'w Workspace) -> Option<Self> {
         let first = problems.first()?.propagation();
         let (prepared, _) = first.computed()?;

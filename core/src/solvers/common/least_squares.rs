@@ -87,16 +87,16 @@ pub(crate) fn least_squares(
     let rows = Rows::new(problem, work, control)?;
     let mut targets = work.floats.take(rows.order.len());
     targets.iter_mut().zip(problem.targets()).for_each(|(own, target)| *own = task.factor * target);
-    let asked = RowRequest { targets: &targets, weights: problem.weights(), measure: Measure::Powers };
-    let moduli = RowRequest { measure: Measure::Moduli, ..asked };
+    let requested = RowRequest { targets: &targets, weights: problem.weights(), measure: Measure::Powers };
+    let moduli = RowRequest { measure: Measure::Moduli, ..requested };
     let others = if problem.has_start() { 0 } else { task.starts - 1 };
     let short = task.steps.div_ceil(POWER_STEPS);
     let (mut done, all) = (task.before, task.before + task.steps + others * short);
     let mut rng = Rng::new(task.seed);
-    let mut follow = |descent: &mut PhaseDescent, asked: RowRequest, most: usize, control: &mut Control| {
-        descend(descent, asked, &rows, (most, task.tolerance), |wave| {
+    let mut follow = |descent: &mut PhaseDescent, requested: RowRequest, most: usize, control: &mut Control| {
+        descend(descent, requested, &rows, (most, task.tolerance), |wave| {
             // A step is reported when the next one begins: the last one's residual is that of the answer.
-            let residual = || problem.residual(&asked.heard(wave, task.factor));
+            let residual = || problem.residual(&requested.received(wave, task.factor));
             let stop = done > task.before && control.step(done, all, residual).is_break();
             done += usize::from(!stop);
             stop
@@ -110,10 +110,10 @@ pub(crate) fn least_squares(
         let wave = match smooth {
             Some(drive) => played(drive, &rows, work),
             None if start == 0 => begun(problem, &rows, work, control)?,
-            None => reflected(asked, &mut rng, &rows, work),
+            None => reflected(requested, &mut rng, &rows, work),
         };
-        let mut descent = PhaseDescent::new(wave, &asked, &rows, work);
-        status = follow(&mut descent, asked, short, control);
+        let mut descent = PhaseDescent::new(wave, &requested, &rows, work);
+        status = follow(&mut descent, requested, short, control);
         descent.follow(&moduli, &rows);
         if best.as_ref().is_none_or(|best| descent.cost < best.cost) {
             best = Some(descent);
@@ -157,7 +157,7 @@ pub(crate) fn with_amplitudes(
     let (mut done, all) = (before.0, before.1.max(before.0) + most);
     let status = descend(&mut descent, request, &rows, (most, FREE_TOLERANCE), |wave| {
         let stop =
-            done > before.0 && control.step(done, all, || problem.residual(&request.heard(wave, 1.0))).is_break();
+            done > before.0 && control.step(done, all, || problem.residual(&request.received(wave, 1.0))).is_break();
         done += usize::from(!stop);
         stop
     });
@@ -190,8 +190,8 @@ enum Measure {
 impl RowRequest<'_> {
     /// |P|, target and weight of every row.
     fn terms(self, moduli: &[f32]) -> impl Iterator<Item = [f64; 3]> {
-        let asked = self.targets.iter().zip(self.weights);
-        moduli.iter().zip(asked).map(|(&m, (&t, &w))| [m, t, w].map(f64::from))
+        let requested = self.targets.iter().zip(self.weights);
+        moduli.iter().zip(requested).map(|(&m, (&t, &w))| [m, t, w].map(f64::from))
     }
 
     /// The common amplitude a.
@@ -204,7 +204,7 @@ impl RowRequest<'_> {
     }
 
     /// |P| of the answer as it is, for the problem's own targets.
-    fn heard(self, wave: &Wave, factor: f32) -> Vec<f32> {
+    fn received(self, wave: &Wave, factor: f32) -> Vec<f32> {
         let amplitude = self.amplitude(&wave.moduli);
         wave.moduli.iter().map(|modulus| modulus * amplitude / factor).collect()
     }
@@ -237,15 +237,15 @@ impl Cost for RowRequest<'_> {
     }
 }
 
-/// Steps until little is gained, `stop`, which is asked before each, says so, or they are `most`.
+/// Steps until little is gained, `stop`, which is called before each, returns true, or they are `most`.
 fn descend(
     descent: &mut PhaseDescent,
-    asked: RowRequest,
+    requested: RowRequest,
     rows: &Rows,
     (most, tolerance): (usize, f64),
     mut stop: impl FnMut(&Wave) -> bool,
 ) -> Status {
-    let silence = asked.terms(&descent.wave.moduli).map(|[_, t, w]| 0.5 * w * t * t).sum::<f64>();
+    let silence = requested.terms(&descent.wave.moduli).map(|[_, t, w]| 0.5 * w * t * t).sum::<f64>();
     let mut before = descent.cost;
     for step in 0..most {
         if step > 0 && step.is_multiple_of(SPAN) {
@@ -254,14 +254,14 @@ fn descend(
             }
             before = descent.cost;
         }
-        let met = asked.measure == Measure::Moduli && descent.cost <= LEAST_ERROR * LEAST_ERROR * silence;
+        let met = requested.measure == Measure::Moduli && descent.cost <= LEAST_ERROR * LEAST_ERROR * silence;
         if met {
             return Status::Done;
         }
         if stop(&descent.wave) {
             return Status::Stopped;
         }
-        if !descent.step(&asked, rows) {
+        if !descent.step(&requested, rows) {
             return Status::Done;
         }
     }
@@ -285,9 +285,9 @@ fn played<'w>(drive: Vec<Complex32>, rows: &Rows, work: &'w Workspace) -> Wave<'
 }
 
 /// The wave that targets of random phases reflect.
-fn reflected<'w>(asked: RowRequest, rng: &mut Rng, rows: &Rows, work: &'w Workspace) -> Wave<'w> {
+fn reflected<'w>(requested: RowRequest, rng: &mut Rng, rows: &Rows, work: &'w Workspace) -> Wave<'w> {
     let mut projector = Projector::new(rows, work);
-    for (j, target) in asked.targets.iter().enumerate() {
+    for (j, target) in requested.targets.iter().enumerate() {
         let (angle, modulus) = (TAU * rng.uniform(), target / rows.target);
         projector.wanted[0][j] = modulus * math::cos(angle) as f32;
         projector.wanted[1][j] = modulus * math::sin(angle) as f32;

@@ -25,7 +25,7 @@ const TRIALS: usize = 12;
 /// The largest rotation of a first step, in rad.
 const FIRST: f32 = 0.3;
 
-/// The largest rotation asked of any step: its arc tangent is less than a quarter turn.
+/// The largest rotation of a step: its arc tangent is less than a quarter turn.
 const LONGEST: f32 = 2.0;
 
 /// What is to be low.

@@ -46,8 +46,8 @@ pub fn refine(problem: &Problem, drive: &mut [Complex32], work: &Workspace, cont
         let Ok(field) = field_of(propagation, drive, work, control) else { break };
         kernels::modulus(propagation.instruction_set(), &field.re, &field.im, &mut modulus);
         let level = common_level(problem, &modulus);
-        for (target, asked) in targets.iter_mut().zip(problem.targets()) {
-            *target = level * asked;
+        for (target, requested) in targets.iter_mut().zip(problem.targets()) {
+            *target = level * requested;
         }
         kernels::keep(propagation.instruction_set(), [&targets, problem.weights()], field.row(0), &mut kept);
         let mut moved = false;
@@ -79,9 +79,9 @@ pub fn refine(problem: &Problem, drive: &mut [Complex32], work: &Workspace, cont
 /// s = `sum w t |P| / sum w t^2`: the level at which targets in these ratios fit the moduli best.
 fn common_level(problem: &Problem, modulus: &[f32]) -> f32 {
     let points = modulus.iter().zip(problem.targets()).zip(problem.weights());
-    let (met, asked) = points.fold((0.0_f64, 0.0_f64), |(met, asked), ((&p, &t), &w)| {
+    let (met, requested) = points.fold((0.0_f64, 0.0_f64), |(met, requested), ((&p, &t), &w)| {
         let [p, t, w] = [p, t, w].map(f64::from);
-        (met + w * t * p, asked + w * t * t)
+        (met + w * t * p, requested + w * t * t)
     });
-    (met / asked) as f32
+    (met / requested) as f32
 }

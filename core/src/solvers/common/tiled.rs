@@ -83,7 +83,7 @@ impl<'w> Rows<'w> {
         Ok(Self { targeted, target: targets.iter().copied().fold(0.0, f32::max), ..packed })
     }
 
-    /// Some rows of a matrix, of which nothing is asked.
+    /// Some rows of a matrix, without targets.
     pub(crate) fn packed(
         set: InstructionSet,
         rows: rows::Rows,

@@ -44,7 +44,7 @@ impl Answer {
         // Whether the rows are those of all the problem's points, in its units.
         let known = rows.order.len() == problem.propagation().points();
         if mixed && lower {
-            let field = known.then(|| wave.heard(problem, rows, 1.0, work));
+            let field = known.then(|| wave.received(problem, rows, 1.0, work));
             if let Some(mut solution) =
                 Solution::mixed(problem, &mut drive, (factor, field), (status, step), work, control)
             {
@@ -57,7 +57,7 @@ impl Answer {
             *q *= amplitude as f32;
         }
         let solution = if known {
-            let field = wave.heard(problem, rows, amplitude as f32, work);
+            let field = wave.received(problem, rows, amplitude as f32, work);
             Solution::of_field(problem, drive, &field, status, step, work, control)?
         } else {
             Solution::new(problem, drive, (status, step), steps, work, control)?

@@ -39,7 +39,7 @@ pub(super) fn bring(
     quantization: &Quantization,
     drive: &mut [Complex32],
 ) {
-    let asked: Vec<Complex32> = drive.to_vec();
+    let requested: Vec<Complex32> = drive.to_vec();
     let round = |drive: &mut [Complex32]| quantization.grid().round(set, 1.0, [1.0; 2], drive);
     round(drive);
     let Some(count) = quantization.phases() else { return };
@@ -68,7 +68,7 @@ pub(super) fn bring(
                 let values = moved(to);
                 let (shifts, stiffness) = values.split_at(places);
                 let soft = soft_minimum::negated(stiffness.iter().map(|k| k / unit), SHARPNESS);
-                let lost = f64::from((to - asked[i]).norm_sqr()) / asked.len() as f64;
+                let lost = f64::from((to - requested[i]).norm_sqr()) / requested.len() as f64;
                 share * shifts.iter().map(|s| s * s).sum::<f64>() + soft + lost
             };
             let around = [own, own * back, own * on].map(|to| (cost(to), to));

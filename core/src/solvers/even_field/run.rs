@@ -28,7 +28,7 @@ pub(crate) struct Plan {
 /// A quiet point counts from this many times what it may leak on: the last tenth would take as many steps as all before.
 const ABOVE: f32 = 1.1;
 
-/// What a quiet point may leak unless told otherwise: 60 dB below the level.
+/// What a quiet point may leak by default: 60 dB below the level.
 pub(crate) const QUIET: f64 = 1e-3;
 
 /// Weighted sweeps before the Gauss-Newton steps, unless an option gives another number.
@@ -88,7 +88,13 @@ impl Rows<'_> {
 
 impl Wave<'_> {
     /// The field at `amplitude` in the problem's order and unit, of rows that are all of its points.
-    pub(crate) fn heard<'w>(&self, problem: &Problem, rows: &Rows, amplitude: f32, work: &'w Workspace) -> Planar<'w> {
+    pub(crate) fn received<'w>(
+        &self,
+        problem: &Problem,
+        rows: &Rows,
+        amplitude: f32,
+        work: &'w Workspace,
+    ) -> Planar<'w> {
         let mut field = Planar::zeros(1, problem.propagation().lanes(), work);
         for (field, own) in [&mut field.re, &mut field.im].into_iter().zip(&self.field) {
             for (k, &j) in rows.order.iter().enumerate() {

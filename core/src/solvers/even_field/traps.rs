@@ -1,4 +1,4 @@
-//! Traps of which nothing is asked: phases turned until the softest of all is as stiff as can be.
+//! Traps without pressures: phases turned until the softest of all is as stiff as can be.
 //!
 //! What is raised is the soft minimum ([`soft_minimum`]) of K_ja, the stiffness at point j along its axis a, over the least at
 //! first.
@@ -7,7 +7,7 @@
 //! the last stage.
 //!
 //! Equal foci are not equal traps: each lies in the others' waves, and across the boards' axis traps are a tenth as stiff as
-//! along it. Along x and y foci cannot be told from one another, so that their levels alone bring no more than nine tenths of
+//! along it. Along x and y foci cannot be distinguished, so that their levels alone bring no more than nine tenths of
 //! what direct optimisation finds; from the foci a few steps of [`crate::solvers::common::phase_descent`] bring 96 %.
 
 use alloc::vec::Vec;

@@ -52,13 +52,13 @@ pub(crate) fn even_within<'w>(
         if wave.unevenness(rows, wave.level(rows), 0.0) <= even {
             break;
         }
-        let held = |cos: f32| cos <= arc[0] + AT_BOUND && arc[0] > -1.0;
+        let kept = |cos: f32| cos <= arc[0] + AT_BOUND && arc[0] > -1.0;
         if inward {
             newton.descent(rows, wave, control)?;
         }
         let sides = wave.drive[0].iter().zip(&wave.drive[1]).zip(&newton.rotations[..]);
         for (mask, ((&cos, &sin), &rotation)) in mask.iter_mut().zip(sides) {
-            *mask = if held(cos) && !(inward && rotation * sin < 0.0) { 0.0 } else { 1.0 };
+            *mask = if kept(cos) && !(inward && rotation * sin < 0.0) { 0.0 } else { 1.0 };
         }
         let tries = if newton.direction(rows, wave, Some(&mask), control)? { HALVINGS } else { 0 };
         // Phases that meet their bound on the way fall short of their part of a step: half of it may do better.

@@ -31,7 +31,7 @@ pub trait Energy: Send + Sync {
     fn evaluate(&self, fields: &[Complex32], request: &ActiveRequest, values: &mut [f64]) -> Result<(), Error>;
 }
 
-/// What is asked for at the M points of weight above 0.
+/// Targets at the M points of weight above 0.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[allow(clippy::exhaustive_structs, reason = "handed to energies, made only here")]
 pub struct ActiveRequest {
@@ -138,7 +138,7 @@ impl Solve for GreedyBy {
             work.floats.give(buffer);
         }
         let drive = drive.into_vec();
-        // Its steps were told one by one.
+        // Its steps were reported one by one.
         Ok(Solution::new(problem, drive, (status, steps), all, work, &mut Control::none())?.on_grid())
     }
 }

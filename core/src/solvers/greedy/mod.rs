@@ -75,7 +75,7 @@ options! {
     }
 }
 
-/// A device's longer table is thinned to the paper's K = 16 unless told otherwise: K multiplies the time.
+/// A device's longer table is thinned to the paper's K = 16 by default: K multiplies the time.
 const AMPLITUDES: usize = 16;
 
 words!(Objective: "l2" = Self::L2, "l1" = Self::L1);
@@ -123,7 +123,7 @@ impl Order {
                         "a matrix has no positions: give them, or \"rows\", \"random\" or a permutation",
                     )
                 })?;
-                // Rounded by the cast: positions lie well within 2^63 um, and this is asked some N log N times.
+                // Rounded by the cast: positions lie well within 2^63 um, and this is called some N log N times.
                 let micron = |x: f64| (x * 1e6 + 0.5_f64.copysign(x)) as i64;
                 let key = |i: u32| positions[i as usize].map(micron);
                 // Unstable sorting needs no memory; the index makes it stable.

@@ -93,7 +93,7 @@ fn what_can_be_had_is_had() {
 }
 
 #[test]
-fn too_few_steps_are_told_and_all_steps_stay_finite() {
+fn too_few_steps_are_reported_and_all_steps_stay_finite() {
     let (matrix, targets) = scene(12, 40, 1.0, 8);
     let with = |steps, tolerance| answer(&matrix, &Request::of_complex(&targets), &Bounded { steps, tolerance });
     assert_eq!(with(2, 1e-3).status, Status::OutOfSteps);

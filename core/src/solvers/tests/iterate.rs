@@ -5,8 +5,8 @@ use core::ops::ControlFlow;
 
 #[test]
 fn steps_end_at_the_tolerance_a_stop_or_their_number() {
-    // Steps, tolerance, the step that meets it and the one after which a stop is asked for; how it ends, and what was told.
-    for (steps, tolerance, met, stop, want, told) in [
+    // Steps, tolerance, the step that meets it and the one after which a stop is requested; the status, and the reports.
+    for (steps, tolerance, met, stop, want, reported) in [
         (5, 0.0, 9, 9, (Status::Done, 5), 4),
         (5, 1e-3, 9, 9, (Status::OutOfSteps, 5), 4),
         (5, 1e-3, 3, 9, (Status::Done, 3), 2),
@@ -26,13 +26,13 @@ fn steps_end_at_the_tolerance_a_stop_or_their_number() {
         let ended = iterate((steps, tolerance), &mut count, &mut control, step, |&count| count as f64).expect("steps");
         assert_eq!((ended, count), (want, want.1));
         let trace = control.into_trace().expect("a trace");
-        assert_eq!(trace.len(), told);
+        assert_eq!(trace.len(), reported);
         assert!(trace.iter().zip(1..).all(|(residual, step)| *residual == f64::from(step)));
     }
 }
 
 #[test]
-fn a_stop_heard_within_a_step_takes_that_step_back() {
+fn a_stop_noticed_within_a_step_takes_that_step_back() {
     let step = |count: &mut usize, _: &mut Control| {
         *count += 1;
         if *count == 3 { Err(Error::Stopped) } else { Ok(false) }

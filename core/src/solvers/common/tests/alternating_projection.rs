@@ -37,15 +37,17 @@ fn a_start_is_a_drive_as_it_is_or_the_projection_of_phases() {
     let (problem, rows, wave) = random(7, 37, &work);
     let given = Exact::new(&problem).drive(&wave);
     let mut projector = Projector::new(&rows, &work);
-    assert!(projector.start(&problem, &rows, &work, &mut Control::none()).expect("nobody stops it").is_none());
-    let plain = projector.begin(&problem, &rows, &work, &mut Control::none()).expect("nobody stops it");
+    assert!(projector.start(&problem, &rows, &work, &mut Control::none()).expect("it is not stopped").is_none());
+    let plain = projector.begin(&problem, &rows, &work, &mut Control::none()).expect("it is not stopped");
     assert!(Exact::new(&problem).drive(&plain).iter().all(|q| *q == Complex32::ONE));
     let started = problem.clone().with_start(Start::Drive(given.clone())).expect("a start");
-    let wave = projector.start(&started, &rows, &work, &mut Control::none()).expect("nobody stops it").expect("a wave");
+    let wave =
+        projector.start(&started, &rows, &work, &mut Control::none()).expect("it is not stopped").expect("a wave");
     assert_eq!(Exact::new(&started).drive(&wave), given);
     let phases: Vec<f64> = (0..7).map(f64::from).collect();
     let started = problem.with_start(Start::Phases(phases.clone())).expect("a start");
-    let wave = projector.start(&started, &rows, &work, &mut Control::none()).expect("nobody stops it").expect("a wave");
+    let wave =
+        projector.start(&started, &rows, &work, &mut Control::none()).expect("it is not stopped").expect("a wave");
     let exact = Exact::new(&started);
     let wanted: Vec<Complex64> = phases
         .iter()

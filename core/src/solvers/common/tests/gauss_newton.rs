@@ -14,14 +14,14 @@ fn a_step_solves_the_damped_system() {
         let mut dual = Dual::new(&rows, 2 * points, &work, &mut Control::none()).expect("a few numbers");
         dual.factors[1][..points].fill(-1.0);
         dual.factors[0][points..].fill(1.0);
-        dual.derive(&rows, &wave, (0..points).chain(0..points), None, &mut Control::none()).expect("nobody stops it");
+        dual.derive(&rows, &wave, (0..points).chain(0..points), None, &mut Control::none()).expect("it is not stopped");
         // Re P and Im P by the phase of transducer i: P = .. + j G q d.
         let slope = |e: usize, i: usize| {
             let wave = exact.gain(e % points, i) * wide(drive[i]);
             if e < points { -wave.im } else { wave.re }
         };
         let damping = |e: usize| 1.0 + e as f32;
-        let factor = dual.factor(damping, &mut Control::none()).expect("nobody stops it").expect("positive definite");
+        let factor = dual.factor(damping, &mut Control::none()).expect("it is not stopped").expect("positive definite");
         let mut y = work.floats.take(dual.lanes());
         (0..2 * points).for_each(|e| y[e] = 1.0 - 0.1 * e as f32);
         factor.solve(&mut y);
