@@ -2,8 +2,8 @@
 
 Ten scenes each of 1, 2, 4 and 8 points at random, 20 mm apart or more, up to 50 mm from the axis along x
 and y and 20 mm along z. A scene's figure is the least stiffness over its points and axes, as a part of what
-L-BFGS finds over all phases from two starts (python/tests/traps.py); "trapped" counts the scenes in which every
-stiffness is above 0. About a minute; OMP_NUM_THREADS=1 helps where the cores are few.
+L-BFGS finds over all phases from two starts (python/tests/traps.py); "trapped" counts the scenes in which
+every stiffness is above 0. About a minute; OMP_NUM_THREADS=1 helps where the cores are few.
 """
 
 import sys
