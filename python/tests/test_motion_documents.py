@@ -194,3 +194,12 @@ def test_a_scene_that_rests_is_no_motion(tmp_path: Path) -> None:
     assert document.read(tmp_path / "a.toml") is None
     run = command("motion", str(tmp_path / "a.toml"))
     assert "has no [motion]" in run.stderr
+
+
+def test_a_focus_that_stays_is_a_path_of_a_file(tmp_path: Path) -> None:
+    table = 'kind = "still"\nplaces = [[0.0, 0.0, 0.15]]\nduration = 0.02\nam = { frequency = 200 }\n'
+    text = SCENE[: SCENE.index('kind = "circle"')].replace('aim = "max"\n', "")
+    solved = read(tmp_path, text + table).solve()
+    assert (len(solved), solved.closed) == (20, True)
+    assert np.all(solved.points == [0, 0, 0.15])
+    assert solved.targets.max() > 1.5 * solved.targets.min()

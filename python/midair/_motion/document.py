@@ -27,6 +27,7 @@ KINDS: dict[str, Callable[..., Moving]] = {
     "line": paths.line,
     "polyline": paths.polyline,
     "lissajous": paths.lissajous,
+    "still": paths.still,
     "svg": paths.svg,
     "morph": paths.morph,
 }
