@@ -25,7 +25,7 @@ RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml $(shell find cor
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards gateware test-studio npm test-npm lint fuzz sanitize bench bench-capi bench-peers gallery figures motion touch exposure measuring obstacles paper docs schema golden map header stubs pins wheels release clean
+.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards gateware test-studio npm test-npm unity test-unity lint fuzz sanitize bench bench-capi bench-peers gallery figures motion touch exposure measuring obstacles paper docs schema golden map header stubs pins wheels release clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -81,7 +81,7 @@ $(BUILT)/libmidair.so:
 	$(MAKE) --no-print-directory capi
 
 test: outlook lint test-rust test-python ## The core's tests and the package's (the C library's: test-capi)
-	@echo; echo "== all passed. Left out: make test-capi (the C library, 6 min), test-studio, test-npm, test-firmware, test-boards, test-portable, fuzz, sanitize"
+	@echo; echo "== all passed. Left out: make test-capi (the C library, 6 min), test-studio, test-npm, test-unity, test-firmware, test-boards, test-portable, fuzz, sanitize"
 
 outlook:
 	@echo "make test: lint, the core's tests, the package's tests; 20 minutes on two cores, a third of it when built before."
@@ -135,6 +135,14 @@ npm: studio ## The package for Node and browsers, npm/dist (Node 20+)
 
 test-npm: npm ## The package for Node: packed, installed into an empty folder, its example, its bits (10 s once built)
 	cd npm && node --test test/
+
+unity: capi ## Copy the C library that was built into unity/, the package for Unity
+	for pair in libmidair.so:Linux/x86_64 midair.dll:Windows/x86_64 libmidair.dylib:macOS; do \
+		[ ! -e $(BUILT)/$${pair%:*} ] || cp -v $(BUILT)/$${pair%:*} unity/Runtime/Plugins/$${pair#*:}; done
+
+test-unity: setup capi ## The scripts for Unity without Unity (Debian's mono-mcs and mono-runtime; 30 s once built)
+	@command -v mcs > /dev/null && command -v mono > /dev/null || { echo "test-unity needs mcs and mono: install Mono (Debian: mono-mcs, mono-runtime)"; exit 1; }
+	$(call step,Unity: scripts compiled and run by Mono (30 s),$(PYTHON) -m pytest capi/tests/test_unity.py)
 
 lint: .venv/ready ## Formatting, clippy, rustdoc, ruff, spelling: warnings are errors
 	$(call step,lint: Rust is formatted (2 s),$(CARGO) fmt --check)

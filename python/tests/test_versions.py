@@ -40,9 +40,9 @@ def test_files_that_repeat_it_agree(file: str) -> None:
     assert re.findall(REPEATED[file], (ROOT / file).read_text(), re.MULTILINE) == [VERSION]
 
 
-@pytest.mark.parametrize("file", ["npm/package.json", "studio/package.json", "examples/node/package.json"])
-def test_packages_for_node_agree(file: str) -> None:
-    assert json.loads((ROOT / file).read_text())["version"] == VERSION
+@pytest.mark.parametrize("folder", ["npm", "studio", "examples/node", "unity"])
+def test_packages_for_node_and_unity_agree(folder: str) -> None:
+    assert json.loads((ROOT / folder / "package.json").read_text())["version"] == VERSION
 
 
 def test_the_changelog_begins_with_it_or_with_what_comes_next() -> None:

@@ -1,0 +1,114 @@
+// Line: what carries a player's points or frames: `midair serve` by OSC, or a serial port.
+using System;
+using System.IO;
+using System.Linq;
+using System.Net.Sockets;
+using System.Text;
+using System.Threading;
+using UnityEngine;
+
+namespace Midair
+{
+    /// <summary>Points for `midair serve`, whose guard turns the board off 0.2 s after the last message, also if Unity dies.</summary>
+    sealed class ServerLine : IDisposable
+    {
+        readonly UdpClient server;
+        readonly string token;
+
+        /// <summary>Opens a line that `midair serve` prints: osc://127.0.0.1:PORT token TOKEN.</summary>
+        internal ServerLine(string printed)
+        {
+            string[] words = printed.Trim().Split(' ');
+            if (words.Length != 3 || !Uri.TryCreate(words[0], UriKind.Absolute, out var place) || place.Port < 1)
+                throw new MidairException($"address is \"{printed}\": give the whole line of `midair serve`, osc://127.0.0.1:PORT token TOKEN");
+            token = words[2];
+            server = new UdpClient(place.Host, place.Port);
+        }
+
+        /// <summary>Sends rows of x, y, z in m and the pressure in Pa; none turns the board off.</summary>
+        internal void Give(float[] rows)
+        {
+            var message = new MemoryStream();
+            Action<string> text = word => message.Write(Encoding.ASCII.GetBytes(word.PadRight(word.Length / 4 * 4 + 4, '\0')), 0, word.Length / 4 * 4 + 4);
+            text(rows.Length == 0 ? "/midair/off" : "/midair/rows");
+            text(",s" + new string('f', rows.Length));
+            text(token);
+            foreach (float number in rows) message.Write(BitConverter.GetBytes(number).Reverse().ToArray(), 0, 4);
+            try
+            {
+                server.Send(message.ToArray(), (int)message.Length);
+            }
+            catch (SocketException error)
+            {
+                throw new MidairException($"midair serve: {error.Message}: start it, and give the line that it prints now");
+            }
+        }
+
+        public void Dispose() => server.Dispose();
+    }
+
+    /// <summary>A serial port that this program owns: a thread sends the newest frame, or silence where Unity gives none for 0.2 s.</summary>
+    sealed class SerialLine : IDisposable
+    {
+        const int Hold = 200;
+
+        /// <summary>The reason why the thread ended, as one line; else null.</summary>
+        internal volatile string Failure;
+
+        readonly AutoResetEvent given = new AutoResetEvent(false);
+        readonly Thread thread;
+        volatile byte[] newest;
+        volatile bool ended;
+
+        internal SerialLine(string name, Link link, byte[] off)
+        {
+#if NET_STANDARD || NET_STANDARD_2_0
+            throw new MidairException("serial ports need the Api Compatibility Level .NET Framework: choose it in the Player settings");
+#else
+            thread = new Thread(() =>
+            {
+                try
+                {
+                    using (var port = new System.IO.Ports.SerialPort(name, (int)link.baud) { WriteTimeout = 300, DtrEnable = link.restarts == 0 })
+                    {
+                        port.Open();
+                        port.Write(off, 0, off.Length);
+                        // The boot loader of an Arduino listens for so long after its port was opened.
+                        if (link.restarts != 0) Thread.Sleep(2000);
+                        for (byte[] bytes = off; ; bytes = given.WaitOne(Hold) ? newest ?? off : off)
+                        {
+                            if (ended) bytes = off;
+                            port.Write(bytes, 0, bytes.Length);
+                            if (ended) break;
+                            Thread.Sleep((int)Math.Ceiling(1000 / link.rate));
+                        }
+                    }
+                }
+                catch (Exception error)
+                {
+                    Failure = $"{name}: {error.Message}: the board may play on, switch its supply off";
+                }
+            }) { IsBackground = true };
+            thread.Start();
+#endif
+        }
+
+        /// <summary>Gives the frame to be played, or null for silence.</summary>
+        internal void Give(byte[] frame)
+        {
+            if (Failure != null) throw new MidairException(Failure);
+            newest = frame;
+            given.Set();
+        }
+
+        /// <summary>Silences the board and closes the port.</summary>
+        public void Dispose()
+        {
+            bool failed = Failure != null;
+            ended = true;
+            given.Set();
+            if (!thread.Join(3000)) Failure = "the serial port does not answer: the board may play on, switch its supply off";
+            if (!failed && Failure != null) Debug.LogError(Failure);
+        }
+    }
+}

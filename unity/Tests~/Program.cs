@@ -1,0 +1,117 @@
+// Program: drives the scripts as Unity would, and prints numbers, a name and its values a line.
+using System;
+using System.Collections.Generic;
+using System.Globalization;
+using System.Linq;
+using System.Threading;
+using UnityEngine;
+
+namespace Midair
+{
+    static class Program
+    {
+        static readonly MidairArray array = new MidairArray();
+        static readonly MidairPoints points = new MidairPoints();
+        static readonly MidairSolver solver = new MidairSolver { array = array, points = points };
+        static readonly MidairGizmo gizmo = new MidairGizmo { solver = solver, across = 6, width = 0.06f, height = 0.05f };
+
+        static void Print<T>(string name, IEnumerable<T> values) =>
+            Console.WriteLine(name + " " + string.Join(" ", values.Select(value => Convert.ToDouble(value).ToString("R", CultureInfo.InvariantCulture))));
+
+        static Transform At(float x, float y, float z) => new Transform { position = new Vector3(x, y, z) };
+
+        static void Log()
+        {
+            foreach (string line in Debug.Lines) Console.WriteLine("log " + line);
+            Debug.Lines.Clear();
+        }
+
+        /// <summary>Two foci above a turned and scaled array, which then move; the field between them.</summary>
+        static void Solve()
+        {
+            (array.transform.position, array.transform.angle, array.transform.scale) = (new Vector3(0.3f, 0.8f, -0.2f), 90f, 2f);
+            points.foci = new[] { At(0.32f, 1.1f, -0.24f), At(0.28f, 1.1f, -0.16f) };
+            points.pressures = new[] { 1000f, 800f };
+            for (int step = 0; step < 2; step++)
+            {
+                solver.Send("LateUpdate");
+                Print("points", points.Points);
+                Print("drive", solver.Drive);
+                Print("answer", new[] { solver.Answer.status, solver.Answer.scale, solver.Answer.metrics.accuracy, solver.Answer.metrics.level, solver.Answer.metrics.leak });
+                points.foci[0].position.y += 0.02f;
+            }
+            solver.Send("LateUpdate");
+            solver.Drive[0] = 7f;
+            solver.Send("LateUpdate");
+            Print("unmoved", new[] { solver.Drive[0] });
+            points.foci[0].position.y -= 0.02f;
+            solver.Send("LateUpdate");
+            Print("last", points.Points);
+
+            (gizmo.transform.position, gizmo.transform.angle) = (new Vector3(0.3f, 1.1f, -0.2f), 90f);
+            gizmo.Send("OnDrawGizmos");
+            Print("values", gizmo.Values);
+            Print("alphas", Gizmos.Drawn.Select(cell => cell.alpha));
+            Gizmos.Drawn.Clear();
+            array.Send("OnDrawGizmosSelected");
+            Print("transducers", Gizmos.Drawn.SelectMany(drawn => new[] { drawn.at.x, drawn.at.y, drawn.at.z }));
+        }
+
+        /// <summary>A focus above a board that plays at an address: half a second of frames, a pause, then the end.</summary>
+        static void Play(string board, string address)
+        {
+            array.board = board;
+            points.foci = new[] { At(0f, 0.15f, 0f) };
+            var player = new MidairPlayer { solver = solver, address = address };
+            for (int frame = 0; frame < 25; frame++)
+            {
+                solver.Send("LateUpdate");
+                player.Send("LateUpdate");
+                Thread.Sleep(20);
+            }
+            Print("drive", solver.Drive);
+            Thread.Sleep(1200);
+            player.Send("LateUpdate");
+            Thread.Sleep(200);
+            player.Send("OnDisable");
+        }
+
+        /// <summary>What users enter by mistake, each in two frames.</summary>
+        static void Refuse()
+        {
+            points.foci = new[] { At(0f, 0.15f, 0f) };
+            Action frames = () =>
+            {
+                for (int frame = 0; frame < 2; frame++) solver.Send("LateUpdate");
+                Log();
+            };
+            array.board = "sonicsurfaces";
+            frames();
+            array.board = "sonicsurface";
+            solver.method = "uniferm";
+            frames();
+            solver.method = "uniform";
+            points.pressures = new[] { 1f, 2f };
+            frames();
+            points.pressures = new[] { float.NaN };
+            frames();
+            points.pressures = new[] { 1e6f };
+            frames();
+            points.foci = new Transform[1];
+            points.pressures = new[] { 1000f };
+            frames();
+            gizmo.across = 0;
+            for (int frame = 0; frame < 2; frame++) gizmo.Send("OnDrawGizmos");
+        }
+
+        static void Main(string[] words)
+        {
+            if (words[0] == "solve") Solve();
+            if (words[0] == "refuse") Refuse();
+            if (words[0] == "play") Play(words[1], words[2]);
+            Log();
+            array.Send("OnDisable");
+            solver.Send("OnDisable");
+        }
+    }
+}
