@@ -46,7 +46,7 @@ PYTHON = [
         "motion",
         "Motion",
         "Points that move: frame after frame.",
-        "sequence Sequence SequenceMetrics stream Felt skin Skin haptic Haptic",
+        "sequence Sequence SequenceMetrics stream fly Flight Felt skin Skin haptic Haptic",
     ),
     (
         "measuring",

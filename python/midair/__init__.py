@@ -66,7 +66,7 @@ if TYPE_CHECKING:
     from ._measuring.player import Tuning
     from ._measuring.result import Calibration
     from ._measuring.tune import tune
-    from ._motion import Felt, Sequence, SequenceMetrics, Skin, sequence, skin, stream
+    from ._motion import Felt, Flight, Sequence, SequenceMetrics, Skin, fly, sequence, skin, stream
     from ._pictures.notebook import solvers
     from ._pictures.plot import plot
     from ._pictures.sheet import style
@@ -100,6 +100,7 @@ __all__ = [
     "Fault",
     "Felt",
     "Field",
+    "Flight",
     "Gorkov",
     "Haptic",
     "Kept",
@@ -139,6 +140,7 @@ __all__ = [
     "ear",
     "exposure",
     "field",
+    "fly",
     "gorkov",
     "grad",
     "haptic",

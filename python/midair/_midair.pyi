@@ -33,6 +33,7 @@ __all__ = [
     "Array",
     "Batch",
     "BatchMetrics",
+    "Bead",
     "Boundary",
     "Codec",
     "Curve",
@@ -241,7 +242,7 @@ class Gorkov:
 @final
 class Rest:
     place: Final[NDArray[np.float64]]
-    kept: Final[NDArray[np.bool_]]
+    held: Final[NDArray[np.bool_]]
     stiffness: Final[NDArray[np.float64]]
     axes: Final[NDArray[np.float64]]
     basin: Final[NDArray[np.float64]]
@@ -250,6 +251,31 @@ class Rest:
     acceleration: Final[NDArray[np.float64]]
     mass: Final[float]
     def __len__(self) -> int: ...
+
+@final
+class Bead:
+    def __new__(
+        cls,
+        scene: Scene,
+        radius: float | None = None,
+        density: float | None = None,
+        sound_speed: float | None = None,
+        gravity: ArrayLike | None = None,
+    ) -> Bead: ...
+    factors: Final[NDArray[np.float64]]
+    mass: Final[float]
+    def needed(self, velocities: ArrayLike, accelerations: ArrayLike) -> NDArray[np.float64]: ...
+    def under(self, force: Sequence[float]) -> dict[str, Any]: ...
+    def fly(
+        self,
+        state: NDArray[np.float64],
+        reach: Sequence[float],
+        forces: NDArray[np.float64],
+        centres: NDArray[np.float64],
+        first: int,
+        places: NDArray[np.float64],
+        time: tuple[float, int, float],
+    ) -> int: ...
 
 @final
 class Reach:

@@ -33,7 +33,7 @@ HOMES = {
     "_measuring.player": "Tuning",
     "_measuring.result": "Calibration",
     "_measuring.tune": "tune",
-    "_motion": "Felt Sequence SequenceMetrics Skin sequence skin stream",
+    "_motion": "Felt Flight Sequence SequenceMetrics Skin fly sequence skin stream",
     "_pictures.notebook": "solvers",
     "_pictures.plot": "plot",
     "_pictures.sheet": "style",

@@ -185,7 +185,7 @@ fn requested<'py>(
 }
 
 /// In m/s^2, down the z axis.
-const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
+pub(crate) const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 /// Gor'kov potential, force and stiffness of a small sphere in the field of a drive (N,), or of a Solution with its scale
 /// counted in, at points (P, 3) in m; left out they are the scene's.
@@ -199,8 +199,12 @@ const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 /// is for spheres small beside the wavelength, without viscosity and the push of waves that run. Derivatives are
 /// exact, in double precision; those of sound that spheres and meshes send on are exact to 1e-5.
 ///
-/// Raises SceneError for a drive or points of another shape or not finite, a sphere's value that is not above 0, and a
-/// point inside an obstacle or within a hundredth of a wavelength of a sphere or mesh.
+/// From a radius of an eighth of the wavelength on, up to three, the sphere is rigid, and its force that of its series of waves,
+/// the push of waves that run counted in. It has no potential, which is NaN; `hessian` and `stiffness` are differences of the force.
+///
+/// Raises SceneError for a drive or points of another shape or not finite, a sphere's value that is not above 0 or a radius
+/// above three wavelengths, and a point inside an obstacle or within a hundredth of a wavelength of a sphere or mesh, or a large
+/// sphere that reaches so far.
 ///
 /// >>> import midair
 /// >>> scene = midair.Scene(midair.Array.grid(16, 16, 10.5e-3), [[0, 0, 0.08]], signature="trap")
@@ -220,11 +224,10 @@ pub(crate) fn gorkov<'py>(
     sound_speed: Argument<'_, 'py>,
     gravity: Argument<'_, 'py>,
 ) -> PyResult<Gorkov> {
-    let Requested { model, drive, points, particle, gravity, remark } =
+    let Requested { model, drive, points, particle, gravity, .. } =
         requested(scene, drive, points, [radius, density, sound_speed, gravity])?;
     let threads = limits::threads(py)?;
     let felt = attend(py, None, |control| midair::gorkov(&model, &drive, &points, particle, &mut control.on(threads)))?;
-    warn_all(py, remark)?;
     let midair::Gorkov { potential, force, hessian, .. } = felt;
     let (weight, mass) = (particle.weight(model.medium(), gravity), particle.mass(model.medium()));
     Ok(Gorkov { potential, force, hessian, weight, mass })

@@ -11,6 +11,7 @@ mod energy;
 mod error;
 mod field;
 mod files;
+mod flight;
 mod function;
 mod getters;
 mod give;
@@ -73,6 +74,8 @@ mod _midair {
     use super::field::{Field, field};
     #[pymodule_export]
     use super::files::{scene_files, scene_keys, sweep_keys};
+    #[pymodule_export]
+    use super::flight::Bead;
     #[pymodule_export]
     use super::gorkov::{Gorkov, Rest, gorkov, rest};
     #[pymodule_export]

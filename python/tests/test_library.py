@@ -51,6 +51,8 @@ def test_keywords_have_the_names_and_order_of_the_design() -> None:
         midair.field: "scene drive plane",
         midair.gorkov: "scene drive points radius density sound_speed gravity",
         midair.rest: "scene drive points radius density sound_speed gravity",
+        midair.fly: "sequence beads speeds duration tau hold radius density sound_speed gravity",
+        midair.path.fastest: "points array closed margin radius density sound_speed gravity air",
         midair.grad.amplitude: "scene drive points cotangent",
         midair.plot: "what ax plane quantity vmax cmap size",
     }

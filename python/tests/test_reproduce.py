@@ -17,8 +17,8 @@ import midair
 import oracle
 from midair import _cli as cli
 from midair._reproduce import FIGURES, fig3, fig7, reproduce, scenes, tables, timing
-from midair._reproduce.run import Run
 from midair._reproduce.scenes import curves, panels
+from midair._reproduce.tables import Run
 from midair._sweep.block import solve_block
 
 #: There so that a hang is a failure and not a hung suite.

@@ -267,7 +267,7 @@ def test_what_cannot_be_a_trap_is_refused_in_one_line(tmp_path: Any) -> None:
     with pytest.warns(
         midair.SceneWarning, match="radius is 0.002 m: Gor'kov's potential is for spheres small"
     ):
-        midair.gorkov(scene, drive, radius=2e-3)
+        midair.rest(scene, drive, radius=2e-3)
     edge = midair.Array([[0, 0, 0]], directivity={"cos": 0.5})
     with pytest.raises(midair.SceneError, match="move it off the plane"):
         midair.gorkov(midair.Scene(edge, points), [1], [[0.1, 0, 0]])

@@ -16,6 +16,8 @@ pub(crate) mod dither;
 #[forbid(unsafe_code)]
 pub(crate) mod double;
 #[forbid(unsafe_code)]
+pub(crate) mod flight;
+#[forbid(unsafe_code)]
 pub(crate) mod greedy;
 #[forbid(unsafe_code)]
 pub(crate) mod grid;

@@ -12,13 +12,18 @@ use crate::propagation::bodies::Bodies;
 use crate::propagation::jet::Jet;
 use crate::propagation::local::Local;
 use crate::propagation::model::Model;
-use crate::propagation::particle::{Particle, potential};
+use crate::propagation::momentum::Pushed;
+use crate::propagation::particle::{LARGEST, Particle, potential};
 use crate::propagation::sources::Sources;
 use crate::propagation::taylor::Taylor;
-use crate::scene::{check_drive, check_places};
+use crate::scene::{check_drive, check_places, distance};
 
 /// Points worked on by one thread at once.
 const CHUNK: usize = 16;
+
+/// The largest radius of a sphere, and the step of its force's differences, in wavelengths.
+const MOST: f64 = 3.0;
+const STEP: f64 = 1.0 / 400.0;
 
 /// What a point must be away from a sphere or a mesh for derivatives, in wavelengths.
 const LEAST_CLEARANCE: f64 = 0.01;
@@ -45,14 +50,17 @@ pub struct Gorkov {
 ///
 /// after H. Bruus, "Acoustofluidics 7", Lab on a Chip 12, 1014 (2012), and L. P. Gor'kov, Sov. Phys. Dokl. 6, 773 (1962):
 /// a sphere that is small beside the wavelength, a fluid without viscosity, no gravity, and no scattering force, which
-/// waves that run, as those of a single array, add. G is eq. (5) itself, not a scene's signature, in double precision, and its
+/// waves that run, as those of a single array, add. From a radius of an eighth of the wavelength on, up to three, the sphere is
+/// rigid, and the force that of its series of waves, with all of that: its potential is NaN, for it has none, and `hessian` has
+/// the force's differences, -dF. G is eq. (5) itself, not a scene's signature, in double precision, and its
 /// derivatives are exact: Taylor polynomials around each point. Those of the sound that spheres and meshes send on come from its
 /// values on a small ball, to 1e-5.
 ///
 /// # Errors
 /// A drive that does not fit the array; no points, one that is not finite, too far away, within lambda/100 of a
 /// transducer, or in the plane of a transducer whose directivity breaks off there; a particle of no size, density or
-/// sound speed; a point inside an obstacle or within lambda/100 of a sphere or mesh; more memory than allowed; a stop.
+/// sound speed, or larger than three wavelengths; a point inside an obstacle or within lambda/100 of a sphere or mesh, or a large
+/// sphere that reaches so far; more memory than allowed; a stop.
 pub fn gorkov(
     model: &Model,
     drive: &[Complex32],
@@ -61,12 +69,17 @@ pub fn gorkov(
     control: &mut Control,
 ) -> Result<Gorkov, Error> {
     let trap = Trap::new(model, drive, points, particle)?;
+    let large = trap.large(points, particle)?;
     control.room("the potential", [drive.len(), points.len()], bytes(2 * size_of::<Felt>(), &[points.len()]))?;
     let mut felt = vec![Felt::default(); points.len()];
     let parts = felt.chunks_mut(CHUNK).zip(points.chunks(CHUNK)).enumerate().collect();
     control.each(parts, &|(part, (out, points)): (usize, (&mut [Felt], &[[f64; 3]])), control| {
         for (j, (out, point)) in out.iter_mut().zip(points).enumerate() {
-            *out = trap.felt(part * CHUNK + j, *point, control)?;
+            let j = part * CHUNK + j;
+            *out = match &large {
+                Some(sphere) => trap.pushed(sphere, j, *point, control)?,
+                None => trap.felt(j, *point, control)?,
+            };
         }
         Ok(())
     })?;
@@ -86,7 +99,7 @@ pub(crate) struct Trap<'a> {
     waves: Vec<(&'a Sources, Taylor)>,
     /// Spheres and meshes, and their waves in the field of the drive.
     bodies: Option<(&'a Bodies, Vec<Complex64>)>,
-    factors: [f64; 2],
+    particle: Particle,
 }
 
 impl<'a> Trap<'a> {
@@ -121,11 +134,63 @@ impl<'a> Trap<'a> {
         };
         let all = core::iter::once(&*model.sources).chain(images);
         let waves = all.map(|sources| (sources, Taylor::new(model.set, sources, |i| played(sources, i)))).collect();
-        Ok(Self { model, waves, bodies, factors: particle.factors(medium) })
+        Ok(Self { model, waves, bodies, particle })
+    }
+
+    /// The sphere of a large particle, where it has room.
+    fn large(&self, points: &[[f64; 3]], Particle { radius, .. }: Particle) -> Result<Option<Pushed>, Error> {
+        let (medium, array) = (self.model.medium(), self.model.array());
+        let wavelength = medium.wavelength();
+        if radius <= LARGEST * wavelength {
+            return Ok(None);
+        }
+        if radius > MOST * wavelength {
+            let cure = format!("give at most {:.2e}, three wavelengths", MOST * wavelength);
+            return Err(Error::invalid("radius", radius, cure));
+        }
+        for (j, &point) in points.iter().enumerate() {
+            let nearest = array.positions().iter().map(|&place| distance(place, point)).fold(f64::INFINITY, f64::min);
+            let clear = self.model.scattering.as_ref().map_or(f64::INFINITY, |all| all.obstacles.clearance(point));
+            let (room, least) = (nearest.min(clear), radius + LEAST_CLEARANCE * wavelength);
+            if room < least {
+                let cure = format!("{room:.1e} m from a transducer or an obstacle: leave {least:.1e} m for the sphere");
+                return Err(Error::invalid(format!("points[{j}]"), format!("{point:?}"), cure));
+            }
+        }
+        Ok(Some(Pushed::new(self.particle, medium)))
+    }
+
+    /// The same of a large sphere, which has no potential.
+    fn pushed(&self, sphere: &Pushed, j: usize, point: [f64; 3], control: &mut Control) -> Result<Felt, Error> {
+        let mut force =
+            |center: [f64; 3]| sphere.force(center, |place| self.pressure(j, place, &mut Control::none()), control);
+        let step = STEP * self.model.medium().wavelength();
+        let mut hessian = [[0.0; 3]; 3];
+        for axis in 0..3 {
+            let [before, after] = [-step, step].map(|step| {
+                let mut center = point;
+                center[axis] += step;
+                force(center)
+            });
+            let (before, after) = (before?, after?);
+            (0..3).for_each(|row| hessian[row][axis] = (before[row] - after[row]) / (2.0 * step));
+        }
+        Ok((f64::NAN, force(point)?, hessian))
     }
 
     /// Potential, force and second derivatives at point `j`.
     pub(crate) fn felt(&self, j: usize, point: [f64; 3], control: &mut Control) -> Result<Felt, Error> {
+        let potential = potential(&self.pressure(j, point, control)?, self.particle.factors(self.model.medium()));
+        let felt = (potential.value(), potential.gradient().map(|slope| -slope), potential.hessian());
+        if !(felt.0.is_finite() && felt.1.iter().chain(felt.2.as_flattened()).all(|x| x.is_finite())) {
+            let cure = "the force has no bound there: move it off the plane of a transducer's face";
+            return Err(Error::invalid(format!("points[{j}]"), format!("{point:?}"), cure));
+        }
+        Ok(felt)
+    }
+
+    /// The pressure around a place of point `j`.
+    fn pressure(&self, j: usize, point: [f64; 3], control: &mut Control) -> Result<[Jet; 2], Error> {
         let mut pressure = [Jet::ZERO; 2];
         for (sources, taylor) in &self.waves {
             (0..sources.array.len()).try_for_each(|i| sources.check_distance(i, j, point))?;
@@ -137,13 +202,7 @@ impl<'a> Trap<'a> {
             let sent = self.local(j, point)?.expand(point, |place| bodies.pressure(driven, place, &mut row));
             pressure.iter_mut().zip(&sent).for_each(|(own, sent)| own.add(sent, 1.0));
         }
-        let potential = potential(&pressure, self.factors);
-        let felt = (potential.value(), potential.gradient().map(|slope| -slope), potential.hessian());
-        if !(felt.0.is_finite() && felt.1.iter().chain(felt.2.as_flattened()).all(|x| x.is_finite())) {
-            let cure = "the force has no bound there: move it off the plane of a transducer's face";
-            return Err(Error::invalid(format!("points[{j}]"), format!("{point:?}"), cure));
-        }
-        Ok(felt)
+        Ok(pressure)
     }
 
     /// The ball around a point on which the sound of bodies is looked at.

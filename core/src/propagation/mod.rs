@@ -12,6 +12,7 @@ pub(crate) mod jet;
 pub(crate) mod kept;
 pub(crate) mod local;
 pub(crate) mod model;
+mod momentum;
 pub(crate) mod particle;
 pub(crate) mod reflection;
 pub(crate) mod rest;
@@ -30,9 +31,7 @@ pub use particle::Particle;
 pub(crate) use sources::Sources;
 pub(crate) use strips::Strips;
 
-use alloc::sync::Arc;
-use alloc::vec::Vec;
-use alloc::{format, vec};
+use alloc::{format, sync::Arc, vec, vec::Vec};
 
 use num_complex::Complex64;
 

@@ -2,11 +2,12 @@
 
 use alloc::format;
 
+use crate::math;
 use crate::propagation::jet::Jet;
-use crate::scene::Medium;
+use crate::scene::{Medium, dot};
 
 /// Radii in wavelengths from which on the sphere is no longer small: k a = 0.79.
-const LARGEST: f64 = 0.125;
+pub(crate) const LARGEST: f64 = 0.125;
 
 /// A sphere that is to be trapped.
 ///
@@ -32,7 +33,8 @@ impl Default for Particle {
 
 impl Particle {
     /// The factors of |p|^2 and of -|grad p|^2 in U.
-    pub(crate) fn factors(&self, medium: Medium) -> [f64; 2] {
+    #[must_use]
+    pub fn factors(&self, medium: Medium) -> [f64; 2] {
         let speeds = medium.sound_speed / self.sound_speed;
         let ratio = self.density / medium.density;
         let compressibility = medium.density * medium.sound_speed * medium.sound_speed;
@@ -57,6 +59,27 @@ impl Particle {
     #[must_use]
     pub fn weight(&self, medium: Medium, gravity: [f64; 3]) -> [f64; 3] {
         gravity.map(|g| (self.density - medium.density) * self.volume() * g)
+    }
+
+    /// Drag in N of air at rest on it at a `speed` in m/s, by Schiller and Naumann (1933), for Re up to 800:
+    ///
+    /// ```text
+    /// F = 6 pi eta a v (1 + 0.15 Re^0.687),   Re = 2 a rho v/eta
+    /// ```
+    #[must_use]
+    pub fn drag(&self, medium: Medium, speed: f64) -> f64 {
+        let viscosity = medium.viscosity();
+        let reynolds = 2.0 * self.radius * medium.density * speed / viscosity;
+        let stokes = 6.0 * core::f64::consts::PI * viscosity * self.radius * speed;
+        stokes * (1.0 + 0.15 * math::pow(reynolds, 0.687))
+    }
+
+    /// The force in N beside weight and buoyancy that a velocity in m/s and an acceleration in m/s^2 take.
+    #[must_use]
+    pub fn needed(&self, medium: Medium, velocity: [f64; 3], acceleration: [f64; 3]) -> [f64; 3] {
+        let (mass, speed) = (self.mass(medium), math::sqrt(dot(velocity, velocity)));
+        let drag = if speed > 0.0 { self.drag(medium, speed) / speed } else { 0.0 };
+        [0, 1, 2].map(|axis| mass * acceleration[axis] + drag * velocity[axis])
     }
 
     /// A remark where the radius is beyond an eighth of the wavelength: the potential is then too simple.

@@ -55,6 +55,11 @@ impl Sphere {
         let far = 6.0 * math::cbrt(size) + 12.0;
         let near = (CUT / math::log(nearest / radius)).min(MOST_EXTRA);
         let order = math::ceil(size + far.max(near)) as usize;
+        Self::of_order((center, radius, kind), medium, order)
+    }
+
+    /// One of its own highest order.
+    pub(crate) fn of_order((center, radius, kind): ([f64; 3], f64, Surface), medium: Medium, order: usize) -> Self {
         let wavenumber = medium.complex_wavenumber();
         let surface = hankel(wavenumber * radius, order + 1);
         Self { center, radius, kind, wavenumber, order, surface, factors: factors(order) }
@@ -113,31 +118,9 @@ impl Sphere {
         rules: &Rules,
         control: &mut Control,
     ) -> Result<Vec<Complex64>, Error> {
-        let count = self.order + 1;
-        let mut answers = vec![Complex64::ZERO; self.waves()];
-        for ((&height, &weight), legendre) in rules.heights.iter().zip(&rules.weights).zip(&rules.legendre) {
-            control.pulse()?;
-            let across = math::sqrt(1.0 - height * height);
-            let direction = |turn: &Complex64| [across * turn.re, across * turn.im, height];
-            let met: Vec<Complex64> = rules.turns.iter().map(|turn| self.met(sources, i, direction(turn))).collect();
-            for m in 0..count {
-                let [mut even, mut odd] = [Complex64::ZERO; 2];
-                for (l, met) in met.iter().enumerate() {
-                    let turn = rules.turns[m * l % (2 * count)];
-                    even += met * turn.re;
-                    odd += met * turn.im;
-                }
-                let share = weight * TAU / (2 * count) as f64;
-                for n in m..count {
-                    let scale = share * legendre[at(n, m)];
-                    answers[n * n + n + m] += even * scale;
-                    if m > 0 {
-                        answers[n * n + n - m] += odd * scale;
-                    }
-                }
-            }
-        }
-        for n in 0..count {
+        let met = |direction: [f64; 3]| Ok([self.met(sources, i, direction)]);
+        let [mut answers] = rules.waves(met, control)?;
+        for n in 0..=self.order {
             let answer = self.answer(n);
             answers[n * n..(n + 1) * (n + 1)].iter_mut().for_each(|amplitude| *amplitude *= answer);
         }
@@ -161,12 +144,16 @@ impl Sphere {
         match self.kind {
             Surface::Soft => Complex64::new(-1.0, 0.0),
             Surface::Rigid => {
-                // h' = n/z h_n - h_(n+1).
-                let z = self.wavenumber * self.radius;
-                let slope = self.surface[n] * n as f64 / z - self.surface[n + 1];
-                -self.surface[n] / (self.wavenumber * slope)
+                let [h, slope] = self.outgoing(n);
+                -h / (self.wavenumber * slope)
             }
         }
+    }
+
+    /// `h_n` and its slope at the surface, h' = n/z h_n - h_(n+1).
+    pub(crate) fn outgoing(&self, n: usize) -> [Complex64; 2] {
+        let z = self.wavenumber * self.radius;
+        [self.surface[n], self.surface[n] * n as f64 / z - self.surface[n + 1]]
     }
 
     /// Legendre functions of a cosine, such that they times cos(m phi) and sin(m phi) are orthonormal on the unit sphere.
@@ -191,7 +178,7 @@ impl Sphere {
 }
 
 /// Directions in which what the surface meets is looked at.
-struct Rules {
+pub(crate) struct Rules {
     /// Gauss' rule in the cosine to the z axis.
     heights: Vec<f64>,
     weights: Vec<f64>,
@@ -202,12 +189,90 @@ struct Rules {
 }
 
 impl Rules {
-    fn new(sphere: &Sphere) -> Self {
+    /// Those that are exact for products of two waves and a direction.
+    pub(crate) fn new(sphere: &Sphere) -> Self {
         let count = sphere.order + 1;
         let (heights, weights) = gauss(count);
         let legendre = heights.iter().map(|&height| sphere.legendre(height)).collect();
         let turns = (0..2 * count).map(|l| math::phasor(TAU * l as f64 / (2 * count) as f64)).collect();
         Self { heights, weights, legendre, turns }
+    }
+
+    /// The shares (K,) that each Y_k has in some functions of the direction.
+    ///
+    /// # Errors
+    /// Those of the functions, a stop.
+    pub(crate) fn waves<const F: usize>(
+        &self,
+        of: impl Fn([f64; 3]) -> Result<[Complex64; F], Error>,
+        control: &mut Control,
+    ) -> Result<[Vec<Complex64>; F], Error> {
+        let count = self.heights.len();
+        let mut shares = [(); F].map(|()| vec![Complex64::ZERO; count * count]);
+        for (h, legendre) in self.legendre.iter().enumerate() {
+            control.pulse()?;
+            let met = (0..2 * count).map(|l| of(self.direction(h, l))).collect::<Result<Vec<_>, Error>>()?;
+            let share = self.weights[h] * TAU / (2 * count) as f64;
+            for (f, shares) in shares.iter_mut().enumerate() {
+                for m in 0..count {
+                    let [mut even, mut odd] = [Complex64::ZERO; 2];
+                    for (l, met) in met.iter().enumerate() {
+                        let turn = self.turns[m * l % (2 * count)];
+                        even += met[f] * turn.re;
+                        odd += met[f] * turn.im;
+                    }
+                    for n in m..count {
+                        let scale = share * legendre[at(n, m)];
+                        shares[n * n + n + m] += even * scale;
+                        if m > 0 {
+                            shares[n * n + n - m] += odd * scale;
+                        }
+                    }
+                }
+            }
+        }
+        Ok(shares)
+    }
+
+    /// The integral over all directions of the direction times Re(a conj(b)), of functions by their shares (K,).
+    pub(crate) fn turned(&self, a: &[Complex64], b: &[Complex64]) -> [f64; 3] {
+        let count = self.heights.len();
+        let mut sum = [0.0; 3];
+        for h in 0..count {
+            let share = self.weights[h] * TAU / (2 * count) as f64;
+            let parts = [a, b].map(|shares| self.along(h, shares));
+            for l in 0..2 * count {
+                let [a, b] = parts.each_ref().map(|part| {
+                    let wave = |(m, [even, odd]): (usize, &[Complex64; 2])| {
+                        let turn = self.turns[m * l % (2 * count)];
+                        even * turn.re + odd * turn.im
+                    };
+                    part.iter().enumerate().map(wave).sum::<Complex64>()
+                });
+                let weight = share * (a * b.conj()).re;
+                sum.iter_mut().zip(self.direction(h, l)).for_each(|(sum, x)| *sum += weight * x);
+            }
+        }
+        sum
+    }
+
+    /// At a height, the parts that go with cos(m phi) and sin(m phi) of a function by its shares.
+    fn along(&self, h: usize, shares: &[Complex64]) -> Vec<[Complex64; 2]> {
+        let count = self.heights.len();
+        let part = |m: usize, k: &dyn Fn(usize) -> usize| {
+            (m..count).map(|n| shares[k(n)] * self.legendre[h][at(n, m)]).sum::<Complex64>()
+        };
+        let both = |m: usize| {
+            let odd = if m == 0 { Complex64::ZERO } else { part(m, &|n| n * n + n - m) };
+            [part(m, &|n| n * n + n + m), odd]
+        };
+        (0..count).map(both).collect()
+    }
+
+    fn direction(&self, h: usize, l: usize) -> [f64; 3] {
+        let (height, turn) = (self.heights[h], self.turns[l]);
+        let across = math::sqrt(1.0 - height * height);
+        [across * turn.re, across * turn.im, height]
     }
 }
 

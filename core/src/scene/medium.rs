@@ -49,6 +49,18 @@ impl Medium {
         273.15 * (ratio * ratio - 1.0)
     }
 
+    /// Viscosity eta in Pa s of air at [`Medium::temperature`], by W. Sutherland, Phil. Mag. 36, 507 (1893), with the constants
+    /// of the US Standard Atmosphere 1976.
+    ///
+    /// ```
+    /// assert!((1e5 * midair::Medium::default().viscosity() - 1.79).abs() < 0.01);
+    /// ```
+    #[must_use]
+    pub fn viscosity(&self) -> f64 {
+        let kelvin = 273.15 + self.temperature();
+        1.458e-6 * kelvin * math::sqrt(kelvin) / (kelvin + 110.4)
+    }
+
     /// The medium with some of [`Medium::KEYS`] changed. Where a temperature, a humidity or an air pressure is given, all
     /// numbers that are not are those of [`Medium::air`]; a temperature left out is that of the sound speed.
     ///

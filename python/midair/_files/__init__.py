@@ -1,8 +1,7 @@
 """Files of other programs and of boards: arrays and drives, one format a file here."""
 
-from .arrays import read_array
 from .control_points import ControlPoints
-from .reading import read
+from .reading import read, read_array
 from .writing import write
 
 __all__ = ["ControlPoints", "read", "read_array", "write"]

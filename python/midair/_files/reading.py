@@ -1,18 +1,21 @@
-"""`midair.read`: reads drives or control points by ending and content of a file."""
+"""`midair.read` and `midair.Array.from_file`: read a file by its ending and content."""
 
 from __future__ import annotations
 
 from os import PathLike
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .._boards import pat
 from .._boards.board import Board
-from .._midair import Array, Solution, drive_from_csv
+from .._boards.layout import Layout
+from .._midair import Array, SceneError, Solution, array_parts, drive_from_csv, read_table
 from .._motion import Sequence
 from .._support.arguments import path_of
-from .._support.text import content, fault, number, rows, text
-from . import acoustools, archive, control_points, holo, pair
+from .._support.text import content, fault, number, rows, text, unpacked
+from . import acoustools, archive, autd3, control_points, handybeam, holo, pair, ultraino, xml
 from . import played as board_frames
 from .control_points import ControlPoints
 from .played import known
@@ -79,3 +82,74 @@ def _csv(path: str | PathLike[str], array: Array | None) -> NDArray[np.complex64
     if names >= {"x", "y", "z"}:
         raise fault(path, line, "it holds transducers: read them by midair._files.read_array")
     raise fault(path, line, f'"{",".join(head)[:60]}" begins no table of drives: {CSV}')
+
+
+#: Larger files are of no array; the largest known, Ultraino's, unpacks to 5 MB.
+MOST_BYTES = 64 << 20
+
+ENDINGS = (
+    ".pat (OpenMPD), .xml.gz or .xml (Ultraino), .xml (HandyBeam), .json (AUTD3) or .csv (x,y,z,nx,ny,nz)"
+)
+
+
+def read_array(path: str | PathLike[str], **parts: Any) -> Array:
+    """An array from a file, in m: a keyword that is given counts, else what the file or its format says.
+
+    - `.pat`, a board of OpenMPD: P0 3.4 Pa m, piston of 4.5 mm, the board's grid; gains are responses.
+    - `.xml.gz` or `.xml` of Ultraino, by orderNumber: P0 is `power`, else 2.53; sinc of
+      `apperture`, else 9 mm. Its y is up: (x, y, z) is here (x, -z, y).
+    - `.xml` of HandyBeam, by Index: cos 3.376; a transducer with ABX "X" is off in the mask.
+    - `.json` of AUTD3, as Geometry.to_json writes, board after board: as the preset `autd3`.
+    - `.csv`: x,y,z or x,y,z,nx,ny,nz, as scene files read them.
+
+    What no file says is that of `midair.Array`. All but `.csv` are of boards: scenes on them that state no
+    medium have air of 25 degrees C. Positions are those of the file, not centred; a flat board
+    of OpenMPD, Ultraino or HandyBeam lies in z = 0 and radiates to +z. Phase corrections are no part of an
+    array: a board applies them when it plays.
+
+    Raises SceneError for a file that is not in order, naming the line; FileNotFoundError where there is none.
+    """
+    found = _layout(path)
+    given = {name: value for name, value in parts.items() if value is not None}
+    own = {name: getattr(found, name, None) for name in array_parts()}
+    try:
+        made = Array(found.positions, found.normals, **{**own, **given})
+    except SceneError as error:
+        raise fault(path, None, str(error)) from error
+    # A format that says how its transducers radiate is of a board.
+    return made._with_hardware(None if found.directivity is None else 40e3)
+
+
+def _layout(path: str | PathLike[str]) -> Layout:
+    ending = "".join(path_of("path", path).suffixes[-2:]).lower()
+    if ending.endswith(".pat"):
+        return _openmpd(path)
+    if ending.endswith((".xml.gz", ".xml")):
+        return _xml(path)
+    if ending.endswith(".json"):
+        return autd3.read(path)
+    if ending.endswith(".csv"):
+        _, table = read_table(content(path, empty=True), str(path))
+        return Layout(table[:, :3], table[:, 3:] if table.shape[1] == 6 else None)
+    raise fault(path, None, f"it has no known ending: give {ENDINGS}")
+
+
+def _openmpd(path: str | PathLike[str]) -> Layout:
+    """P0 as AcousTools has it, Murata's MA40S4S as a piston."""
+    found = pat.read(path)
+    grid = Array.preset("openmpd_board").quantization or {}
+    return Layout(
+        found.positions,
+        source_pressure=3.4,
+        directivity={"piston": 4.5e-3},
+        response=None if np.all(found.gains == 1) else found.gains,
+        quantization={**grid, "phases": found.divisions},
+    )
+
+
+def _xml(path: str | PathLike[str]) -> Layout:
+    data = content(path, MOST_BYTES)
+    if data[:2] == b"\x1f\x8b":
+        data = unpacked(path, data, "gzip", MOST_BYTES)
+    root = xml.parse(path, data)
+    return ultraino.read(path, root) if root.name == "java" else handybeam.read(path, root)

@@ -51,16 +51,21 @@ def animate(
     with files.whole(path, ENDINGS) as part, warnings.catch_warnings():
         # Points leave the plane, and probable mistakes were reported when the sequence was made.
         warnings.simplefilter("ignore", SceneWarning)
-        film = (_Film if part.suffix == ".mp4" else _Pictures)(part, fps)
+        made = film(part, fps)
         picture = _Picture(sequence, plane, float(sequence.pressures[chosen].max()))
         try:
             for done, frame in enumerate(chosen, start=1):
-                film.add(picture.show(int(frame)))
+                made.add(picture.show(int(frame)))
                 if progress is not None:
                     progress(done, count)
-            film.finish()
+            made.finish()
         finally:
-            film.close()
+            made.close()
+
+
+def film(part: Path, fps: int) -> _Film | _Pictures:
+    """What takes pictures at a pace for a file of one of the `ENDINGS`."""
+    return (_Film if part.suffix == ".mp4" else _Pictures)(part, fps)
 
 
 class _Pictures:

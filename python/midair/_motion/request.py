@@ -5,15 +5,19 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from math import ceil, floor, pi
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Scene, SceneError, solvers
+from .._midair import Array, Bead, Scene, SceneError, solvers
 from .._support.arguments import number, refused, warn, whole
 from ..path import Path, read
+from ..path._fastest import poised
 from .frames import AIR
+
+if TYPE_CHECKING:
+    from .judged import JudgedFrames
 
 #: The bound where none is given, in rad a frame: at 10 kHz the shift of 312 Hz that a transducer follows.
 CHANGE = pi / 16
@@ -169,6 +173,36 @@ def _needed(requested: Request) -> tuple[float, float]:
             most = float(spread.max())
             speed = float(np.linalg.norm(moved[spread.argmax()]) * requested.rate)
     return most, speed
+
+
+#: Smaller accelerations, in m/s^2, any trap can give; and the time in s over which they are averaged.
+SLIGHT, WHILE = 1.0, 3e-3
+
+
+def warn_of_pull(sequence: JudgedFrames) -> None:
+    """Warn where a trap cannot pull a bead as its point moves, at the most curved place of a path."""
+    scene, points = sequence.scene(0), sequence.points
+    apart = max(round(WHILE * sequence.rate), 1)
+    if scene.signature is None or len(points) <= 2 * apart:
+        return
+    times = np.arange(0 if sequence.closed else apart, len(points) - (0 if sequence.closed else apart))
+    before, after = (points[(times + way * apart) % len(points)] for way in (-1, 1))
+    pulled = (before - 2 * points[times] + after) * (sequence.rate / apart) ** 2
+    moving = (after - before) * (sequence.rate / apart / 2)
+    bead = Bead(scene)
+    for j in range(points.shape[1]):
+        size = np.linalg.norm(pulled[:, j], axis=1) * (sequence.targets[times, j] > 0)
+        worst = int(size.argmax())
+        if size[worst] < SLIGHT:
+            continue
+        frame = int(times[worst])
+        force = bead.needed(moving[worst, j][None], pulled[worst, j][None])[0]
+        if poised(scene, sequence.drive(frame), points[frame, j], bead, force) is None:
+            text = (
+                f"point {j + 1} takes {size[worst]:.3g} m/s^2 in frame {frame}, more than its trap can give"
+            )
+            warn(f"{text} a bead of 1 mm radius: go slower, or by midair.path.fastest")
+            return
 
 
 def sight(ahead: Any, closed: bool) -> int | None:

@@ -18,7 +18,7 @@ from ..path._piece import ROUNDING
 from . import store
 from .frames import AIR
 from .horizon import Followed, Foreseen, Found, Tracks, board_of, check, read_frame, streamed
-from .request import Request, bound, request, sight, solver_name, warn_of_speed
+from .request import Request, bound, request, sight, solver_name, warn_of_pull, warn_of_speed
 from .sequence import Sequence
 
 #: Frames that a solution's modulation takes at most: as many as an AUTD3 board holds.
@@ -66,7 +66,8 @@ def sequence(
     options : of the solver, and the air: frequency, sound_speed, temperature, absorption, density, obstacles;
         signature="trap" moves traps, whose targets and pressures are those of their foci
 
-    Warns where points move faster than the bound allows. Raises SceneError for whatever is not in order.
+    Warns where points move faster than the bound allows, or than traps can pull a bead. Raises SceneError for
+    whatever is not in order.
 
     >>> import midair
     >>> array = midair.Array.preset("autd3")
@@ -87,9 +88,8 @@ def sequence(
             )
         tracks = _tracks(requested, solver, tau)
         codes = tracks.find(requested.points, requested.targets, closed=requested.closed, progress=progress)
-        return store.sequence_of(
-            requested, tracks.played(requested.points, requested.targets, codes), solver, tracks.board
-        )
+        played = tracks.played(requested.points, requested.targets, codes)
+        return _made(store.sequence_of(requested, played, solver, tracks.board))
     found: Found = (
         Foreseen(requested, _tracks(requested, solver, tau), known)
         if known
@@ -103,13 +103,19 @@ def sequence(
             "options": requested.options,
             "ahead": known,
         }
-        return store.solved(resume, requested, setting, found, BLOCK, progress)
+        return _made(store.solved(resume, requested, setting, found, BLOCK, progress))
     blocks = []
     for first in range(0, len(requested.points), BLOCK):
         blocks.append(found.block(slice(first, first + BLOCK)))
         if progress is not None:
             progress(min(first + BLOCK, len(requested.points)), len(requested.points))
-    return store.sequence_of(requested, np.concatenate(blocks), solver, found.board)
+    return _made(store.sequence_of(requested, np.concatenate(blocks), solver, found.board))
+
+
+def _made(sequence: Sequence) -> Sequence:
+    """Return a sequence, with a warning where its beads would be lost."""
+    warn_of_pull(sequence)
+    return sequence
 
 
 def modulated(

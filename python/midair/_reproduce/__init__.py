@@ -13,8 +13,7 @@ from matplotlib.figure import Figure as Picture
 from .._midair import SceneError
 from .._support.kept import locked
 from . import drawing, fig2, fig3, fig4, fig5, fig6, fig7, tables
-from .run import Found, Run, Tell, silent
-from .tables import Verdict
+from .tables import Found, Run, Tell, Verdict, silent
 
 
 class Figure(Protocol):

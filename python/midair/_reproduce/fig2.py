@@ -6,9 +6,8 @@ from matplotlib.figure import Figure
 
 from .._sweep.engine import Job
 from . import drawing, scenes, tables
-from .run import Found, Run
 from .scenes import panels
-from .tables import Verdict, outcome
+from .tables import Found, Run, Verdict, outcome
 
 SIZE = 0.1
 

@@ -7,9 +7,8 @@ from matplotlib.figure import Figure
 from .._sweep.block import solve_block
 from .._sweep.engine import Job
 from . import drawing, scenes, tables
-from .run import Found, Run
 from .scenes import curves
-from .tables import Verdict, outcome, percent, span
+from .tables import Found, Run, Verdict, outcome, percent, span
 
 #: Trials that are kept together: a second or two of the slowest method.
 CHUNK = 25

@@ -7,9 +7,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from . import fig3, tables
-from .run import Found, Run
 from .scenes import PAPER
-from .tables import Verdict, outcome
+from .tables import Found, Run, Verdict, outcome
 
 #: The mean sigma that an even field may have.
 EVEN = 1e-4

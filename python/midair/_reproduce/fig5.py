@@ -6,9 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from . import scenes, tables, timing
-from .run import Found, Run
 from .scenes import PAPER
-from .tables import Verdict, outcome
+from .tables import Found, Run, Verdict, outcome
 
 SIDE = 20
 

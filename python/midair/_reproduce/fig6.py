@@ -5,8 +5,7 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 
 from . import fig5, scenes, tables, timing
-from .run import Found, Run
-from .tables import Verdict
+from .tables import Found, Run, Verdict
 
 
 def collect(run: Run) -> Found:

@@ -13,9 +13,8 @@ from .. import _midair
 from .._support.kept import Arrays
 from .._sweep.engine import Job
 from . import drawing, scenes, tables
-from .run import Found, Run
 from .scenes import Options
-from .tables import Verdict, outcome
+from .tables import Found, Run, Verdict, outcome
 
 SIZE = 0.04
 POINT = [[0.0, 0.0, scenes.Z]]

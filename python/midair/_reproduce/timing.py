@@ -16,8 +16,8 @@ from .._midair import Array, Scene
 from .._support.kept import Arrays
 from .._sweep.engine import Job
 from . import drawing, scenes, tables
-from .run import Run
 from .scenes import Options, timed
+from .tables import Run
 
 #: Rounds at most: the median of so many is steady to a few per cent on a quiet machine.
 ROUNDS = 15

@@ -14,10 +14,23 @@ second. `a & b` are both at the same time, `a.then(b)` one after the other, `a.w
 """
 
 from .._support import slips as _slips
+from ._fastest import fastest
 from ._figures import circle, line, lissajous, polyline
 from ._path import Path
 from ._samples import from_array, morph, read, still, svg
 
-__all__ = ["Path", "circle", "from_array", "line", "lissajous", "morph", "polyline", "read", "still", "svg"]
+__all__ = [
+    "Path",
+    "circle",
+    "fastest",
+    "from_array",
+    "line",
+    "lissajous",
+    "morph",
+    "polyline",
+    "read",
+    "still",
+    "svg",
+]
 
 _slips.attach(__name__)

@@ -1,0 +1,144 @@
+"""Beads in flight between two OpenMPD boards: OptiTrap's shapes, and how fast a flight is computed.
+
+Shapes of the sizes and rates of V. Paneva et al., "OptiTrap", CHI 2022, in the upright plane through the
+boards' axis, drawn by points of our own: one bead of 1 mm radius, 10,000 frames a second on the board's
+phases. Each is flown by `path.fastest` at the margin that brings it to the paper's rate, and at the largest
+margin that holds it, and judged by `midair.fly` over a second. Then the speed of `midair.fly`: seconds of
+flight that a second of one core takes.
+
+    python bench/flight.py [record.csv]
+"""
+
+import csv
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+import midair
+
+RATE, CHANGE, AIR = 10e3, np.pi / 4, {"temperature": 25}
+#: Margins that are tried, from below.
+MARGINS = np.round(np.arange(0.1, 0.95, 0.1), 2)
+FIELDS = ("shape", "size_mm", "margin", "rate_Hz", "held", "farthest_mm", "speed", "acceleration")
+
+
+def mirrored(half: list[tuple[float, float]]) -> np.ndarray:
+    """A closed outline of one half and its mirror image."""
+    points = np.array(half)
+    return np.concatenate([points, (points[1:-1] * [-1, 1])[::-1]])
+
+
+def petals() -> np.ndarray:
+    """Five petals."""
+    angle = np.linspace(0, 2 * np.pi, 60, endpoint=False)[:, None]
+    return (0.36 + 0.14 * np.cos(5 * angle)) * np.concatenate([np.cos(angle), np.sin(angle)], axis=1)
+
+
+HEART = [(0, 30), (10, 43), (25, 50), (40, 46), (50, 30), (48, 10), (36, -10), (20, -30), (7, -45), (0, -50)]
+CAT = [(0, 25), (15, 25), (30, 45), (38, 20), (42, 0), (36, -22), (20, -36), (0, -40)]
+DOLPHIN = [
+    *[(-50, -2), (-38, 6), (-30, 14), (-10, 20), (0, 30), (8, 18), (25, 10), (38, 4), (50, 16), (46, 0)],
+    *[(48, -14), (36, -5), (20, -6), (5, -12), (-5, -24), (-10, -12), (-25, -12), (-38, -8)],
+]
+
+#: Outlines, longer sides in m and laps a second.
+SHAPES = {
+    "heart": (mirrored(HEART), 0.056, 10.0),
+    "dolphin": (np.array(DOLPHIN, float), 0.047, 3.3),
+    "cat": (mirrored(CAT), 0.024, 5.0),
+    "flower": (petals(), 0.054, 10.0),
+}
+
+
+def outline(name: str) -> np.ndarray:
+    """Points (K, 3) in m of a shape around the middle between the boards, upright."""
+    points, size, _ = SHAPES[name]
+    points = points - (points.max(axis=0) + points.min(axis=0)) / 2
+    points = points * size / np.ptp(points, axis=0).max()
+    return np.stack([points[:, 0], 0 * points[:, 0], points[:, 1]], axis=1)
+
+
+def margin_for(name: str, boards: midair.Array) -> float:
+    """The margin at which a shape is as fast as in the paper."""
+    wanted, low, high = 1 / SHAPES[name][2], 0.01, 0.99
+    for _ in range(10):
+        middle = (low + high) / 2
+        slow = midair.path.fastest(outline(name), boards, margin=middle, **AIR).duration > wanted
+        low, high = (middle, high) if slow else (low, middle)
+    return high
+
+
+def flown(name: str, boards: midair.Array, margin: float) -> dict[str, object]:
+    """A second of a shape at a margin."""
+    path = midair.path.fastest(outline(name), boards, margin=margin, **AIR)
+    sequence = midair.sequence(boards, path, rate=RATE, change=CHANGE, signature="trap", **AIR)
+    flight = midair.fly(sequence, duration=max(1.0, 5 * path.duration))
+    places, apart = flight.places[:, 0], flight.times[1] - flight.times[0]
+    steps = np.diff(places, axis=0) / apart
+    return {
+        "shape": name,
+        "size_mm": 1e3 * SHAPES[name][1],
+        "margin": round(margin, 3),
+        "rate_Hz": round(1 / path.duration, 2),
+        "held": bool(flight.held[0]),
+        "farthest_mm": round(1e3 * float(flight.farthest[0]), 3),
+        "speed": round(float(np.nanmax(np.linalg.norm(steps, axis=1))), 2),
+        "acceleration": round(float(np.nanmax(np.linalg.norm(np.diff(steps, axis=0), axis=1)) / apart), 1),
+    }
+
+
+def shapes() -> Iterator[dict[str, object]]:
+    """Each shape at the paper's rate, and at the largest margin at which its bead stays."""
+    boards = midair.Array.preset("openmpd_pair")
+    for name in SHAPES:
+        yield flown(name, boards, margin_for(name, boards))
+        best = None
+        for margin in MARGINS:
+            found = flown(name, boards, float(margin))
+            if not found["held"]:
+                break
+            best = found
+        if best is not None:
+            yield best
+
+
+def speed() -> None:
+    """Seconds of flight a second of eight beads on one core: at rest, and in laps."""
+    boards = midair.Array.preset("openmpd_pair", quantization={})
+    points = [[x, y, z] for x in (-0.02, 0.02) for y in (-0.02, 0.02) for z in (-0.015, 0.015)]
+    still = midair.path.still(points, duration=0.02)
+    angle = 2 * np.pi * np.arange(1000) / 1000
+    ring = 2e-3 * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    laps = midair.path.from_array(np.array(points) + ring[:, None], rate=RATE, closed=True)
+    for name, path, rate in (("still", still, 100), ("laps of .1 s", laps, RATE)):
+        sequence = midair.sequence(boards, path, rate=rate, signature="trap", change=CHANGE, **AIR)
+        midair.fly(sequence, duration=0.02)
+        spent = []
+        for duration in (path.duration, 10.0 + path.duration):
+            begin = time.process_time()
+            flight = midair.fly(sequence, duration=duration)
+            spent.append(time.process_time() - begin)
+        again = 10.0 / (spent[1] - spent[0])
+        lap = f"{path.duration:g} s in {spent[0]:.3g} s of CPU"
+        print(f"{name}: {int(flight.held.sum())} of 8 held; {lap}, then {again:.0f} s/s")
+
+
+def main() -> None:
+    """Fly, print and write the record."""
+    rows = []
+    for row in shapes():
+        rows.append(row)
+        print(" ".join(f"{name} {value}" for name, value in row.items()), flush=True)
+    speed()
+    if len(sys.argv) > 1:
+        with Path(sys.argv[1]).open("w", newline="") as file:
+            writer = csv.DictWriter(file, FIELDS, lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(rows)
+
+
+if __name__ == "__main__":
+    main()

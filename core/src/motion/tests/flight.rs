@@ -1,0 +1,111 @@
+//! Tests of `fly`: closed forms of the oscillator, and the same bits by every instruction set.
+
+use super::*;
+use crate::kernels::simd::doubles::Eight;
+
+const STILL: [f64; 3] = [0.0; 3];
+
+/// Beads in air too thin to hold them back.
+fn thin() -> Medium {
+    Medium { density: 1e-9, ..Medium::default() }
+}
+
+fn flight(steps: usize, step: f64) -> Flight {
+    Flight { particle: Particle::default(), gravity: STILL, step, steps, unit: 1e-3 }
+}
+
+/// -k x, of eight lanes with a stiffness each, in units of 1 mm.
+fn spring(stiffness: Eight) -> Force {
+    let mut force = [[[0.0; 8]; 3]; 84];
+    for axis in 0..3 {
+        force[1 + axis][axis] = stiffness.map(|k| -k * 1e-3);
+    }
+    force
+}
+
+fn flown(
+    set: InstructionSet,
+    air: Medium,
+    forces: &[Force],
+    flight: &Flight,
+    place: [f64; 3],
+) -> (State, Vec<[Eight; 3]>) {
+    let mut state: State = [[[0.0; 8]; 3]; 6];
+    state[0] = place.map(|x| [x; 8]);
+    state[2..].as_flattened_mut().as_flattened_mut().fill(f64::NAN);
+    let centres = vec![[[0.0; 8]; 3]; flight.steps * (forces.len() - 1) + 1];
+    let mut places = vec![[[0.0; 8]; 3]; forces.len()];
+    let none = &mut Control::none();
+    let reach = [f64::INFINITY; 8];
+    let last = flight.fly((set, air), &mut state, reach, forces, &centres, 0, &mut places, none).expect("a flight");
+    assert_eq!(last, centres.len() - 1);
+    (state, places)
+}
+
+#[test]
+fn a_bead_on_a_spring_swings_as_a_cosine_that_friction_damps_and_sags_by_its_weight() {
+    let (air, particle) = (thin(), Particle::default());
+    let mass = particle.mass(air);
+    let stiffness: Eight = core::array::from_fn(|i| 0.01 * (i + 1) as f64);
+    let flight = Flight { gravity: [0.0, 0.0, -9.81], ..flight(10, 1e-5) };
+    let forces = vec![spring(stiffness); 101];
+    let (_, places) = flown(InstructionSet::best(), air, &forces, &flight, [1e-4, -2e-4, 0.0]);
+    // Stokes' friction: the air is too thin for more.
+    let damping = 3.0 * core::f64::consts::PI * air.viscosity() * particle.radius / mass;
+    for (knot, place) in places.iter().enumerate() {
+        for i in 0..8 {
+            let time = 1e-4 * knot as f64;
+            let speed = crate::math::sqrt(stiffness[i] / mass - damping * damping);
+            let swing = crate::math::exp(-damping * time)
+                * (crate::math::cos(speed * time) + damping / speed * crate::math::sin(speed * time));
+            let sag = particle.weight(air, flight.gravity)[2] / stiffness[i];
+            let wanted = [1e-4 * swing, -2e-4 * swing, sag * (1.0 - swing)];
+            assert!((0..3).all(|axis| (place[axis][i] - wanted[axis]).abs() < 1e-9), "{knot} {i}");
+        }
+    }
+}
+
+#[test]
+fn drag_brings_a_falling_bead_to_the_speed_at_which_it_weighs_nothing() {
+    let (air, particle) = (Medium::default(), Particle::default());
+    let flight = Flight { gravity: [0.0, 0.0, -9.81], ..flight(1000, 1e-3) };
+    let (state, _) = flown(InstructionSet::best(), air, &vec![spring([0.0; 8]); 11], &flight, STILL);
+    let weight = -particle.weight(air, flight.gravity)[2];
+    assert!((particle.drag(air, -state[1][2][0]) / weight - 1.0).abs() < 1e-5);
+    // Stokes' law where friction is all.
+    assert!((particle.drag(air, 1e-7) / (6.0 * core::f64::consts::PI * air.viscosity() * 1e-10) - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn every_set_gives_the_same_bits_and_a_flight_that_stops_goes_on_to_the_same() {
+    let air = Medium::default();
+    let mut forces = vec![spring([0.02; 8]), spring([0.03; 8]), spring([0.01; 8])];
+    for (t, force) in forces.iter_mut().enumerate() {
+        force.as_flattened_mut().as_flattened_mut().iter_mut().enumerate().for_each(|(k, x)| {
+            *x += 1e-7 * crate::math::sin((k + t) as f64);
+        });
+    }
+    let flight = flight(20, 5e-5);
+    let start = [2e-4, 0.0, -1e-4];
+    let (state, places) = flown(InstructionSet::best(), air, &forces, &flight, start);
+    for set in InstructionSet::all() {
+        assert!(flown(set, air, &forces, &flight, start) == (state, places.clone()));
+    }
+    // Out of a reach of .15 mm of the first bead at once, and then of none.
+    let mut again: State = [[[0.0; 8]; 3]; 6];
+    again[0] = start.map(|x| [x; 8]);
+    again[2..].as_flattened_mut().as_flattened_mut().fill(f64::NAN);
+    let centres = vec![[[0.0; 8]; 3]; 41];
+    let mut found = vec![[[0.0; 8]; 3]; 3];
+    let (mut from, mut calls) = (0, 0);
+    while from < 40 {
+        let mut reach = [f64::INFINITY; 8];
+        reach[0] = if calls < 3 { 1e-5 } else { f64::INFINITY };
+        let set = InstructionSet::best();
+        from = flight
+            .fly((set, air), &mut again, reach, &forces, &centres, from, &mut found, &mut Control::none())
+            .expect("a flight");
+        calls += 1;
+    }
+    assert!(calls == 4 && again == state && found == places);
+}

@@ -1,0 +1,68 @@
+//! Tests of the force on a large sphere: plane waves' closed forms.
+
+use super::*;
+use core::f64::consts::PI;
+
+/// A plane wave along z, and one of amplitude `back` against it.
+fn waves(back: f64, medium: Medium) -> impl Fn([f64; 3]) -> Result<[Jet; 2], Error> {
+    let k = medium.wavenumber();
+    move |place: [f64; 3]| {
+        let (sin, cos) = (math::sin(k * place[2]), math::cos(k * place[2]));
+        let (re, im) = ((1.0 + back) * cos, (1.0 - back) * sin);
+        let (re_slope, im_slope) = (-(1.0 + back) * k * sin, (1.0 - back) * k * cos);
+        let jet = |value: f64, slope: f64| {
+            let mut jet = Jet::linear([0.0, 0.0, slope]);
+            jet.add(&Jet::monomial(0), value);
+            jet
+        };
+        Ok([jet(re, re_slope), jet(im, im_slope)])
+    }
+}
+
+#[test]
+fn a_small_sphere_has_kings_force_in_standing_and_running_waves() {
+    let medium = Medium::default();
+    let k = medium.wavenumber();
+    let radius = 0.02 / k;
+    let energy = 1.0 / (2.0 * medium.density * medium.sound_speed * medium.sound_speed);
+    for density in [5.0, 29.0, 1e9] {
+        let sphere = Pushed::new(Particle { radius, density, sound_speed: 1e9 }, medium);
+        let ratio = medium.density / density;
+        // L. V. King, Proc. R. Soc. A 147, 212 (1934): pi a^2 (ka) E (1 + 2/3 (1 - r))/(2 + r) 8 sin 2kh of two waves of energy E each,
+        let z = 0.1 / k;
+        let standing = sphere.force([0.0, 0.0, z], waves(1.0, medium), &mut Control::none()).expect("a force");
+        let wanted = 4.0
+            * PI
+            * radius
+            * radius
+            * (k * radius)
+            * energy
+            * 2.0
+            * math::sin(2.0 * k * z)
+            * ((1.0 + 2.0 / 3.0 * (1.0 - ratio)) / (2.0 + ratio));
+        assert!((standing[2] / wanted - 1.0).abs() < 2e-3, "{} {wanted}", standing[2]);
+        // and 4 pi a^2 (ka)^4 E (1 + 2/9 (1 - r)^2)/(2 + r)^2 of one.
+        let running = sphere.force([0.0; 3], waves(0.0, medium), &mut Control::none()).expect("a force");
+        let wanted = 4.0
+            * PI
+            * radius
+            * radius
+            * math::pow(k * radius, 4.0)
+            * energy
+            * (1.0 + 2.0 / 9.0 * (1.0 - ratio) * (1.0 - ratio))
+            / ((2.0 + ratio) * (2.0 + ratio));
+        assert!((running[2] / wanted - 1.0).abs() < 2e-3, "{} {wanted}", running[2]);
+        assert!(running[0].abs() + running[1].abs() < 1e-9 * running[2]);
+    }
+}
+
+#[test]
+fn a_sphere_of_many_wavelengths_takes_what_its_section_meets() {
+    let medium = Medium::default();
+    let radius = 3.0 * medium.wavelength();
+    let sphere = Pushed::new(Particle { radius, density: 1e9, sound_speed: 1e9 }, medium);
+    let force = sphere.force([0.0; 3], waves(0.0, medium), &mut Control::none()).expect("a force")[2];
+    // Geometrical acoustics of a rigid sphere: each ray turned back as from a mirror gives pi a^2 E in the mean.
+    let section = PI * radius * radius / (2.0 * medium.density * medium.sound_speed * medium.sound_speed);
+    assert!((force / section - 1.0).abs() < 0.1, "{}", force / section);
+}

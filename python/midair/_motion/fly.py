@@ -1,0 +1,395 @@
+"""`midair.fly`: beads in the traps of a sequence, step by step; who is lost and when, drawn and listed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from html import escape
+from math import ceil
+from os import PathLike
+from typing import TYPE_CHECKING, Any, Literal, cast, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._midair import Bead, Scene, SceneError
+from .._support.arguments import callback, number, real, refused, whole
+from ..path._fastest import poised
+from . import files
+from .animation import DPI, ENDINGS, film
+from .envelope import Hold
+from .judged import SETTLING, TAU
+from .propagation import TERMS, Course, Forces
+from .sequence import Sequence
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from .._pictures.sheet import Size
+
+#: The parts of a flight's picture.
+Panel = Literal["path", "distance"]
+
+#: The largest angle in rad of a step of the fastest oscillation, which then is 1e-4 too slow.
+ANGLE = 0.3
+
+#: Knots whose forces are found together, and how many of them are kept for the next laps: some 500 MB.
+KNOTS, KEPT = 256, 128
+
+#: From a cell to the next, in radii of a cell: a cell's place is well inside of the ball around its middle.
+LATTICE = 0.8
+
+#: A bead farther from its point, in wavelengths, is in another node or out.
+LOST = 0.5
+
+#: Beads that fly together.
+LANES = 8
+
+
+@SETTLING
+def fly(
+    sequence: Sequence,
+    beads: ArrayLike | None = None,
+    *,
+    speeds: ArrayLike | None = None,
+    duration: float | None = None,
+    tau: float = TAU,
+    hold: Hold = "hold",
+    radius: float | None = None,
+    density: float | None = None,
+    sound_speed: float | None = None,
+    gravity: ArrayLike | None = None,
+) -> Flight:
+    """How beads move in the traps of a sequence: who stays, how far each strays, who is lost and when.
+
+    sequence : of traps: signature="trap"
+    beads : places (B, 3) in m to begin at; left out, one at each point that is there in the first frame,
+        where it rests as its point moves
+    speeds : (B, 3) in m/s; left out, those of the points of a closed sequence, which has been going on, or 0
+    duration : in s; left out, the sequence's, and of a closed one as many laps as take a second, at most 100
+    tau, hold : the transducers' time constant in s and the board between frames, as `sequence.between` has
+        them
+    radius, density, sound_speed, gravity : of the beads, as for `midair.gorkov`
+
+    Each bead obeys m x'' = F + weight - buoyancy - drag: Gor'kov's force in the field that the transducers
+    radiate at that time, Schiller and Naumann's drag in air at rest, and with m half the mass of the air in
+    the bead's place. Beads do not feel one another. The force is a polynomial around each point, exact to
+    1e-3 of the largest (docs/traps.md); its knots are 1 ms apart at most. A bead is lost where it is more
+    than half a wavelength from its point.
+
+    Raises SceneError for arguments that are not in order, and for a bead in an obstacle.
+
+    >>> import midair
+    >>> boards = midair.Array.preset("openmpd_pair", quantization={})
+    >>> ring = midair.path.circle([0, 0, 0], 0.01, speed=0.1)
+    >>> flight = midair.fly(midair.sequence(boards, ring, rate=1000, signature="trap"))
+    >>> flight.held
+    array([ True])
+    """
+    if not isinstance(sequence, Sequence):
+        raise refused("sequence", sequence, "give a midair.Sequence")
+    scene = sequence.scene(0)
+    bead = Bead(scene, radius, density, sound_speed, gravity)
+    course = Course.of(sequence._envelope(tau, hold), sequence.points, scene.sound_speed / scene.frequency)
+    knots = course.knots(None if duration is None else number("duration", duration, above=0))
+    start, points = _start(sequence, course, bead, beads, speeds)
+    flown, lost = np.empty((knots, len(points), 3)), np.empty(len(points))
+    for first in range(0, len(points), LANES):
+        some = slice(first, first + LANES)
+        flown[:, some], lost[some] = Group(scene, course, bead, points[some], start[:, some]).flown(knots)
+    times = course.times(np.arange(knots))
+    return Flight(times, flown, course.points(times)[:, points], lost, points)
+
+
+def _start(
+    sequence: Sequence, course: Course, bead: Bead, beads: ArrayLike | None, speeds: ArrayLike | None
+) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+    """Places and speeds (2, B, 3) of beads, and the point of each (B,)."""
+    points = sequence.points[0]
+    moving, pulled = course.moving()
+    if beads is None:
+        which = np.flatnonzero(sequence.targets[0] > 0)
+        if not len(which):
+            raise SceneError("targets are 0 in the first frame: give beads, places (B, 3) in m")
+        scene, drive = sequence.scene(0), course.drives[0]
+        needed = bead.needed(moving[which], pulled[which])
+        found = [poised(scene, drive, points[j], bead, force) for j, force in zip(which, needed, strict=True)]
+        places = np.stack(
+            [points[j] if place is None else place for j, place in zip(which, found, strict=True)]
+        )
+    else:
+        places = np.atleast_2d(real("beads", beads, "give places (B, 3) in m"))
+        if places.ndim != 2 or places.shape[1] != 3 or not np.isfinite(places).all():
+            raise refused("beads", beads, "give places (B, 3) in m")
+        which = np.linalg.norm(places[:, None] - points, axis=2).argmin(axis=1)
+    own = moving[which] if speeds is None else real("speeds", speeds, "give (B, 3) in m/s")
+    if own.shape not in ((3,), places.shape) or not np.isfinite(own).all():
+        raise refused("speeds.shape", own.shape, f"give {places.shape}, finite, in m/s")
+    return np.stack([places, np.broadcast_to(own, places.shape)]), which
+
+
+class Group:
+    """Up to eight beads that fly together, each in a cell: a ball that moves with its point."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        course: Course,
+        bead: Bead,
+        points: NDArray[np.intp],
+        start: NDArray[np.float64],
+    ) -> None:
+        self._course, self._bead, self._points, self._count = course, bead, points, len(points)
+        self._forces = Forces(scene, bead.factors)
+        # Cells lie on a lattice, by whole numbers.
+        self._cells = np.zeros((self._count, 3), np.intp)
+        self._there = np.full(self._count, True)
+        self._kept: dict[tuple[int, ...], NDArray[np.float64]] = {}
+        self._state = np.full((6, 3, LANES), np.nan)
+        self._state[:2] = 0
+        self._state[:2, :, : self._count] = start.swapaxes(1, 2)
+        self._settle(self._ways(0, 0, 1)[0])
+        self._steps = self._fine(self._around(0, min(KNOTS, len(course.drives) - 1)))
+
+    def flown(self, knots: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Places (K, B, 3) at the knots, and when each bead was lost, else NaN."""
+        course, flown = self._course, np.full((knots, self._count, 3), np.nan)
+        lost = np.full(self._count, np.nan)
+        # A closed lap goes on to its first knot; several short ones are found together.
+        lap = len(course.drives)
+        stretches = lap * max(KNOTS // lap, 1) if course.envelope.closed else lap - 1
+        first = 0
+        while first < knots - 1 and self._there.any():
+            own = first % stretches
+            last = min(first + min(KNOTS, stretches - own), knots - 1)
+            places = self._through(first, own, last - first)
+            apart = np.linalg.norm(places - self._ways(first, last, 1, lag=0.0), axis=2)
+            for one in np.flatnonzero(self._there):
+                out = np.flatnonzero(apart[:, one] > LOST * self._forces.wavelength)
+                end = out[0] if len(out) else len(places)
+                flown[first : first + end, one] = places[:end, one]
+                if len(out):
+                    lost[one] = course.times(np.array([first + end]))[0]
+                    self._there[one] = False
+            first = last
+        return flown, lost
+
+    def _through(self, first: int, own: int, count: int) -> NDArray[np.float64]:
+        """Places (count + 1, B, 3) at knots `first` and on, which are `own` and on in their lap."""
+        course, unit = self._course, self._forces.unit
+        ways = self._ways(first, first + count, self._steps)
+        places = np.full((count + 1, 3, LANES), np.nan)
+        step, last = 0, count * self._steps
+        while step < last:
+            centres = np.zeros((last + 1, 3, LANES))
+            centres[:, :, : self._count] = (ways + self._offsets()).swapaxes(1, 2)
+            reach = np.full(LANES, np.inf)
+            reach[: self._count][self._there] = unit
+            time = course.spacing / self._steps, self._steps, unit
+            step = self._bead.fly(
+                self._state, reach.tolist(), self._around(own, count), centres, step, places, time
+            )
+            self._settle(ways[step])
+        return places[:, :, : self._count].swapaxes(1, 2)
+
+    def _ways(self, first: int, last: int, steps: int, lag: float | None = None) -> NDArray[np.float64]:
+        """Places (K, B, 3) of the points from a knot to another, as late as transducers follow."""
+        knots = first + np.arange((last - first) * steps + 1) / steps
+        lag = self._course.envelope.tau if lag is None else lag
+        return self._course.points(self._course.times(knots) - lag)[:, self._points]
+
+    def _offsets(self) -> NDArray[np.float64]:
+        """Middles (B, 3) of the cells, from the points."""
+        return np.asarray(self._cells * (LATTICE * self._forces.unit), np.float64)
+
+    def _settle(self, ways: NDArray[np.float64]) -> None:
+        """Gives each bead that is out of its cell the one around it."""
+        apart = self._state[0, :, : self._count].T - ways
+        out = np.linalg.norm(apart - self._offsets(), axis=1) > self._forces.unit
+        self._cells[out & self._there] = np.rint(apart / (LATTICE * self._forces.unit))[out & self._there]
+
+    def _around(self, own: int, count: int) -> NDArray[np.float64]:
+        """Coefficients (count + 1, 84, 3, 8) of the forces in the cells, at knots of a lap."""
+        name = (own, count, *self._cells[self._there].ravel(), *np.flatnonzero(self._there))
+        if name not in self._kept:
+            if len(self._kept) >= KEPT:
+                self._kept.clear()
+            joined = np.zeros((count + 1, TERMS, 3, LANES))
+            for one in np.flatnonzero(self._there):
+                joined[..., one] = self._cell(own, count, int(one))
+            self._kept[name] = joined
+        return self._kept[name]
+
+    def _cell(self, own: int, count: int, one: int) -> NDArray[np.float64]:
+        """Coefficients (count + 1, 84, 3) of one bead's."""
+        knots, laps = np.unique(
+            np.arange(own, own + count + 1) % len(self._course.drives), return_inverse=True
+        )
+        drives = self._course.drives[knots]
+        times = self._course.times(knots) - self._course.envelope.tau
+        places = self._course.points(times)[:, self._points[one]] + self._offsets()[one]
+        # A frame that lasts has many knots alike.
+        new = np.full(len(drives), True)
+        new[1:] = (drives[1:] != drives[:-1]).any(axis=1) | (places[1:] != places[:-1]).any(axis=1)
+        found = self._forces.around(places[new], drives[new])
+        each: NDArray[np.float64] = found[(np.cumsum(new) - 1)[laps]]
+        return each
+
+    def _fine(self, forces: NDArray[np.float64]) -> int:
+        """Steps from a knot to the next, for the stiffest trap."""
+        slopes = np.linalg.norm(forces[:, 1:4], axis=(1, 2)).max() / self._forces.unit
+        return max(ceil(self._course.spacing * float(np.sqrt(slopes / self._bead.mass)) / ANGLE), 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Flight:
+    """How beads flew.
+
+    times : (T,) in s
+    places : (T, B, 3) in m; NaN from the time on at which a bead is lost
+    points : (T, B, 3) in m, where each bead's point is
+    lost : (B,) in s, when it is first more than half a wavelength from its point; NaN where it stays
+    beads : (B,) the number of each bead's point in the sequence
+    """
+
+    times: NDArray[np.float64]
+    places: NDArray[np.float64]
+    points: NDArray[np.float64]
+    lost: NDArray[np.float64]
+    beads: NDArray[np.intp]
+
+    @property
+    def held(self) -> NDArray[np.bool_]:
+        """Whether each bead (B,) stays to the end."""
+        return np.isnan(self.lost)
+
+    @property
+    def distances(self) -> NDArray[np.float64]:
+        """Distances (T, B) in m of the beads from their points; NaN of one that is lost."""
+        found: NDArray[np.float64] = np.linalg.norm(self.places - self.points, axis=2)
+        return found
+
+    @property
+    def farthest(self) -> NDArray[np.float64]:
+        """The largest distance (B,) in m of each bead from its point before it is lost."""
+        found: NDArray[np.float64] = np.fmax.reduce(self.distances, axis=0, initial=0.0)
+        return found
+
+    def plot(
+        self,
+        ax: Axes | None = None,
+        *,
+        panels: Panel | Iterable[Panel] | None = None,
+        size: Size | None = None,
+    ) -> Figure:
+        """Ways of beads and points as seen along the axis of least extent, and distances over time.
+
+        ax : axes of your own for one panel, the first of those requested
+        panels : "path", "distance" or both; left out, both
+        size : of the figure in inches, its width or (width, height)
+
+        A cross is where a bead was lost. Raises SceneError for another panel or size.
+        """
+        from .._pictures.sheet import chosen, sheet, whole
+
+        names = chosen(panels, get_args(Panel), ax)
+        if ax is not None:
+            self._draw(names[0], ax)
+            return whole(ax)
+        figure = sheet(4.8 * len(names), 4.0, size)
+        for name, one in zip(names, figure.subplots(1, len(names), squeeze=False)[0], strict=True):
+            self._draw(name, one)
+        return figure
+
+    def animate(
+        self,
+        path: str | PathLike[str],
+        *,
+        frames: int | None = None,
+        fps: int = 20,
+        progress: Callable[[int, int], object] | None = None,
+    ) -> None:
+        """Write the beads on their ways as .webp, .gif or, by ffmpeg, .mp4.
+
+        frames : how many pictures, evenly chosen; left out, 100 at most
+        fps : pictures a second
+        progress : called with (pictures drawn, pictures)
+
+        The file is written whole or not at all. Raises SceneError for another ending, a path that cannot be
+        written, or frames and fps that are not in order.
+        """
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+
+        callback(progress, "pictures drawn, pictures")
+        count = min(len(self.times), 100 if frames is None else whole("frames", frames, least=1))
+        fps = whole("fps", fps, least=1)
+        figure = Figure(figsize=(5.2, 4.6), dpi=DPI, layout="constrained")
+        canvas = cast(Any, FigureCanvasAgg)(figure)
+        ax = figure.subplots()
+        self._draw("path", ax)
+        first, second = self._across()
+        (dots,) = ax.plot([], [], "o", color="black", markersize=5)
+        with files.whole(path, ENDINGS) as part:
+            made = film(part, fps)
+            try:
+                for done, k in enumerate(np.arange(count) * len(self.times) // count, start=1):
+                    dots.set_data(1e3 * self.places[k, :, first], 1e3 * self.places[k, :, second])
+                    ax.set_title(f"{1e3 * self.times[k]:.1f} ms", fontsize="medium")
+                    canvas.draw()
+                    made.add(np.asarray(canvas.buffer_rgba())[..., :3].copy())
+                    if progress is not None:
+                        progress(done, count)
+                made.finish()
+            finally:
+                made.close()
+
+    def _across(self) -> list[int]:
+        """The two axes along which the points go farthest."""
+        sides = np.ptp(self.points, axis=(0, 1))
+        return sorted(np.argsort(-sides, kind="stable")[:2].tolist())
+
+    def _draw(self, panel: Panel, ax: Axes) -> None:
+        if panel == "distance":
+            for one, distances in enumerate(1e3 * self.distances.T):
+                ax.plot(1e3 * self.times, distances, linewidth=0.9, label=f"bead {one + 1}")
+            ax.set(xlabel="time / ms", ylabel="distance from its point / mm", ylim=(0, None))
+            if len(self.lost) > 1:
+                ax.legend(loc="best", fontsize="small")
+            return
+        first, second = self._across()
+        for one in range(len(self.lost)):
+            point, place = 1e3 * self.points[:, one], 1e3 * self.places[:, one]
+            ax.plot(point[:, first], point[:, second], color="lightgrey", linewidth=2.5, zorder=1)
+            ax.plot(place[:, first], place[:, second], linewidth=0.9, zorder=2)
+            there = np.flatnonzero(~np.isnan(place[:, 0]))
+            if not self.held[one] and len(there):
+                ax.plot(*place[there[-1], [first, second]], "x", color="red", zorder=3)
+        ax.set(aspect="equal", xlabel=f"{'xyz'[first]} / mm", ylabel=f"{'xyz'[second]} / mm")
+
+    def __repr__(self) -> str:
+        lasts = 1e3 * (self.times[-1] - self.times[0])
+        head = f"Flight of {lasts:.4g} ms: {int(self.held.sum())} of {len(self.lost)} held"
+        rows = [("bead", "point", "largest distance", "lost"), *self._rows()]
+        widths = [max(len(row[k]) for row in rows) for k in range(4)]
+        return "\n".join(
+            [head, *("  ".join(f"{cell:>{w}}" for cell, w in zip(row, widths, strict=True)) for row in rows)]
+        )
+
+    def _repr_html_(self) -> str:
+        rows = ("".join(f"<td>{escape(cell)}</td>" for cell in row) for row in self._rows())
+        head = "<tr><th>bead</th><th>point</th><th>largest distance</th><th>lost</th></tr>"
+        return f"<table>{head}{''.join(f'<tr>{row}</tr>' for row in rows)}</table>"
+
+    def _rows(self) -> list[tuple[str, str, str, str]]:
+        each = zip(self.beads, self.farthest, self.lost, strict=True)
+        return [
+            (
+                str(one),
+                str(point + 1),
+                f"{1e3 * far:.3f} mm",
+                "-" if np.isnan(lost) else f"after {1e3 * lost:.1f} ms",
+            )
+            for one, (point, far, lost) in enumerate(each, start=1)
+        ]

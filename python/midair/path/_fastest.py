@@ -1,0 +1,320 @@
+"""The fastest run along a curve: as fast as a trap can pull a bead, which its trap leads.
+
+Along a curve r(s) of length s, unit tangent t and curvature vector n, a bead of speed v that gains u a second
+needs the force
+
+    f = m (v^2 n + u t) + drag(v) t
+
+beside its weight. Its trap gives at most R_k along its axis k, and of several axes what lies in the ellipsoid
+sum_k (f_k/R_k)^2 <= margin^2. So each s and v^2 have a least and a largest u, and the fastest run follows
+from one pass backwards, that finds up to which v^2 the rest can be done, and one forwards, that goes
+as fast as it may (H. Pham and Q.-C. Pham, IEEE Trans. Robotics 34, 645, 2018); a closed curve goes around
+until its end meets its start. V. Paneva et al., "OptiTrap", CHI 2022, find such runs by optimal control.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._midair import Array, Bead, Scene, SceneError, rest, solve
+from .._support.arguments import flag, number, refused, vectors
+from ._path import Path
+from ._piece import Numbers
+from ._samples import Samples
+
+#: Steps along a curve, and traps that are looked at: each half a wavelength, but no more than these.
+STEPS, TRAPS = 500, 48
+
+#: Speeds that are tried at each step, and how often: each time between two of the time before, to 1 cm/s.
+TRIED, TIMES = 48, 4
+
+#: Speeds above are none of a bead, in m/s.
+TOP = 20.0
+
+#: In s: from a place of the path to the next, and what a change of the force takes at least.
+TICK, SMOOTH = 1e-4, 1e-3
+
+
+def fastest(
+    points: ArrayLike,
+    array: Array | Scene,
+    *,
+    closed: bool = True,
+    margin: float = 0.7,
+    radius: float | None = None,
+    density: float | None = None,
+    sound_speed: float | None = None,
+    gravity: ArrayLike | None = None,
+    **air: Any,
+) -> Path:
+    """The fastest run of a bead along a smooth curve, as the path of the trap that leads it.
+
+    points : (K, 3) in m, at least 4, that a smooth curve goes through
+    array : what traps the bead; or a midair.Scene, whose array, air and obstacles count
+    closed : whether the curve goes on from the last point to the first, for ever; else from rest to rest
+    margin : the part of a trap's largest force along each of its axes that the run may take, below 1
+    radius, density, sound_speed, gravity : of the bead, as for `midair.gorkov`
+    air : of an array: frequency, temperature, absorption, obstacles
+
+    The trap of a single point is solved at places along the curve, and the least force that `midair.rest`
+    reports along each of its axes bounds the run, drag counted in. The path is the trap's: it runs ahead of
+    the bead by what gives the force, (R/k) asin(f/R) along each axis of stiffness k. `margin` is what is
+    left for a board's steps, other points and draught; `midair.fly` shows whether it does.
+
+    Raises SceneError where no trap holds the bead, and for arguments that are not in order.
+
+    >>> import midair, numpy as np
+    >>> boards = midair.Array.preset("openmpd_pair", quantization={})
+    >>> angle = np.linspace(0, 2 * np.pi, 24, endpoint=False)
+    >>> ring = 0.02 * np.stack([np.cos(angle), 0 * angle, np.sin(angle)], axis=1)
+    >>> midair.path.fastest(ring, boards).duration < 0.2
+    True
+    """
+    share = number("margin", margin, above=0)
+    if share >= 1:
+        raise refused("margin", margin, "give a number below 1")
+    if isinstance(array, Scene):
+        scene = array.replace(points=[[0, 0, 0]], pressures=None, signature="trap", **air)
+    elif isinstance(array, Array):
+        scene = Scene(array, [[0, 0, 0]], signature="trap", **air)
+    else:
+        raise refused("array", array, "give a midair.Array or a midair.Scene")
+    bead = Bead(scene, radius, density, sound_speed, gravity)
+    loop = flag("closed", closed)
+    curve = _smooth(vectors("points", points), loop)
+    traps = _traps(scene, curve, bead)
+    speeds = _speeds(curve, traps, bead, share, loop)
+    ways = _timed(curve.step, speeds, loop)
+    places = curve.at(ways, loop)
+    return Path(
+        Samples(
+            points=1,
+            duration=TICK * (len(places) - (not loop)),
+            closed=loop,
+            pascals=False,
+            rate=1 / TICK,
+            frames=_led(places, traps, ways / curve.step, bead, loop)[:, None],
+            targets=np.ones((len(places), 1)),
+        )
+    )
+
+
+class _Curve(NamedTuple):
+    """A curve at steps of one length, its start and its end included.
+
+    step : in m
+    places : (S, 3) in m
+    tangents : (S, 3), of length 1
+    bends : (S, 3), the slope of the tangent in 1/m
+    """
+
+    step: float
+    places: Numbers
+    tangents: Numbers
+    bends: Numbers
+
+    def at(self, ways: Numbers, loop: bool) -> Numbers:
+        """Places (T, 3) at ways (T,) in m along it: cubic between the steps."""
+        last = len(self.places) - 1
+        ways = ways / self.step
+        ways = ways % last if loop else ways.clip(0, last)
+        before = np.minimum(ways.astype(np.intp), last - 1)
+        t = (ways - before)[:, None]
+        start, end = self.places[before], self.places[before + 1]
+        out, into = self.step * self.tangents[before], self.step * self.tangents[before + 1]
+        found: Numbers = start + t * (
+            out + t * (3 * (end - start) - 2 * out - into + t * (2 * (start - end) + out + into))
+        )
+        return found
+
+
+def _smooth(points: Numbers, loop: bool) -> _Curve:
+    """The cubic spline through points, at steps of its length."""
+    if loop and np.allclose(points[0], points[-1], atol=1e-9):
+        points = points[:-1]
+    if len(points) < 4:
+        raise refused("points.shape", points.shape, "give at least 4 points (K, 3) in m")
+    corners = np.concatenate([points, points[:1]]) if loop else points
+    chords = np.linalg.norm(np.diff(corners, axis=0), axis=1)
+    if not (chords > 0).all():
+        raise SceneError(f"points[{int(chords.argmin()) + 1}] is where the one before is: leave it out")
+    second = _second(corners, chords, loop)
+    fine = 2 * STEPS
+    along = np.concatenate([[0], np.cumsum(chords)])
+
+    def spline(at: Numbers) -> tuple[Numbers, Numbers, Numbers]:
+        """Places and their first and second slopes."""
+        k = np.minimum(np.searchsorted(along, at, side="right") - 1, len(chords) - 1)
+        h, a = chords[k][:, None], (at - along[k])[:, None]
+        b = h - a
+        low, high, m0, m1 = corners[k], corners[k + 1], second[k], second[k + 1]
+        place = (m0 * b**3 + m1 * a**3) / (6 * h) + (low / h - m0 * h / 6) * b + (high / h - m1 * h / 6) * a
+        slope = (m1 * a**2 - m0 * b**2) / (2 * h) + (high - low) / h - (m1 - m0) * h / 6
+        return place, slope, (m0 * b + m1 * a) / h
+
+    # Its length, and where on it the steps lie.
+    at = np.linspace(0, along[-1], 20 * fine + 1)
+    speed = np.linalg.norm(spline(at)[1], axis=1)
+    way = np.concatenate([[0], np.cumsum((speed[1:] + speed[:-1]) / 2 * np.diff(at))])
+    steps = np.interp(np.linspace(0, way[-1], STEPS + 1), way, at)
+    place, slope, bend = spline(steps)
+    rate = np.linalg.norm(slope, axis=1, keepdims=True)
+    tangent = slope / rate
+    bend -= np.einsum("sk,sk->s", bend, tangent)[:, None] * tangent
+    return _Curve(float(way[-1]) / STEPS, place, tangent, bend / rate**2)
+
+
+def _second(corners: Numbers, chords: Numbers, loop: bool) -> Numbers:
+    """Second slopes (K, 3) of the cubic spline: periodic, or 0 at its ends."""
+    slopes = np.diff(corners, axis=0) / chords[:, None]
+    count = len(chords) if loop else len(chords) + 1
+    matrix, right = np.zeros((count, count)), np.zeros((count, 3))
+    for k in range(count):
+        if not loop and k in (0, count - 1):
+            matrix[k, k] = 1
+            continue
+        before, after = chords[k - 1], chords[k]
+        matrix[k, k - 1] += before
+        matrix[k, k] += 2 * (before + after)
+        matrix[k, (k + 1) % count] += after
+        right[k] = 6 * (slopes[k] - slopes[k - 1])
+    found = np.linalg.solve(matrix, right)
+    return np.asarray(np.concatenate([found, found[:1]]) if loop else found, np.float64)
+
+
+class _Traps(NamedTuple):
+    """Traps at the steps of a curve, each that of the nearest place looked at.
+
+    axes : (S, 3, 3), a unit vector a row
+    most : (S, 3) in N, the least of both ways that it pulls back with
+    stiffness : (S, 3) in N/m
+    """
+
+    axes: Numbers
+    most: Numbers
+    stiffness: Numbers
+
+
+def _traps(scene: Scene, curve: _Curve, bead: Bead) -> _Traps:
+    """The traps of a bead along a curve."""
+    last = len(curve.places) - 1
+    half = scene.sound_speed / scene.frequency / 2
+    count = min(max(int(last * curve.step / half), 4), TRAPS)
+    looked = np.rint(np.linspace(0, last, count + 1)).astype(np.intp)
+    found = []
+    for place in curve.places[looked]:
+        one = scene.replace(points=[place])
+        trap = rest(one, solve(one), **bead.under([0.0, 0.0, 0.0]))
+        if not trap.held[0]:
+            where = ", ".join(f"{1e3 * x:.1f}" for x in place)
+            raise SceneError(
+                f"no trap holds the bead at ({where}) mm: move the curve to where traps are strong"
+            )
+        found.append((trap.axes[0], trap.restoring[0].min(axis=1), trap.stiffness[0]))
+    axes, most, stiffness = (np.array(part) for part in zip(*found, strict=True))
+    nearest = np.abs(np.arange(last + 1)[:, None] - looked).argmin(axis=1)
+    return _Traps(axes[nearest], most[nearest], stiffness[nearest])
+
+
+def _speeds(curve: _Curve, traps: _Traps, bead: Bead, share: float, loop: bool) -> Numbers:
+    """The squares of the speeds (S,) in m^2/s^2 of the fastest run."""
+    scale = traps.axes / (share * traps.most)[..., None]
+    gain = bead.mass * np.einsum("skx,sx->sk", scale, curve.tangents)
+    turn = bead.mass * np.einsum("skx,sx->sk", scale, curve.bends)
+    resist = gain / bead.mass
+    fast = np.linspace(0, TOP, 2001)
+    drags = bead.needed(np.outer(fast, [1.0, 0, 0]), np.zeros((len(fast), 3)))[:, 0]
+
+    def limits(i: int, squares: Numbers) -> tuple[Numbers, Numbers]:
+        """The least and the largest gain at a step by v^2 (K,); NaN where there is none."""
+        own = np.outer(squares, turn[i]) + np.outer(np.interp(np.sqrt(squares), fast, drags), resist[i])
+        a, b, c = gain[i] @ gain[i], own @ gain[i], (own**2).sum(axis=1) - 1
+        with np.errstate(invalid="ignore"):
+            root = np.sqrt(b * b - a * c)
+        return (-b - root) / a, (-b + root) / a
+
+    def highest(i: int, after: float) -> float:
+        """The largest v^2 at a step from which the next one's can be reached."""
+        low, high = 0.0, TOP**2
+        for _ in range(TIMES):
+            squares = np.linspace(low, high, TRIED)
+            least, _ = limits(i, squares)
+            good = squares + 2 * curve.step * least <= after
+            # At rest the trap holds it: some v^2 is always good.
+            k = int(good.argmin()) - 1 if not good.all() else TRIED - 1
+            low, high = squares[max(k, 0)], squares[min(max(k, 0) + 1, TRIED - 1)]
+        return float(low)
+
+    last = len(curve.places) - 1
+    most = np.full(last + 1, TOP**2)
+    if not loop:
+        most[last] = 0.0
+    for _ in range(2 if loop else 1):
+        for i in range(last - 1, -1, -1):
+            most[i] = highest(i, most[i + 1])
+        most[last] = most[0] if loop else 0.0
+    found = most.copy()
+    if not loop:
+        found[0] = 0.0
+    for _ in range(4 if loop else 1):
+        for i in range(last):
+            gained = limits(i, found[i : i + 1])[1][0]
+            found[i + 1] = max(min(found[i] + 2 * curve.step * gained, most[i + 1]), 0.0)
+        if not loop or found[0] <= found[last] * (1 + 1e-6):
+            break
+        found[0] = found[last]
+    return found
+
+
+def _timed(step: float, squares: Numbers, loop: bool) -> Numbers:
+    """Ways (T,) in m along the curve at each tick, of a run by its speeds' squares, a little smoothed."""
+    speeds = np.sqrt(squares)
+    times = np.concatenate([[0], np.cumsum(2 * step / (speeds[1:] + speeds[:-1]))])
+    count = int(np.ceil(times[-1] / TICK))
+    lap, length = times[-1], step * (len(speeds) - 1)
+    # So many ticks on each side are averaged, twice; a run from rest to rest takes as much longer.
+    side = int(SMOOTH / TICK) // 2
+    ends = (2 if loop else 4) * side
+    ticks = np.arange(-ends, count + ends + (not loop)) * (lap / count)
+    inside = ticks % lap if loop else ticks.clip(0, lap)
+    k = np.minimum(np.searchsorted(times, inside, side="right") - 1, len(speeds) - 2)
+    after = inside - times[k]
+    gain = (squares[k + 1] - squares[k]) / (2 * step)
+    ways = step * k + speeds[k] * after + gain * after**2 / 2
+    if loop:
+        ways = ways + length * np.floor(ticks / lap)
+    window = np.full(2 * side + 1, 1 / (2 * side + 1))
+    once: Numbers = np.convolve(ways, np.convolve(window, window), "valid")
+    return once
+
+
+def _led(places: Numbers, traps: _Traps, steps: Numbers, bead: Bead, loop: bool) -> Numbers:
+    """Places (T, 3) of the trap whose bead is at places (T, 3), a tick apart, at steps (T,) of the curve."""
+    around = (
+        np.concatenate([places[-2:], places, places[:2]])
+        if loop
+        else np.pad(places, ((2, 2), (0, 0)), "edge")
+    )
+    velocities = (around[3:-1] - around[1:-3]) / (2 * TICK)
+    accelerations = (around[3:-1] - 2 * around[2:-2] + around[1:-3]) / TICK**2
+    last = len(traps.most) - 1
+    near = np.rint(steps).astype(np.intp)
+    near = near % last if loop else near.clip(0, last)
+    most = traps.most[near]
+    along = np.einsum("tkx,tx->tk", traps.axes[near], bead.needed(velocities, accelerations)) / most
+    ahead = most / traps.stiffness[near] * np.arcsin(along.clip(-1, 1))
+    found: Numbers = places + np.einsum("tk,tkx->tx", ahead, traps.axes[near])
+    return found
+
+
+def poised(
+    scene: Scene, drive: NDArray[np.complex64], point: Numbers, bead: Bead, force: Numbers
+) -> Numbers | None:
+    """The place (3,) by a point where a trap gives a force (3,) in N beside its weight, if there is."""
+    trap = rest(scene, drive, [point], **bead.under(force.tolist()))
+    place: Numbers = trap.place[0]
+    near = np.linalg.norm(place - point) < scene.sound_speed / scene.frequency / 2
+    return place if trap.held[0] and near else None

@@ -1,0 +1,130 @@
+//! Beads in flight, for `midair.fly` and `midair.path.fastest`: what moves a bead, and eight of them step by step.
+
+use midair::motion::{Flight, State};
+use midair::{Medium, Particle};
+use numpy::{PyArray1, PyArray2, PyReadonlyArrayDyn, PyReadwriteArrayDyn};
+use pyo3::prelude::*;
+use pyo3::types::{IntoPyDict, PyDict};
+
+use crate::ctrl_c::attend;
+use crate::error::{invalid, warn_all};
+use crate::give;
+use crate::gorkov::GRAVITY;
+use crate::instruction_set::instruction_set;
+use crate::read;
+use crate::scene::Scene;
+
+type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+
+/// A small sphere in the air of a scene, as `midair.gorkov` takes it.
+#[pyclass(frozen, module = "midair._midair")]
+pub(crate) struct Bead {
+    particle: Particle,
+    medium: Medium,
+    gravity: [f64; 3],
+}
+
+#[pymethods]
+impl Bead {
+    #[new]
+    #[pyo3(signature = (scene, radius=None, density=None, sound_speed=None, gravity=None))]
+    fn new<'py>(
+        scene: &Bound<'py, Scene>,
+        radius: Argument<'_, 'py>,
+        density: Argument<'_, 'py>,
+        sound_speed: Argument<'_, 'py>,
+        gravity: Argument<'_, 'py>,
+    ) -> PyResult<Self> {
+        let default = Particle::default();
+        let positive = |item: &str, value: Argument<'_, 'py>, own: f64| match read::real_or(item, value, own)? {
+            value if value > 0.0 && value.is_finite() => Ok(value),
+            value => Err(invalid(item, &value.to_string(), "give a number above 0")),
+        };
+        let particle = Particle {
+            radius: positive("radius", radius, default.radius)?,
+            density: positive("density", density, default.density)?,
+            sound_speed: positive("sound_speed", sound_speed, default.sound_speed)?,
+        };
+        let gravity = gravity.map_or(Ok(GRAVITY), |gravity| read::place("gravity", gravity))?;
+        let medium = scene.get().inner.medium();
+        warn_all(scene.py(), particle.remark(medium))?;
+        Ok(Self { particle, medium, gravity })
+    }
+
+    /// The factors (2,) of |p|^2 and of -|grad p|^2 in Gor'kov's potential.
+    #[getter]
+    fn factors<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        give::list(py, self.particle.factors(self.medium).to_vec())
+    }
+
+    /// Mass in kg that a force moves: its own and half that of the air in its place.
+    #[getter]
+    fn mass(&self) -> f64 {
+        self.particle.mass(self.medium)
+    }
+
+    /// The forces (K, 3) in N beside weight and buoyancy that velocities and accelerations (K, 3) take.
+    fn needed<'py>(
+        &self,
+        py: Python<'py>,
+        velocities: Bound<'py, PyAny>,
+        accelerations: Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let (velocities, accelerations) =
+            (read::vectors("velocities", &velocities)?, read::vectors("accelerations", &accelerations)?);
+        let each = velocities.iter().zip(&accelerations);
+        let needed: Vec<_> = each.map(|(&v, &a)| self.particle.needed(self.medium, v, a)).collect();
+        give::rows(py, &needed)
+    }
+
+    /// Keywords of `midair.rest` for a bead that is to get a `force` (3,) in N beside its weight and buoyancy: it rests where
+    /// its trap gives it, under a gravity that is larger by as much.
+    fn under<'py>(&self, py: Python<'py>, force: [f64; 3]) -> PyResult<Bound<'py, PyDict>> {
+        let Particle { radius, density, sound_speed } = self.particle;
+        let heft = self.particle.weight(self.medium, [1.0; 3])[0];
+        let keywords = [("radius", radius), ("density", density), ("sound_speed", sound_speed)].into_py_dict(py)?;
+        let gravity = [0, 1, 2].map(|axis| self.gravity[axis] - force[axis] / heft);
+        keywords.set_item("gravity", gravity)?;
+        Ok(keywords)
+    }
+
+    /// Eight beads from step `first` on, as the core's `Flight::fly`; returns the last step. All arrays are in C order.
+    ///
+    /// state (6, 3, 8): place, speed, accelerations, in and out; reach (8,) in m; forces (K, 84, 3, 8) in N around centres
+    /// (steps (K - 1) + 1, 3, 8) in m; places (K, 3, 8) out; step in s, unit in m.
+    #[allow(clippy::too_many_arguments, reason = "as PyO3 gives them")]
+    fn fly<'py>(
+        &self,
+        py: Python<'py>,
+        mut state: PyReadwriteArrayDyn<'py, f64>,
+        reach: [f64; 8],
+        forces: PyReadonlyArrayDyn<'py, f64>,
+        centres: PyReadonlyArrayDyn<'py, f64>,
+        first: usize,
+        mut places: PyReadwriteArrayDyn<'py, f64>,
+        time: (f64, usize, f64),
+    ) -> PyResult<usize> {
+        let (step, steps, unit) = time;
+        let flight = Flight { particle: self.particle, gravity: self.gravity, step, steps, unit };
+        let set = instruction_set()?;
+        let state: &mut State = eights_mut(&mut state)?
+            .as_chunks_mut()
+            .0
+            .try_into()
+            .map_err(|_| invalid("state", "of another shape", "give (6, 3, 8)"))?;
+        let forces = eights(&forces)?.as_chunks().0.as_chunks().0;
+        let centres = eights(&centres)?.as_chunks().0;
+        let places = eights_mut(&mut places)?.as_chunks_mut().0;
+        attend(py, None, |mut control| {
+            flight.fly((set, self.medium), state, reach, forces, centres, first, places, &mut control)
+        })
+    }
+}
+
+fn eights<'a>(array: &'a PyReadonlyArrayDyn<'_, f64>) -> PyResult<&'a [[f64; 8]]> {
+    Ok(array.as_slice()?.as_chunks().0)
+}
+
+fn eights_mut<'a>(array: &'a mut PyReadwriteArrayDyn<'_, f64>) -> PyResult<&'a mut [[f64; 8]]> {
+    Ok(array.as_slice_mut()?.as_chunks_mut().0)
+}

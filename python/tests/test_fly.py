@@ -1,0 +1,148 @@
+"""Beads in flight, against a plain integration in double precision."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import midair
+import traps
+from oracle import Complex, Real
+
+K = 2 * np.pi / traps.WAVELENGTH
+RADIUS, BEAD = 1e-3, 29.0
+VOLUME = 4 / 3 * np.pi * RADIUS**3
+MASS = VOLUME * (BEAD + traps.DENSITY / 2)
+WEIGHT = np.array([0, 0, -9.81]) * VOLUME * (BEAD - traps.DENSITY)
+KELVIN = 273.15 * (traps.SOUND_SPEED / 331.3) ** 2
+VISCOSITY = 1.458e-6 * KELVIN**1.5 / (KELVIN + 110.4)
+POSITIONS, NORMALS = traps.tinylev()
+LEVITATOR = midair.Array(POSITIONS, NORMALS, directivity="point", source_pressure=3.0)
+
+
+def force(drive: Complex, place: Real) -> Real:
+    """-grad U (3,) by the derivatives of point sources."""
+    way = place - POSITIONS
+    r = np.linalg.norm(way, axis=1)
+    e = way / r[:, None]
+    p = 3.0 / r * np.exp(1j * K * r) * drive
+    first = p * (1j * K - 1 / r)
+    gradient = first @ e
+    along = p * ((1j * K - 1 / r) ** 2 + 1 / r**2) - first / r
+    second = np.einsum("i,ia,ib->ab", along, e, e) + np.eye(3) * (first / r).sum()
+    compression, motion = traps.factors()
+    return -2 * (compression * (p.sum().conj() * gradient).real + motion * (gradient.conj() @ second).real)
+
+
+def drag(speed: Real) -> Real:
+    """Schiller and Naumann's."""
+    size = np.linalg.norm(speed)
+    reynolds = 2 * RADIUS * traps.DENSITY * size / VISCOSITY
+    return -6 * np.pi * VISCOSITY * RADIUS * (1 + 0.15 * reynolds**0.687) * speed
+
+
+def integrated(
+    sequence: midair.Sequence, times: Real, place: Real, speed: Real, tau: float, steps: int
+) -> Real:
+    """Places (T, 3) at times, by Runge and Kutta; drives stay for their frame and settle by tau."""
+    drives = sequence.drives.astype(complex)
+    count, rate = len(drives), sequence.rate
+    kept = np.exp(-1 / (rate * tau))
+    y = drives[0].copy()
+    starts = []
+    for _ in range(2):
+        starts = []
+        for frame in range(count):
+            starts.append(y)
+            y = drives[frame] + (y - drives[frame]) * kept
+
+    def pull(time: float, place: Real, speed: Real) -> Real:
+        frame = int(time * rate + 1e-9)
+        own = drives[frame % count]
+        sound = own + (starts[frame % count] - own) * np.exp(-(time - frame / rate) / tau)
+        return (force(sound, place) + WEIGHT + drag(speed)) / MASS
+
+    found = [place]
+    for start, end in pairwise(times):
+        h = (end - start) / steps
+        for k in range(steps):
+            t = start + k * h
+            # The second half of a step sees the frame that it ends in.
+            a = pull(t, place, speed)
+            b = pull(t + h / 2, place + h / 2 * speed, speed + h / 2 * a)
+            c = pull(t + h / 2, place + h / 2 * speed + h * h / 4 * a, speed + h / 2 * b)
+            d = pull(t + h * (1 - 1e-6), place + h * speed + h * h / 2 * b, speed + h * c)
+            place = place + h * speed + h * h / 6 * (a + b + c)
+            speed = speed + h / 6 * (a + 2 * b + 2 * c + d)
+        found.append(place)
+    return np.array(found)
+
+
+def ring(radius: float, speed: float, rate: float) -> midair.Sequence:
+    """A trap that goes around in closed form: foci whose upper half is turned by pi."""
+    count = round(2 * np.pi * radius / speed * rate)
+    angle = 2 * np.pi * np.arange(count) / count
+    points = radius * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    gains = midair.Scene(LEVITATOR, points).propagation()
+    drives = (gains / abs(gains)).conj() * np.where(POSITIONS[:, 2] > 0, -1, 1)
+    return midair.Sequence(LEVITATOR, points[:, None], 1.0, drives, rate=rate, closed=True, signature="trap")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("rate", "lasts"), [(1000.0, 1.0), (8000.0, 0.3)])
+def test_a_flight_is_what_plain_integration_gives(rate: float, lasts: float) -> None:
+    sequence = ring(5e-3, 0.15, rate)
+    start, speed, tau = np.array([5.1e-3, 0.1e-3, -0.05e-3]), np.array([0.05, 0.15, 0.0]), 0.3e-3
+    flight = midair.fly(sequence, [start], speeds=[speed], duration=lasts, tau=tau)
+    assert flight.held.all()
+    steps = max(round((flight.times[1] - flight.times[0]) / 0.125e-3), 1)
+    plain = integrated(sequence, flight.times, start, speed, tau, steps)
+    assert np.linalg.norm(flight.places[:, 0] - plain, axis=1).max() < 5e-6
+
+
+@pytest.mark.slow
+def test_a_bead_falls_out_of_a_trap_that_is_too_weak_and_is_drawn_and_told(tmp_path: Path) -> None:
+    sequence = ring(5e-3, 0.1, 500.0)
+    weak = midair.Sequence(
+        LEVITATOR, sequence.points, 1.0, 0.1 * sequence.drives, rate=500.0, closed=True, signature="trap"
+    )
+    flight = midair.fly(weak, duration=0.05)
+    assert not flight.held.any()
+    assert 0 < flight.lost[0] < 0.05
+    assert np.isnan(flight.places[-1]).all()
+    assert flight.farthest[0] < traps.WAVELENGTH / 2
+    assert "0 of 1 held" in repr(flight)
+    assert "after" in flight._repr_html_()
+    assert len(flight.plot().axes) == 2
+    flight.animate(tmp_path / "fall.gif", frames=3)
+    assert (tmp_path / "fall.gif").stat().st_size > 1000
+
+
+def test_a_bead_that_begins_as_its_trap_moves_stays_with_it() -> None:
+    flight = midair.fly(ring(5e-3, 0.1, 500.0), duration=0.1)
+    assert flight.held.all()
+    assert flight.farthest[0] < 0.2e-3
+    # Nine of them fly in two groups, each as it does alone.
+    nine = midair.fly(ring(5e-3, 0.1, 500.0), np.tile([[5e-3, 0, 0]], (9, 1)), duration=0.02)
+    one = midair.fly(ring(5e-3, 0.1, 500.0), [[5e-3, 0, 0]], duration=0.02)
+    assert np.array_equal(nine.places[:, [8]], one.places)
+    np.testing.assert_allclose(nine.places[:, [0]], one.places, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("keywords", "refusal"),
+    [
+        ({"beads": [[0, 0]]}, "beads"),
+        ({"speeds": [[0, 0]]}, "speeds.shape"),
+        ({"duration": 0.0}, "duration is 0.0"),
+        ({"radius": -1.0}, "radius is -1"),
+        ({"tau": -1.0}, "tau is -1"),
+    ],
+)
+def test_what_is_not_in_order_is_refused(keywords: dict[str, Any], refusal: str) -> None:
+    with pytest.raises(midair.SceneError, match=refusal):
+        midair.fly(ring(5e-3, 0.1, 500.0), **keywords)

@@ -1,0 +1,98 @@
+"""Forces on spheres that are not small, against the momentum that the sound carries to their surface."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.special import eval_legendre, spherical_jn, spherical_yn
+
+import midair
+import traps
+from oracle import Complex, Real
+from traps import DENSITY, FREQUENCY, SOUND_SPEED, WAVELENGTH
+
+K = 2 * np.pi / WAVELENGTH
+BOARD = midair.Array.grid(16, 16, 10.5e-3, directivity="point", source_pressure=4.0)
+
+
+def flux(sources: Real, drive: Complex, center: Real, radius: float) -> Real:
+    """The force (3,) on a rigid sphere at rest: -int n (|p|^2/(4 rho c^2) - |grad p|^2/(4 rho omega^2)) dS.
+
+    On its surface the sound of a monopole e^{jkr}/r is, by the Wronskian of j_n and h_n,
+    -1/(k a^2) sum_n (2n + 1) h_n(k r_s)/h_n'(ka) P_n(cos gamma).
+    """
+    x = K * radius
+    terms = int(x + 4 * x ** (1 / 3) + 14)
+    heights, shares = np.polynomial.legendre.leggauss(terms + 2)
+    angles = np.pi * np.arange(2 * terms + 4) / (terms + 2)
+    across = np.sqrt(1 - heights**2)[:, None]
+    sides = [across * np.cos(angles), across * np.sin(angles), heights[:, None] + 0 * angles]
+    normals = np.stack(sides, axis=-1).reshape(-1, 3)
+    weights = np.repeat(shares * np.pi / (terms + 2), len(angles)) * radius**2
+    ways = sources - center
+    r = np.linalg.norm(ways, axis=1)
+    ways = ways / r[:, None]
+    cosines = normals @ ways.T
+    p = np.zeros(cosines.shape, complex)
+    slope = np.zeros(cosines.shape, complex)
+    before = np.zeros(cosines.shape)
+    for n in range(terms):
+        h = spherical_jn(n, K * r) + 1j * spherical_yn(n, K * r)
+        rise = spherical_jn(n, x, derivative=True) + 1j * spherical_yn(n, x, derivative=True)
+        amplitude = -(2 * n + 1) * h / rise / (K * radius**2)
+        legendre = eval_legendre(n, cosines)
+        p += amplitude * legendre
+        # P_n' by (x^2 - 1) P_n' = n (x P_n - P_(n-1)).
+        slope += amplitude * n * (cosines * legendre - before) / (cosines**2 - 1)
+        before = legendre
+    total = p @ drive
+    along = np.einsum("ps,sx,s->px", slope, ways, drive)
+    along -= np.einsum("px,px->p", along, normals)[:, None] * normals
+    gradient = along / radius
+    pressed = abs(total) ** 2 / (4 * DENSITY * SOUND_SPEED**2)
+    pressed -= (abs(gradient) ** 2).sum(axis=1) / (4 * DENSITY * (2 * np.pi * FREQUENCY) ** 2)
+    return -(weights * pressed) @ normals
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("radius", "places"), [(10e-3, 20), (25e-3, 1), (2e-3, 3)])
+def test_the_force_is_the_flux_of_momentum(radius: float, places: int) -> None:
+    rng = np.random.default_rng(7)
+    points = rng.uniform(-0.03, 0.03, (places, 3)) + np.array([0, 0, 0.09])
+    scene = midair.Scene(BOARD, points)
+    for j, point in enumerate(points):
+        drive = (
+            np.exp(2j * np.pi * rng.random(256))
+            if j % 2
+            else midair.solve(scene.replace(points=[point])).drive
+        )
+        drive = drive.astype(np.complex64)
+        found = midair.gorkov(scene, drive, [point], radius=radius, density=1e9)
+        wanted = flux(BOARD.positions, 4.0 * drive.astype(complex), point, radius)
+        assert np.linalg.norm(found.force[0] - wanted) < 1e-3 * np.linalg.norm(wanted)
+        assert np.isnan(found.potential).all()
+
+
+def test_a_sphere_that_is_just_large_feels_nearly_what_a_small_one_does() -> None:
+    """At lambda/8 Gor'kov's potential is right to a third, for every density."""
+    positions, normals = traps.openmpd()
+    array = midair.Array(positions, normals, directivity="point")
+    scene = midair.Scene(array, [[0, 0, 0]], signature="trap")
+    drive = midair.solve(scene).drive
+    place = [[0, 0, WAVELENGTH / 16]]
+    for density in (4.0, 29.0, 1e6):
+        sizes = np.array([0.1249, 0.1251]) * WAVELENGTH
+        small, large = (
+            midair.gorkov(scene, drive, place, radius=a, density=density, sound_speed=1e9) for a in sizes
+        )
+        assert abs(large.force[0, 2] / small.force[0, 2] - 1) < 0.4
+        assert abs(large.stiffness[0, 2] / small.stiffness[0, 2] - 1) < 0.4
+
+
+def test_what_does_not_fit_is_refused() -> None:
+    scene = midair.Scene(BOARD, [[0, 0, 0.02]])
+    drive = np.ones(256, np.complex64)
+    with pytest.raises(midair.SceneError, match=r"radius is 0\.03: give at most 2\.55e-2, three wavelengths"):
+        midair.gorkov(scene, drive, radius=0.03)
+    with pytest.raises(midair.SceneError, match=r"points\[0\] .* leave 2\.2e-2 m for the sphere"):
+        midair.gorkov(scene, drive, radius=0.0219)

@@ -1,0 +1,98 @@
+"""The fastest run along a curve, against closed forms, and in flight."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import midair
+from midair._midair import Bead
+from oracle import Real
+
+BOARDS = midair.Array.preset("openmpd_pair", quantization={})
+SCENE = midair.Scene(BOARDS, [[0, 0, 0]], signature="trap")
+
+
+def ring(radius: float) -> Real:
+    angle = np.linspace(0, 2 * np.pi, 24, endpoint=False)
+    return radius * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+
+
+def limit() -> tuple[Bead, float]:
+    """The default bead, and the force across the boards' axis that the middle's trap gives it."""
+    return Bead(SCENE), float(midair.rest(midair.solve(SCENE)).restoring[0, :2].min())
+
+
+def test_on_a_circle_the_speed_is_where_the_pull_inwards_and_the_drag_are_all_that_the_trap_gives() -> None:
+    bead, most = limit()
+    radius, margin = 5e-3, 0.3
+    path = midair.path.fastest(ring(radius), SCENE, margin=margin)
+    speeds = np.linspace(0.1, 5, 20000)
+    drag = bead.needed(np.outer(speeds, [1, 0, 0]), np.zeros((len(speeds), 3)))[:, 0]
+    taken = np.hypot(bead.mass * speeds**2 / radius, drag)
+    speed = speeds[np.searchsorted(taken, margin * most)]
+    assert path.closed
+    assert abs(2 * np.pi * radius / speed / path.duration - 1) < 0.03
+    # The trap is ahead of the bead: within the circle, by what its spring gives.
+    assert (np.linalg.norm(path.at(np.linspace(0, 1, 50))[:, 0], axis=1) < radius).all()
+
+
+def test_from_rest_to_rest_half_of_the_way_is_gaining_and_half_losing_speed() -> None:
+    bead, most = limit()
+    way, margin = 0.01, 0.05
+    line = np.linspace(-0.5, 0.5, 5)[:, None] * [way, 0, 0]
+    path = midair.path.fastest(line, BOARDS, closed=False, margin=margin)
+    without_drag = 2 * np.sqrt(way * bead.mass / (margin * most))
+    # Drag takes a little, and some ticks at both ends go to changes of the force that are not too quick.
+    assert not path.closed
+    assert 1.0 < path.duration / without_drag < 1.25
+    ends = path.at([0.0, path.duration])[:, 0]
+    assert np.allclose(ends, line[[0, -1]], atol=1e-5)
+
+
+@pytest.mark.slow
+def test_a_bead_on_the_fastest_run_stays() -> None:
+    angle = np.linspace(0, 2 * np.pi, 40, endpoint=False)[:, None]
+    clover = (0.012 + 0.004 * np.cos(3 * angle)) * np.concatenate(
+        [np.cos(angle), 0 * angle, np.sin(angle)], axis=1
+    )
+    path = midair.path.fastest(clover, BOARDS, margin=0.3)
+    sequence = midair.sequence(BOARDS, path, rate=10e3, signature="trap", change=np.pi / 4)
+    flight = midair.fly(sequence, duration=0.5)
+    assert flight.held.all()
+    # The bead is on the curve, whatever its trap does.
+    apart = np.linalg.norm(flight.places[::5, 0, None] - dense(clover), axis=2).min(axis=1)
+    assert apart.max() < 0.3e-3
+    assert path.duration < midair.path.fastest(clover, BOARDS, margin=0.2).duration
+
+
+def dense(points: Real) -> Real:
+    """Many places on the curve through points, by its Fourier series."""
+    count, more = len(points), 2000
+    series = np.fft.fftshift(np.fft.fft(points, axis=0), axes=0)
+    orders = np.arange(-(count // 2), count - count // 2)
+    waves = np.exp(2j * np.pi * np.outer(np.arange(more) / more, orders))
+    return (waves @ series).real / count
+
+
+@pytest.mark.parametrize(
+    ("points", "keywords", "refusal"),
+    [
+        (ring(0.01)[:3], {}, r"points.shape is \(3, 3\): give at least 4 points"),
+        (ring(0.01), {"margin": 1.0}, "margin is 1.0: give a number below 1"),
+        (ring(0.01)[[0, 0, 1, 2, 3]], {}, "where the one before is"),
+        (ring(0.01) + np.array([0, 0, 0.5]), {}, "no trap holds the bead"),
+    ],
+)
+def test_what_is_not_in_order_is_refused(points: Any, keywords: dict[str, Any], refusal: str) -> None:
+    with pytest.raises(midair.SceneError, match=refusal):
+        midair.path.fastest(points, BOARDS, **keywords)
+
+
+def test_a_sequence_warns_of_what_its_traps_cannot_give() -> None:
+    path = midair.path.circle([0, 0, 0], 0.02, speed=8.0)
+    with pytest.warns(midair.SceneWarning) as warned:
+        midair.sequence(BOARDS, path, rate=10e3, signature="trap", change=np.pi)
+    assert any("more than its trap can give" in str(one.message) for one in warned)
