@@ -137,7 +137,7 @@ test-npm: npm ## The package for Node: packed, installed into an empty folder, i
 	cd npm && node --test test/
 
 unity: capi ## Copy the C library that was built into unity/, the package for Unity
-	for pair in libmidair.so:Linux/x86_64 midair.dll:Windows/x86_64 libmidair.dylib:macOS; do \
+	@for pair in libmidair.so:Linux/x86_64 midair.dll:Windows/x86_64 libmidair.dylib:macOS; do \
 		[ ! -e $(BUILT)/$${pair%:*} ] || cp -v $(BUILT)/$${pair%:*} unity/Runtime/Plugins/$${pair#*:}; done
 
 test-unity: setup capi ## The scripts for Unity without Unity (Debian's mono-mcs and mono-runtime; 30 s once built)
