@@ -62,16 +62,12 @@ namespace Midair
 
         internal SerialLine(string name, Link link, byte[] off)
         {
-#if NET_STANDARD || NET_STANDARD_2_0
-            throw new MidairException("serial ports need the Api Compatibility Level .NET Framework: choose it in the Player settings");
-#else
             thread = new Thread(() =>
             {
                 try
                 {
-                    using (var port = new System.IO.Ports.SerialPort(name, (int)link.baud) { WriteTimeout = 300, DtrEnable = link.restarts == 0 })
+                    using (Stream port = Open(name, link))
                     {
-                        port.Open();
                         port.Write(off, 0, off.Length);
                         // The boot loader of an Arduino listens for so long after its port was opened.
                         if (link.restarts != 0) Thread.Sleep(2000);
@@ -90,6 +86,16 @@ namespace Midair
                 }
             }) { IsBackground = true };
             thread.Start();
+        }
+
+        static Stream Open(string name, Link link)
+        {
+#if NET_STANDARD || NET_STANDARD_2_0
+            throw new MidairException("serial ports need the Api Compatibility Level .NET Framework: choose it in the Player settings");
+#else
+            var port = new System.IO.Ports.SerialPort(name, (int)link.baud) { WriteTimeout = 300, DtrEnable = link.restarts == 0 };
+            port.Open();
+            return port.BaseStream;
 #endif
         }
 
