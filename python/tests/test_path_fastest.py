@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import csv
+import runpy
+from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -10,6 +14,9 @@ import pytest
 import midair
 from midair._midair import Bead
 from oracle import Real
+
+BENCH = Path(__file__).parents[2] / "bench"
+shapes = SimpleNamespace(**runpy.run_path(str(BENCH / "flight.py")))
 
 BOARDS = midair.Array.preset("openmpd_pair", quantization={})
 SCENE = midair.Scene(BOARDS, [[0, 0, 0]], signature="trap")
@@ -96,3 +103,20 @@ def test_a_sequence_warns_of_what_its_traps_cannot_give() -> None:
     with pytest.warns(midair.SceneWarning) as warned:
         midair.sequence(BOARDS, path, rate=10e3, signature="trap", change=np.pi)
     assert any("more than its trap can give" in str(one.message) for one in warned)
+
+
+def test_the_record_has_each_shape_of_the_paper_at_its_rate() -> None:
+    with (BENCH / "records" / "flight.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    for name, (_, size, rate) in shapes.SHAPES.items():
+        own = [row for row in rows if row["shape"] == name and row["held"] == "True"]
+        assert max(float(row["rate_Hz"]) for row in own) > rate
+        assert np.ptp(shapes.outline(name), axis=0).max() == pytest.approx(size)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "margin"), [("heart", 0.115), ("flower", 0.394)])
+def test_shapes_of_the_paper_fly_at_its_rate(name: str, margin: float) -> None:
+    found = shapes.flown(name, midair.Array.preset("openmpd_pair"), margin)
+    assert found["held"]
+    assert float(str(found["rate_Hz"])) >= shapes.SHAPES[name][2]
