@@ -18,8 +18,9 @@
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::kernels::derivatives::{Emitters, Slopes, Waves, dot, even, phasor, runs};
-use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, total};
+use crate::kernels::derivatives::{Emitters, Slopes, Waves, even};
+use crate::kernels::phasor::phasor;
+use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, ray, runs, three, total};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 
 /// Blocks of eight between two pulses.
@@ -106,7 +107,7 @@ fn send<S: Doubles>(
     point: [f64; 3],
     kept: &mut Sent,
 ) -> [V<S>; 2] {
-    let d = ray(s, block, at, point);
+    let d = ray(s, point, (&block.position, at));
     let r = dot(d, d).sqrt();
     let near = r.inverse();
     let (cos, sin) = phasor(s, r * (waves.wavenumber / core::f64::consts::TAU));
@@ -121,8 +122,8 @@ fn send<S: Doubles>(
             g[1].put(&mut kept.wave[1][at..]);
             return g;
         }
-        Slopes::Even { square, terms } => even(s, *square, terms, dot(d, normal(s, block, at)) * near),
-        Slopes::Each(of) => (dot(d, normal(s, block, at)) * near).each(of),
+        Slopes::Even { square, terms } => even(s, *square, terms, dot(d, three(s, &block.normal, at)) * near),
+        Slopes::Each(of) => (dot(d, three(s, &block.normal, at)) * near).each(of),
     };
     let wave = g.map(|part| part * slopes[0]);
     for part in 0..2 {
@@ -176,7 +177,7 @@ fn pulled<S: Doubles>(
     pull: &mut Pull,
 ) -> [V<S>; 4] {
     let near = V::of(s, &kept.near[at..]);
-    let d = ray(s, block, at, point);
+    let d = ray(s, point, (&block.position, at));
     let e = d.map(|x| x * near);
     let sent = against(w, kept.wave.each_ref().map(|part| V::of(s, &part[at..])));
     sent[0].onto(&mut pull.drive[0][at..]);
@@ -186,7 +187,7 @@ fn pulled<S: Doubles>(
     let mut by_k = dot(d, e) * driven[1] * -1.0;
     let mut v = e.map(|x| x * along);
     if !matches!(waves.slopes, Slopes::One) {
-        let n = normal(s, block, at);
+        let n = three(s, &block.normal, at);
         let c = dot(e, n);
         let bend = against(w, kept.bend.each_ref().map(|part| V::of(s, &part[at..])));
         let t = bend[0] * q[0] - bend[1] * q[1];
@@ -211,16 +212,6 @@ fn pulled<S: Doubles>(
 #[inline(always)]
 fn against<S: Doubles>(w: [V<S>; 2], z: [V<S>; 2]) -> [V<S>; 2] {
     [w[0] * z[0] + w[1] * z[1], w[0] * z[1] - w[1] * z[0]]
-}
-
-#[inline(always)]
-fn ray<S: Doubles>(s: S, block: &Emitters, at: usize, point: [f64; 3]) -> [V<S>; 3] {
-    core::array::from_fn(|axis| V::all(s, point[axis]) - V::of(s, &block.position[axis][at..]))
-}
-
-#[inline(always)]
-fn normal<S: Doubles>(s: S, block: &Emitters, at: usize) -> [V<S>; 3] {
-    core::array::from_fn(|axis| V::of(s, &block.normal[axis][at..]))
 }
 
 /// exp(-x) of x from 0 on, to 1e-13; below 1e-55 anything as small.

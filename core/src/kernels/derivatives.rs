@@ -18,7 +18,8 @@ use alloc::vec::Vec;
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, total};
+use crate::kernels::phasor::phasor;
+use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, ray, runs, three, total};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::math::exp;
 
@@ -132,30 +133,65 @@ pub(crate) fn sum(
     Ok(sums.map(|part| part.map(total)))
 }
 
-/// The first of each run of numbers that a set takes at once.
+/// Writes each block's waves at a point, nearer than `least` as if at that distance: real and imaginary part.
+pub(crate) fn values(
+    set: InstructionSet,
+    waves: &Waves,
+    emitters: &[Emitters],
+    (point, least): ([f64; 3], f64),
+    out: &mut [[Eight; 2]],
+) {
+    dispatch!(set, s => {
+        for (block, out) in emitters.iter().zip(out) {
+            for at in runs(s) {
+                let wave = value(s, waves, (block, at), (point, least));
+                for part in 0..2 {
+                    wave[part].put(&mut out[part][at..]);
+                }
+            }
+        }
+    });
+}
+
 #[inline(always)]
-pub(super) fn runs<S: Doubles>(_s: S) -> impl Iterator<Item = usize> {
-    (0..EIGHT).step_by(S::WIDTH)
+fn value<S: Doubles>(s: S, waves: &Waves, (block, at): (&Emitters, usize), (point, least): ([f64; 3], f64)) -> C<S> {
+    let d = ray(s, point, (&block.position, at));
+    let (r, least) = (dot(d, d).sqrt(), V::all(s, least));
+    let r = least.where_less(r, least, r);
+    let near = r.inverse();
+    let [re, im] = &block.factor;
+    let wave = times(spread(s, waves, r, near), [V::of(s, &re[at..]), V::of(s, &im[at..])]);
+    let c = dot(d, three(s, &block.normal, at)) * near;
+    match &waves.slopes {
+        Slopes::One => wave,
+        Slopes::Even { square, terms } => by(wave, even(s, *square, terms, c)[0]),
+        Slopes::Each(of) => by(wave, c.each(|c| [of(c)[0]])[0]),
+    }
+}
+
+/// e^{ur}/r of distances and their inverses.
+#[inline(always)]
+fn spread<S: Doubles>(s: S, waves: &Waves, r: V<S>, near: V<S>) -> C<S> {
+    let (cos, sin) = phasor(s, r * (waves.wavenumber / core::f64::consts::TAU));
+    let amplitude = if waves.absorption > 0.0 { near * r.each(|r| [exp(-waves.absorption * r)])[0] } else { near };
+    [amplitude * cos, amplitude * sin]
 }
 
 #[inline(always)]
 fn expand<S: Doubles>(s: S, waves: &Waves, (block, at): (&Emitters, usize), point: [f64; 3]) -> [[V<S>; TERMS]; 2] {
     let zero = V::all(s, 0.0);
     let out = &mut [[zero; TERMS]; 2];
-    let ray: [V<S>; 3] = core::array::from_fn(|axis| V::all(s, point[axis]) - V::of(s, &block.position[axis][at..]));
-    let r = dot(ray, ray).sqrt();
+    let d = ray(s, point, (&block.position, at));
+    let r = dot(d, d).sqrt();
     let near = r.inverse();
-    let e = ray.map(|x| x * near);
-    let [n0, n1, n2] = &block.normal;
-    let n = [V::of(s, &n0[at..]), V::of(s, &n1[at..]), V::of(s, &n2[at..])];
+    let e = d.map(|x| x * near);
+    let n = three(s, &block.normal, at);
     let [re, im] = &block.factor;
     let factor = [V::of(s, &re[at..]), V::of(s, &im[at..])];
-    let (cos, sin) = phasor(s, r * (waves.wavenumber / core::f64::consts::TAU));
-    let amplitude = if waves.absorption > 0.0 { near * r.each(|r| [exp(-waves.absorption * r)])[0] } else { near };
     // G_a = r^{2a} times the a-th derivative of g by s, times the factor: g times 1, v - 1, v^2 - 3v + 3, v^3 - 6v^2 + 15v - 15,
     // v = ur.
     let v = [r * -waves.absorption, r * waves.wavenumber];
-    let g0 = times([amplitude * cos, amplitude * sin], factor);
+    let g0 = times(spread(s, waves, r, near), factor);
     let g1 = times([v[0] - 1.0, v[1]], g0);
     let g2 = times(plus(times([v[0] - 3.0, v[1]], v), 3.0), g0);
     let g3 = times([v[0] - 6.0, v[1]], v);
@@ -291,11 +327,6 @@ fn cubic<S: Doubles>(l: [V<S>; 3], [xx, xy, xz, yy, yz, zz]: [V<S>; 6]) -> [V<S>
 }
 
 #[inline(always)]
-pub(super) fn dot<S: Doubles>(a: [V<S>; 3], b: [V<S>; 3]) -> V<S> {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-#[inline(always)]
 fn times<S: Doubles>(a: C<S>, b: C<S>) -> C<S> {
     [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
 }
@@ -330,39 +361,3 @@ pub(super) fn even<S: Doubles>(s: S, square: f64, terms: &[f64], c: V<S>) -> [V<
     let slopes = [f[0], f[1] * a, f[1] * b + f[2] * a * a, f[2] * a * (2.0 * b) + f[3] * a * a * a];
     slopes.map(|slope| zero.where_less(c, zero, slope))
 }
-
-/// Cosine and sine of an angle in turns below 2^40, to 3e-16: by Taylor's polynomials within a quarter turn of half turns.
-#[inline(always)]
-pub(super) fn phasor<S: Doubles>(s: S, turns: V<S>) -> (V<S>, V<S>) {
-    let halves = turns * 2.0;
-    let whole = halves.round();
-    // Of an even number of half turns 1, else -1.
-    let odd = whole - (whole * 0.5).round() * 2.0;
-    let sign = V::all(s, 1.0) - odd * odd * 2.0;
-    let angle = (halves - whole) * core::f64::consts::PI;
-    let square = angle * angle;
-    let [mut cos, mut sin] = [V::all(s, TAYLOR[20]), V::all(s, TAYLOR[21])];
-    for n in (0..10).rev() {
-        cos = cos * square + TAYLOR[2 * n];
-        sin = sin * square + TAYLOR[2 * n + 1];
-    }
-    (cos * sign, sin * angle * sign)
-}
-
-/// 1/n! with the signs of cosine and, between them, of sine.
-const TAYLOR: [f64; 22] = {
-    let mut terms = [1.0; 22];
-    let mut n = 1;
-    while n < 22 {
-        terms[n] = terms[n - 1] / n as f64;
-        n += 1;
-    }
-    let mut n = 0;
-    while n < 22 {
-        if n / 2 % 2 == 1 {
-            terms[n] = -terms[n];
-        }
-        n += 1;
-    }
-    terms
-};

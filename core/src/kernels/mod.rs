@@ -28,6 +28,8 @@ pub(crate) mod limit;
 #[forbid(unsafe_code)]
 pub(crate) mod matrix;
 #[forbid(unsafe_code)]
+pub(crate) mod panels;
+#[forbid(unsafe_code)]
 pub(crate) mod phasor;
 #[forbid(unsafe_code)]
 pub(crate) mod propagate;

@@ -1,6 +1,7 @@
 //! Sine and cosine of phases in turns, powers of two and logarithms, as polynomials without branches.
 
 use crate::kernels::simd::Elementwise;
+use crate::kernels::simd::doubles::{Doubles, V};
 
 /// sqrt(2) sin(pi x)/x in powers of x^2, least maximal error on |x| <= 1/2 (2e-8 before rounding).
 #[allow(clippy::approx_constant, reason = "fitted coefficients that lie near a constant")]
@@ -60,6 +61,42 @@ pub(crate) fn log2<S: Elementwise>(s: S, x: S::V) -> S::V {
     let rest = s.sub(s.mul(x, s.exp2(s.sub(s.splat(0.0), whole))), s.splat(1.0));
     s.fma(polynomial(s, &LOGARITHM, rest), rest, whole)
 }
+
+/// Cosine and sine of an angle in turns below 2^40, to 3e-16: by Taylor's polynomials within a quarter turn of half turns.
+#[inline(always)]
+pub(crate) fn phasor<S: Doubles>(s: S, turns: V<S>) -> (V<S>, V<S>) {
+    let halves = turns * 2.0;
+    let whole = halves.round();
+    // Of an even number of half turns 1, else -1.
+    let odd = whole - (whole * 0.5).round() * 2.0;
+    let sign = V::all(s, 1.0) - odd * odd * 2.0;
+    let angle = (halves - whole) * core::f64::consts::PI;
+    let square = angle * angle;
+    let [mut cos, mut sin] = [V::all(s, TAYLOR[20]), V::all(s, TAYLOR[21])];
+    for n in (0..10).rev() {
+        cos = cos * square + TAYLOR[2 * n];
+        sin = sin * square + TAYLOR[2 * n + 1];
+    }
+    (cos * sign, sin * angle * sign)
+}
+
+/// 1/n! with the signs of cosine and, between them, of sine.
+pub(crate) const TAYLOR: [f64; 22] = {
+    let mut terms = [1.0; 22];
+    let mut n = 1;
+    while n < 22 {
+        terms[n] = terms[n - 1] / n as f64;
+        n += 1;
+    }
+    let mut n = 0;
+    while n < 22 {
+        if n / 2 % 2 == 1 {
+            terms[n] = -terms[n];
+        }
+        n += 1;
+    }
+    terms
+};
 
 #[cfg(test)]
 #[path = "tests/phasor.rs"]

@@ -12,6 +12,7 @@ use num_complex::{Complex32, Complex64};
 
 use crate::control::Control;
 use crate::error::Error;
+use crate::kernels::{InstructionSet, padded, panels};
 use crate::propagation::boundary::Boundary;
 use crate::propagation::sources::Sources;
 use crate::propagation::sphere::Sphere;
@@ -38,7 +39,7 @@ impl Basis for Boundary {
 #[derive(Clone, Debug)]
 pub(crate) struct Bodies {
     basis: Arc<dyn Basis>,
-    /// S (K, N), wave by wave, real and imaginary parts apart; the transducers' responses left out.
+    /// S (K, N), wave by wave, padded, real and imaginary parts apart; the transducers' responses left out.
     answers: [Vec<f32>; 2],
     transducers: usize,
 }
@@ -46,41 +47,52 @@ pub(crate) struct Bodies {
 impl Bodies {
     pub(crate) fn of_sphere(sphere: Sphere, sources: &Sources, control: &mut Control) -> Result<Self, Error> {
         let answers = sphere.answers(sources, control)?;
-        let answers = [answers.iter().map(|a| a.re as f32).collect(), answers.iter().map(|a| a.im as f32).collect()];
-        Ok(Self { basis: Arc::new(sphere), answers, transducers: sources.array.len() })
+        let answers = answers.iter().map(|answer| Complex32::new(answer.re as f32, answer.im as f32));
+        Ok(Self::of(Arc::new(sphere), answers, sources.array.len()))
     }
 
     /// Of the sound on a boundary's elements (E, N).
     pub(crate) fn of_boundary(boundary: Arc<Boundary>, sound: &[Complex32]) -> Self {
-        let answers = [sound.iter().map(|u| u.re).collect(), sound.iter().map(|u| u.im).collect()];
-        let transducers = sound.len() / boundary.elements();
-        Self { basis: boundary, answers, transducers }
+        let transducers = boundary.transducers();
+        Self::of(boundary, sound.iter().copied(), transducers)
+    }
+
+    fn of(basis: Arc<dyn Basis>, answers: impl ExactSizeIterator<Item = Complex32>, transducers: usize) -> Self {
+        let lanes = padded(transducers);
+        let mut planes = [(); 2].map(|()| vec![0.0; answers.len() / transducers * lanes]);
+        for (k, answer) in answers.enumerate() {
+            let at = k / transducers * lanes + k % transducers;
+            (planes[0][at], planes[1][at]) = (answer.re, answer.im);
+        }
+        Self { basis, answers: planes, transducers }
     }
 
     /// The number of waves or elements.
     pub(crate) fn len(&self) -> usize {
-        self.answers[0].len() / self.transducers
+        self.answers[0].len() / padded(self.transducers)
     }
 
-    /// What each transducer sends to a point by way of them, its response left out, in Pa.
-    pub(crate) fn sent(&self, point: [f64; 3]) -> Vec<Complex64> {
+    /// What each transducer sends to some points by way of them, its response left out, in Pa: real and imaginary parts, padded.
+    pub(crate) fn sent(&self, points: &[[f64; 3]]) -> Vec<[Vec<f32>; 2]> {
+        let lanes = padded(self.transducers);
         let mut row = Vec::new();
-        self.basis.row(point, &mut row);
-        let [mut re, mut im] = [(); 2].map(|()| vec![0.0_f32; self.transducers]);
-        for (received, [own_re, own_im]) in row.iter().zip(self.each()) {
-            let (x, y) = (received.re as f32, received.im as f32);
-            for (((re, im), a), b) in re.iter_mut().zip(&mut im).zip(own_re).zip(own_im) {
-                *re += x * a - y * b;
-                *im += x * b + y * a;
-            }
-        }
-        re.into_iter().zip(im).map(|(re, im)| Complex64::new(f64::from(re), f64::from(im))).collect()
+        let received = |point: &[f64; 3]| {
+            self.basis.row(*point, &mut row);
+            let part = |of: fn(&Complex64) -> f64| row.iter().map(|received| of(received) as f32).collect();
+            [part(|received| received.re), part(|received| received.im)]
+        };
+        let received: Vec<[Vec<f32>; 2]> = points.iter().map(received).collect();
+        let mut sent = vec![[(); 2].map(|()| vec![0.0; lanes]); points.len()];
+        let answers = self.answers.each_ref().map(|plane| &plane[..]);
+        // Every instruction set gives the same bits.
+        panels::add_answers(InstructionSet::best(), answers, &received, &mut sent, lanes);
+        sent
     }
 
     /// What all transducers make of each wave or element.
     fn each(&self) -> impl Iterator<Item = [&[f32]; 2]> {
-        let [re, im] = &self.answers;
-        re.chunks_exact(self.transducers).zip(im.chunks_exact(self.transducers)).map(|(re, im)| [re, im])
+        let [re, im] = self.answers.each_ref().map(|plane| plane.chunks_exact(padded(self.transducers)));
+        re.zip(im).map(|(re, im)| [re, im])
     }
 
     /// The waves or elements in the field of a drive (N,), responses counted in.

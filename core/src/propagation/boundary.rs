@@ -20,6 +20,9 @@ use num_complex::{Complex32, Complex64};
 
 use crate::control::{Control, bytes};
 use crate::error::Error;
+use crate::kernels::InstructionSet;
+use crate::kernels::panels::{self, Panels};
+use crate::kernels::simd::doubles::EIGHT;
 use crate::propagation::element::{Element, influence};
 use crate::propagation::reflection::{Reflection, reflections};
 use crate::propagation::sources::Sources;
@@ -58,6 +61,8 @@ pub struct Boundary {
     pub(super) elements: Vec<Element>,
     /// The elements' images in walls.
     images: Vec<(f64, Vec<Element>)>,
+    /// Those and these, eight at a time.
+    panels: Vec<Vec<Panels>>,
 }
 
 impl Boundary {
@@ -76,10 +81,12 @@ impl Boundary {
         let bare = array.clone().with_response(None)?.with_mask(None)?;
         let reflections = reflections(array.centre(), &obstacles);
         let seen = |reflection: &Reflection| elements.iter().map(|element| reflection.element(element)).collect();
-        let images = reflections.iter().map(|reflection| (reflection.sign(), seen(reflection))).collect();
+        let images: Vec<_> = reflections.iter().map(|reflection| (reflection.sign(), seen(reflection))).collect();
+        let each = core::iter::once(&elements).chain(images.iter().map(|(_, images)| images));
+        let panels = each.map(|elements| Element::panels(elements, medium.wavenumber())).collect();
         let arrays = reflections.iter().map(|reflection| reflection.array(&bare));
         let sources = core::iter::once(bare.clone()).chain(arrays).map(|array| Sources::new(&array, medium)).collect();
-        Ok(Self { obstacles, sources, elements, images })
+        Ok(Self { obstacles, sources, elements, images, panels })
     }
 
     /// The number of elements E.
@@ -191,10 +198,18 @@ impl Boundary {
     pub(crate) fn row(&self, point: [f64; 3], row: &mut Vec<Complex64>) {
         let wave = self.medium().complex_wavenumber();
         row.clear();
-        row.extend(self.elements.iter().map(|element| influence(wave, (point, None), element)));
-        for (sign, images) in &self.images {
-            let seen = images.iter().map(|element| *sign * influence(wave, (point, None), element));
-            row.iter_mut().zip(seen).for_each(|(sum, seen)| *sum += seen);
+        row.resize(self.elements.len(), Complex64::ZERO);
+        let images = self.images.iter().map(|(sign, elements)| (*sign, elements));
+        for ((sign, elements), panels) in core::iter::once((1.0, &self.elements)).chain(images).zip(&self.panels) {
+            let mut parts = row.chunks_mut(EIGHT).zip(elements.chunks(EIGHT));
+            // Every instruction set gives the same bits.
+            panels::each(InstructionSet::best(), [wave.re, wave.im], panels, point, |[re, im]| {
+                let Some((row, elements)) = parts.next() else { return };
+                for ((sum, element), (&re, &im)) in row.iter_mut().zip(elements).zip(re.iter().zip(im)) {
+                    let near = element.is_near(point).then(|| influence(wave, (point, None), element));
+                    *sum += sign * near.unwrap_or(Complex64::new(re, im));
+                }
+            });
         }
     }
 

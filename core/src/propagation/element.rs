@@ -2,8 +2,13 @@
 
 use core::f64::consts::PI;
 
+use alloc::vec::Vec;
+
 use num_complex::Complex64;
 
+use crate::kernels::panels::{NODES, Panels};
+use crate::kernels::phasor::TAYLOR;
+use crate::kernels::simd::doubles::EIGHT;
 use crate::math;
 use crate::scene::geometry::{cross, distance, dot, minus};
 use crate::scene::mesh::{Triangle, area_vector, halved};
@@ -38,7 +43,7 @@ struct Patch {
     /// The distance of its farthest corner from its middle.
     reach: f64,
     /// The nodes of [`RULE`], and their weights in m^2 over 4 pi.
-    nodes: [([f64; 3], f64); 6],
+    nodes: [([f64; 3], f64); NODES],
 }
 
 impl Patch {
@@ -77,8 +82,8 @@ pub(crate) type Place = ([f64; 3], Option<([f64; 3], Complex64)>);
 
 impl Element {
     /// Those of a mesh, at most so large in m^2 and long in m.
-    pub(crate) fn all(mesh: &Mesh, [area, edge]: [f64; 2]) -> alloc::vec::Vec<Self> {
-        let mut all = alloc::vec::Vec::new();
+    pub(crate) fn all(mesh: &Mesh, [area, edge]: [f64; 2]) -> Vec<Self> {
+        let mut all = Vec::new();
         for triangle in mesh.triangles() {
             halved(triangle, area, edge, &mut |part| all.push(Self::new(part, mesh.kind())));
         }
@@ -104,6 +109,37 @@ impl Element {
     /// The distance of its farthest corner from its middle.
     pub(crate) fn reach(&self) -> f64 {
         self.patch.reach
+    }
+
+    /// Whether a place is so near that it is cut there.
+    pub(crate) fn is_near(&self, place: [f64; 3]) -> bool {
+        distance(place, self.patch.center) < NEAR * self.patch.reach
+    }
+
+    /// Some elements for [`crate::kernels::panels::each`], of a wavenumber in rad/m.
+    pub(crate) fn panels(elements: &[Self], wavenumber: f64) -> Vec<Panels> {
+        elements.chunks(EIGHT).map(|chunk| Self::panel(chunk, wavenumber)).collect()
+    }
+
+    fn panel(chunk: &[Self], wavenumber: f64) -> Panels {
+        let mut panels = Panels::NONE;
+        for lane in 0..EIGHT {
+            // Those that are too many lie where the last one does.
+            let element = &chunk[lane.min(chunk.len() - 1)];
+            for axis in 0..3 {
+                panels.center[axis][lane] = element.patch.center[axis];
+                panels.normal[axis][lane] = element.normal[axis];
+            }
+            for (k, (node, weight)) in element.patch.nodes.iter().enumerate() {
+                node.iter().zip(&mut panels.nodes[k]).for_each(|(x, own)| own[lane] = *x);
+                panels.weights[k][lane] = *weight;
+            }
+            [panels.beside[lane], panels.along[lane]] = match element.kind {
+                Surface::Rigid => [0.0, 1.0],
+                Surface::Soft => [-wavenumber, 0.0],
+            };
+        }
+        panels
     }
 
     /// What the equation at its middle has beside its integrals: half of p, or half of j/k dp/dn.
@@ -231,22 +267,3 @@ fn near_phasors(turned: Complex64, distances: [f64; 6]) -> [Complex64; 6] {
         Complex64::new(cos[k] * grown, angles[k] * sin[k] * grown)
     })
 }
-
-/// Coefficients of the cosine and, one after each, of the sine over its argument: 1/n! with their signs.
-const TAYLOR: [f64; 16] = {
-    let mut terms = [1.0; 16];
-    let mut n = 1;
-    while n < 16 {
-        terms[n] = terms[n - 1] / n as f64;
-        n += 1;
-    }
-    let mut pair = 1;
-    while pair < 8 {
-        if pair % 2 == 1 {
-            terms[2 * pair] = -terms[2 * pair];
-            terms[2 * pair + 1] = -terms[2 * pair + 1];
-        }
-        pair += 1;
-    }
-    terms
-};

@@ -2,6 +2,7 @@
 
 use alloc::format;
 use alloc::sync::Arc;
+use alloc::vec;
 use alloc::vec::Vec;
 
 use num_complex::Complex64;
@@ -13,16 +14,23 @@ use crate::kernels::InstructionSet;
 use crate::propagation::scattering::Scattering;
 use crate::propagation::sources::Sources;
 use crate::propagation::stiffness::Stiffness;
+use crate::propagation::taylor::add_exact;
 use crate::scene::Signature;
 
 /// Entries of G that are kept at most: a tenth of a second's work, and a few MB. Of more than eight waves each fewer.
 const MOST_ENTRIES: usize = 1 << 20;
 
+/// G, or why there is none.
+pub(crate) type Matrix = Result<Arc<[Complex64]>, Error>;
+
+/// Points and the matrix of what differs in nothing else: columns of points that stay need not be made again.
+pub(crate) type Known<'a> = (&'a [[f64; 3]], &'a [Complex64]);
+
 /// What is made of it: values, so that a program without obstacles and signatures is not linked with them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Make {
     /// [`Kept::matrix`]
-    pub(crate) matrix: fn(&Kept) -> Result<Arc<[Complex64]>, Error>,
+    pub(crate) matrix: fn(&Kept, Option<Known<'_>>) -> Matrix,
     /// [`Kept::stiffness`]
     pub(crate) stiffness: fn(&Kept, &mut Control) -> Result<Option<Stiffness>, Error>,
 }
@@ -56,66 +64,77 @@ impl Kept {
     /// Of channels alone, without obstacles and signature.
     pub(crate) const BARE: Make = Make { matrix: Self::bare, stiffness: |_, _| Ok(None) };
 
-    /// Refuses points inside obstacles, and factors that do not fit.
-    fn check(&self) -> Result<(), Error> {
-        let (transducers, points) = (self.sources.array.len(), self.points.len());
-        self.signature.as_ref().map_or(Ok(()), |signature| signature.check(transducers, points))?;
-        if let Some(scattering) = &self.scattering {
-            scattering.check()?;
-            scattering.obstacles.check_points(&self.points)?;
-        }
-        Ok(())
-    }
-
     /// G in Pa, column by column (N or C, M).
     ///
     /// # Errors
     /// Points inside obstacles, factors that do not fit, more entries than are kept.
-    fn matrix(&self) -> Result<Arc<[Complex64]>, Error> {
-        self.check()?;
+    fn matrix(&self, known: Option<Known<'_>>) -> Matrix {
+        let array = &self.sources.array;
+        self.signature.as_ref().map_or(Ok(()), |signature| signature.check(array.len(), self.points.len()))?;
         let (waves, why) = match (&self.scattering, &self.signature) {
             (Some(scattering), _) => (scattering.cost(), "obstacles"),
             (None, Some(_)) => (1, "a signature"),
             (None, None) => (1, "channels"),
         };
-        self.columns((waves, why), |j, row| {
-            let point = self.points[j];
+        self.columns((waves, why), known, |chosen, points, rows| {
             if let Some(scattering) = &self.scattering {
-                scattering.add(&self.sources, point, row);
+                scattering.check()?;
+                let check = |(&j, &point): (&usize, &[f64; 3])| {
+                    scattering.obstacles.check_point(point, || format!("points[{j}].position"))
+                };
+                chosen.iter().zip(points).try_for_each(check)?;
+            }
+            add_exact(&self.sources, points, rows);
+            if let Some(scattering) = &self.scattering {
+                scattering.add(&self.sources, points, rows);
             }
             if let Some(signature) = &self.signature {
-                let reach: Vec<f64> = row.iter().map(|g| g.norm()).collect();
-                let factors = signature.factors(&self.sources.array, j, point, &reach);
-                row.iter_mut().zip(factors).for_each(|(g, s)| *g *= s);
+                for (row, (&j, &point)) in rows.iter_mut().zip(chosen.iter().zip(points)) {
+                    let reach: Vec<f64> = row.iter().map(|g| g.norm()).collect();
+                    let factors = signature.factors(array, j, point, &reach);
+                    row.iter_mut().zip(factors).for_each(|(g, s)| *g *= s);
+                }
             }
+            Ok(())
         })
     }
 
-    fn bare(&self) -> Result<Arc<[Complex64]>, Error> {
-        self.columns((1, "channels"), |_, _| {})
+    fn bare(&self, known: Option<Known<'_>>) -> Matrix {
+        self.columns((1, "channels"), known, |_, points, rows| {
+            for (row, &point) in rows.iter_mut().zip(points) {
+                row.iter_mut().enumerate().for_each(|(i, g)| *g = self.sources.exact(i, point));
+            }
+            Ok(())
+        })
     }
 
-    /// The columns of G, of so many waves each, with `more` on top of what comes straight from the transducers to point j.
+    /// The columns of G, of so many waves each. `add` gets the numbers and places of the points whose columns are not known, and
+    /// a row of zeros a point.
     fn columns(
         &self,
         (waves, why): (usize, &str),
-        more: impl Fn(usize, &mut Vec<Complex64>),
-    ) -> Result<Arc<[Complex64]>, Error> {
-        let (transducers, points) = (self.sources.array.len(), self.points.len());
+        known: Option<Known<'_>>,
+        add: impl Fn(&[usize], &[[f64; 3]], &mut [Vec<Complex64>]) -> Result<(), Error>,
+    ) -> Matrix {
+        let (transducers, count) = (self.sources.array.len(), self.points.len());
         let most = (8 * MOST_ENTRIES / waves.max(8) / transducers).max(1);
-        if points > most {
+        if count > most {
             let cure = format!("with {why} G is kept: give at most {most}");
-            return Err(Error::invalid("points", format!("{points} of them"), cure));
+            return Err(Error::invalid("points", format!("{count} of them"), cure));
         }
         let columns = self.channels.as_ref().map_or(transducers, Channels::count);
-        let mut matrix = alloc::vec![Complex64::ZERO; columns * points];
-        for (j, &point) in self.points.iter().enumerate() {
-            let mut row: Vec<Complex64> = (0..transducers).map(|i| self.sources.exact(i, point)).collect();
-            more(j, &mut row);
+        let known = known.filter(|(points, _)| points.len() == count);
+        let stays = |j: usize| known.is_some_and(|(points, _)| points[j] == self.points[j]);
+        let chosen: Vec<usize> = (0..count).filter(|&j| !stays(j)).collect();
+        let points: Vec<[f64; 3]> = chosen.iter().map(|&j| self.points[j]).collect();
+        let mut rows = vec![vec![Complex64::ZERO; transducers]; chosen.len()];
+        add(&chosen, &points, &mut rows)?;
+        let mut matrix = known.map_or_else(|| vec![Complex64::ZERO; columns * count], |(_, matrix)| matrix.to_vec());
+        for (&j, mut row) in chosen.iter().zip(rows) {
             if let Some(channels) = &self.channels {
                 row = channels.sums(&row);
             }
-            row.into_iter().enumerate().for_each(|(i, g)| matrix[i * points + j] = g);
+            row.into_iter().enumerate().for_each(|(i, g)| matrix[i * count + j] = g);
         }
         Ok(matrix.into())
     }

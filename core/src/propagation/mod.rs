@@ -41,7 +41,7 @@ use crate::error::{Error, one_each};
 use crate::kernels::propagate::rows;
 use crate::kernels::{self, ControlPoints, InstructionSet, Row, Run, padded};
 use crate::math;
-use crate::propagation::kept::Kept;
+use crate::propagation::kept::{Kept, Known};
 use crate::scene::{Array, Scene, UNITS};
 
 /// Square wavelengths, a little more than a hundredth squared: f32 decides where f64 is to look.
@@ -107,10 +107,10 @@ impl Propagation {
         Self { count, rows: Rows::Computed { sources, frame, points }, set }
     }
 
-    /// G that is kept, at points that have been checked.
-    pub(crate) fn kept(kept: Kept, set: InstructionSet) -> Result<Self, Error> {
-        let (count, reference, matrix) = (kept.points.len(), kept.sources.reference(), (kept.make.matrix)(&kept)?);
-        Ok(Self::stored(matrix, count, reference, set, Some(kept.into())))
+    /// G that is kept, at points that have been checked; what is `known` of it is not made again.
+    pub(crate) fn kept(kept: Kept, known: Option<Known<'_>>, set: InstructionSet) -> Result<Self, Error> {
+        let (count, reference) = (kept.points.len(), kept.sources.reference());
+        Ok(Self::stored((kept.make.matrix)(&kept, known)?, count, reference, set, Some(kept.into())))
     }
 
     /// The same with a column a channel, the sum of its transducers'; a given matrix has such columns already.
@@ -133,7 +133,7 @@ impl Propagation {
         }
         one_each("array.channels", channels.of().len(), "values", self.transducers(), "transducers")?;
         kept.channels = Some(channels.clone());
-        Self::kept(kept, self.set)
+        Self::kept(kept, None, self.set)
     }
 
     /// The same by the kernels of another instruction set than the machine's best.
@@ -342,10 +342,10 @@ impl Propagation {
     pub(crate) fn carry(&mut self, points: &[[f64; 3]]) -> Result<(), Error> {
         let (sources, frame, old) = match &mut self.rows {
             Rows::Computed { sources, frame, points } => (sources, frame, points),
-            Rows::Stored { kept: Some(kept), .. } => {
+            Rows::Stored { kept: Some(kept), matrix, .. } => {
                 kept.sources.check_points(points)?;
-                *self = Self::kept(Kept { points: points.into(), ..Kept::clone(kept) }, self.set)?;
-                return Ok(());
+                let moved = Kept { points: points.into(), ..Kept::clone(kept) };
+                return Self::kept(moved, Some((&kept.points, matrix)), self.set).map(|moved| *self = moved);
             }
             Rows::Stored { .. } => return Err(Error::given_points()),
         };

@@ -154,7 +154,8 @@ impl Model {
             return Ok(Propagation::at(sources, points.into(), self.set));
         };
         let (scattering, signature) = (self.scattering.clone(), self.signature.clone());
-        Propagation::kept(Kept { sources, points: points.into(), scattering, signature, channels, make }, self.set)
+        let kept = Kept { sources, points: points.into(), scattering, signature, channels, make };
+        Propagation::kept(kept, None, self.set)
     }
 
     /// Bytes that G at a point is kept in, in f64 and f32; 0 where it is computed on request.

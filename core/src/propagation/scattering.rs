@@ -1,6 +1,7 @@
 //! Scattering: what obstacles add to eq. (5), by image sources of walls and the answers of bodies.
 
 use alloc::sync::Arc;
+use alloc::vec::Vec;
 
 use num_complex::Complex64;
 
@@ -10,6 +11,7 @@ use crate::propagation::bodies::Bodies;
 use crate::propagation::reflection::{Reflection, reflections};
 use crate::propagation::sources::Sources;
 use crate::propagation::sphere::Sphere;
+use crate::propagation::taylor::add_exact;
 use crate::scene::{Obstacle, Obstacles};
 
 /// Obstacles prepared for the transducers of some [`Sources`].
@@ -53,15 +55,18 @@ impl Scattering {
         Err(Error::invalid("obstacles", "a mesh whose surface is not solved", cure))
     }
 
-    /// Adds what each transducer of some sources sends to a point by way of the obstacles, in Pa: images in double
-    /// precision, bodies by answers kept in single.
-    pub(crate) fn add(&self, sources: &Sources, point: [f64; 3], row: &mut [Complex64]) {
+    /// Adds what each transducer of some sources sends to some points by way of the obstacles, to a row a point, in Pa: images
+    /// in double precision, bodies by answers kept in single.
+    pub(crate) fn add(&self, sources: &Sources, points: &[[f64; 3]], rows: &mut [Vec<Complex64>]) {
         for image in &*self.images {
-            row.iter_mut().enumerate().for_each(|(i, g)| *g += image.exact(i, point));
+            add_exact(image, points, rows);
         }
         if let Some(bodies) = &self.bodies {
-            let sent = bodies.sent(point);
-            row.iter_mut().enumerate().for_each(|(i, g)| *g += sources.array.effect(i) * sent[i]);
+            for (row, [re, im]) in rows.iter_mut().zip(bodies.sent(points)) {
+                for (i, (g, (re, im))) in row.iter_mut().zip(re.into_iter().zip(im)).enumerate() {
+                    *g += sources.array.effect(i) * Complex64::new(f64::from(re), f64::from(im));
+                }
+            }
         }
     }
 

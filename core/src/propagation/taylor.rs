@@ -1,5 +1,6 @@
 //! Taylor: eq. (5) of an array's transducers as polynomials around a point, exact up to degree 3.
 
+use alloc::vec;
 use alloc::vec::Vec;
 
 use num_complex::Complex64;
@@ -58,6 +59,20 @@ impl Taylor {
             }
         };
         derivatives::each(self.set, &self.waves, &self.emitters, point, of, control)
+    }
+}
+
+/// Adds eq. (5) of some sources at some points (M, 3), in Pa, to a row (N,) a point.
+pub(crate) fn add_exact(sources: &Sources, points: &[[f64; 3]], rows: &mut [Vec<Complex64>]) {
+    // Every instruction set gives the same bits.
+    let Taylor { set, waves, emitters, members } =
+        Taylor::new(InstructionSet::best(), sources, |i| sources.array.effect(i));
+    let mut values = vec![[[0.0; EIGHT]; 2]; emitters.len()];
+    for (point, row) in points.iter().zip(rows) {
+        derivatives::values(set, &waves, &emitters, (*point, sources.medium.wavelength() / 100.0), &mut values);
+        for (members, [re, im]) in members.chunks(EIGHT).zip(&values) {
+            members.iter().zip(re.iter().zip(im)).for_each(|(&i, (&re, &im))| row[i] += Complex64::new(re, im));
+        }
     }
 }
 

@@ -179,6 +179,31 @@ operator!(Add, add, add_doubles);
 operator!(Sub, sub, sub_doubles);
 operator!(Mul, mul, mul_doubles);
 
+/// The first of each run of numbers that a set takes at once.
+#[inline(always)]
+pub(crate) fn runs<S: Doubles>(_s: S) -> impl Iterator<Item = usize> {
+    (0..EIGHT).step_by(S::WIDTH)
+}
+
+/// Those of three lists.
+#[inline(always)]
+pub(crate) fn three<S: Doubles>(s: S, [x, y, z]: &[Eight; 3], at: usize) -> [V<S>; 3] {
+    [V::of(s, &x[at..]), V::of(s, &y[at..]), V::of(s, &z[at..])]
+}
+
+/// From places to a point.
+#[inline(always)]
+pub(crate) fn ray<S: Doubles>(s: S, point: [f64; 3], (places, at): (&[Eight; 3], usize)) -> [V<S>; 3] {
+    let [x, y, z] = three(s, places, at);
+    [V::all(s, point[0]) - x, V::all(s, point[1]) - y, V::all(s, point[2]) - z]
+}
+
+/// The sum of their products.
+#[inline(always)]
+pub(crate) fn dot<S: Doubles>(a: [V<S>; 3], b: [V<S>; 3]) -> V<S> {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
 /// The sum of the eight, in a fixed order.
 pub(crate) fn total([a, b, c, d, e, f, g, h]: Eight) -> f64 {
     ((a + b) + (c + d)) + ((e + f) + (g + h))

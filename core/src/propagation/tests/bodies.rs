@@ -6,7 +6,8 @@ use core::f64::consts::{PI, TAU};
 use num_complex::{Complex32, Complex64};
 
 use crate::control::Control;
-use crate::kernels::InstructionSet;
+use crate::kernels::{InstructionSet, panels};
+use crate::propagation::element::{Element, influence};
 use crate::propagation::{Boundary, Model, field};
 use crate::scene::{Array, Directivity, Medium, Mesh, Obstacle, Surface, Transducer};
 
@@ -270,4 +271,58 @@ fn the_inside_of_a_mesh_is_found_by_solid_angles() {
     let inside = |by: f64| ball.contains([0, 1, 2].map(|x| CENTER[x] + by * [0.6, 0.64, 0.48][x]));
     assert!(inside(0.0) && inside(0.0093) && !inside(0.01001) && !inside(-0.01001));
     assert!((ball.volume() / (4.0 / 3.0 * PI * 1e-6) - 1.0).abs() < 0.1);
+}
+
+#[test]
+fn eight_elements_at_once_send_what_each_of_them_does() {
+    let array = array(Directivity::POINT);
+    for (kind, absorption) in [(Surface::Rigid, 0.0), (Surface::Soft, 0.15)] {
+        let medium = Medium { absorption, ..Medium::default() };
+        let boundary = Boundary::new(&array, medium, vec![ball(CENTER, RADIUS, 2, kind)]).expect("a ball");
+        let wave = medium.complex_wavenumber();
+        for point in points() {
+            let mut row = Vec::new();
+            boundary.row(point, &mut row);
+            assert_eq!(row.len(), boundary.elements());
+            for (found, element) in row.iter().zip(&boundary.elements) {
+                let wanted = influence(wave, (point, None), element);
+                assert!(
+                    (found - wanted).norm() < 1e-7 * wanted.norm().max(1e-4),
+                    "{kind:?} {point:?} {found} {wanted}"
+                );
+            }
+            let panels = Element::panels(&boundary.elements, wave.re);
+            let all = InstructionSet::all().map(|set| {
+                let mut bits = Vec::new();
+                panels::each(set, [wave.re, wave.im], &panels, point, |sent| {
+                    bits.push(sent.map(|x| x.map(f64::to_bits)));
+                });
+                bits
+            });
+            let all: Vec<_> = all.collect();
+            assert!(all.iter().all(|bits| *bits == all[0]), "every set has the same bits");
+        }
+    }
+}
+
+#[test]
+fn points_that_stay_keep_their_columns_and_the_others_are_made_anew() {
+    let sphere = Obstacle::Sphere { center: CENTER, radius: RADIUS, kind: Surface::Rigid };
+    let array = array(Directivity::T4010A1);
+    let model = model(&array, Medium::default()).with_obstacles(&[sphere]).expect("a sphere");
+    let mut points = points();
+    let mut carried = model.propagation(&points).expect("points");
+    for moved in [&[0][..], &[1, 3], &[], &[0, 1, 2, 3, 4]] {
+        for &j in moved {
+            points[j] = [0, 1, 2].map(|x| CENTER[x] + 1.02 * (points[j][x] - CENTER[x]));
+        }
+        carried.carry(&points).expect("other points");
+        let anew = model.propagation(&points).expect("points");
+        assert!(carried == anew, "the points {moved:?} moved");
+    }
+    points[2] = CENTER;
+    let error = carried.carry(&points).expect_err("a point inside").to_string();
+    assert!(error.contains("points[2].position"), "{error}");
+    carried.carry(&points[..2]).expect("fewer points");
+    assert!(carried == model.propagation(&points[..2]).expect("fewer points"));
 }

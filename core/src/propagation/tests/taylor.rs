@@ -115,3 +115,21 @@ fn each_wave_and_their_sum_are_those_of_multiplied_polynomials() {
         }
     }
 }
+
+#[test]
+fn values_are_those_of_eq_5() {
+    for (law, absorption) in Directivity::all().flat_map(|law| [(law, 0.0), (law, 0.15)]) {
+        let (sources, _) = sources(law, absorption);
+        let [x, y, z] = sources.array.positions()[3];
+        // Before and behind, and within a hundredth of a wavelength.
+        let points = [[0.013, -0.02, 0.17], [0.3, 0.1, -0.2], [x, y + 2e-5, z]];
+        let mut rows = vec![vec![Complex64::ONE; sources.array.len()]; points.len()];
+        add_exact(&sources, &points, &mut rows);
+        for (point, row) in points.into_iter().zip(&rows) {
+            for (i, found) in row.iter().enumerate() {
+                let wanted = Complex64::ONE + sources.exact(i, point);
+                assert!((found - wanted).norm() < 1e-12 * wanted.norm().max(1.0), "{law:?} {i}: {found} {wanted}");
+            }
+        }
+    }
+}
