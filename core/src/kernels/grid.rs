@@ -17,7 +17,7 @@ use num_complex::Complex32;
 
 use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-use crate::kernels::simd::{Apart, Elementwise, Simd};
+use crate::kernels::simd::{Apart, Elementwise, Simd, WHOLE};
 use crate::math;
 
 /// Above this modulus a drive is at full power but for its rounding.
@@ -55,6 +55,24 @@ pub(crate) struct Amplitudes {
     middles: Vec<f32>,
     /// The least code that any amplitude of a bucket may have.
     first: Vec<f32>,
+}
+
+/// The phasors of codes so few, up and down, that they are looked up without leaving the lanes.
+#[derive(Clone, Copy)]
+pub(crate) struct Few {
+    up: [Lanes; 2],
+    down: [Lanes; 2],
+}
+
+impl Few {
+    /// As [`Phases::phasors`].
+    #[inline(always)]
+    pub(crate) fn phasors<S: Elementwise>(&self, s: S, codes: S::V, q: [S::V; 2]) -> [S::V; 2] {
+        let (large, zero, place) = (sides(s, q)[0], s.splat(0.0), s.add(s.abs(codes), s.splat(WHOLE)));
+        let re = s.select_less(codes, zero, s.gather(&self.down[0], place), s.gather(&self.up[0], place));
+        let im = s.select_less(codes, zero, s.gather(&self.down[1], place), s.gather(&self.up[1], place));
+        [s.select_less(zero, large, re, zero), s.select_less(zero, large, im, zero)]
+    }
 }
 
 impl Phases {
@@ -108,6 +126,15 @@ impl Phases {
     #[inline(always)]
     pub(crate) fn nearest<S: Elementwise>(&self, s: S, q: [S::V; 2]) -> [S::V; 2] {
         self.phasors(s, s.floor(self.later(s, q)), q)
+    }
+
+    /// The phasors of codes up to `most` if that is below 16, up or down.
+    pub(crate) fn few(&self, most: f32) -> Option<Few> {
+        let none = self.count as usize;
+        let phasor = |code: usize, part: usize| self.phasors[2 * code + part];
+        let up = |part: usize| core::array::from_fn(|l| phasor(none + l.min(none), part));
+        let down = |part: usize| core::array::from_fn(|l| phasor(none - l.min(none), part));
+        (most < LANES as f32).then(|| Few { up: [up(0), up(1)], down: [down(0), down(1)] })
     }
 
     /// cos - 1 and sin of 2 pi/L.
@@ -271,6 +298,15 @@ impl Grid {
                 let least = FULL * most;
                 let least = least * least;
                 some.known = (least > f32::MIN_POSITIVE && s.less(square, s.splat(least)) == 0).then_some(common);
+                if let (Some(phases), Some(_), Some(_)) = (&self.phases, &self.amplitudes, some.known)
+                    && own.len() == LANES
+                    && !s.is_short()
+                {
+                    for eight in own.chunks_exact_mut(LANES / 2) {
+                        differ |= round_pairs(s, phases, (some.part, common), eight);
+                    }
+                    continue;
+                }
                 s.apart(own.len(), &mut some);
                 differ |= some.differ & (u32::MAX >> (32 - own.len()));
                 for (own, (re, im)) in own.iter_mut().zip(some.q[0].into_iter().zip(some.q[1])) {
@@ -280,6 +316,22 @@ impl Grid {
             differ == 0
         })
     }
+}
+
+/// Rounds eight drives to the nearest phases at a known amplitude; the bits of what then differs, as [`Grid::round`] tells.
+#[inline(always)]
+fn round_pairs<S: Simd>(s: S, phases: &Phases, (part, common): (f32, f32), eight: &mut [Complex32]) -> u32 {
+    let mut pairs: Lanes = [0.0; LANES];
+    for (pair, q) in pairs.as_chunks_mut::<2>().0.iter_mut().zip(&*eight) {
+        *pair = [q.re, q.im];
+    }
+    let (q, common) = (s.load(&pairs), s.splat(common));
+    let new = s.mul(common, phases.nearest_pairs(s, s.mul(q, s.splat(part))));
+    s.store(new, &mut pairs);
+    for (q, pair) in eight.iter_mut().zip(pairs.as_chunks::<2>().0) {
+        *q = Complex32::new(pair[0], pair[1]);
+    }
+    s.less(s.splat(0.0), s.abs(s.sub(new, s.mul(q, common))))
 }
 
 /// Drives being rounded.

@@ -24,8 +24,8 @@ use num_complex::Complex32;
 use crate::control::Control;
 use crate::device::quantization::{Quantization, steps_within};
 use crate::error::{Error, real};
-use crate::kernels::tiles::error_diffusion;
-use crate::kernels::tiles::unit::Arc;
+use crate::kernels::tiles::unit::{Arc, rotate_list};
+use crate::kernels::tiles::{all_sound, error_diffusion};
 use crate::math;
 use crate::problem::{Problem, Solution, Status};
 use crate::solvers::common::alternating_projection::Projector;
@@ -175,11 +175,6 @@ fn placed(problem: &Problem, q: Complex32) -> Complex32 {
     problem.quantization().map_or(unit(q), |board| board.nearest(unit(q)))
 }
 
-/// q/|q| of a q that is 1 but for rounding, or 0: a step of Newton's for the root.
-fn settled(q: Complex32) -> Complex32 {
-    q * (1.5 - 0.5 * q.norm_sqr())
-}
-
 /// Takes a drive as the last one, by the board's nearest phases; every transducer that reaches a point must have a phase.
 fn begin(last: &mut Last, problem: &Problem, drive: &[Complex32]) -> Result<(), Error> {
     let propagation = problem.propagation();
@@ -220,21 +215,25 @@ impl<'w> Frame<'w> {
         control: &mut Control,
     ) -> Result<Self, Error> {
         let mut rows = Rows::alike(problem, &[], work, control)?;
-        last.reach(|i| rows.tiles().reaches(i));
         let mut wave = Wave::new(&rows, work);
         let kept = if glide.tau > 0.0 { math::exp(-1.0 / (glide.rate * glide.tau)) } else { 0.0 };
         let part = (1.0 - kept) as f32;
         let rest = (kept > 0.0).then(|| {
-            wave.play(&rows, last.envelope.iter().map(|y| y * kept as f32));
+            wave.scaled(&rows, &last.envelope, kept as f32);
+            wave.hear(&rows);
             [0, 1].map(|plane: usize| {
                 let mut rest = work.floats.take_any(rows.count);
                 rest.copy_from_slice(&wave.field[plane]);
                 rest
             })
         });
-        wave.take(&rows, last.played.iter().map(|q| q * part));
+        wave.scaled(&rows, &last.played, part);
+        if !all_sound(rows.set, rows.tiles(), [&wave.drive[0], &wave.drive[1]], last.played.len()) {
+            last.reach(|i| rows.tiles().reaches(i));
+            wave.scaled(&rows, &last.played, part);
+        }
         rows.rotate(&wave.drive);
-        wave.take(&rows, last.wave.iter().zip(&last.played).map(|(q, played)| q * played.conj()));
+        wave.relate(&rows, &last.wave, &last.played);
         let phases = problem.quantization().and_then(Quantization::phases);
         let step = phases.map(|count| TAU / f64::from(count));
         let codes = phases.map_or(f64::INFINITY, |count| steps_within(glide.change, count));
@@ -312,7 +311,8 @@ impl<'w> Frame<'w> {
         let off = |wave: &Wave| wave.unevenness(rows, wave.level(rows), 0.0);
         let mut kept = false;
         if phases.is_some() {
-            trial.play(rows, last.played.iter().map(|q| q * q.conj()));
+            trial.relate(rows, &last.played, &last.played);
+            trial.hear(rows);
             add(trial, rest.as_ref());
             kept = off(trial) <= NO_WORSE * last.unevenness && trial.level(rows) >= AS_LOUD * wave.level(rows);
         }
@@ -320,8 +320,8 @@ impl<'w> Frame<'w> {
             // Nothing is remembered of what was found: at rest the next frame finds the same, and keeps its codes, too.
             core::mem::swap(wave, trial);
         } else {
-            let drives = wave.drive[0].iter().zip(&wave.drive[1]).map(|(&re, &im)| Complex32::new(re, im));
-            last.wave.iter_mut().zip(&last.played).zip(drives).for_each(|((q, played), d)| *q = settled(d * played));
+            last.wave.copy_from_slice(&last.played);
+            rotate_list(rows.set, [&wave.drive[0], &wave.drive[1]], &mut last.wave);
             last.weights.clear();
             last.weights.extend_from_slice(weights);
             if let Some(phases) = phases {
@@ -339,9 +339,7 @@ impl<'w> Frame<'w> {
                 add(wave, rest.as_ref());
                 last.unevenness = off(wave);
             }
-            for (i, played) in last.played.iter_mut().enumerate() {
-                *played = settled(*played * Complex32::new(wave.drive[0][i], wave.drive[1][i]));
-            }
+            rotate_list(rows.set, [&wave.drive[0], &wave.drive[1]], &mut last.played);
             if let Some(grid) = grid {
                 grid.round(rows.set, 1.0, [1.0; 2], &mut last.played);
             }
@@ -349,7 +347,7 @@ impl<'w> Frame<'w> {
         for (y, q) in last.envelope.iter_mut().zip(&last.played) {
             *y += (q - *y) * *part;
         }
-        if grid.is_some() || rest.is_some() {
+        if grid.is_some() && phases.is_none() || rest.is_some() {
             // What the answer tells is the field of its drives at rest.
             wave.hear(rows);
             let scale = 1.0 / *part;

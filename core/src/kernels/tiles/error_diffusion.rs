@@ -24,7 +24,7 @@
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::kernels::grid::Phases;
+use crate::kernels::grid::{Few, Phases};
 use crate::kernels::lanes::{BLOCK, LANES, Lanes, groups_mut};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Simd, TINY};
@@ -35,6 +35,7 @@ use crate::math::sqrtf;
 #[derive(Clone, Copy)]
 pub(crate) struct Choice<'a> {
     phases: &'a Phases,
+    few: Option<Few>,
     /// The largest code, up or down.
     most: f32,
     /// A drive within this part of a step of code 0 has that code: 1/2 is nearest rounding.
@@ -48,13 +49,14 @@ pub(crate) struct Choice<'a> {
 impl<'a> Choice<'a> {
     /// As even as the phases allow, by codes up to `most`.
     pub(crate) fn even(phases: &'a Phases, most: f32) -> Self {
-        Self { phases, most, kept: 0.5, rotation: MOST_ROTATION, even: EVEN[0] }
+        Self { phases, most, kept: 0.5, rotation: MOST_ROTATION, even: EVEN[0], few: None }
     }
 
     /// In motion, where code 0 is that of the last frame: few codes change, as each change is a step that sounds.
     pub(crate) fn in_motion(phases: &'a Phases, most: f32) -> Self {
         let step = 1.0 / phases.count();
-        Self { phases, most, kept: 0.75, rotation: 0.25 * step, even: (step * step).clamp(EVEN[0], EVEN[1]) }
+        let even = (step * step).clamp(EVEN[0], EVEN[1]);
+        Self { kept: 0.75, rotation: 0.25 * step, even, few: phases.few(most), ..Self::even(phases, most) }
     }
 }
 
@@ -82,7 +84,6 @@ const EIGHT: usize = LANES / 2;
 const MOST: usize = 4;
 /// Rotations in turns beyond which a pressure is no longer near its tangent.
 const MOST_ROTATION: f32 = 0.125;
-
 /// The least and the largest [`Choice::even`].
 const EVEN: [f32; 2] = [5e-5, 1e-3];
 
@@ -139,7 +140,6 @@ impl<'a> Points<'a> {
             #[inline(always)]
             || {
                 let (mut total, mut wrong) = (s.splat(0.0), s.splat(0.0));
-                let level = s.splat(self.level);
                 // The conjugate's signs.
                 let mut signs: Lanes = [1.0; LANES];
                 signs[EIGHT..].fill(-1.0);
@@ -153,7 +153,7 @@ impl<'a> Points<'a> {
                     let inverse = s.rsqrt(square);
                     let modulus = s.mul(square, inverse);
                     total = s.fma(modulus, loud, total);
-                    let off = s.mul(root, s.fnma(level, loud, modulus));
+                    let off = s.mul(root, s.fnma(s.splat(self.level), loud, modulus));
                     wrong = s.fma(off, off, wrong);
                     let along = s.mul(s.mul(signs, field), s.mul(root, inverse));
                     s.store(off, miss);
@@ -322,13 +322,13 @@ fn rounded<S: Simd>(s: S, choice: Choice<'_>, q: [S::V; 2], rotation: S::V) -> (
     s.aside(
         #[inline(always)]
         || {
-            let Choice { phases, most, kept, .. } = choice;
+            let Choice { phases, most, kept, few, .. } = choice;
             let later = s.fma(rotation, s.splat(phases.count()), phases.later(s, q));
-            let off = s.abs(s.sub(later, s.splat(0.5)));
-            let code = s.select_less(off, s.splat(kept), s.splat(0.0), s.floor(later));
+            let code = s.select_less(s.abs(s.sub(later, s.splat(0.5))), s.splat(kept), s.splat(0.0), s.floor(later));
             let code = s.max(s.min(code, s.splat(most)), s.splat(-most));
             // Transducers without effect stay silent.
-            (code, phases.phasors(s, code, q))
+            let Some(few) = &few else { return (code, phases.phasors(s, code, q)) };
+            (code, few.phasors(s, code, q))
         },
     )
 }

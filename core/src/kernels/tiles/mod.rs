@@ -88,6 +88,22 @@ pub(crate) struct Wave<'a> {
     pub(crate) field: [&'a mut [f32]; 2],
 }
 
+/// Whether each of the first transducers reaches the first point, as nearly all do, and has a drive.
+pub(crate) fn all_sound(set: InstructionSet, tiles: Tiles<'_>, drive: [&[f32]; 2], transducers: usize) -> bool {
+    dispatch!(set, s => {
+        let [qr, qi] = drive.map(groups);
+        let [gr, gi] = tiles.planes.map(blocks);
+        let mut missing = 0;
+        for (t, ((gr, gi), (qr, qi))) in gr.iter().zip(gi).zip(qr.iter().zip(qi)).enumerate() {
+            let own = (1 << transducers.saturating_sub(t * LANES).min(LANES)) - 1;
+            let reach = s.add(s.abs(s.load(&gr[0])), s.abs(s.load(&gi[0])));
+            let sound = s.add(s.abs(s.load(qr)), s.abs(s.load(qi)));
+            missing |= own & !s.less(s.splat(0.0), s.min(reach, sound));
+        }
+        missing == 0
+    })
+}
+
 /// Writes G of the transducers `members` as tiles: row `k` is point `order[k]`, zeros beyond the last point and
 /// transducer.
 ///

@@ -1,5 +1,7 @@
 //! Drives of modulus 1: sweeps back from the points, rotations, and both kept within an arc around 1.
 
+use num_complex::Complex32;
+
 use crate::kernels::lanes::{BLOCK, LANES, groups, groups_mut};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Simd, TINY};
@@ -23,6 +25,39 @@ fn within<S: Simd>(s: S, [re, im]: [S::V; 2], arc: Arc) -> [S::V; 2] {
     let [cos, sin] = arc.map(|part| s.splat(part));
     let end = s.select_less(im, s.splat(0.0), s.sub(s.splat(0.0), sin), sin);
     [s.max(re, cos), s.select_less(re, cos, end, im)]
+}
+
+/// Writes the drives of a list times a factor; zeros beyond.
+pub(crate) fn scaled(set: InstructionSet, list: &[Complex32], factor: f32, [re, im]: [&mut [f32]; 2]) {
+    dispatch!(set, _s => {
+        for ((re, im), q) in re.iter_mut().zip(&mut *im).zip(list) {
+            (*re, *im) = (q.re * factor, q.im * factor);
+        }
+        re[list.len()..].fill(0.0);
+        im[list.len()..].fill(0.0);
+    });
+}
+
+/// Writes the drives of a list times the conjugates of another's; zeros beyond.
+pub(crate) fn relative(set: InstructionSet, [list, to]: [&[Complex32]; 2], [re, im]: [&mut [f32]; 2]) {
+    dispatch!(set, _s => {
+        for ((re, im), (q, to)) in re.iter_mut().zip(&mut *im).zip(list.iter().zip(to)) {
+            (*re, *im) = (q.re * to.re + q.im * to.im, q.im * to.re - q.re * to.im);
+        }
+        re[list.len()..].fill(0.0);
+        im[list.len()..].fill(0.0);
+    });
+}
+
+/// Multiplies each drive of a list, 1 or 0 in modulus, by another such: a step of Newton's takes its rounding off.
+pub(crate) fn rotate_list(set: InstructionSet, [re, im]: [&[f32]; 2], list: &mut [Complex32]) {
+    dispatch!(set, _s => {
+        for ((re, im), q) in re.iter().zip(im).zip(list) {
+            let (x, y) = (re * q.re - im * q.im, re * q.im + im * q.re);
+            let step = 1.5 - 0.5 * (x * x + y * y);
+            *q = Complex32::new(x * step, y * step);
+        }
+    });
 }
 
 /// Makes every |q| 1, 0 staying 0.

@@ -193,6 +193,16 @@ impl<'w> Wave<'w> {
         }
     }
 
+    /// As [`Wave::take`] of a list times a factor, 0 already for transducers without effect.
+    pub(crate) fn scaled(&mut self, rows: &Rows, list: &[Complex32], factor: f32) {
+        tiles::unit::scaled(rows.set, list, factor, self.drive.each_mut().map(|plane| &mut plane[..]));
+    }
+
+    /// The same of a list times the conjugates of another.
+    pub(crate) fn relate(&mut self, rows: &Rows, list: &[Complex32], to: &[Complex32]) {
+        tiles::unit::relative(rows.set, [list, to], self.drive.each_mut().map(|plane| &mut plane[..]));
+    }
+
     /// Rotates each q of the wave `from` by the phase atan(`factor` `rotations`) at |q| = 1, 0 staying 0, and P = G q.
     pub(crate) fn rotate(&mut self, rows: &Rows, from: &Wave<'_>, rotations: &[f32], factor: f32) {
         let [re, im] = &from.drive;

@@ -52,13 +52,16 @@ pub(crate) fn even_within<'w>(
         if wave.unevenness(rows, wave.level(rows), 0.0) <= even {
             break;
         }
-        let kept = |cos: f32| cos <= arc[0] + AT_BOUND && arc[0] > -1.0;
+        let bound = if arc[0] > -1.0 { arc[0] + AT_BOUND } else { f32::NEG_INFINITY };
         if inward {
             newton.descent(rows, wave, control)?;
         }
-        let sides = wave.drive[0].iter().zip(&wave.drive[1]).zip(&newton.rotations[..]);
-        for (mask, ((&cos, &sin), &rotation)) in mask.iter_mut().zip(sides) {
-            *mask = if kept(cos) && !(inward && rotation * sin < 0.0) { 0.0 } else { 1.0 };
+        let free = |cos: f32| if cos <= bound { 0.0 } else { 1.0 };
+        mask.iter_mut().zip(&wave.drive[0]).for_each(|(mask, &cos)| *mask = free(cos));
+        if inward {
+            for ((mask, &sin), &rotation) in mask.iter_mut().zip(&wave.drive[1]).zip(&newton.rotations[..]) {
+                *mask = if rotation * sin < 0.0 { 1.0 } else { *mask };
+            }
         }
         let tries = if newton.direction(rows, wave, Some(&mask), control)? { HALVINGS } else { 0 };
         // Phases that meet their bound on the way fall short of their part of a step: half of it may do better.
