@@ -34,7 +34,7 @@ PYTHON = [
         "gradients",
         "Gradients",
         "What a field changes by, for optimisation.",
-        "grad",
+        "grad torch jax",
     ),
     (
         "drawing",

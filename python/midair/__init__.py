@@ -48,8 +48,10 @@ from ._midair import (
 if TYPE_CHECKING:
     # For type checkers; these are loaded when they are first used: `_toolbox.HOMES`.
     from . import grad as grad
+    from . import jax as jax
     from . import path as path
     from . import shape as shape
+    from . import torch as torch
     from ._boards.address import Port, ports
     from ._boards.board import Board
     from ._boards.connection import Connection, connect
@@ -145,6 +147,7 @@ __all__ = [
     "grad",
     "haptic",
     "image",
+    "jax",
     "judge",
     "path",
     "plot",
@@ -163,6 +166,7 @@ __all__ = [
     "style",
     "sweep",
     "tolerate",
+    "torch",
     "tune",
     "view",
     "write",

@@ -550,6 +550,9 @@ def gradient(
     drive: ArrayLike | Solution | None,
     points: ArrayLike | None,
     cotangent: ArrayLike | None = None,
+    radius: float | None = None,
+    density: float | None = None,
+    sound_speed: float | None = None,
 ) -> tuple[Any, ...]: ...
 def rest(
     scene: Scene | Solution,

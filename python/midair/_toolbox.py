@@ -42,8 +42,10 @@ HOMES = {
     "_studio.view": "View view",
     "_sweep": "Dataset dataset sweep",
     "grad": "",
+    "jax": "",
     "path": "",
     "shape": "",
+    "torch": "",
 }
 
 #: By class and name: `solution.exposure(places)` is `midair.exposure(solution, places)`.

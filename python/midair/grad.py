@@ -15,7 +15,8 @@ A complex number z has the gradient dL/dRe z + j dL/dIm z, the direction in whic
 cotangents. PyTorch has the same convention, JAX the conjugate.
 """
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,7 +25,10 @@ from . import _midair
 from ._midair import Array, Scene, Solution
 from ._support import slips
 
-__all__ = ["Gradient", "amplitude", "pressure", "radiation"]
+__all__ = ["Gradient", "amplitude", "force", "gorkov", "pressure", "radiation", "stiffness"]
+
+#: What a gradient is by, in the order in which the extension returns it.
+NAMES = ("drive", "points", "positions", "normals", "sound_speed")
 
 #: First argument and drive of every function.
 _Subject = Scene | Array | Solution
@@ -115,6 +119,121 @@ def radiation(
     1.0
     """
     return Gradient(*_midair.gradient("radiation", scene, drive, points, cotangent))
+
+
+def gorkov(
+    scene: _Subject,
+    drive: ArrayLike | Solution | None = None,
+    points: ArrayLike | None = None,
+    cotangent: ArrayLike = 1.0,
+    *,
+    radius: float | None = None,
+    density: float | None = None,
+    sound_speed: float | None = None,
+) -> Gradient:
+    """Gor'kov's potential U (M,) in J of a small sphere at points, and its gradients.
+
+    cotangent : (M,) real, dL/dU, or one for all
+    radius, density, sound_speed : of the sphere, as in `midair.gorkov`; they are constant
+
+    The gradient by `sound_speed` is that of the air.
+
+    Raises SceneError as `pressure`, and for a sphere of no size.
+
+    >>> import midair
+    >>> array, points = midair.Array.preset("paper20"), [[0, 0, 0.1]]
+    >>> drive = midair.solve(midair.Scene(array, points, signature="trap")).drive
+    >>> by = midair.grad.gorkov(array, drive, points)
+    >>> force = midair.gorkov(midair.Scene(array, points), drive).force
+    >>> bool(abs(by.points + force).max() < 1e-9 * abs(force).max())
+    True
+    """
+    bead = (radius, density, sound_speed)
+    return Gradient(*_midair.gradient("gorkov", scene, drive, points, cotangent, *bead))
+
+
+def force(
+    scene: _Subject,
+    drive: ArrayLike | Solution | None = None,
+    points: ArrayLike | None = None,
+    cotangent: ArrayLike = 1.0,
+    *,
+    radius: float | None = None,
+    density: float | None = None,
+    sound_speed: float | None = None,
+) -> Gradient:
+    """The force -grad U (M, 3) in N on a small sphere at points, without its weight, and its gradients.
+
+    cotangent : (M, 3) real, dL by the force, or one number for all; the rest as in `gorkov`
+
+    Raises SceneError as `gorkov`.
+
+    >>> import midair
+    >>> by = midair.grad.force(midair.Array([[0, 0, 0]]), [1], [[0, 0, 0.1]], [[0, 0, 1]])
+    >>> by.value.shape, by.points.shape
+    ((1, 3), (1, 3))
+    """
+    bead = (radius, density, sound_speed)
+    return Gradient(*_midair.gradient("force", scene, drive, points, cotangent, *bead))
+
+
+def stiffness(
+    scene: _Subject,
+    drive: ArrayLike | Solution | None = None,
+    points: ArrayLike | None = None,
+    cotangent: ArrayLike = 1.0,
+    *,
+    radius: float | None = None,
+    density: float | None = None,
+    sound_speed: float | None = None,
+) -> Gradient:
+    """The stiffness -dF/ds (M, 3) in N/m of a small sphere at points along x, y and z, and its gradients.
+
+    cotangent : (M, 3) real, dL by the stiffness, or one number for all; the rest as in `gorkov`
+
+    Raises SceneError as `gorkov`.
+
+    >>> import midair
+    >>> by = midair.grad.stiffness(midair.Array([[0, 0, 0]]), [1], [[0, 0, 0.1]], [[0, 0, 1]])
+    >>> by.value.shape, by.drive.shape
+    ((1, 3), (1,))
+    """
+    bead = (radius, density, sound_speed)
+    return Gradient(*_midair.gradient("stiffness", scene, drive, points, cotangent, *bead))
+
+
+def run(
+    quantity: str,
+    scene: _Subject,
+    given: Mapping[str, Any],
+    bead: Mapping[str, float] | None,
+    cotangent: ArrayLike | None = None,
+) -> tuple[Any, ...]:
+    """The value of a quantity, and with a cotangent its gradients, of what takes the scene's place.
+
+    given : drive and points; positions, normals and sound_speed where they are not the scene's
+    """
+    points = np.asarray(given["points"], float)
+    subject = scene
+    if given.keys() - {"drive", "points"}:
+        own = scene.scene if isinstance(scene, Solution) else scene
+        array: Any = own if isinstance(own, Array) else cast(Scene, own).array
+        air = dict(cast(Any, own).medium)
+        if "sound_speed" in given:
+            air["sound_speed"] = float(given["sound_speed"])
+        if given.keys() & {"positions", "normals"}:
+            places = (given.get("positions", array.positions), given.get("normals", array.normals))
+            parts = {name: getattr(array, name) for name in _midair.array_parts()}
+            array = Array(*(np.asarray(place, float) for place in places), **parts)
+        obstacles = None if isinstance(own, Array) else cast(Scene, own).obstacles
+        subject = Scene(array, points, obstacles=obstacles, **air)
+    drive = np.asarray(given["drive"])
+    found = _midair.gradient(quantity, subject, drive, points, cotangent, **dict(bead or {}))
+    if len(found) > 1 and "normals" in given:
+        # The array divides each normal by its length.
+        length = np.linalg.norm(np.asarray(given["normals"], float), axis=1, keepdims=True)
+        return (*found[:4], found[4] / length, found[5])
+    return found
 
 
 slips.attach(__name__)

@@ -1,17 +1,17 @@
 //! Implementation of `midair.grad`: a quantity of the field at points and its gradients.
 
-use midair::{Complex64, Model, Quantity};
+use midair::{Complex64, Model, Particle, Quantity};
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
 use crate::array::Array;
 use crate::ctrl_c::attend;
-use crate::error::{invalid, refused};
-use crate::give::rows;
+use crate::error::{invalid, refused, warn_all};
+use crate::give::fresh;
 use crate::limits;
 use crate::numbers::{Numbers, numbers, reported};
-use crate::read::{self, NUMBER};
+use crate::read::{self, NUMBER, REAL};
 use crate::solution::{Solution, about, played};
 
 type Argument<'py> = Option<Bound<'py, PyAny>>;
@@ -59,33 +59,35 @@ fn cotangent(quantity: Quantity, value: &Bound<'_, PyAny>, count: usize) -> PyRe
             };
             Ok(values.iter().flat_map(|w| [w.re, w.im]).collect())
         }
-        _ => read::list("cotangent", value, count),
+        _ if quantity.width() == 1 => read::list("cotangent", value, count),
+        _ => {
+            let cure = format!("give one real number, or three for each of the {count} points: ({count}, 3)");
+            let Numbers { values, shape } = numbers("cotangent", value, REAL, &cure)?;
+            match shape[..] {
+                [] => Ok(values.repeat(3 * count)),
+                [length, 3] if length == count => Ok(values),
+                _ => Err(invalid("cotangent", &reported(&shape), &cure)),
+            }
+        }
     }
 }
 
-fn named(name: &str) -> PyResult<Quantity> {
-    match name {
-        "pressure" => Ok(Quantity::Pressure),
-        "amplitude" => Ok(Quantity::Amplitude),
-        "radiation" => Ok(Quantity::Radiation),
-        _ => Err(invalid("quantity", name, "give pressure, amplitude or radiation")),
-    }
-}
-
-/// Values (M,) in NumPy.
-fn shaped(py: Python<'_>, quantity: Quantity, value: Vec<f64>) -> Bound<'_, PyAny> {
-    match quantity {
+/// Values (M,) or (M, 3) in NumPy.
+fn shaped(py: Python<'_>, quantity: Quantity, value: Vec<f64>) -> PyResult<Bound<'_, PyAny>> {
+    Ok(match quantity {
         Quantity::Pressure => {
             let pairs = value.as_chunks::<2>().0.iter().map(|&[re, im]| Complex64::new(re, im));
             pairs.collect::<Vec<_>>().into_pyarray(py).into_any()
         }
-        _ => value.into_pyarray(py).into_any(),
-    }
+        _ if quantity.width() == 1 => value.into_pyarray(py).into_any(),
+        _ => fresh(py, value.as_chunks().0)?.into_any(),
+    })
 }
 
 /// The values of a quantity and, of a cotangent, its gradients by the drive, the points, positions, normals and the sound speed.
 #[pyfunction]
-#[pyo3(signature = (quantity, scene, drive, points, cotangent=None))]
+#[pyo3(signature = (quantity, scene, drive, points, cotangent=None, radius=None, density=None, sound_speed=None))]
+#[allow(clippy::too_many_arguments, reason = "they are keywords in Python")]
 pub(crate) fn gradient<'py>(
     py: Python<'py>,
     quantity: &str,
@@ -93,24 +95,36 @@ pub(crate) fn gradient<'py>(
     drive: Argument<'py>,
     points: Argument<'py>,
     cotangent: Argument<'py>,
+    radius: Argument<'py>,
+    density: Argument<'py>,
+    sound_speed: Argument<'py>,
 ) -> PyResult<Bound<'py, PyTuple>> {
-    let quantity = named(quantity)?;
+    let default = Particle::default();
+    let particle = Particle {
+        radius: read::real_or("radius", radius.as_ref(), default.radius)?,
+        density: read::real_or("density", density.as_ref(), default.density)?,
+        sound_speed: read::real_or("sound_speed", sound_speed.as_ref(), default.sound_speed)?,
+    };
+    let quantity = Quantity::named(quantity, particle).map_err(refused)?;
     let (model, drive, points) = subject(scene, drive, points)?;
+    if let Some(particle) = quantity.particle() {
+        warn_all(py, particle.remark(model.medium()))?;
+    }
     let threads = limits::threads(py)?;
     let Some(cotangent) = cotangent else {
         let value = attend(py, None, |control| quantity.value(&model, &drive, &points, &mut control.on(threads)))?;
-        return PyTuple::new(py, [shaped(py, quantity, value)]);
+        return PyTuple::new(py, [shaped(py, quantity, value)?]);
     };
     let cotangent = self::cotangent(quantity, &cotangent, points.len())?;
     let by = attend(py, None, |control| {
         midair::gradient(&model, &drive, &points, quantity, &cotangent, &mut control.on(threads))
     })?;
     let parts = [
-        shaped(py, quantity, by.value),
+        shaped(py, quantity, by.value)?,
         by.drive.into_pyarray(py).into_any(),
-        rows(py, &by.points)?.into_any(),
-        rows(py, &by.positions)?.into_any(),
-        rows(py, &by.normals)?.into_any(),
+        fresh(py, &by.points)?.into_any(),
+        fresh(py, &by.positions)?.into_any(),
+        fresh(py, &by.normals)?.into_any(),
         by.sound_speed.into_pyobject(py)?.into_any(),
     ];
     PyTuple::new(py, parts)

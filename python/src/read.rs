@@ -20,7 +20,7 @@ pub(crate) fn tiles(value: Option<&Bound<'_, PyAny>>) -> PyResult<[usize; 2]> {
 }
 
 /// Kinds of numbers, in numpy's letters.
-const REAL: &str = "iuf";
+pub(crate) const REAL: &str = "iuf";
 pub(crate) const NUMBER: &str = "iufc";
 
 /// Vectors (K, 3).

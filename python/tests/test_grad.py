@@ -87,3 +87,19 @@ def test_a_body_is_refused_and_a_slip_is_hinted_at() -> None:
         midair.grad.amplitude(scene(obstacles=[ball]), DRIVE)
     with pytest.raises(TypeError, match="did you mean cotangent"):
         midair.grad.amplitude(scene(), DRIVE, cotangents=1)  # type: ignore[call-arg]
+
+
+def test_a_particle_feels_what_gorkov_computes() -> None:
+    felt = midair.gorkov(scene(), DRIVE, radius=0.8e-3, density=50)
+    bead = {"radius": 0.8e-3, "density": 50}
+    assert midair.grad.gorkov(scene(), DRIVE, **bead).value == pytest.approx(felt.potential, rel=1e-6)
+    by = midair.grad.force(scene(), DRIVE, **bead)
+    assert by.value == pytest.approx(felt.force, rel=1e-5, abs=1e-6 * abs(felt.force).max())
+    assert midair.grad.stiffness(scene(), DRIVE, **bead).value == pytest.approx(felt.stiffness, rel=1e-5)
+    # dF_x/dx is less the stiffness.
+    along = midair.grad.force(scene(), DRIVE, None, [[1, 0, 0], [1, 0, 0]], **bead)
+    assert along.points[:, 0] == pytest.approx(-felt.stiffness[:, 0], rel=1e-5)
+    with pytest.raises(midair.SceneError, match=r"^radius is 0"):
+        midair.grad.force(scene(), DRIVE, radius=0)
+    with pytest.raises(midair.SceneError, match=r"^cotangent is of shape \(3,\): give one real"):
+        midair.grad.force(scene(), DRIVE, None, [1, 0, 0])

@@ -24,6 +24,8 @@ LAYERS = (
     "shape",
     "path",
     "grad",
+    "torch",
+    "jax",
     "_points",
     "_pictures",
     "_motion",
@@ -50,7 +52,7 @@ SHORT = {
 }
 
 #: Public modules, which show public names only.
-PUBLIC = ("midair", "midair.grad", "midair.path", "midair.shape")
+PUBLIC = ("midair", "midair.grad", "midair.jax", "midair.torch", "midair.path", "midair.shape")
 
 
 def imported(text: str, package: str) -> Iterator[str]:

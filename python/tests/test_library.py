@@ -54,6 +54,9 @@ def test_keywords_have_the_names_and_order_of_the_design() -> None:
         midair.fly: "sequence beads speeds duration tau hold radius density sound_speed gravity",
         midair.path.fastest: "points array closed margin radius density sound_speed gravity air",
         midair.grad.amplitude: "scene drive points cotangent",
+        midair.grad.force: "scene drive points cotangent radius density sound_speed",
+        midair.torch.field: "scene drive points quantity positions normals sound_speed bead",
+        midair.jax.field: "scene drive points quantity positions normals sound_speed bead",
         midair.plot: "what ax plane quantity vmax cmap size",
     }
     for function, names in parameters.items():

@@ -18,16 +18,12 @@
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::kernels::derivatives::{Emitters, Slopes, Waves, even};
-use crate::kernels::phasor::phasor;
-use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, ray, runs, three, total};
+use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, total};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::waves::{CLOSE, Emitters, Slopes, Waves, against, decay, dot, even, normal, phasor, ray, runs};
 
 /// Blocks of eight between two pulses.
 const RUN: usize = 32;
-
-/// exp(-x) is found of x/2^HALVINGS.
-const HALVINGS: usize = 7;
 
 /// What the way forward keeps of eight transducers and a point.
 #[derive(Clone, Copy, Debug)]
@@ -107,10 +103,10 @@ fn send<S: Doubles>(
     point: [f64; 3],
     kept: &mut Sent,
 ) -> [V<S>; 2] {
-    let d = ray(s, point, (&block.position, at));
+    let d = ray(s, block, at, point);
     let r = dot(d, d).sqrt();
     let near = r.inverse();
-    let (cos, sin) = phasor(s, r * (waves.wavenumber / core::f64::consts::TAU));
+    let (cos, sin) = phasor::<_, CLOSE>(s, r * (waves.wavenumber / core::f64::consts::TAU));
     let amplitude = if waves.absorption > 0.0 { near * decay(s, r * waves.absorption) } else { near };
     let [re, im] = block.factor.each_ref().map(|part| V::of(s, &part[at..]));
     let (cos, sin) = (amplitude * cos, amplitude * sin);
@@ -122,8 +118,8 @@ fn send<S: Doubles>(
             g[1].put(&mut kept.wave[1][at..]);
             return g;
         }
-        Slopes::Even { square, terms } => even(s, *square, terms, dot(d, three(s, &block.normal, at)) * near),
-        Slopes::Each(of) => (dot(d, three(s, &block.normal, at)) * near).each(of),
+        Slopes::Even { square, terms } => even(s, *square, terms, dot(d, normal(s, block, at)) * near),
+        Slopes::Each(of) => (dot(d, normal(s, block, at)) * near).each(of),
     };
     let wave = g.map(|part| part * slopes[0]);
     for part in 0..2 {
@@ -177,7 +173,7 @@ fn pulled<S: Doubles>(
     pull: &mut Pull,
 ) -> [V<S>; 4] {
     let near = V::of(s, &kept.near[at..]);
-    let d = ray(s, point, (&block.position, at));
+    let d = ray(s, block, at, point);
     let e = d.map(|x| x * near);
     let sent = against(w, kept.wave.each_ref().map(|part| V::of(s, &part[at..])));
     sent[0].onto(&mut pull.drive[0][at..]);
@@ -187,7 +183,7 @@ fn pulled<S: Doubles>(
     let mut by_k = dot(d, e) * driven[1] * -1.0;
     let mut v = e.map(|x| x * along);
     if !matches!(waves.slopes, Slopes::One) {
-        let n = three(s, &block.normal, at);
+        let n = normal(s, block, at);
         let c = dot(e, n);
         let bend = against(w, kept.bend.each_ref().map(|part| V::of(s, &part[at..])));
         let t = bend[0] * q[0] - bend[1] * q[1];
@@ -196,7 +192,7 @@ fn pulled<S: Doubles>(
             v[axis] = v[axis] + across * (n[axis] - e[axis] * c);
             (t * (e[axis] - n[axis] * c)).onto(&mut pull.normal[axis][at..]);
         }
-        if waves.scaled {
+        if waves.widening.is_some() {
             let floor = V::all(s, f64::MIN_POSITIVE);
             let ahead = c.where_less(floor, c, floor);
             by_k = by_k - t * (V::all(s, 1.0) - c * c) * (ahead * waves.wavenumber).inverse();
@@ -206,25 +202,4 @@ fn pulled<S: Doubles>(
         (v[axis] * -1.0).onto(&mut pull.position[axis][at..]);
     }
     [v[0], v[1], v[2], by_k]
-}
-
-/// w* z.
-#[inline(always)]
-fn against<S: Doubles>(w: [V<S>; 2], z: [V<S>; 2]) -> [V<S>; 2] {
-    [w[0] * z[0] + w[1] * z[1], w[0] * z[1] - w[1] * z[0]]
-}
-
-/// exp(-x) of x from 0 on, to 1e-13; below 1e-55 anything as small.
-#[inline(always)]
-fn decay<S: Doubles>(s: S, x: V<S>) -> V<S> {
-    let most = V::all(s, 128.0);
-    let part = x.where_less(x, most, most) * (-1.0 / f64::from(1 << HALVINGS));
-    let mut sum = V::all(s, 1.0);
-    for n in (1..16).rev() {
-        sum = sum * part * (1.0 / f64::from(n)) + 1.0;
-    }
-    for _ in 0..HALVINGS {
-        sum = sum * sum;
-    }
-    sum
 }

@@ -8,75 +8,25 @@
 //! degree 1: 1/r   [ f10 ex + f01 nx ],   ex = e . x, nx = n . x
 //! degree 2: 1/r^2 [ f20 ex^2/2 + f11 ex nx + f02 nx^2/2 + f10 |x|^2/2 ]
 //! degree 3: 1/r^3 [ f30 ex^3/6 + f21 ex^2 nx/2 + f12 ex nx^2/2 + f03 nx^3/6 + |x|^2 (f20 ex + f11 nx)/2 ]
+//! degree 4: 1/r^4 [ ex^2 (f40 ex^2/24 + f31 ex nx/6 + f22 nx^2/4 + f30 |x|^2/4) + nx^2 (f13 ex nx/6 + f04 nx^2/24 + f12 |x|^2/4)
+//!                   + |x|^2 (f21 ex nx/2 + f20 |x|^2/8) ]
 //! ```
 //!
 //! Plain loops without fused products: every instruction set gives the same bits.
 #![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
 
-use alloc::boxed::Box;
-use alloc::vec::Vec;
-
 use crate::control::Control;
 use crate::error::Error;
-use crate::kernels::phasor::phasor;
-use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, ray, runs, three, total};
+use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, total};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::waves::{C, EXACT, Emitters, Slopes, Waves, dot, even, normal, phasor, ray, runs};
 use crate::math::exp;
 
 /// Monomials x^a y^b z^c of degree up to 3, in the order of exponents that fall: 1; x, y, z; x^2, xy, xz, y^2, yz, z^2; ...
 pub(crate) const TERMS: usize = 20;
 
-/// A complex number of each of the eight.
-type C<S> = [V<S>; 2];
-
-/// What eight transducers are and do: those that are too many have factor 0.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Emitters {
-    /// Positions in m.
-    pub(crate) position: [Eight; 3],
-    /// Unit normals.
-    pub(crate) normal: [Eight; 3],
-    /// The factor of eq. (5), real and imaginary part: source pressure times response, and the drive if it is known.
-    pub(crate) factor: [Eight; 2],
-}
-
-impl Emitters {
-    /// Those of transducers one by one: position, normal, factor.
-    pub(crate) fn all(of: impl ExactSizeIterator<Item = ([f64; 3], [f64; 3], [f64; 2])>) -> Vec<Self> {
-        let mut blocks: Vec<Self> = Vec::with_capacity(of.len().div_ceil(EIGHT));
-        for (i, (position, normal, factor)) in of.enumerate() {
-            if i % EIGHT == 0 {
-                let [position, normal] = [position, normal].map(|vector| vector.map(|x| [x; EIGHT]));
-                blocks.push(Self { position, normal, factor: [[0.0; EIGHT]; 2] });
-            }
-            let Some(block) = blocks.last_mut() else { continue };
-            let own = block.position.iter_mut().chain(&mut block.normal).chain(&mut block.factor);
-            own.zip(position.into_iter().chain(normal).chain(factor)).for_each(|(own, x)| own[i % EIGHT] = x);
-        }
-        blocks
-    }
-}
-
-/// How D and its derivatives by c = cos(theta) are found.
-pub(crate) enum Slopes {
-    /// D = 1.
-    One,
-    /// D is a polynomial in y = `square` (1 - c^2), 0 behind.
-    Even { square: f64, terms: Vec<f64> },
-    /// The Taylor coefficients D, D', D''/2, D'''/6 at c.
-    Each(Box<dyn Fn(f64) -> [f64; 4] + Send + Sync>),
-}
-
-/// Air and directivity of all transducers.
-pub(crate) struct Waves {
-    /// k in rad/m.
-    pub(crate) wavenumber: f64,
-    /// alpha in 1/m.
-    pub(crate) absorption: f64,
-    pub(crate) slopes: Slopes,
-    /// Whether D is a function of k sin(theta), k its wavenumber; else it is one of theta alone.
-    pub(crate) scaled: bool,
-}
+/// Those of degree up to 4.
+pub(crate) const MORE_TERMS: usize = 35;
 
 /// Calls `take` with each block's Taylor coefficients around a point, real and imaginary: no transducer lies there.
 pub(crate) fn each(
@@ -92,7 +42,7 @@ pub(crate) fn each(
         control.pulse()?;
         dispatch!(set, s => {
             for at in runs(s) {
-                let own = expand(s, waves, (block, at), point);
+                let own = expand::<_, TERMS>(s, waves, &waves.slopes, (block, at), point);
                 for part in 0..2 {
                     for term in 0..TERMS {
                         own[part][term].put(&mut terms[part][term][at..]);
@@ -119,7 +69,7 @@ pub(crate) fn sum(
         dispatch!(set, s => {
             for block in blocks {
                 for at in runs(s) {
-                    let own = expand(s, waves, (block, at), point);
+                    let own = expand::<_, TERMS>(s, waves, &waves.slopes, (block, at), point);
                     for part in 0..2 {
                         for term in 0..TERMS {
                             let sum = &mut sums[part][term][at..];
@@ -155,13 +105,13 @@ pub(crate) fn values(
 
 #[inline(always)]
 fn value<S: Doubles>(s: S, waves: &Waves, (block, at): (&Emitters, usize), (point, least): ([f64; 3], f64)) -> C<S> {
-    let d = ray(s, point, (&block.position, at));
+    let d = ray(s, block, at, point);
     let (r, least) = (dot(d, d).sqrt(), V::all(s, least));
     let r = least.where_less(r, least, r);
     let near = r.inverse();
     let [re, im] = &block.factor;
     let wave = times(spread(s, waves, r, near), [V::of(s, &re[at..]), V::of(s, &im[at..])]);
-    let c = dot(d, three(s, &block.normal, at)) * near;
+    let c = dot(d, normal(s, block, at)) * near;
     match &waves.slopes {
         Slopes::One => wave,
         Slopes::Even { square, terms } => by(wave, even(s, *square, terms, c)[0]),
@@ -172,43 +122,55 @@ fn value<S: Doubles>(s: S, waves: &Waves, (block, at): (&Emitters, usize), (poin
 /// e^{ur}/r of distances and their inverses.
 #[inline(always)]
 fn spread<S: Doubles>(s: S, waves: &Waves, r: V<S>, near: V<S>) -> C<S> {
-    let (cos, sin) = phasor(s, r * (waves.wavenumber / core::f64::consts::TAU));
+    let (cos, sin) = phasor::<_, EXACT>(s, r * (waves.wavenumber / core::f64::consts::TAU));
     let amplitude = if waves.absorption > 0.0 { near * r.each(|r| [exp(-waves.absorption * r)])[0] } else { near };
     [amplitude * cos, amplitude * sin]
 }
 
+/// The first [`TERMS`] or [`MORE_TERMS`] coefficients, with the directivity of some slopes.
 #[inline(always)]
-fn expand<S: Doubles>(s: S, waves: &Waves, (block, at): (&Emitters, usize), point: [f64; 3]) -> [[V<S>; TERMS]; 2] {
+pub(super) fn expand<S: Doubles, const COUNT: usize>(
+    s: S,
+    waves: &Waves,
+    slopes: &Slopes,
+    (block, at): (&Emitters, usize),
+    point: [f64; 3],
+) -> [[V<S>; COUNT]; 2] {
     let zero = V::all(s, 0.0);
-    let out = &mut [[zero; TERMS]; 2];
-    let d = ray(s, point, (&block.position, at));
-    let r = dot(d, d).sqrt();
+    let out = &mut [[zero; COUNT]; 2];
+    let ray = ray(s, block, at, point);
+    let r = dot(ray, ray).sqrt();
     let near = r.inverse();
-    let e = d.map(|x| x * near);
-    let n = three(s, &block.normal, at);
+    let e = ray.map(|x| x * near);
+    let n = normal(s, block, at);
     let [re, im] = &block.factor;
     let factor = [V::of(s, &re[at..]), V::of(s, &im[at..])];
     // G_a = r^{2a} times the a-th derivative of g by s, times the factor: g times 1, v - 1, v^2 - 3v + 3, v^3 - 6v^2 + 15v - 15,
-    // v = ur.
+    // v^4 - 10v^3 + 45v^2 - 105v + 105, v = ur.
     let v = [r * -waves.absorption, r * waves.wavenumber];
     let g0 = times(spread(s, waves, r, near), factor);
     let g1 = times([v[0] - 1.0, v[1]], g0);
     let g2 = times(plus(times([v[0] - 3.0, v[1]], v), 3.0), g0);
     let g3 = times([v[0] - 6.0, v[1]], v);
     let g3 = times(plus(times(plus(g3, 15.0), v), -15.0), g0);
+    let g4 = times(plus(times([v[0] - 10.0, v[1]], v), 45.0), v);
+    let g4 = times(plus(times(plus(g4, -105.0), v), 105.0), g0);
     let c = dot(e, n);
-    let slopes = match &waves.slopes {
+    let slopes = match slopes {
         Slopes::One => {
             constant(out, g0);
             first(out, near, (g1, e), None);
             second_third(out, near, (e, n), [g1, g2, g3], None);
+            if COUNT == MORE_TERMS {
+                fourth(s, out, near, (e, n), [g2, g3, g4], None);
+            }
             return *out;
         }
         Slopes::Even { square, terms } => even(s, *square, terms, c),
         Slopes::Each(of) => c.each(of),
     };
     // Derivatives of D by s and h, times r^{2a+b}.
-    let [d, d1, d2, d3] = [slopes[0], slopes[1], slopes[2] * 2.0, slopes[3] * 6.0];
+    let [d, d1, d2, d3, d4] = [slopes[0], slopes[1], slopes[2] * 2.0, slopes[3] * 6.0, slopes[4] * 24.0];
     let (c2, d3c) = (c * c, d3 * c);
     let (d01, d10, d02) = (d1, d1 * c * -1.0, d2);
     let d11 = (d2 * c + d1) * -1.0;
@@ -228,11 +190,24 @@ fn expand<S: Doubles>(s: S, waves: &Waves, (block, at): (&Emitters, usize), poin
     let f12 = both(by(g1, d02), by(g0, d12));
     let f03 = by(g0, d03);
     second_third(out, near, (e, n), [f10, f20, f30], Some([f11, f02, f21, f12, f03]));
+    if COUNT == MORE_TERMS {
+        let d4c = d4 * c;
+        let (d04, d13) = (d4, (d4c + d3 * 3.0) * -1.0);
+        let d22 = d4c * c + d3c * 7.0 + d2 * 8.0;
+        let d31 = (d4c * c2 + d3 * c2 * 12.0 + d2 * c * 33.0 + d1 * 15.0) * -1.0;
+        let d40 = d4 * c2 * c2 + d3c * c2 * 18.0 + d2 * c2 * 87.0 + d1 * c * 105.0;
+        let f40 = both(both(by(g4, d), by(g3, d10 * 4.0)), by(g2, d20 * 6.0));
+        let f40 = both(f40, both(by(g1, d30 * 4.0), by(g0, d40)));
+        let f31 = both(both(by(g3, d01), by(g2, d11 * 3.0)), both(by(g1, d21 * 3.0), by(g0, d31)));
+        let f22 = both(both(by(g2, d02), by(g1, d12 * 2.0)), by(g0, d22));
+        let f13 = both(by(g1, d03), by(g0, d13));
+        fourth(s, out, near, (e, n), [f20, f30, f40], Some([f21, f31, f12, f22, f13, by(g0, d04)]));
+    }
     *out
 }
 
 #[inline(always)]
-fn constant<S: Doubles>(out: &mut [[V<S>; TERMS]; 2], f: C<S>) {
+fn constant<S: Doubles, const COUNT: usize>(out: &mut [[V<S>; COUNT]; 2], f: C<S>) {
     for part in 0..2 {
         out[part][0] = f[part];
     }
@@ -240,8 +215,8 @@ fn constant<S: Doubles>(out: &mut [[V<S>; TERMS]; 2], f: C<S>) {
 
 /// Degree 1.
 #[inline(always)]
-fn first<S: Doubles>(
-    out: &mut [[V<S>; TERMS]; 2],
+fn first<S: Doubles, const COUNT: usize>(
+    out: &mut [[V<S>; COUNT]; 2],
     near: V<S>,
     (f10, e): (C<S>, [V<S>; 3]),
     directed: Option<(C<S>, [V<S>; 3])>,
@@ -257,8 +232,8 @@ fn first<S: Doubles>(
 
 /// Degrees 2 and 3, of f10, f20, f30, and of f11, f02, f21, f12, f03 where there is a directivity.
 #[inline(always)]
-fn second_third<S: Doubles>(
-    out: &mut [[V<S>; TERMS]; 2],
+fn second_third<S: Doubles, const COUNT: usize>(
+    out: &mut [[V<S>; COUNT]; 2],
     near: V<S>,
     (e, n): ([V<S>; 3], [V<S>; 3]),
     [f10, f20, f30]: [C<S>; 3],
@@ -301,6 +276,53 @@ fn second_third<S: Doubles>(
     }
 }
 
+/// Degree 4, of f20, f30, f40, and of f21, f31, f12, f22, f13, f04 where there is a directivity.
+#[inline(always)]
+fn fourth<S: Doubles, const COUNT: usize>(
+    s: S,
+    out: &mut [[V<S>; COUNT]; 2],
+    near: V<S>,
+    (e, n): ([V<S>; 3], [V<S>; 3]),
+    [f20, f30, f40]: [C<S>; 3],
+    directed: Option<[C<S>; 6]>,
+) {
+    let (ee, en, nn) = (product(e, e), product(e, n), product(n, n));
+    let [zero, one] = [V::all(s, 0.0), V::all(s, 1.0)];
+    let unit = [one, zero, zero, one, zero, one];
+    let scale = near * near * near * near;
+    for part in 0..2 {
+        let mut along: [V<S>; 6] = core::array::from_fn(|t| ee[t] * (f40[part] * (1.0 / 24.0)));
+        let mut level: [V<S>; 6] = core::array::from_fn(|t| unit[t] * (f20[part] * 0.125));
+        let mut across = [zero; 6];
+        for t in [0, 3, 5] {
+            along[t] = along[t] + f30[part] * 0.25;
+        }
+        if let Some([f21, f31, f12, f22, f13, f04]) = directed {
+            for t in 0..6 {
+                along[t] = along[t] + en[t] * (f31[part] * (1.0 / 6.0)) + nn[t] * (f22[part] * 0.25);
+                level[t] = level[t] + en[t] * (f21[part] * 0.5);
+                across[t] = en[t] * (f13[part] * (1.0 / 6.0)) + nn[t] * (f04[part] * (1.0 / 24.0));
+            }
+            for t in [0, 3, 5] {
+                across[t] = across[t] + f12[part] * 0.25;
+            }
+        }
+        let (mut sum, level) = (quartic(ee, along), quartic(unit, level));
+        for t in 0..15 {
+            sum[t] = sum[t] + level[t];
+        }
+        if directed.is_some() {
+            let across = quartic(nn, across);
+            for t in 0..15 {
+                sum[t] = sum[t] + across[t];
+            }
+        }
+        for t in 0..15 {
+            out[part][TERMS + t] = sum[t] * scale;
+        }
+    }
+}
+
 /// The quadratic form (a . x)(b . x): its coefficients of x^2, xy, xz, y^2, yz, z^2.
 #[inline(always)]
 fn product<S: Doubles>(a: [V<S>; 3], b: [V<S>; 3]) -> [V<S>; 6] {
@@ -326,6 +348,30 @@ fn cubic<S: Doubles>(l: [V<S>; 3], [xx, xy, xz, yy, yz, zz]: [V<S>; 6]) -> [V<S>
     ]
 }
 
+/// The product of two quadratic forms, in the order of [`MORE_TERMS`].
+#[inline(always)]
+fn quartic<S: Doubles>(a: [V<S>; 6], b: [V<S>; 6]) -> [V<S>; 15] {
+    let pair = |i: usize, j: usize| a[i] * b[j] + a[j] * b[i];
+    let own = |i: usize| a[i] * b[i];
+    [
+        own(0),
+        pair(0, 1),
+        pair(0, 2),
+        pair(0, 3) + own(1),
+        pair(0, 4) + pair(1, 2),
+        pair(0, 5) + own(2),
+        pair(1, 3),
+        pair(1, 4) + pair(2, 3),
+        pair(1, 5) + pair(2, 4),
+        pair(2, 5),
+        own(3),
+        pair(3, 4),
+        pair(3, 5) + own(4),
+        pair(4, 5),
+        own(5),
+    ]
+}
+
 #[inline(always)]
 fn times<S: Doubles>(a: C<S>, b: C<S>) -> C<S> {
     [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
@@ -344,20 +390,4 @@ fn both<S: Doubles>(a: C<S>, b: C<S>) -> C<S> {
 #[inline(always)]
 fn by<S: Doubles>([re, im]: C<S>, x: V<S>) -> C<S> {
     [re * x, im * x]
-}
-
-/// D and its Taylor coefficients by c, of a polynomial in y = `square` (1 - c^2); 0 behind.
-#[inline(always)]
-pub(super) fn even<S: Doubles>(s: S, square: f64, terms: &[f64], c: V<S>) -> [V<S>; 4] {
-    let [zero, one] = [V::all(s, 0.0), V::all(s, 1.0)];
-    let c = c.where_less(c, one, one);
-    let y = (one - c * c) * square;
-    let mut f = [zero; 4];
-    for &term in terms.iter().rev() {
-        f = [f[0] * y + term, f[1] * y + f[0], f[2] * y + f[1], f[3] * y + f[2]];
-    }
-    // y moves by -square (2 c h + h^2).
-    let (a, b) = (c * (-2.0 * square), -square);
-    let slopes = [f[0], f[1] * a, f[1] * b + f[2] * a * a, f[2] * a * (2.0 * b) + f[3] * a * a * a];
-    slopes.map(|slope| zero.where_less(c, zero, slope))
 }

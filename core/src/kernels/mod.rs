@@ -10,6 +10,8 @@ pub(crate) mod cholesky;
 #[forbid(unsafe_code)]
 pub(crate) mod closed_form;
 #[forbid(unsafe_code)]
+pub(crate) mod contraction;
+#[forbid(unsafe_code)]
 pub(crate) mod derivatives;
 #[forbid(unsafe_code)]
 pub(crate) mod dither;
@@ -45,6 +47,8 @@ pub(crate) mod tiles;
 pub(crate) mod track;
 #[forbid(unsafe_code)]
 pub(crate) mod vector;
+#[forbid(unsafe_code)]
+pub(crate) mod waves;
 
 pub(crate) use greedy::candidates::{Candidates, PhaseRange, table};
 pub(crate) use greedy::objective::{L1, L2};

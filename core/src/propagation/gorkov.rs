@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 use num_complex::{Complex32, Complex64};
 
 use crate::control::{Control, bytes};
-use crate::error::{Error, real};
+use crate::error::Error;
 use crate::propagation::bodies::Bodies;
 use crate::propagation::jet::Jet;
 use crate::propagation::local::Local;
@@ -119,9 +119,7 @@ impl<'a> Trap<'a> {
             return Err(Error::invalid("points", "empty", "give at least one point"));
         }
         check_places(array.centre(), medium, "points", "", points)?;
-        real("radius", particle.radius, 0.0, true)?;
-        real("density", particle.density, 0.0, true)?;
-        real("sound_speed", particle.sound_speed, 0.0, true)?;
+        particle.check()?;
         let (mut images, mut bodies) = (&[][..], None);
         if let Some(scattering) = &model.scattering {
             scattering.obstacles.check_points(points)?;

@@ -2,7 +2,8 @@
 //!
 //! Reverse mode by hand: of a scalar L with the cotangent dL/dvalue at each point, one pass forward and one back give dL by all
 //! that the value depends on. The quantity is a function of p at its point; w = dL/dRe p + j dL/dIm p goes back through
-//! eq. (5) in `kernels::backward`. Of an image in a wall the gradient is that of the mirrored transducer, mirrored back.
+//! eq. (5) in `kernels::backward`. What a particle feels is a function of p around its point, of the field's Taylor coefficients:
+//! their cotangents go back in `kernels::contraction`. Of an image in a wall the gradient is that of the mirrored transducer, mirrored back.
 
 use alloc::format;
 use alloc::vec;
@@ -14,9 +15,13 @@ use crate::control::{Control, bytes};
 use crate::error::{Error, one_each};
 use crate::kernels::InstructionSet;
 use crate::kernels::backward::{Pull, Sent, back, forth};
+use crate::kernels::contraction::contract;
+use crate::kernels::derivatives::{MORE_TERMS, TERMS};
 use crate::kernels::simd::doubles::{EIGHT, Eight};
-use crate::math;
+use crate::propagation::jet::Jet;
 use crate::propagation::model::Model;
+use crate::propagation::particle::Particle;
+use crate::propagation::quantity::{Quantity, weights};
 use crate::propagation::reflection::reflections;
 use crate::propagation::sources::Sources;
 use crate::propagation::taylor::Taylor;
@@ -30,51 +35,6 @@ const WAITING: usize = 4;
 
 /// Unit vectors.
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-
-/// A quantity of the field at each point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Quantity {
-    /// Complex p in Pa (peak): two numbers a point, its real and imaginary part.
-    Pressure,
-    /// |p| in Pa.
-    Amplitude,
-    /// Radiation pressure |p|^2/(rho c^2) in Pa on a wall at normal incidence.
-    Radiation,
-}
-
-impl Quantity {
-    /// The numbers that it has at each point.
-    #[must_use]
-    pub fn width(self) -> usize {
-        match self {
-            Self::Pressure => 2,
-            Self::Amplitude | Self::Radiation => 1,
-        }
-    }
-
-    /// Writes its value for a pressure.
-    fn write(self, medium: Medium, p: Complex64, value: &mut [f64]) {
-        match self {
-            Self::Pressure => value.copy_from_slice(&[p.re, p.im]),
-            Self::Amplitude => value[0] = math::hypot(p.re, p.im),
-            Self::Radiation => value[0] = medium.radiation(math::hypot(p.re, p.im)),
-        }
-    }
-
-    /// dL/dRe p + j dL/dIm p, and dL by the sound speed at constant p.
-    fn back(self, medium: Medium, p: Complex64, value: &[f64], cotangent: &[f64]) -> ([f64; 2], f64) {
-        let along = |factor: f64| [factor * p.re, factor * p.im];
-        match self {
-            Self::Pressure => ([cotangent[0], cotangent[1]], 0.0),
-            // |p| has no slope at 0: the least of its subgradients.
-            Self::Amplitude => (along(if value[0] > 0.0 { cotangent[0] / value[0] } else { 0.0 }), 0.0),
-            Self::Radiation => {
-                (along(2.0 * cotangent[0] * medium.radiation(1.0)), -2.0 * cotangent[0] * value[0] / medium.sound_speed)
-            }
-        }
-    }
-}
 
 /// A value and its gradients: of L = sum of cotangent times value, by all that the value depends on.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,7 +63,7 @@ pub struct Gradient {
 /// # Errors
 /// A drive or cotangent of another length or not finite; no points, one that is not finite, too far away, behind a wall, within
 /// lambda/100 of a transducer, or in the plane of a transducer whose directivity breaks off there; spheres and meshes; more
-/// memory than allowed; a stop.
+/// memory than allowed; a particle of no size, density or sound speed; a stop.
 ///
 /// ```
 /// use midair::{Array, Complex64, Control, InstructionSet, Medium, Model, Quantity};
@@ -153,6 +113,8 @@ struct Seen<'a> {
     sources: &'a Sources,
     waves: Taylor,
     drives: Vec<[Eight; 2]>,
+    /// Their waves times the drive, where derivatives are asked for.
+    driven: Option<Taylor>,
     /// What the mirrors make of the unit vectors.
     axes: [[f64; 3]; 3],
 }
@@ -186,6 +148,7 @@ impl<'a> Pass<'a> {
             return Err(Error::invalid("points", "empty", "give at least one point"));
         }
         check_places(array.centre(), medium, "points", "", points)?;
+        quantity.particle().map_or(Ok(()), |particle| particle.check())?;
         let seen = |sources: &'a Sources, axes: [[f64; 3]; 3]| {
             let waves = Taylor::new(model.set, sources, |i| sources.array.effect(i));
             let mut drives = vec![[[0.0; EIGHT]; 2]; waves.emitters.len()];
@@ -193,7 +156,9 @@ impl<'a> Pass<'a> {
                 let [re, im] = &mut drives[lane / EIGHT];
                 (re[lane % EIGHT], im[lane % EIGHT]) = (drive[i].re, drive[i].im);
             }
-            Seen { sources, waves, drives, axes }
+            let played = |i: usize| sources.array.effect(i) * drive[i];
+            let driven = quantity.particle().map(|_| Taylor::new(model.set, sources, played));
+            Seen { sources, waves, drives, driven, axes }
         };
         let mut all = vec![seen(&model.sources, AXES)];
         if let Some(scattering) = &model.scattering {
@@ -268,41 +233,93 @@ impl<'a> Pass<'a> {
         let width = self.quantity.width();
         let mut part = Part::none(self);
         part.value.resize(width * points.len(), 0.0);
-        let least = self.medium.wavelength() / 100.0;
         let mut kept: Vec<Vec<Sent>> = self.all.iter().map(|seen| vec![Sent::ZERO; seen.drives.len()]).collect();
         for (j, &point) in points.iter().enumerate() {
-            let mut p = Complex64::ZERO;
-            for (seen, kept) in self.all.iter().zip(&mut kept) {
-                let waves = &seen.waves;
-                let sources = (&waves.emitters[..], &seen.drives[..]);
-                let ([re, im], near) = forth(self.set, &waves.waves, sources, point, kept, control)?;
-                if near * least >= 1.0 {
-                    let count = seen.sources.array.len();
-                    (0..count).try_for_each(|i| seen.sources.check_distance(i, first + j, point))?;
-                }
-                p += Complex64::new(re, im);
-            }
-            let value = &mut part.value[j * width..(j + 1) * width];
-            self.quantity.write(self.medium, p, value);
-            let Some(cotangent) = cotangent else { continue };
-            let cotangent = &cotangent[j * width..(j + 1) * width];
-            let (w, by_speed) = self.quantity.back(self.medium, p, value, cotangent);
-            part.by_speed += by_speed;
-            let mut by_point = [0.0; 3];
-            for ((seen, kept), pulls) in self.all.iter().zip(&kept).zip(&mut part.pulls) {
-                let waves = &seen.waves;
-                let sources = (&waves.emitters[..], &seen.drives[..]);
-                let [x, y, z, k] = back(self.set, &waves.waves, sources, (point, w), kept, pulls, control)?;
-                by_point = [by_point[0] + x, by_point[1] + y, by_point[2] + z];
-                part.by_k += k;
-            }
-            if !by_point.iter().all(|x| x.is_finite()) {
+            let cotangent = cotangent.map(|cotangent| &cotangent[j * width..(j + 1) * width]);
+            let place = (first + j, point);
+            let by_point = match self.quantity.particle() {
+                None => self.sounded(place, &mut kept, (j, cotangent), &mut part, control)?,
+                Some(particle) => self.felt(place, particle, (j, cotangent), &mut part, control)?,
+            };
+            let finite = |all: &[f64]| all.iter().all(|x| x.is_finite());
+            if !(finite(&by_point) && finite(&part.value[j * width..(j + 1) * width])) {
                 let cure = "the gradient has no bound there: move it off the plane of a transducer's face";
                 return Err(Error::invalid(format!("points[{}]", first + j), format!("{point:?}"), cure));
             }
             part.points.push(by_point);
         }
         Ok(part)
+    }
+
+    /// Of what is a function of the pressure at a point.
+    fn sounded(
+        &self,
+        (index, point): (usize, [f64; 3]),
+        kept: &mut [Vec<Sent>],
+        (j, cotangent): (usize, Option<&[f64]>),
+        part: &mut Part,
+        control: &mut Control,
+    ) -> Result<[f64; 3], Error> {
+        let least = self.medium.wavelength() / 100.0;
+        let mut p = Complex64::ZERO;
+        for (seen, kept) in self.all.iter().zip(&mut *kept) {
+            let sources = (&seen.waves.emitters[..], &seen.drives[..]);
+            let ([re, im], near) = forth(self.set, &seen.waves.waves, sources, point, kept, control)?;
+            if near * least >= 1.0 {
+                (0..seen.sources.array.len()).try_for_each(|i| seen.sources.check_distance(i, index, point))?;
+            }
+            p += Complex64::new(re, im);
+        }
+        let width = self.quantity.width();
+        let value = &mut part.value[j * width..(j + 1) * width];
+        self.quantity.write(self.medium, p, value);
+        let Some(cotangent) = cotangent else { return Ok([0.0; 3]) };
+        let (w, by_speed) = self.quantity.back(self.medium, p, value, cotangent);
+        part.by_speed += by_speed;
+        let mut by_point = [0.0; 3];
+        for ((seen, kept), pulls) in self.all.iter().zip(&*kept).zip(&mut part.pulls) {
+            let sources = (&seen.waves.emitters[..], &seen.drives[..]);
+            let own = back(self.set, &seen.waves.waves, sources, (point, w), kept, pulls, control)?;
+            (0..3).for_each(|axis| by_point[axis] += own[axis]);
+            part.by_k += own[3];
+        }
+        Ok(by_point)
+    }
+
+    /// Of what a particle feels at a point.
+    fn felt(
+        &self,
+        (index, point): (usize, [f64; 3]),
+        particle: Particle,
+        (j, cotangent): (usize, Option<&[f64]>),
+        part: &mut Part,
+        control: &mut Control,
+    ) -> Result<[f64; 3], Error> {
+        let mut pressure = [Jet::ZERO; 2];
+        for seen in &self.all {
+            (0..seen.sources.array.len()).try_for_each(|i| seen.sources.check_distance(i, index, point))?;
+            seen.driven.iter().try_for_each(|waves| waves.add(point, &mut pressure, control))?;
+        }
+        let width = self.quantity.width();
+        let value = &mut part.value[j * width..(j + 1) * width];
+        self.quantity.write_felt(&pressure, particle.factors(self.medium), value);
+        let Some(cotangent) = cotangent else { return Ok([0.0; 3]) };
+        let (pulled, by_speed) = self.quantity.back_felt((self.medium, particle), &pressure, cotangent);
+        part.by_speed += by_speed;
+        let weights = weights(&pulled);
+        // Only the stiffness is made of third derivatives, whose own are the fourth.
+        let contract = match self.quantity {
+            Quantity::Stiffness(_) => contract::<MORE_TERMS>,
+            _ => contract::<TERMS>,
+        };
+        let mut by_point = [0.0; 3];
+        for (seen, pulls) in self.all.iter().zip(&mut part.pulls) {
+            let sources = (&seen.waves.emitters[..], &seen.drives[..]);
+            let own = contract(self.set, &seen.waves.waves, sources, (point, &weights), pulls, control)?;
+            (0..3).for_each(|axis| by_point[axis] += own[axis]);
+            part.by_k += own[3];
+        }
+        Ok(by_point)
     }
 }
 

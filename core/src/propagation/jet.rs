@@ -1,12 +1,13 @@
 //! Jet: a function of a place by its Taylor polynomial of degree 3 around a point, so that derivatives are exact.
 
+use crate::kernels::derivatives::MORE_TERMS;
 pub(crate) use crate::kernels::derivatives::TERMS;
 
-/// Exponents of the monomials, by degree.
-const EXPONENTS: [[u8; 3]; TERMS] = {
-    let mut exponents = [[0; 3]; TERMS];
+/// Exponents of the monomials, by degree, those of degree 4 too.
+pub(crate) const EXPONENTS: [[u8; 3]; MORE_TERMS] = {
+    let mut exponents = [[0; 3]; MORE_TERMS];
     let (mut next, mut degree) = (0, 0);
-    while degree <= 3 {
+    while degree <= 4 {
         let mut a = degree + 1;
         while a > 0 {
             a -= 1;
@@ -28,7 +29,7 @@ pub(crate) fn degree(term: usize) -> i32 {
 }
 
 /// The place of a monomial among them.
-const fn place(of: [u8; 3]) -> usize {
+pub(crate) const fn place(of: [u8; 3]) -> usize {
     let mut at = 0;
     while EXPONENTS[at][0] != of[0] || EXPONENTS[at][1] != of[1] || EXPONENTS[at][2] != of[2] {
         at += 1;
@@ -121,6 +122,33 @@ impl Jet {
             }
         }
         derivative
+    }
+
+    /// The sum of products of the coefficients.
+    pub(crate) fn dot(&self, other: &Self) -> f64 {
+        self.0.iter().zip(&other.0).map(|(own, other)| own * other).sum()
+    }
+
+    /// Of this cotangent of a product, that of a factor beside `other`.
+    pub(crate) fn back_times(&self, other: &Self) -> Self {
+        let mut back = Self::ZERO;
+        for [i, j, at] in PRODUCTS {
+            back.0[i] += self.0[at] * other.0[j];
+        }
+        back
+    }
+
+    /// Of this cotangent of a derivative along an axis, that of the function.
+    pub(crate) fn back_derivative(&self, axis: usize) -> Self {
+        let mut back = Self::ZERO;
+        for (own, exponents) in back.0.iter_mut().zip(&EXPONENTS) {
+            if exponents[axis] > 0 {
+                let mut lower = *exponents;
+                lower[axis] -= 1;
+                *own = f64::from(exponents[axis]) * self.0[place(lower)];
+            }
+        }
+        back
     }
 
     /// The value at the point.

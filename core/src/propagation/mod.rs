@@ -14,6 +14,7 @@ pub(crate) mod local;
 pub(crate) mod model;
 mod momentum;
 pub(crate) mod particle;
+pub(crate) mod quantity;
 pub(crate) mod reflection;
 pub(crate) mod rest;
 pub(crate) mod scattering;

@@ -2,6 +2,7 @@
 
 use alloc::format;
 
+use crate::error::{Error, real};
 use crate::math;
 use crate::propagation::jet::Jet;
 use crate::scene::{Medium, dot};
@@ -43,6 +44,18 @@ impl Particle {
         let volume = self.volume();
         let omega = core::f64::consts::TAU * medium.frequency;
         [volume * f1 / (4.0 * compressibility), volume * 3.0 * f2 / (8.0 * medium.density * omega * omega)]
+    }
+
+    /// The slope of the factor of |p|^2 by the medium's sound speed; the other has none.
+    pub(crate) fn factor_slope(&self, medium: Medium) -> f64 {
+        -self.volume() / (2.0 * medium.density * medium.sound_speed * medium.sound_speed * medium.sound_speed)
+    }
+
+    /// Refuses what is no sphere.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        real("radius", self.radius, 0.0, true)?;
+        real("density", self.density, 0.0, true)?;
+        real("sound_speed", self.sound_speed, 0.0, true).map(|_| ())
     }
 
     fn volume(&self) -> f64 {
@@ -105,4 +118,16 @@ pub(crate) fn potential(pressure: &[Jet; 2], [compression, motion]: [f64; 2]) ->
         }
     }
     potential
+}
+
+/// The cotangents of a pressure, real and imaginary part, of that of its U.
+pub(crate) fn back(pressure: &[Jet; 2], [compression, motion]: [f64; 2], potential: &Jet) -> [Jet; 2] {
+    pressure.each_ref().map(|part| {
+        let mut back = Jet::ZERO;
+        back.add(&potential.back_times(part), 2.0 * compression);
+        for axis in 0..3 {
+            back.add(&potential.back_times(&part.derivative(axis)).back_derivative(axis), -2.0 * motion);
+        }
+        back
+    })
 }

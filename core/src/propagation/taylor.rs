@@ -8,8 +8,9 @@ use num_complex::Complex64;
 use crate::control::Control;
 use crate::error::Error;
 use crate::kernels::InstructionSet;
-use crate::kernels::derivatives::{self, Emitters, Waves};
+use crate::kernels::derivatives;
 use crate::kernels::simd::doubles::{EIGHT, Eight};
+use crate::kernels::waves::{Emitters, Waves};
 use crate::propagation::jet::{Jet, TERMS};
 use crate::propagation::sources::Sources;
 
@@ -34,8 +35,8 @@ impl Taylor {
         }));
         let wavenumber = sources.medium.wavenumber();
         let directivity = array.transducer().directivity;
-        let (slopes, scaled) = (directivity.slopes(wavenumber), directivity.scaled());
-        let waves = Waves { wavenumber, absorption: sources.medium.absorption, slopes, scaled };
+        let (slopes, widening) = (directivity.slopes(wavenumber), directivity.widening(wavenumber));
+        let waves = Waves { wavenumber, absorption: sources.medium.absorption, slopes, widening };
         Self { set, waves, emitters, members }
     }
 

@@ -51,7 +51,8 @@ fn jet(sources: &Sources, i: usize, point: [f64; 3]) -> [Jet; 2] {
     let inverse = series([1.0 / r, -1.0 / (r * r), 1.0 / (r * r * r), -1.0 / (r * r * r * r)], &root);
     let height = (0..3).map(|axis| ray[axis] * normal[axis]).sum::<f64>();
     let cosine = quadratic(height, normal, 0.0).times(&inverse);
-    let slopes = transducer.directivity.taylor(cosine.value(), sources.medium.wavenumber());
+    let [d, d1, d2, d3, _] = transducer.directivity.taylor(cosine.value(), sources.medium.wavenumber());
+    let slopes = [d, d1, d2, d3];
     if slopes == [1.0, 0.0, 0.0, 0.0] {
         return parts;
     }

@@ -11,7 +11,9 @@ pub(super) static LAW: Law = Law {
     taylor: Taylor::Each(|n, c, _| {
         let power = |m: f64, factor: f64| if factor == 0.0 { 0.0 } else { factor * math::pow(c, n - m) };
         let second = n * (n - 1.0) / 2.0;
-        [power(0.0, 1.0), power(1.0, n), power(2.0, second), power(3.0, second * (n - 2.0) / 3.0)]
+        let third = power(3.0, second * (n - 2.0) / 3.0);
+        let fourth = if c > 0.0 { third * (n - 3.0) / (4.0 * c) } else { 0.0 };
+        [power(0.0, 1.0), power(1.0, n), power(2.0, second), third, fourth]
     }),
     sharpness: |exponent, _| math::sqrt(exponent),
     shape: Shape::Power,

@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use crate::kernels::waves::SLOPES;
+
 /// All that is known of one kind of directivity D(theta), for wavenumber k in 1/m. One file of this folder states one law.
 pub(crate) struct Law {
     /// The name in scene files, Python and C.
@@ -20,10 +22,10 @@ pub(crate) struct Law {
     pub(crate) shape: Shape,
 }
 
-/// The Taylor coefficients D, D', D''/2, D'''/6 by cos theta.
+/// The Taylor coefficients D, D', D''/2, D'''/6, D''''/24 by cos theta.
 pub(crate) enum Taylor {
     /// Of (parameter, cos theta, k).
-    Each(fn(f64, f64, f64) -> [f64; 4]),
+    Each(fn(f64, f64, f64) -> [f64; SLOPES]),
     /// D = `factor` J(x)/x^`order`, x = `scale` sin theta with a scale of (parameter, k): see [`super::bessel`].
     InSine { scale: fn(f64, f64) -> f64, order: f64, factor: f64 },
 }

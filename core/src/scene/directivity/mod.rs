@@ -11,11 +11,12 @@ pub(crate) mod t4010a1;
 
 use alloc::boxed::Box;
 use alloc::format;
+use alloc::vec::Vec;
 
 pub use law::{Directivity, Parameter};
 
 use crate::error::{Error, find, real};
-use crate::kernels::derivatives::Slopes;
+use crate::kernels::waves::{SLOPES, Slopes};
 use crate::scene::directivity::bessel::{in_sine, normalised, series};
 use crate::scene::directivity::law::{Law, Shape, Taylor};
 
@@ -99,11 +100,11 @@ impl Directivity {
         if self.silent(cos_theta) { 0.0 } else { (self.law.value)(self.parameter, cos_theta, k) }
     }
 
-    /// The Taylor coefficients of D by cos(theta), up to the third, for wavenumber k (1/m); all 0 behind a baffle.
-    pub(crate) fn taylor(&self, cos_theta: f64, k: f64) -> [f64; 4] {
+    /// The Taylor coefficients of D by cos(theta), up to the fourth, for wavenumber k (1/m); all 0 behind a baffle.
+    pub(crate) fn taylor(&self, cos_theta: f64, k: f64) -> [f64; SLOPES] {
         let c = cos_theta.min(1.0);
         if self.silent(c) {
-            return [0.0; 4];
+            return [0.0; SLOPES];
         }
         match self.law.taylor {
             Taylor::Each(of) => of(self.parameter, c, k),
@@ -127,9 +128,25 @@ impl Directivity {
         }
     }
 
-    /// Whether D is a function of k sin(theta); else it is one of theta alone.
-    pub(crate) fn scaled(self) -> bool {
-        matches!(self.law.taylor, Taylor::InSine { .. })
+    /// dD/dk in place of D, up to the third, where D is a function of k sin(theta); else it is one of theta alone.
+    pub(crate) fn widening(self, k: f64) -> Option<Slopes> {
+        let Taylor::InSine { scale, order, factor } = &self.law.taylor else { return None };
+        let (scale, order, factor) = (scale(self.parameter, k), *order, 2.0 * factor / k);
+        let square = scale * scale;
+        // k dD/dk = 2 y dD/dy.
+        let each = move |c: f64| {
+            let c = c.min(1.0);
+            let of = |y: f64| {
+                let [_, f1, f2, f3, f4] = normalised(y, order).map(|value| factor * value);
+                [y * f1, f1 + 2.0 * y * f2, 2.0 * f2 + 3.0 * y * f3, 3.0 * f3 + 4.0 * y * f4, 0.0]
+            };
+            if self.silent(c) { [0.0; SLOPES] } else { in_sine(scale, c, of) }
+        };
+        let grown = |terms: Vec<f64>| terms.iter().enumerate().map(|(n, term)| n as f64 * term).collect();
+        Some(match series(order, factor, square) {
+            Some(terms) => Slopes::Even { square, terms: grown(terms) },
+            None => Slopes::Each(Box::new(each)),
+        })
     }
 
     /// Whether an angle lies behind the baffle.

@@ -7,7 +7,7 @@ pub(super) static LAW: Law = Law {
     parameter: None,
     about: "D = 1 everywhere, also behind: the paper's model",
     value: |_, _, _| 1.0,
-    taylor: Taylor::Each(|_, _, _| [1.0, 0.0, 0.0, 0.0]),
+    taylor: Taylor::Each(|_, _, _| [1.0, 0.0, 0.0, 0.0, 0.0]),
     sharpness: |_, _| 0.0,
     shape: Shape::Omnidirectional,
 };

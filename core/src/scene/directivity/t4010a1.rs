@@ -20,15 +20,17 @@ pub(super) static LAW: Law = Law {
         let [d, d1, d2, d3] = pchip(&MEASURED, theta.to_degrees() / 10.0);
         // The measured values begin flat.
         if d1 == 0.0 && d2 == 0.0 && d3 == 0.0 {
-            return [d, 0.0, 0.0, 0.0];
+            return [d, 0.0, 0.0, 0.0, 0.0];
         }
-        // theta as a series in cos(theta): its derivatives are -1/s, -c/s^3 and -(1 + 2 c^2)/s^5.
+        // theta as a series in cos(theta): its derivatives are -1/s, -c/s^3, -(1 + 2 c^2)/s^5, -(9 c + 6 c^3)/s^7.
         let s2 = 1.0 - c * c;
         let s = math::sqrt(s2);
         let unit = 1.0_f64.to_degrees() / 10.0;
         let [a, b, e] = [-1.0 / s, -c / (2.0 * s2 * s), -(1.0 + 2.0 * c * c) / (6.0 * s2 * s2 * s)]
             .map(|coefficient| coefficient * unit);
-        [d, d1 * a, d1 * b + d2 * a * a, d1 * e + 2.0 * d2 * a * b + d3 * a * a * a]
+        let f = -c * (9.0 + 6.0 * c * c) / (24.0 * s2 * s2 * s2 * s) * unit;
+        let fourth = d1 * f + d2 * (2.0 * a * e + b * b) + 3.0 * d3 * a * a * b;
+        [d, d1 * a, d1 * b + d2 * a * a, d1 * e + 2.0 * d2 * a * b + d3 * a * a * a, fourth]
     }),
     sharpness: |_, _| 0.0,
     shape: Shape::Pieces(BEGINS),

@@ -1,0 +1,100 @@
+"""Value and gradient of |p| beside JAX, in one run: bench/records/gradients.csv.
+
+JAX runs in single precision on all threads, as it does by default; midair runs in double precision. Their
+answers are compared before the clock runs. It needs `midair[jax]`.
+"""
+
+from __future__ import annotations
+
+import csv
+import datetime
+import platform
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+import midair
+
+RECORD = Path(__file__).parent / "records" / "gradients.csv"
+WAVENUMBER = 2 * np.pi * 40e3 / 340
+#: Transducers along a side, and points.
+SIZES = ((16, 4), (16, 64), (32, 4), (32, 64), (32, 256))
+ROUNDS = 40
+
+
+def jax_loss(drive: Any, points: Any, positions: Any, weights: Any) -> Any:
+    """The sum of weights times |p|, in JAX's own operations."""
+    d = points[:, None] - positions
+    r = jnp.sqrt((d**2).sum(-1))
+    field = (4.386 / r * jnp.exp(1j * WAVENUMBER * r)) @ drive
+    return (weights * jnp.abs(field)).sum()
+
+
+def interleaved(calls: dict[str, Callable[[], Any]]) -> dict[str, float]:
+    """The median time of each call in ms, all of them in turns."""
+    times: dict[str, list[float]] = {name: [] for name in calls}
+    for _ in range(ROUNDS):
+        for name, call in calls.items():
+            begin = time.perf_counter()
+            call()
+            times[name].append(1e3 * (time.perf_counter() - begin))
+    return {name: float(np.median(own)) for name, own in times.items()}
+
+
+def measure(side: int, count: int) -> dict[str, float]:
+    """Times of one size: both by drive, points and positions."""
+    rng = np.random.default_rng(1)
+    array = midair.Array.grid(side, side, 10e-3)
+    points = rng.uniform([-0.05, -0.05, 0.1], [0.05, 0.05, 0.2], (count, 3))
+    drive = np.exp(2j * np.pi * rng.uniform(size=len(array)))
+    weights = rng.uniform(size=count)
+    scene = midair.Scene(array, points)
+    single = [jnp.asarray(x, jnp.float32) for x in (points, array.positions, weights)]
+    inputs = (jnp.asarray(drive, jnp.complex64), *single)
+    value = jax.jit(jax_loss)
+    slopes = jax.jit(jax.value_and_grad(jax_loss, argnums=(0, 1, 2)))
+    by, theirs = midair.grad.amplitude(scene, drive, points, weights), slopes(*inputs)[1]
+    for own, other in zip((by.drive.conj(), by.points, by.positions), theirs, strict=True):
+        # JAX's phases are single.
+        assert np.abs(own - np.asarray(other)).max() < 1e-3 * np.abs(own).max()
+    return interleaved(
+        {
+            "field": lambda: midair.field(scene, drive, points),
+            "value": lambda: midair._midair.gradient("amplitude", scene, drive, points),
+            "gradient": lambda: midair.grad.amplitude(scene, drive, points, weights),
+            "jax_value": lambda: value(*inputs).block_until_ready(),
+            "jax_gradient": lambda: jax.block_until_ready(slopes(*inputs)),
+        }
+    )
+
+
+def main() -> None:
+    """Measure all sizes, print them, and add them to the record."""
+    rows = []
+    for side, count in SIZES:
+        times = measure(side, count)
+        shown = {name: f"{own:.4f}" for name, own in times.items()}
+        ratio = times["jax_gradient"] / times["gradient"]
+        rows.append({"N": side * side, "M": count, **shown, "ratio": f"{ratio:.1f}"})
+        print(rows[-1])
+    new = not RECORD.exists()
+    with RECORD.open("a", newline="") as stream:
+        head = {
+            "date": datetime.date.today().isoformat(),
+            "cpu": platform.machine(),
+            "version": midair.__version__,
+        }
+        writer = csv.DictWriter(stream, [*head, "jax", *rows[0]], lineterminator="\n")
+        if new:
+            writer.writeheader()
+        writer.writerows({**head, "jax": jax.__version__, **row} for row in rows)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,133 @@
+//! Contraction: the way back from Taylor coefficients of a pressure at a point to transducers, eight of them at a time.
+//!
+//! C_t are the coefficients of a transducer's wave F, W_t the cotangents of those of the pressure (`kernels::derivatives`). With
+//! Z = sum_t W_t* C_t, Z_a the same of dF/dx_a, Z' the same with C_t (1 + degree of t), and L the same of x times dF/dx, x from the
+//! point, the derivatives of Re(q Z) are
+//!
+//! ```text
+//! by q   Z*                            by d   Re q Z_a
+//! by n   n x Re q (d x (Z_a) + L)      turning ray and normal together changes nothing
+//! by k   Re q (j/u) (Z' + sum_a d_a Z_a), and of dD/dk in place of D Re q Z      F = u f(u d) at constant D
+//! ```
+//!
+//! Plain loops without fused products: every instruction set gives the same bits.
+#![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
+
+use alloc::vec::Vec;
+
+use crate::control::Control;
+use crate::error::Error;
+use crate::kernels::backward::Pull;
+use crate::kernels::derivatives::{TERMS, expand};
+use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, total};
+use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::waves::{C, Emitters, Slopes, Waves, dot, normal, ray, runs};
+
+/// Blocks of eight between two pulses.
+const RUN: usize = 8;
+
+/// A term, and what its coefficient is multiplied by: real and imaginary part.
+pub(crate) type Weight = (usize, [f64; 2]);
+
+/// What coefficients are multiplied by in each sum.
+#[derive(Default)]
+pub(crate) struct Weights {
+    /// Of Z.
+    pub(crate) value: Vec<Weight>,
+    /// Of Z_a.
+    pub(crate) slopes: [Vec<Weight>; 3],
+    /// Of Z'.
+    pub(crate) grown: Vec<Weight>,
+    /// Of L.
+    pub(crate) turned: [Vec<Weight>; 3],
+}
+
+/// The gradients by a point and, the last, by k; adds those by the transducers. `COUNT` coefficients are used.
+pub(crate) fn contract<const COUNT: usize>(
+    set: InstructionSet,
+    waves: &Waves,
+    (emitters, drives): (&[Emitters], &[[Eight; 2]]),
+    (point, weights): ([f64; 3], &Weights),
+    pulls: &mut [Pull],
+    control: &mut Control,
+) -> Result<[f64; 4], Error> {
+    let mut sums = [[0.0; EIGHT]; 4];
+    for ((blocks, drives), pulls) in emitters.chunks(RUN).zip(drives.chunks(RUN)).zip(pulls.chunks_mut(RUN)) {
+        control.pulse()?;
+        dispatch!(set, s => {
+            for ((block, drive), pull) in blocks.iter().zip(drives).zip(pulls.iter_mut()) {
+                for at in runs(s) {
+                    let drive = drive.each_ref().map(|part| V::of(s, &part[at..]));
+                    let own = contracted::<_, COUNT>(s, waves, (block, at), (point, drive, weights), pull);
+                    for k in 0..4 {
+                        own[k].onto(&mut sums[k][at..]);
+                    }
+                }
+            }
+        });
+    }
+    Ok(sums.map(total))
+}
+
+#[inline(always)]
+fn contracted<S: Doubles, const COUNT: usize>(
+    s: S,
+    waves: &Waves,
+    (block, at): (&Emitters, usize),
+    (point, q, weights): ([f64; 3], C<S>, &Weights),
+    pull: &mut Pull,
+) -> [V<S>; 4] {
+    let c = expand::<S, COUNT>(s, waves, &waves.slopes, (block, at), point);
+    let value = summed(s, &weights.value, &c);
+    value[0].onto(&mut pull.drive[0][at..]);
+    (value[1] * -1.0).onto(&mut pull.drive[1][at..]);
+    let d = ray(s, block, at, point);
+    let slopes = weights.slopes.each_ref().map(|weights| driven(q, summed(s, weights, &c)));
+    let mut grown = driven(q, summed(s, &weights.grown, &c));
+    for part in 0..2 {
+        grown[part] = grown[part] + dot(d, slopes.map(|slope| slope[part]));
+    }
+    let (k, alpha) = (waves.wavenumber, waves.absorption);
+    let mut by_k = (grown[0] * k + grown[1] * alpha) * (1.0 / (k * k + alpha * alpha));
+    let v = slopes.map(|slope| slope[0]);
+    if !matches!(waves.slopes, Slopes::One) {
+        let turned = weights.turned.each_ref().map(|weights| driven(q, summed(s, weights, &c))[0]);
+        let torque = cross(d, v);
+        let by_normal = cross(normal(s, block, at), core::array::from_fn(|axis| torque[axis] + turned[axis]));
+        for axis in 0..3 {
+            by_normal[axis].onto(&mut pull.normal[axis][at..]);
+        }
+    }
+    if let Some(widening) = &waves.widening {
+        let c = expand::<S, TERMS>(s, waves, widening, (block, at), point);
+        by_k = by_k + driven(q, summed(s, &weights.value, &c))[0];
+    }
+    for axis in 0..3 {
+        (v[axis] * -1.0).onto(&mut pull.position[axis][at..]);
+    }
+    [v[0], v[1], v[2], by_k]
+}
+
+#[inline(always)]
+fn summed<S: Doubles, const COUNT: usize>(s: S, weights: &[Weight], c: &[[V<S>; COUNT]; 2]) -> C<S> {
+    let mut sum = [V::all(s, 0.0); 2];
+    for &(term, [re, im]) in weights {
+        let [own_re, own_im] = [c[0][term], c[1][term]];
+        sum[0] = sum[0] + (own_re * re - own_im * im);
+        sum[1] = sum[1] + (own_im * re + own_re * im);
+    }
+    sum
+}
+
+#[inline(always)]
+fn driven<S: Doubles>(q: C<S>, z: C<S>) -> C<S> {
+    [q[0] * z[0] - q[1] * z[1], q[0] * z[1] + q[1] * z[0]]
+}
+
+#[inline(always)]
+fn cross<S: Doubles>(a: [V<S>; 3], b: [V<S>; 3]) -> [V<S>; 3] {
+    core::array::from_fn(|axis| {
+        let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+        a[next] * b[last] - a[last] * b[next]
+    })
+}

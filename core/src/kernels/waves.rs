@@ -1,0 +1,168 @@
+//! Waves: eq. (5) in double precision, eight transducers at a time: what they are, ray, phase, decay and directivity.
+//!
+//! Plain loops without fused products: every instruction set gives the same bits.
+#![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
+
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+
+use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V};
+
+/// Taylor coefficients of D that are used: D, D', D''/2, D'''/6, D''''/24 by c = cos(theta).
+pub(crate) const SLOPES: usize = 5;
+
+/// Terms of cosine and sine.
+pub(super) const EXACT: usize = 11;
+pub(super) const CLOSE: usize = 8;
+
+/// exp(-x) is found of x/2^HALVINGS.
+const HALVINGS: usize = 7;
+
+/// A complex number of each of the eight.
+pub(super) type C<S> = [V<S>; 2];
+
+/// What eight transducers are and do: those that are too many have factor 0.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Emitters {
+    /// Positions in m.
+    pub(crate) position: [Eight; 3],
+    /// Unit normals.
+    pub(crate) normal: [Eight; 3],
+    /// The factor of eq. (5), real and imaginary part: source pressure times response, and the drive if it is known.
+    pub(crate) factor: [Eight; 2],
+}
+
+impl Emitters {
+    /// Those of transducers one by one: position, normal, factor.
+    pub(crate) fn all(of: impl ExactSizeIterator<Item = ([f64; 3], [f64; 3], [f64; 2])>) -> Vec<Self> {
+        let mut blocks: Vec<Self> = Vec::with_capacity(of.len().div_ceil(EIGHT));
+        for (i, (position, normal, factor)) in of.enumerate() {
+            if i % EIGHT == 0 {
+                let [position, normal] = [position, normal].map(|vector| vector.map(|x| [x; EIGHT]));
+                blocks.push(Self { position, normal, factor: [[0.0; EIGHT]; 2] });
+            }
+            let Some(block) = blocks.last_mut() else { continue };
+            let own = block.position.iter_mut().chain(&mut block.normal).chain(&mut block.factor);
+            own.zip(position.into_iter().chain(normal).chain(factor)).for_each(|(own, x)| own[i % EIGHT] = x);
+        }
+        blocks
+    }
+}
+
+/// How D and its derivatives by c = cos(theta) are found.
+pub(crate) enum Slopes {
+    /// D = 1.
+    One,
+    /// D is a polynomial in y = `square` (1 - c^2), 0 behind.
+    Even { square: f64, terms: Vec<f64> },
+    /// The Taylor coefficients at c.
+    Each(Box<dyn Fn(f64) -> [f64; SLOPES] + Send + Sync>),
+}
+
+/// Air and directivity of all transducers.
+pub(crate) struct Waves {
+    /// k in rad/m.
+    pub(crate) wavenumber: f64,
+    /// alpha in 1/m.
+    pub(crate) absorption: f64,
+    pub(crate) slopes: Slopes,
+    /// dD/dk and its derivatives by c, where D is a function of k sin(theta); else it is one of theta alone.
+    pub(crate) widening: Option<Slopes>,
+}
+
+/// The first of each run of numbers that a set takes at once.
+#[inline(always)]
+pub(super) fn runs<S: Doubles>(_s: S) -> impl Iterator<Item = usize> {
+    (0..EIGHT).step_by(S::WIDTH)
+}
+
+#[inline(always)]
+pub(super) fn ray<S: Doubles>(s: S, block: &Emitters, at: usize, point: [f64; 3]) -> [V<S>; 3] {
+    core::array::from_fn(|axis| V::all(s, point[axis]) - V::of(s, &block.position[axis][at..]))
+}
+
+#[inline(always)]
+pub(super) fn normal<S: Doubles>(s: S, block: &Emitters, at: usize) -> [V<S>; 3] {
+    core::array::from_fn(|axis| V::of(s, &block.normal[axis][at..]))
+}
+
+#[inline(always)]
+pub(super) fn dot<S: Doubles>(a: [V<S>; 3], b: [V<S>; 3]) -> V<S> {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// w* z.
+#[inline(always)]
+pub(super) fn against<S: Doubles>(w: C<S>, z: C<S>) -> C<S> {
+    [w[0] * z[0] + w[1] * z[1], w[0] * z[1] - w[1] * z[0]]
+}
+
+/// exp(-x) of x from 0 on, to 1e-13; below 1e-55 anything as small.
+#[inline(always)]
+pub(super) fn decay<S: Doubles>(s: S, x: V<S>) -> V<S> {
+    let most = V::all(s, 128.0);
+    let part = x.where_less(x, most, most) * (-1.0 / f64::from(1 << HALVINGS));
+    let mut sum = V::all(s, 1.0);
+    for n in (1..16).rev() {
+        sum = sum * part * (1.0 / f64::from(n)) + 1.0;
+    }
+    for _ in 0..HALVINGS {
+        sum = sum * sum;
+    }
+    sum
+}
+
+/// D and its Taylor coefficients by c, of a polynomial in y = `square` (1 - c^2); 0 behind.
+#[inline(always)]
+pub(super) fn even<S: Doubles>(s: S, square: f64, terms: &[f64], c: V<S>) -> [V<S>; SLOPES] {
+    let [zero, one] = [V::all(s, 0.0), V::all(s, 1.0)];
+    let c = c.where_less(c, one, one);
+    let y = (one - c * c) * square;
+    let mut f = [zero; SLOPES];
+    for &term in terms.iter().rev() {
+        f = [f[0] * y + term, f[1] * y + f[0], f[2] * y + f[1], f[3] * y + f[2], f[4] * y + f[3]];
+    }
+    // y moves by -square (2 c h + h^2).
+    let (a, b) = (c * (-2.0 * square), -square);
+    let third = f[2] * a * (2.0 * b) + f[3] * a * a * a;
+    let fourth = f[2] * (b * b) + f[3] * a * a * (3.0 * b) + f[4] * a * a * a * a;
+    let slopes = [f[0], f[1] * a, f[1] * b + f[2] * a * a, third, fourth];
+    slopes.map(|slope| zero.where_less(c, zero, slope))
+}
+
+/// Cosine and sine of an angle in turns below 2^40, by Taylor's polynomials of so many terms within a quarter turn of half turns:
+/// to 3e-16 of [`EXACT`] terms, to 7e-11 of [`CLOSE`].
+#[inline(always)]
+pub(super) fn phasor<S: Doubles, const COUNT: usize>(s: S, turns: V<S>) -> (V<S>, V<S>) {
+    let halves = turns * 2.0;
+    let whole = halves.round();
+    // Of an even number of half turns 1, else -1.
+    let odd = whole - (whole * 0.5).round() * 2.0;
+    let sign = V::all(s, 1.0) - odd * odd * 2.0;
+    let angle = (halves - whole) * core::f64::consts::PI;
+    let square = angle * angle;
+    let [mut cos, mut sin] = [V::all(s, TAYLOR[2 * COUNT - 2]), V::all(s, TAYLOR[2 * COUNT - 1])];
+    for n in (0..COUNT - 1).rev() {
+        cos = cos * square + TAYLOR[2 * n];
+        sin = sin * square + TAYLOR[2 * n + 1];
+    }
+    (cos * sign, sin * angle * sign)
+}
+
+/// 1/n! with the signs of cosine and, between them, of sine.
+const TAYLOR: [f64; 22] = {
+    let mut terms = [1.0; 22];
+    let mut n = 1;
+    while n < 22 {
+        terms[n] = terms[n - 1] / n as f64;
+        n += 1;
+    }
+    let mut n = 0;
+    while n < 22 {
+        if n / 2 % 2 == 1 {
+            terms[n] = -terms[n];
+        }
+        n += 1;
+    }
+    terms
+};

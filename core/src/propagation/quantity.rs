@@ -1,0 +1,158 @@
+//! Quantity: what can be asked of the field at a point, and the way back from it to the pressure there.
+
+use num_complex::Complex64;
+
+use crate::error::Error;
+use crate::kernels::contraction::Weights;
+use crate::math;
+use crate::propagation::jet::{EXPONENTS, Jet, TERMS, place};
+use crate::propagation::particle::{Particle, back, potential};
+use crate::scene::Medium;
+
+/// The coefficients of x^2, y^2 and z^2.
+const SQUARES: [usize; 3] = [4, 7, 9];
+
+/// A quantity of the field at each point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Quantity {
+    /// Complex p in Pa (peak): two numbers a point, its real and imaginary part.
+    Pressure,
+    /// |p| in Pa.
+    Amplitude,
+    /// Radiation pressure |p|^2/(rho c^2) in Pa on a wall at normal incidence.
+    Radiation,
+    /// Gor'kov's potential of a particle in J.
+    Potential(Particle),
+    /// The force on it in N: three numbers a point.
+    Force(Particle),
+    /// Its stiffness -dF/ds along x, y and z in N/m: three numbers a point.
+    Stiffness(Particle),
+}
+
+impl Quantity {
+    /// The quantity of a name, of a particle where it is one's.
+    ///
+    /// ```
+    /// use midair::{Particle, Quantity};
+    ///
+    /// assert_eq!(Quantity::named("force", Particle::default())?.width(), 3);
+    /// # Ok::<(), midair::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A name not listed.
+    pub fn named(name: &str, particle: Particle) -> Result<Self, Error> {
+        let all = [
+            ("pressure", Self::Pressure),
+            ("amplitude", Self::Amplitude),
+            ("radiation", Self::Radiation),
+            ("gorkov", Self::Potential(particle)),
+            ("force", Self::Force(particle)),
+            ("stiffness", Self::Stiffness(particle)),
+        ];
+        let found = all.iter().find(|(known, _)| *known == name).map(|&(_, own)| own);
+        found.ok_or_else(|| Error::unknown("quantity", name, all.iter().map(|(known, _)| *known)))
+    }
+
+    /// The numbers that it has at each point.
+    #[must_use]
+    pub fn width(self) -> usize {
+        match self {
+            Self::Pressure => 2,
+            Self::Amplitude | Self::Radiation | Self::Potential(_) => 1,
+            Self::Force(_) | Self::Stiffness(_) => 3,
+        }
+    }
+
+    /// The particle that it is about.
+    #[must_use]
+    pub fn particle(self) -> Option<Particle> {
+        match self {
+            Self::Potential(particle) | Self::Force(particle) | Self::Stiffness(particle) => Some(particle),
+            _ => None,
+        }
+    }
+
+    /// Writes what it is of a pressure, unless it is a particle's.
+    pub(crate) fn write(self, medium: Medium, p: Complex64, value: &mut [f64]) {
+        match self {
+            Self::Pressure => value.copy_from_slice(&[p.re, p.im]),
+            Self::Radiation => value[0] = medium.radiation(math::hypot(p.re, p.im)),
+            _ => value[0] = math::hypot(p.re, p.im),
+        }
+    }
+
+    /// dL/dRe p + j dL/dIm p, and dL by the sound speed at constant p.
+    pub(crate) fn back(self, medium: Medium, p: Complex64, value: &[f64], cotangent: &[f64]) -> ([f64; 2], f64) {
+        let along = |factor: f64| [factor * p.re, factor * p.im];
+        match self {
+            Self::Pressure => ([cotangent[0], cotangent[1]], 0.0),
+            Self::Radiation => {
+                (along(2.0 * cotangent[0] * medium.radiation(1.0)), -2.0 * cotangent[0] * value[0] / medium.sound_speed)
+            }
+            // |p| has no slope at 0: the least of its subgradients.
+            _ => (along(if value[0] > 0.0 { cotangent[0] / value[0] } else { 0.0 }), 0.0),
+        }
+    }
+
+    /// Writes what a particle feels in a pressure around the point, real and imaginary part.
+    pub(crate) fn write_felt(self, pressure: &[Jet; 2], factors: [f64; 2], value: &mut [f64]) {
+        let potential = potential(pressure, factors);
+        match self {
+            Self::Force(_) => value.copy_from_slice(&potential.gradient().map(|slope| -slope)),
+            Self::Stiffness(_) => value.copy_from_slice(&SQUARES.map(|term| 2.0 * potential.coefficients()[term])),
+            _ => value[0] = potential.value(),
+        }
+    }
+
+    /// The cotangents of the coefficients of that pressure, and dL by the sound speed at constant pressure.
+    pub(crate) fn back_felt(
+        self,
+        (medium, particle): (Medium, Particle),
+        pressure: &[Jet; 2],
+        cotangent: &[f64],
+    ) -> ([Jet; 2], f64) {
+        let mut felt = [0.0; TERMS];
+        match self {
+            Self::Force(_) => (0..3).for_each(|axis| felt[1 + axis] = -cotangent[axis]),
+            Self::Stiffness(_) => (0..3).for_each(|axis| felt[SQUARES[axis]] = 2.0 * cotangent[axis]),
+            _ => felt[0] = cotangent[0],
+        }
+        let felt = Jet::of(felt);
+        let squares: f64 = pressure.iter().map(|part| felt.dot(&part.times(part))).sum();
+        (back(pressure, particle.factors(medium), &felt), squares * particle.factor_slope(medium))
+    }
+}
+
+/// What the way back makes of cotangents of a pressure's coefficients, real and imaginary part.
+pub(crate) fn weights([re, im]: &[Jet; 2]) -> Weights {
+    let mut weights = Weights::default();
+    for (term, (re, im)) in re.coefficients().iter().zip(im.coefficients()).enumerate() {
+        if *re == 0.0 && *im == 0.0 {
+            continue;
+        }
+        let own = EXPONENTS[term];
+        let weight = |exponents: [u8; 3], factor: f64| (place(exponents), [factor * re, -factor * im]);
+        let raised = |exponents: [u8; 3], axis: usize, sign: f64| {
+            let mut exponents = exponents;
+            exponents[axis] += 1;
+            weight(exponents, sign * f64::from(exponents[axis]))
+        };
+        weights.value.push(weight(own, 1.0));
+        weights.grown.push(weight(own, 1.0 + own.iter().map(|&n| f64::from(n)).sum::<f64>()));
+        for axis in 0..3 {
+            weights.slopes[axis].push(raised(own, axis, 1.0));
+            // x times dF/dx: of axes that follow each other, and back.
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            for (from, to, sign) in [(next, last, 1.0), (last, next, -1.0)] {
+                if own[from] > 0 {
+                    let mut lower = own;
+                    lower[from] -= 1;
+                    weights.turned[axis].push(raised(lower, to, sign));
+                }
+            }
+        }
+    }
+    weights
+}

@@ -1,0 +1,86 @@
+"""JAX: quantities of the field at points, with the gradients of `midair.grad`.
+
+`field` has a vector-Jacobian product of its own: `jax.grad`, `jax.jit` and `jax.vmap` take it. It needs the
+extra `midair[jax]`.
+"""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._midair import Array, Scene, SceneError, Solution
+from ._support import slips
+from .grad import NAMES, run
+
+if TYPE_CHECKING:
+    import jax
+
+__all__ = ["field"]
+
+
+def __dir__() -> list[str]:
+    return __all__
+
+
+def field(
+    scene: Scene | Array | Solution,
+    drive: Any,
+    points: Any,
+    quantity: str = "pressure",
+    *,
+    positions: Any = None,
+    normals: Any = None,
+    sound_speed: Any = None,
+    bead: Mapping[str, float] | None = None,
+) -> "jax.Array":
+    """A quantity of the field of a drive at points, as a JAX array with gradients.
+
+    scene : a midair.Scene, an Array in its own air, or a Solution, whose scene is meant
+    drive : (N,), real or complex; its precision is that of the answer
+    points : (M, 3) in m
+    quantity : "pressure" (M,) complex, "amplitude" or "radiation" (M,) in Pa, "gorkov" (M,) in J, "force"
+        (M, 3) in N or "stiffness" (M, 3) in N/m
+    positions, normals : (N, 3), in place of the array's; a normal may have any length
+    sound_speed : in m/s, in place of the air's
+    bead : radius, density and sound_speed of the sphere that feels forces, as in `midair.gorkov`
+
+    Computed on the CPU in double precision; forward mode and second derivatives are refused by JAX.
+
+    Raises SceneError as `midair.grad`, and where JAX is missing.
+    """
+    try:
+        import jax
+    except ImportError as error:
+        raise SceneError('midair.jax needs JAX: pip install "midair[jax]"') from error
+    values = (drive, points, positions, normals, sound_speed)
+    named = {name: value for name, value in zip(NAMES, values, strict=True) if value is not None}
+    given = {name: 1.0 * jax.numpy.asarray(value) for name, value in named.items()}
+    double = given["drive"].dtype in (np.float64, np.complex128)
+    kinds = (np.complex128, np.float64) if double else (np.complex64, np.float32)
+    shape = given["points"].shape[:-1] + ((3,) if quantity in ("force", "stiffness") else ())
+    answer = jax.ShapeDtypeStruct(shape, kinds[quantity != "pressure"])
+    shapes = {name: jax.ShapeDtypeStruct(x.shape, x.dtype) for name, x in given.items()}
+
+    def value(given: Any) -> Any:
+        return run(quantity, scene, given, bead)[0].astype(answer.dtype)
+
+    def slopes(given: Any, cotangent: Any) -> Any:
+        # JAX's gradient by a complex number is the conjugate of ours.
+        found = run(quantity, scene, given, bead, np.conj(cotangent))[1:]
+        by = {name: np.conj(np.asarray(x)) for name, x in zip(NAMES, found, strict=True)}
+        real = {name: by[name] if np.iscomplexobj(given[name]) else by[name].real for name in given}
+        return {name: x.astype(given[name].dtype) for name, x in real.items()}
+
+    @jax.custom_vjp  # type: ignore[untyped-decorator, unused-ignore]
+    def own(given: Any) -> Any:
+        return jax.pure_callback(value, answer, given, vmap_method="sequential")
+
+    def back(given: Any, cotangent: Any) -> Any:
+        return (jax.pure_callback(slopes, shapes, given, cotangent, vmap_method="sequential"),)
+
+    own.defvjp(lambda given: (own(given), given), back)
+    return own(given)
+
+
+slips.attach(__name__)

@@ -1,0 +1,100 @@
+"""PyTorch: quantities of the field at points, with the gradients of `midair.grad`.
+
+`field` is an autograd function: `loss.backward()` gives the gradients by drive, points, positions, normals
+and sound speed. It needs the extra `midair[torch]`.
+"""
+
+from collections.abc import Mapping
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._midair import Array, Scene, SceneError, Solution
+from ._support import slips
+from .grad import NAMES, run
+
+if TYPE_CHECKING:
+    import torch
+
+__all__ = ["field"]
+
+
+def __dir__() -> list[str]:
+    return __all__
+
+
+@cache
+def _function() -> tuple[Any, Any]:
+    """PyTorch and the autograd function, which is made with the first call."""
+    try:
+        import torch
+        from torch.autograd.function import once_differentiable
+    except ImportError as error:
+        raise SceneError('midair.torch needs PyTorch: pip install "midair[torch]"') from error
+
+    class Field(torch.autograd.Function):  # type: ignore[misc, unused-ignore]
+        """A quantity, of tensors by their names."""
+
+        @staticmethod
+        def forward(ctx: Any, call: tuple[Any, ...], names: tuple[str, ...], *tensors: Any) -> Any:
+            arrays = [tensor.detach().resolve_conj().cpu().numpy() for tensor in tensors]
+            ctx.call, ctx.given = call, dict(zip(names, arrays, strict=True))
+            ctx.kinds = [(tensor.dtype, tensor.device) for tensor in tensors]
+            quantity, scene, bead = call
+            value = torch.from_numpy(run(quantity, scene, ctx.given, bead)[0])
+            kind, device = ctx.kinds[0]
+            if kind in (torch.float32, torch.complex64):
+                value = value.to(torch.complex64 if value.is_complex() else torch.float32)
+            return value.to(device)
+
+        @staticmethod
+        @once_differentiable  # type: ignore[untyped-decorator, unused-ignore]
+        def backward(ctx: Any, cotangent: Any) -> Any:
+            quantity, scene, bead = ctx.call
+            slopes = run(quantity, scene, ctx.given, bead, cotangent.resolve_conj().cpu().numpy())[1:]
+            by = dict(zip(NAMES, slopes, strict=True))
+            parts = []
+            for name, (kind, device) in zip(ctx.given, ctx.kinds, strict=True):
+                own = np.array(by[name])
+                own = own if kind.is_complex else own.real
+                parts.append(torch.as_tensor(own, dtype=kind, device=device))
+            return (None, None, *parts)
+
+    return torch, Field
+
+
+def field(
+    scene: Scene | Array | Solution,
+    drive: Any,
+    points: Any,
+    quantity: str = "pressure",
+    *,
+    positions: Any = None,
+    normals: Any = None,
+    sound_speed: Any = None,
+    bead: Mapping[str, float] | None = None,
+) -> "torch.Tensor":
+    """A quantity of the field of a drive at points, as a tensor with gradients.
+
+    scene : a midair.Scene, an Array in its own air, or a Solution, whose scene is meant
+    drive : (N,), real or complex; its precision is that of the answer
+    points : (M, 3) in m
+    quantity : "pressure" (M,) complex, "amplitude" or "radiation" (M,) in Pa, "gorkov" (M,) in J, "force"
+        (M, 3) in N or "stiffness" (M, 3) in N/m
+    positions, normals : (N, 3), in place of the array's; a normal may have any length
+    sound_speed : in m/s, in place of the air's
+    bead : radius, density and sound_speed of the sphere that feels forces, as in `midair.gorkov`
+
+    Computed on the CPU in double precision. Second derivatives are refused by PyTorch.
+
+    Raises SceneError as `midair.grad`, and where PyTorch is missing.
+    """
+    torch, function = _function()
+    values = (drive, points, positions, normals, sound_speed)
+    given = {name: value for name, value in zip(NAMES, values, strict=True) if value is not None}
+    tensors = [x if torch.is_tensor(x) else torch.as_tensor(np.asarray(x)) for x in given.values()]
+    return function.apply((quantity, scene, bead), tuple(given), *tensors)
+
+
+slips.attach(__name__)
