@@ -1,7 +1,8 @@
 """Value and gradient of |p| beside JAX, in one run: bench/records/gradients.csv.
 
 JAX runs in single precision on all threads, as it does by default; midair runs in double precision. Their
-answers are compared before the clock runs. It needs `midair[jax]`.
+answers are compared before the clock runs. Times are CPU time in ms of all threads, the least of rounds in
+turns, so that other programs on the machine count little. It needs `midair[jax]`.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ RECORD = Path(__file__).parent / "records" / "gradients.csv"
 WAVENUMBER = 2 * np.pi * 40e3 / 340
 #: Transducers along a side, and points.
 SIZES = ((16, 4), (16, 64), (32, 4), (32, 64), (32, 256))
-ROUNDS = 40
+ROUNDS, CALLS = 15, 10
 
 
 def jax_loss(drive: Any, points: Any, positions: Any, weights: Any) -> Any:
@@ -37,14 +38,15 @@ def jax_loss(drive: Any, points: Any, positions: Any, weights: Any) -> Any:
 
 
 def interleaved(calls: dict[str, Callable[[], Any]]) -> dict[str, float]:
-    """The median time of each call in ms, all of them in turns."""
+    """The CPU time of each call in ms, all of them in turns."""
     times: dict[str, list[float]] = {name: [] for name in calls}
     for _ in range(ROUNDS):
         for name, call in calls.items():
-            begin = time.perf_counter()
-            call()
-            times[name].append(1e3 * (time.perf_counter() - begin))
-    return {name: float(np.median(own)) for name, own in times.items()}
+            begin = time.process_time()
+            for _ in range(CALLS):
+                call()
+            times[name].append(1e3 * (time.process_time() - begin) / CALLS)
+    return {name: min(own) for name, own in times.items()}
 
 
 def measure(side: int, count: int) -> dict[str, float]:

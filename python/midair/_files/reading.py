@@ -15,7 +15,7 @@ from .._midair import Array, SceneError, Solution, array_parts, drive_from_csv, 
 from .._motion import Sequence
 from .._support.arguments import path_of
 from .._support.text import content, fault, number, rows, text, unpacked
-from . import acoustools, archive, autd3, control_points, handybeam, holo, pair, ultraino, xml
+from . import acoustools, autd3, control_points, handybeam, holo, pair, record, ultraino, xml
 from . import played as board_frames
 from .control_points import ControlPoints
 from .played import known
@@ -47,7 +47,7 @@ def read(
     ending, player = path_of("path", path).suffix.lower(), known(board)
     array = None if player is None else player.array
     if ending == ".npz":
-        return archive.read(path)
+        return record.read(path)
     if ending == ".json":
         content(path)
         return Solution.load(path)

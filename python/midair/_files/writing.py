@@ -13,7 +13,7 @@ from .._motion.files import whole
 from .._support import output
 from .._support.arguments import path_of, refused, shown, word
 from ..path import Path
-from . import acoustools, archive, control_points, holo, pair
+from . import acoustools, control_points, holo, pair, record
 from . import played as board_frames
 from .control_points import ControlPoints
 from .played import Played, known, played
@@ -103,7 +103,7 @@ def _write(file: File, layout: str, drives: Played, board: Board | None) -> None
             board_frames.write(part, drives, board)
         else:
             plain = {
-                ".npz": archive.write,
+                ".npz": record.write,
                 ".holo": holo.write,
                 "acoustools": acoustools.write,
                 "drive": _drive,
