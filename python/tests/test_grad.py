@@ -92,13 +92,17 @@ def test_a_body_is_refused_and_a_slip_is_hinted_at() -> None:
 def test_a_particle_feels_what_gorkov_computes() -> None:
     felt = midair.gorkov(scene(), DRIVE, radius=0.8e-3, density=50)
     bead = {"radius": 0.8e-3, "density": 50}
-    assert midair.grad.gorkov(scene(), DRIVE, **bead).value == pytest.approx(felt.potential, rel=1e-6)
-    by = midair.grad.force(scene(), DRIVE, **bead)
-    assert by.value == pytest.approx(felt.force, rel=1e-5, abs=1e-6 * abs(felt.force).max())
-    assert midair.grad.stiffness(scene(), DRIVE, **bead).value == pytest.approx(felt.stiffness, rel=1e-5)
+
+    def near(found: Any, expected: Any) -> bool:
+        # `gorkov` rounds the drive to single precision.
+        return bool(abs(found - expected).max() < 1e-5 * abs(expected).max())
+
+    assert near(midair.grad.gorkov(scene(), DRIVE, **bead).value, felt.potential)
+    assert near(midair.grad.force(scene(), DRIVE, **bead).value, felt.force)
+    assert near(midair.grad.stiffness(scene(), DRIVE, **bead).value, felt.stiffness)
     # dF_x/dx is less the stiffness.
     along = midair.grad.force(scene(), DRIVE, None, [[1, 0, 0], [1, 0, 0]], **bead)
-    assert along.points[:, 0] == pytest.approx(-felt.stiffness[:, 0], rel=1e-5)
+    assert near(along.points[:, 0], -felt.stiffness[:, 0])
     with pytest.raises(midair.SceneError, match=r"^radius is 0"):
         midair.grad.force(scene(), DRIVE, radius=0)
     with pytest.raises(midair.SceneError, match=r"^cotangent is of shape \(3,\): give one real"):
