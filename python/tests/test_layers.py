@@ -47,7 +47,6 @@ SHORT = {
     "midair.__main__": "python -m midair",
     "midair._boards.errors": "the guard's process imports it, and nothing that loads NumPy",
     "midair._boards.start": "the guard's process begins here, before it imports what a board needs",
-    "midair._reproduce.fig6": "a figure a file",
     "midair._studio.widget": "imports anywidget, an extra",
 }
 

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure as Picture
 
 from .._midair import SceneError
 from .._support.kept import locked
-from . import drawing, fig2, fig3, fig4, fig5, fig6, fig7, tables
+from . import drawing, fig2, fig3, fig4, fig5, fig7, tables
 from .tables import Found, Run, Tell, Verdict, silent
 
 
@@ -34,7 +34,7 @@ FIGURES: dict[str, Figure] = {
     "fig3": fig3,
     "fig4": fig4,
     "fig5": fig5,
-    "fig6": fig6,
+    "fig6": fig5.Transducers(),
     "fig7": fig7,
 }
 

@@ -1,4 +1,4 @@
-"""Fig. 5: time over the number of points, 20 x 20 transducers."""
+"""Figs. 5 and 6: time over the number of points and over the number of transducers."""
 
 from __future__ import annotations
 
@@ -65,3 +65,21 @@ def linear(rows: tables.Rows, x: str, method: str) -> Verdict:
         outcome(abs(row["slope_large"] - 1) <= LINEAR),
         f"log-log slope {timing.stated_slope(row)}",
     )
+
+
+class Transducers:
+    """Fig. 6: time over the number of transducers, 64 points."""
+
+    def collect(self, run: Run, /) -> Found:
+        """Times of every method; the range of the points grows with the array."""
+        places = [(side, scenes.FIXED_COUNT) for side in scenes.SIDES]
+        return Found(timing.study(run, places, "N", 0))
+
+    def draw(self, found: Found, /) -> Figure:
+        """Times over N."""
+        return timing.draw(found.rows, "N", "transducers N, M = 64")
+
+    def judge(self, rows: tables.Rows, /) -> list[Verdict]:
+        """Greedy is linear in N."""
+        found = [key for key in ("greedy", "greedy-brute") if tables.pick(rows, method=key)]
+        return [linear(rows, "N", key) for key in found]
