@@ -8,6 +8,7 @@ pub(crate) mod metrics;
 pub(crate) mod mix;
 pub(crate) mod optimum;
 pub(crate) mod range;
+pub(crate) mod rounding;
 pub(crate) mod setup;
 pub(crate) mod solution;
 pub(crate) mod status;

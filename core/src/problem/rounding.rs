@@ -1,0 +1,106 @@
+//! Rounding: a solution brought down to its targets and to what its board plays.
+
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+use num_complex::Complex32;
+
+use crate::control::Control;
+use crate::error::Error;
+use crate::kernels;
+use crate::linalg::Planar;
+use crate::problem::Problem;
+use crate::problem::mix::{ALIKE, mix};
+use crate::problem::solution::{Solution, divided};
+use crate::problem::status::Status;
+use crate::propagation::field_of;
+use crate::workspace::Workspace;
+
+impl Solution {
+    /// The full drives of a problem brought down to `factor`, by two amplitudes of its board where that meets the targets better
+    /// than one. `field` is that of the drives at the problem's points, where it is known.
+    pub(crate) fn mixed<'w>(
+        problem: &Problem,
+        drive: &mut Vec<Complex32>,
+        (factor, field): (f64, Option<Planar<'w>>),
+        (status, steps): (Status, usize),
+        work: &'w Workspace,
+        control: &mut Control,
+    ) -> Option<Self> {
+        let request = Arc::clone(&problem.targets);
+        let whole = !problem.is_stretched() && request.active.len() == request.pascals.len();
+        let field = mix(&request, drive, (1.0, factor), field.filter(|_| whole), work, control)?;
+        Some(Self::with_pressures(request, core::mem::take(drive), &field, status, steps, work))
+    }
+
+    /// Every drive lies on the board's grid already; pulses of uneven ticks are found at the end.
+    pub(crate) fn on_grid(self) -> Self {
+        let on_grid = self.request.setup.quantization.as_deref().is_none_or(|board| board.uneven().is_none());
+        Self { on_grid, ..self }
+    }
+
+    /// Divides drives and pressures by `factor`, at least 1, and rounds every drive to what the board can play.
+    /// Whether that changed a drive.
+    ///
+    /// # Errors
+    /// A stop, if it is the first.
+    pub(crate) fn quantize(&mut self, factor: f64, work: &Workspace, control: &mut Control) -> Result<bool, Error> {
+        let Some(quantization) = self.request.setup.quantization.as_deref() else {
+            if factor > 1.0 {
+                for list in [&mut self.drive, &mut self.pressures] {
+                    for z in list {
+                        *z = divided(*z, factor);
+                    }
+                }
+            }
+            return Ok(false);
+        };
+        if self.on_grid && factor == 1.0 {
+            return Ok(false);
+        }
+        let set = self.request.propagation.instruction_set();
+        let [least, largest] = kernels::grid::range(set, &self.drive);
+        let of_one = self.request.given && least > largest * (1.0 - ALIKE);
+        let largest = f64::from(largest) / factor;
+        let scale = quantization.scale(largest);
+        // Where drives are brought down, even pulses keep to the phases that go with every amplitude.
+        let lowered = self.on_grid || of_one && quantization.between(largest).is_some();
+        if let Some(pulses) = if lowered { quantization.uneven() } else { quantization.pulses() } {
+            let stayed = pulses.round((factor * scale) as f32, &mut self.drive);
+            self.scale *= scale;
+            if !stayed {
+                self.set_pressures(&field_of(&self.request.propagation, &self.drive, work, control)?);
+            }
+            return Ok(!stayed);
+        }
+        // Drives at full amplitude and the board's phases become others at one amplitude: the field keeps its shape.
+        let most = (largest / scale) as f32;
+        let common = quantization.nearest(Complex32::new(most, 0.0)).re;
+        let alike = quantization.grid().round(set, (factor * scale) as f32, [most, common], &mut self.drive);
+        let known = (alike && of_one).then(|| self.field(f64::from(common), work));
+        self.scale *= scale;
+        let amplitudes = (f64::from(common), largest);
+        let mixed = if of_one { mix(&self.request, &mut self.drive, amplitudes, known, work, control) } else { None };
+        if let Some(field) = &mixed {
+            self.set_pressures(field);
+        } else if !alike {
+            self.set_pressures(&field_of(&self.request.propagation, &self.drive, work, control)?);
+        } else if common != 1.0 || scale != 1.0 {
+            let change = f64::from(common) * scale;
+            self.pressures.iter_mut().for_each(|p| *p = divided(*p, 1.0 / change));
+        }
+        Ok(mixed.is_some() || !alike || common != 1.0)
+    }
+
+    /// The field `times` that of the pressures, in units of the reference: one padded row.
+    fn field<'w>(&self, times: f64, work: &'w Workspace) -> Planar<'w> {
+        let propagation = &self.request.propagation;
+        let mut field = Planar::zeros(1, propagation.lanes(), work);
+        let unit = propagation.reference() * self.scale / times;
+        for (pressure, (re, im)) in self.pressures.iter().zip(field.re.iter_mut().zip(&mut *field.im)) {
+            let own = divided(*pressure, unit);
+            (*re, *im) = (own.re, own.im);
+        }
+        field
+    }
+}
