@@ -60,6 +60,8 @@ def of_key(path: str, example: Any, of_table: Callable[[str], dict[str, Any] | N
     if path == "array.directivity":
         parameter = {"type": "object", "additionalProperties": {"type": "number"}, "maxProperties": 1}
         return {"anyOf": [{"type": "string"}, parameter]}
+    if path == "signature":
+        return several({"type": "string"})
     one, many = of_table(path), of_table(f"{path}[]")
     if many:
         listed = {"type": "array", "items": many}

@@ -14,8 +14,8 @@ FOLDER = Path(__file__).parent / "midair"
 
 KEYWORDS = '''"""Keywords by solver and call: its options, and what goes beside them. Made by `make stubs`."""
 
-from collections.abc import Callable, Iterable, Sequence
-from typing import Literal, TypedDict
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, Literal, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -39,7 +39,8 @@ class Solve(Board, total=False):
     trace: bool
 
 class Setting(Board, Keys, total=False):
-    signature: str | ArrayLike | None
+    signature: str | ArrayLike | Sequence[str | None] | None
+    bead: Mapping[str, Any] | None
     obstacles: Iterable[_Obstacle] | None
 
 class Solver(Setting, total=False):
@@ -98,9 +99,15 @@ class Solver:
     ) -> Solver: ...
     def follow(self, points: ArrayLike, pressures: _Numbers = None) -> NDArray[np.complex64]: ...
     def reset(self) -> None: ...
-    def last(self) -> tuple[NDArray[np.complex64], NDArray[np.float32], float] | None: ...
+    def last(
+        self,
+    ) -> tuple[NDArray[np.complex64], NDArray[np.float32], float, NDArray[np.float64]] | None: ...
     def restore(
-        self, drives: NDArray[np.complex64], weights: NDArray[np.float32], unevenness: float
+        self,
+        drives: NDArray[np.complex64],
+        weights: NDArray[np.float32],
+        unevenness: float,
+        motion: NDArray[np.float64],
     ) -> None: ...
     drive: Final[NDArray[np.complex64]]
     pressures: Final[NDArray[np.complex64]]

@@ -2,8 +2,8 @@
 
 use midair::solvers::{DEFAULT, configure, find};
 use midair::{
-    Aim, Array, Board, Choice, Complex64, Directivity, Error, InstructionSet, Medium, Model, Obstacle, OptionValue,
-    Options, PartKind, PartValue, Quantization, Scene, Session, Signature, Transducer, Value, word,
+    Aim, Array, Bead, Board, Choice, Complex64, Directivity, Error, InstructionSet, Medium, Model, Obstacle,
+    OptionValue, Options, PartKind, PartValue, Quantization, Scene, Session, Signature, Transducer, Value, word,
 };
 
 use crate::instruction_set::instruction_set;
@@ -25,6 +25,7 @@ pub(crate) struct Setting {
     given: Vec<(&'static str, f64)>,
     medium: Medium,
     signature: Option<Signature>,
+    bead: Bead,
     obstacles: Vec<Obstacle>,
     choice: Choice,
 }
@@ -34,7 +35,8 @@ impl Setting {
     pub(crate) fn new(array: Array, method: &str) -> Result<Self, Error> {
         let choice = Choice::new(find(method)?.info.name.into(), Options::new())?;
         let (medium, given) = (array.medium(&[])?, Vec::new());
-        Ok(Self { array, before: None, given, medium, signature: None, obstacles: Vec::new(), choice })
+        let (bead, obstacles) = (Bead::default(), Vec::new());
+        Ok(Self { array, before: None, given, medium, signature: None, bead, obstacles, choice })
     }
 
     /// The array, the air and all that stands in it, and the method of a scene.
@@ -46,6 +48,7 @@ impl Setting {
             given: Vec::new(),
             medium: scene.medium(),
             signature: scene.signature().cloned(),
+            bead: scene.bead(),
             obstacles: scene.obstacles().to_vec(),
             choice: scene.solver.clone().map_or_else(default, Ok)?,
         })
@@ -56,6 +59,7 @@ impl Setting {
         let set: InstructionSet = instruction_set()?;
         let configured = configure(&self.choice, self.array.quantization()).map_err(with_own_names)?;
         let model = Model::new(&self.array, self.medium, set)?.with_signature(self.signature.clone());
+        let model = model.with_bead(self.bead);
         let model = if self.obstacles.is_empty() { model } else { model.with_obstacles(&self.obstacles)? };
         let balance = self.choice.balance.unwrap_or(configured.info.balance);
         Ok((model.clone(), Session::new(model, configured.solver, balance)))

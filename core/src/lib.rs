@@ -91,12 +91,12 @@ pub use propagation::gorkov::{Gorkov, gorkov};
 pub use propagation::gradient::{Gradient, gradient};
 pub use propagation::quantity::Quantity;
 pub use propagation::rest::{Rest, rest};
-pub use propagation::{Boundary, KeptField, Model, Particle, Propagation, field};
+pub use propagation::{Boundary, KeptField, Model, Propagation, field};
 pub use rng::Rng;
 pub use scene::{
-    Aim, Array, Axis, Body, Choice, Directivity, Doubt, Key, Medium, Mesh, Obstacle, OptionValue, Options, Origin,
-    Parameter, Part, PartKind, PartValue, Plane, Request, Scene, Signature, Start, Surface, Transducer, Value, presets,
-    spell, spl, word,
+    Aim, Array, Axis, Bead, Body, Choice, Directivity, Doubt, Key, Medium, Mesh, Obstacle, OptionValue, Options,
+    Origin, Parameter, Part, PartKind, PartValue, Particle, Plane, Request, Scene, Signature, Start, Surface,
+    Transducer, Value, presets, spell, spl, word,
 };
 pub use session::{Batch, Frames, Session, SolveRequest};
 pub use solvers::options::{Configure, OptionInfo};

@@ -1,7 +1,7 @@
 """Keywords by solver and call: its options, and what goes beside them. Made by `make stubs`."""
 
-from collections.abc import Callable, Iterable, Sequence
-from typing import Literal, TypedDict
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, Literal, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -79,7 +79,8 @@ class Solve(Board, total=False):
     trace: bool
 
 class Setting(Board, Keys, total=False):
-    signature: str | ArrayLike | None
+    signature: str | ArrayLike | Sequence[str | None] | None
+    bead: Mapping[str, Any] | None
     obstacles: Iterable[_Obstacle] | None
 
 class Solver(Setting, total=False):

@@ -1,6 +1,6 @@
 """The compiled core. Shapes: N transducers, M points; SI units."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from inspect import Signature
 from os import PathLike
 from pathlib import Path
@@ -158,7 +158,8 @@ class Scene(k.Numbers):
         pressures: ArrayLike | None = None,
         *,
         weights: ArrayLike | None = None,
-        signature: str | ArrayLike | None = None,
+        signature: str | ArrayLike | Sequence[str | None] | None = None,
+        bead: Mapping[str, Any] | None = None,
         obstacles: Iterable[_Obstacle] | None = None,
         **keys: Unpack[k.Keys],
     ) -> Scene: ...
@@ -177,7 +178,8 @@ class Scene(k.Numbers):
         points: _Numbers = None,
         pressures: _Numbers = ...,
         weights: _Numbers = ...,
-        signature: str | ArrayLike | None = ...,
+        signature: str | ArrayLike | Sequence[str | None] | None = ...,
+        bead: Mapping[str, Any] | None = ...,
         obstacles: Iterable[_Obstacle] | None = ...,
         plane: Plane | None = ...,
         **keys: Unpack[k.Keys],
@@ -192,7 +194,8 @@ class Scene(k.Numbers):
     wavelength: Final[float]
     in_paper_unit: Final[bool]
     solver: Final[tuple[str, dict[str, _Option]] | None]
-    signature: Final[str | NDArray[np.complex128] | None]
+    signature: Final[str | NDArray[np.complex128] | list[str | None] | None]
+    bead: Final[dict[str, float | list[float]]]
     obstacles: Final[list[_Obstacle]]
     plane: Final[Plane | None]
     def __eq__(self, other: object, /) -> bool: ...

@@ -1,6 +1,6 @@
 //! `midair.gorkov`, `midair.rest` and their results.
 
-use midair::{Complex32, Model, Particle};
+use midair::{Bead, Complex32, Model, Particle};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
@@ -160,26 +160,26 @@ struct Requested {
     remark: Option<String>,
 }
 
-type Bead<'a, 'py> = [Argument<'a, 'py>; 4];
+type Given<'a, 'py> = [Argument<'a, 'py>; 4];
 
 fn requested<'py>(
     scene: &Bound<'py, PyAny>,
     drive: Option<Bound<'py, PyAny>>,
     points: Option<Bound<'py, PyAny>>,
-    [radius, density, sound_speed, gravity]: Bead<'_, 'py>,
+    [radius, density, sound_speed, gravity]: Given<'_, 'py>,
 ) -> PyResult<Requested> {
     let (scene, drive, points) = about(scene, drive, points)?;
     let (inner, model) = (&scene.get().inner, scene.get().model());
     let drive = played(&drive)?;
     let points = points.map(|points| read::vectors("points", &points)).transpose()?;
     let points = points.unwrap_or_else(|| inner.points().to_vec());
-    let default = Particle::default();
+    let Bead { particle: default, gravity: usual } = inner.bead();
     let particle = Particle {
         radius: read::real_or("radius", radius, default.radius)?,
         density: read::real_or("density", density, default.density)?,
         sound_speed: read::real_or("sound_speed", sound_speed, default.sound_speed)?,
     };
-    let gravity = gravity.map_or(Ok(GRAVITY), |gravity| read::place("gravity", gravity))?;
+    let gravity = gravity.map_or(Ok(usual), |gravity| read::place("gravity", gravity))?;
     let remark = particle.remark(inner.medium());
     Ok(Requested { model, drive, points, particle, gravity, remark })
 }
@@ -192,9 +192,9 @@ pub(crate) const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 ///
 /// A Solution alone stands for its scene and its drive: `midair.gorkov(solution, points)`, or `solution.gorkov(points)`.
 ///
-/// radius in m, density in kg/m^3 and sound_speed in m/s are the sphere's; left out it is a bead of expanded polystyrene,
-/// 1e-3, 29 (Marzo et al., Nature Communications 6, 8661, 2015) and 900. gravity (3,) in m/s^2 is for `net` and `weight`; left
-/// out it is 9.81 down the z axis. The field is the real one, without the scene's signature, in its air and beside its
+/// radius in m, density in kg/m^3 and sound_speed in m/s are the sphere's, gravity (3,) in m/s^2 is for `net` and `weight`;
+/// left out they are those of the scene's bead: of expanded polystyrene, 1e-3, 29 (Marzo et al., Nature Communications 6,
+/// 8661, 2015) and 900, and 9.81 down the z axis, unless it has another. The field is the real one, without the scene's signature, in its air and beside its
 /// obstacles. U = V [f1 <p^2>/(2 rho c^2) - 3/4 f2 rho <v^2>] after Bruus, Lab on a Chip 12, 1014 (2012), which
 /// is for spheres small beside the wavelength, without viscosity and the push of waves that run. Derivatives are
 /// exact, in double precision; those of sound that spheres and meshes send on are exact to 1e-5.

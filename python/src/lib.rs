@@ -3,6 +3,7 @@
 mod ahead;
 mod array;
 mod batch;
+mod bead;
 mod bodies;
 mod codec;
 mod ctrl_c;

@@ -5,13 +5,14 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::array::Array;
+use crate::bead::read_bead;
 use crate::error::{invalid, refused};
 use crate::keywords::Keywords;
 use crate::numbers::quoted;
 use crate::obstacle::read_obstacles;
 use crate::plane::Plane;
 use crate::read;
-use crate::scene::{ARGUMENTS, Scene, remade};
+use crate::scene::{ARGUMENTS, Around, Scene, remade};
 use crate::signature::read_signature;
 
 // Here, not beside the class: `Keywords` itself reads scenes.
@@ -83,10 +84,11 @@ fn replaced(py: Python<'_>, scene: &Scene, changes: &Bound<'_, PyDict>) -> PyRes
         Some(signature) if signature.is_none() => None,
         Some(signature) => Some(read_signature(&signature, array.inner.len())?),
     };
+    let bead = keywords.take("bead")?.map_or_else(|| Ok(own.bead()), |bead| read_bead(&bead))?;
     let obstacles = keywords.take_or_none("obstacles")?;
     let obstacles = obstacles.map_or_else(|| Ok(own.obstacles().to_vec()), |given| read_obstacles(&given))?;
     if let Some(unknown) = keywords.unknown("part of a scene", &[&ARGUMENTS[..], &["plane"]].concat()) {
         return Err(refused(unknown));
     }
-    remade(py, scene, (&array, medium), points, request, (plane, signature, obstacles))
+    remade(py, scene, (&array, medium), points, request, Around { plane, signature, bead, obstacles })
 }

@@ -5,13 +5,14 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use midair::files::{self, Format, Provenance};
-use midair::{Complex32, Control, Doubt, Medium, Request};
+use midair::{Bead, Complex32, Control, Doubt, Medium, Request};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 
 use crate::array::Array;
+use crate::bead::{read_bead, shown_bead};
 use crate::ctrl_c::attend;
 use crate::error::{refused, warn_all};
 use crate::getters::getters;
@@ -28,7 +29,7 @@ use crate::signature::{read_signature, shown_signature};
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// Arguments of the constructor beside the air and the array's parts.
-pub(crate) const ARGUMENTS: [&str; 6] = ["array", "points", "pressures", "weights", "signature", "obstacles"];
+pub(crate) const ARGUMENTS: [&str; 7] = ["array", "points", "pressures", "weights", "signature", "bead", "obstacles"];
 
 /// A request: an array, points in the air, and a pressure for each point.
 ///
@@ -42,7 +43,9 @@ pub(crate) const ARGUMENTS: [&str; 6] = ["array", "points", "pressures", "weight
 /// {parts} : in place of the array's
 /// signature : turns the foci into traps: "trap", "twin", "vortex" or complex factors (N,) or (M, N) of modulus 1, which
 ///     multiply the responses c while it is solved; pressures are then those of the foci, and `field` and `gorkov` use the
-///     real responses
+///     real responses; a list has a name, or None for a focus, for each point
+/// bead : the sphere that traps are made for, a dict of radius in m, density in kg/m^3, sound_speed in m/s and gravity (3,) in
+///     m/s^2; left out a bead of expanded polystyrene, and 9.81 down the z axis
 /// obstacles : bodies that reflect the waves, a list of midair.Wall, Sphere, Mesh and the like
 ///
 /// A drive q makes p_j = sum_i G_ji q_i, G_ji = P0/r D(theta) e^(-alpha r) e^(jkr) c_i: eq. (5) of Suzuki et al., IEEE Trans.
@@ -91,7 +94,7 @@ impl Scene {
     pub(crate) fn with(array: &Array, inner: midair::Scene) -> PyResult<Self> {
         let ready = array.ready(inner.medium())?;
         let model = Python::attach(|py| ready.behind(py, inner.obstacles()))?;
-        let model = model.with_signature(inner.signature().cloned());
+        let model = model.with_signature(inner.signature().cloned()).with_bead(inner.bead());
         Ok(Self { ready, model, inner: Arc::new(inner) })
     }
 
@@ -119,7 +122,7 @@ impl Scene {
 impl Scene {
     #[staticmethod]
     #[pyo3(name = "_new", signature = (
-        array, points, pressures=None, *, weights=None, signature=None, obstacles=None, **keys
+        array, points, pressures=None, *, weights=None, signature=None, bead=None, obstacles=None, **keys
     ))]
     #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
     fn new(
@@ -129,6 +132,7 @@ impl Scene {
         pressures: Argument<'_, '_>,
         weights: Argument<'_, '_>,
         signature: Argument<'_, '_>,
+        bead: Argument<'_, '_>,
         obstacles: Argument<'_, '_>,
         keys: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
@@ -143,9 +147,10 @@ impl Scene {
         let request =
             if points.is_empty() { Request::default() } else { read::request(points.len(), pressures, weights)? };
         let signature = signature.map(|value| read_signature(value, array.inner.len())).transpose()?;
+        let bead = bead.map_or_else(|| Ok(Bead::default()), read_bead)?;
         let obstacles = obstacles.map_or_else(|| Ok(Vec::new()), read_obstacles)?;
         let scene = midair::Scene::new(array.inner.clone(), medium, points, request);
-        let scene = scene.and_then(|scene| scene.with_signature(signature)?.with_obstacles(obstacles));
+        let scene = scene.and_then(|scene| scene.with_signature(signature)?.with_bead(bead)?.with_obstacles(obstacles));
         Self::with(&array, scene.map_err(refused)?)?.reported(py)
     }
 
@@ -234,6 +239,7 @@ impl Scene {
         plane: Option<Bound<'_, Plane>>,
         phases: Argument<'_, '_>,
         signature: Argument<'_, '_>,
+        bead: &Bound<'_, PyAny>,
         obstacles: &Bound<'_, PyAny>,
     ) -> PyResult<Self> {
         let medium = Keywords::of(medium.py(), Some(medium))?.medium(None, array.get())?;
@@ -243,8 +249,8 @@ impl Scene {
         let array = array.get();
         let signature = signature.map(|value| read_signature(value, array.inner.len())).transpose()?;
         let scene = midair::Scene::new(array.inner.clone(), medium, points, request);
-        let obstacles = read_obstacles(obstacles)?;
-        let scene = scene.and_then(|scene| scene.with_signature(signature)?.with_obstacles(obstacles));
+        let (bead, obstacles) = (read_bead(bead)?, read_obstacles(obstacles)?);
+        let scene = scene.and_then(|scene| scene.with_signature(signature)?.with_bead(bead)?.with_obstacles(obstacles));
         let mut scene = scene.map_err(refused)?;
         scene.solver = solver.map(|(name, options)| read::choice(name, &options)).transpose()?;
         scene.plane = plane.map(|plane| plane.get().inner);
@@ -257,9 +263,10 @@ impl Scene {
         let [pressures, phases, weights] =
             [pressures, phases, weights].map(|list| list.map(|list| give::list(py, list)));
         let (solver, plane, signature) = (self.solver(py)?, self.plane(), self.signature(py)?);
-        let obstacles = self.obstacles(py)?;
+        let (bead, obstacles) = (self.bead(py)?, self.obstacles(py)?);
         let (points, medium) = (self.points(py)?, self.medium(py)?);
-        let parts = (self.array(), points, pressures, weights, medium, solver, plane, phases, signature, obstacles);
+        let parts =
+            (self.array(), points, pressures, weights, medium, solver, plane, phases, signature, bead, obstacles);
         restored::<Self>(py, parts)
     }
 
@@ -289,15 +296,26 @@ getters! {
     /// Whether pressures are in the paper's unit: eq. (5) in mm, which source_pressure = 1e-3 reproduces.
     in_paper_unit(self) -> bool = self.inner.array().in_paper_unit();
 
-    /// The signature of traps: "trap", "twin", "vortex", complex factors (N,) or (M, N), or None.
+    /// The signature of traps: "trap", "twin", "vortex", complex factors (N,) or (M, N), a list (M,), or None.
     signature(self, py) -> PyResult<Option<Bound<'py, PyAny>>> =
         shown_signature(py, self.inner.signature(), self.inner.array().len());
+
+    /// The sphere that traps are made for: radius, density, sound_speed and gravity, as the constructor takes them.
+    bead(self, py) -> PyResult<Bound<'py, PyDict>> = shown_bead(py, self.inner.bead());
 
     /// Bodies that reflect the waves: a list of midair.Wall, Sphere, Mesh and the like.
     obstacles(self, py) -> PyResult<Vec<Bound<'py, PyAny>>> = shown_obstacles(py, self.inner.obstacles());
 
     /// The plane of the scene file for pictures, or None.
     plane(self) -> Option<Plane> = self.inner.plane.map(|inner| Plane { inner });
+}
+
+/// Parts of a scene beside array, air, points and request.
+pub(crate) struct Around {
+    pub(crate) plane: Option<midair::Plane>,
+    pub(crate) signature: Option<midair::Signature>,
+    pub(crate) bead: Bead,
+    pub(crate) obstacles: Vec<midair::Obstacle>,
 }
 
 /// A scene with other parts, the solver of its file kept, and a warning of probable mistakes.
@@ -307,10 +325,10 @@ pub(crate) fn remade(
     (array, medium): (&Array, Medium),
     points: Vec<[f64; 3]>,
     request: Request,
-    (plane, signature, obstacles): (Option<midair::Plane>, Option<midair::Signature>, Vec<midair::Obstacle>),
+    Around { plane, signature, bead, obstacles }: Around,
 ) -> PyResult<Scene> {
     let scene = midair::Scene::new(array.inner.clone(), medium, points, request);
-    let scene = scene.and_then(|scene| scene.with_signature(signature)?.with_obstacles(obstacles));
+    let scene = scene.and_then(|scene| scene.with_signature(signature)?.with_bead(bead)?.with_obstacles(obstacles));
     let mut scene = scene.map_err(refused)?;
     scene.solver.clone_from(&own.inner.solver);
     scene.plane = plane;

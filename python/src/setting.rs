@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyDictMethods};
 
 use crate::array::Array;
+use crate::bead::{read_bead, shown_bead};
 use crate::error::{invalid, refused, warn_all};
 use crate::give::rows;
 use crate::keywords::Keywords;
@@ -50,6 +51,7 @@ impl PartialEq for Source {
         match (self, other) {
             (Self::Model(own), Self::Model(other)) => {
                 let same = own.array() == other.array() && own.medium() == other.medium();
+                let same = same && own.bead() == other.bead();
                 same && own.signature() == other.signature() && own.obstacles() == other.obstacles()
             }
             (Self::Given(own, setup), Self::Given(other, its)) => own == other && setup == its,
@@ -88,6 +90,7 @@ impl Source {
                 }
                 let shown = shown_signature(py, model.signature(), model.array().len())?;
                 keywords.set_item("signature", shown)?;
+                keywords.set_item("bead", shown_bead(py, model.bead())?)?;
                 keywords.set_item("obstacles", shown_obstacles(py, model.obstacles())?)?;
                 Bound::new(py, Array::from(model.array().clone()))?.into_any()
             }
@@ -102,7 +105,7 @@ impl Source {
 }
 
 impl Setting {
-    /// From a Scene (its array, medium and solver), an Array or a Propagation, and keywords: the Scene's, `signature`,
+    /// From a Scene (its array, medium and solver), an Array or a Propagation, and keywords: the Scene's, `signature`, `bead`,
     /// `obstacles`, `balance`, `aim`, and the solver's options.
     pub(crate) fn read(
         object: &Bound<'_, PyAny>,
@@ -111,6 +114,7 @@ impl Setting {
     ) -> PyResult<Self> {
         let keywords = Keywords::of(object.py(), keywords)?;
         let (signature, obstacles) = (keywords.take_or_none("signature")?, keywords.take_or_none("obstacles")?);
+        let bead = keywords.take("bead")?;
         let (balance, aim, positions) = (keywords.take("balance")?, keywords.take("aim")?, keywords.take("positions")?);
         let balance = balance.map(|value| read::flag("balance", &value)).transpose()?;
         let aim = aim.map(|value| read::aim(&value)).transpose()?;
@@ -132,6 +136,9 @@ impl Setting {
             }
             if obstacles.is_some_and(|obstacles| !obstacles.is_none()) {
                 return Err(invalid("obstacles", "given", "a matrix has them in it: they go with a Scene or an Array"));
+            }
+            if bead.is_some() {
+                return Err(invalid("bead", "given", "a matrix has no traps: it goes with a Scene or an Array"));
             }
             let (quantization, mask) = (keywords.take("quantization")?, keywords.take("mask")?);
             let (quantization, mask, positions) = (quantization.as_ref(), mask.as_ref(), positions.as_ref());
@@ -170,7 +177,9 @@ impl Setting {
         let (choice, Configured { solver, info, .. }) = chosen(own, model.array().quantization())?;
         let behind = scene.map_or(&[][..], |scene| scene.inner.obstacles());
         let obstacles = obstacles.map_or_else(|| Ok(behind.to_vec()), |given| read_obstacles(&given))?;
-        let model = ready.behind(object.py(), &obstacles)?.with_signature(signature);
+        let bead = bead.map(|bead| read_bead(&bead)).transpose()?;
+        let bead = bead.or(scene.map(|scene| scene.inner.bead())).unwrap_or_default();
+        let model = ready.behind(object.py(), &obstacles)?.with_signature(signature).with_bead(bead);
         let session = Session::new(model.clone(), solver, choice.balance == Some(true));
         Ok(Self { session, choice, info, source: Source::Model(model) })
     }

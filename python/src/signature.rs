@@ -2,17 +2,28 @@
 
 use midair::{Complex64, Signature};
 use pyo3::prelude::*;
-use pyo3::types::PyString;
+use pyo3::types::{PyList, PyString};
 
 use crate::error::{invalid, refused};
 use crate::give;
-use crate::numbers::{Numbers, numbers, reported};
+use crate::numbers::{Numbers, numbers, quoted, reported};
 use crate::read::NUMBER;
 
-/// A name, or factors (N,) or (M, N) for `transducers` of them.
+/// A name, one or None for each point, or factors (N,) or (M, N) for `transducers` of them.
 pub(crate) fn read_signature(value: &Bound<'_, PyAny>, transducers: usize) -> PyResult<Signature> {
     if let Ok(name) = value.cast::<PyString>() {
         return Signature::named(&name.to_string()).map_err(refused);
+    }
+    if let Ok(list) = value.cast::<PyList>()
+        && list.iter().any(|one| one.is_none() || one.is_instance_of::<PyString>())
+    {
+        let one = |(j, one): (usize, Bound<'_, PyAny>)| match one.cast::<PyString>() {
+            _ if one.is_none() => Ok(Signature::Focus),
+            Ok(name) => Signature::of_point(&name.to_string()).map_err(refused),
+            Err(_) => Err(invalid(&format!("signature[{j}]"), &quoted(&one), "give a name, or None for a focus")),
+        };
+        let each: Vec<_> = list.iter().enumerate().map(one).collect::<PyResult<_>>()?;
+        return Ok(Signature::Each(each.into()));
     }
     let cure = "give \"trap\", \"twin\", \"vortex\" or complex factors of shape (N,) or (M, N)";
     let Numbers { values, shape } = numbers::<Complex64>("signature", value, NUMBER, cure)?;
@@ -34,6 +45,10 @@ pub(crate) fn shown_signature<'py>(
         }
         Some(Signature::Given(factors)) => {
             Some(give::table(py, factors.to_vec(), [factors.len() / transducers, transducers])?.into_any())
+        }
+        Some(Signature::Each(each)) => {
+            let names = each.iter().map(|one| one.name().filter(|_| *one != Signature::Focus));
+            Some(PyList::new(py, names)?.into_any())
         }
         named => named.and_then(Signature::name).map(|name| PyString::new(py, name).into_any()),
     })

@@ -25,7 +25,7 @@ use crate::solution::{Solution, begin};
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// State of `glide`, as Python's objects.
-type Remembered<'py> = (Bound<'py, PyArray2<Complex32>>, Bound<'py, PyArray1<f32>>, f32);
+type Remembered<'py> = (Bound<'py, PyArray2<Complex32>>, Bound<'py, PyArray1<f32>>, f32, Bound<'py, PyArray2<f64>>);
 
 /// One array, one method, many requests: it owns its memory, and from its second call on it allocates nothing
 /// if `out` is given.
@@ -261,8 +261,8 @@ impl Solver {
     }
 
     /// State of `glide` after its last frame, for `restore`: complex64 (3, N) drives at full amplitude as
-    /// found and as played, and the envelopes; float32 (M,) weights, and the unevenness of the points. None before the
-    /// first.
+    /// found and as played, and the envelopes; float32 (M,) weights, and the unevenness of the points; of traps (K, 3)
+    /// places in m, velocities and accelerations. None before the first.
     fn last<'py>(&self, py: Python<'py>) -> PyResult<Option<Remembered<'py>>> {
         let mut state = self.state()?;
         let last = state.session.last();
@@ -271,10 +271,10 @@ impl Solver {
         }
         let (drives, weights, unevenness) = last.parts();
         let table = give::table(py, drives.concat(), [3, drives[0].len()])?;
-        Ok(Some((table, give::list(py, weights.to_vec()), unevenness)))
+        Ok(Some((table, give::list(py, weights.to_vec()), unevenness, give::rows(py, last.motion())?)))
     }
 
-    /// Restores the state from `last`: drives (3, N), weights (M,), unevenness.
+    /// Restores the state from `last`: drives (3, N), weights (M,), unevenness, motion (K, 3).
     ///
     /// Raises SceneError for arrays of another shape than in `last`, TypeError for other types.
     fn restore(
@@ -282,6 +282,7 @@ impl Solver {
         drives: PyReadonlyArray2<'_, Complex32>,
         weights: PyReadonlyArray1<'_, f32>,
         unevenness: f32,
+        motion: PyReadonlyArray2<'_, f64>,
     ) -> PyResult<()> {
         let mut state = self.state()?;
         let (shape, transducers) = (drives.shape(), state.session.transducers());
@@ -292,9 +293,14 @@ impl Solver {
                 &format!("give (3, {transducers}), of last()"),
             ));
         }
+        if motion.shape()[1] != 3 {
+            let shape = format!("of shape {:?}", motion.shape());
+            return Err(invalid("motion", &shape, "give (K, 3), of last()"));
+        }
         let rows = drives.as_array();
         let parts = [0, 1, 2].map(|k| rows.row(k).to_vec());
-        *state.session.last() = Last::restore(parts, weights.as_array().to_vec(), unevenness);
+        let motion = motion.as_array().rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect();
+        *state.session.last() = Last::restore(parts, weights.as_array().to_vec(), unevenness, motion);
         Ok(())
     }
 

@@ -13,7 +13,7 @@ use crate::propagation::Propagation;
 use crate::quantization::read_quantization;
 use crate::read;
 use crate::ready::Ready;
-use crate::scene::{Scene, remade};
+use crate::scene::{Around, Scene, remade};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
@@ -50,7 +50,8 @@ impl Beside<'_, '_> {
         let given = read::request(own.points().len(), pressures, weights)?;
         let requested = if given.pressures.is_some() { given.clone() } else { own.request().clone() };
         let request = Request { weights: given.weights.or_else(|| own.request().weights.clone()), ..requested };
-        let rest = (own.plane, own.signature().cloned(), own.obstacles().to_vec());
+        let (signature, obstacles) = (own.signature().cloned(), own.obstacles().to_vec());
+        let rest = Around { plane: own.plane, signature, bead: own.bead(), obstacles };
         remade(py, scene, (&array, own.medium()), own.points().to_vec(), request, rest)
     }
 }

@@ -38,7 +38,7 @@ def test_keywords_have_the_names_and_order_of_the_design() -> None:
     air = midair._midair.scene_keys()["medium"]
     assert {"frequency", "sound_speed", "temperature", "absorption", "density"} <= set(air)
     parameters = {
-        midair.Scene: f"array points pressures weights signature obstacles {' '.join(air)} "
+        midair.Scene: f"array points pressures weights signature bead obstacles {' '.join(air)} "
         "source_pressure directivity response mask channels quantization",
         midair.Array: "positions normals source_pressure directivity response mask channels quantization",
         midair.Plane: "z size pixels center axis at",

@@ -15,8 +15,8 @@ use crate::files::node::Node;
 use crate::files::positions;
 use crate::files::source::Source;
 use crate::scene::{
-    Array, Axis, Body, Choice, Directivity, Key, Medium, Mesh, Obstacle, OptionValue, Options, Part, PartKind,
-    PartValue, Plane, Request, Scene, Signature, Surface, Value,
+    Array, Axis, Bead, Body, Choice, Directivity, Key, Medium, Mesh, Obstacle, OptionValue, Options, Part, PartKind,
+    PartValue, Particle, Plane, Request, Scene, Signature, Surface, Value,
 };
 use crate::solvers::registry;
 
@@ -46,7 +46,8 @@ pub(super) fn at(
     let medium = root.read("medium", |item| Ok(array.medium(&item.table()?.reals(Medium::KEYS)?)?))?;
     let signature = root.read("signature", signature)?;
     let obstacles = root.get("obstacles").map_or_else(|| Ok(Vec::new()), |all| obstacles(&all, draw))?;
-    let scene = Scene::new(array, medium, places, request)?.with_signature(signature)?;
+    let bead = root.read("bead", bead)?.unwrap_or_default();
+    let scene = Scene::new(array, medium, places, request)?.with_signature(signature)?.with_bead(bead)?;
     let mut scene = scene.with_obstacles(obstacles)?;
     scene.plane = root.read("plane", |item| plane(&item.table()?, &scene))?;
     scene.solver = root.read("solver", |item| choice(&item.open_table()?, scene.array().quantization()))?;
@@ -159,8 +160,19 @@ fn face(item: &Item<'_>) -> Result<[u32; 3], Fault> {
     Ok(corners.map(|corner| corner as u32))
 }
 
+/// A name, or one for each point.
 fn signature(item: &Item<'_>) -> Result<Signature, Fault> {
-    Signature::named(item.text()?).map_err(|error| Fault::at("signature", error))
+    let read = |path: &str, one: Result<Signature, Error>| one.map_err(|error| Fault::at(path, error));
+    if let Node::List(_) = item.node {
+        let one = |item: &Item<'_>| read(&item.path, Signature::of_point(item.text()?));
+        return Ok(Signature::Each(item.each(one, "give a name for each point")?.into()));
+    }
+    read("signature", Signature::named(item.text()?))
+}
+
+fn bead(item: &Item<'_>) -> Result<Bead, Fault> {
+    let table = item.table()?;
+    Ok(Bead::of(&table.reals(Particle::KEYS)?, table.read("gravity", Item::numbers)?)?)
 }
 
 fn array(table: &Table<'_>, source: Source<'_>) -> Result<Array, Fault> {

@@ -4,7 +4,7 @@ use alloc::format;
 use alloc::string::String;
 
 use crate::files::source::Format;
-use crate::scene::{Array, Key, Medium, Obstacle};
+use crate::scene::{Array, Bead, Key, Medium, Obstacle};
 
 /// A table's path, and its keys.
 type Table = (&'static str, &'static [Key]);
@@ -31,7 +31,12 @@ const TABLES: &[Table] = &[
                 r#"[{"point": [0.1, 0.0, 0.0], "normal": [-1.0, 0.0, 0.0]}]"#,
                 "What the waves meet: a wall, a ball or a mesh each.",
             ),
-            Key::new("signature", r#""trap""#, "Foci are turned into traps: trap, twin or vortex."),
+            Key::new(
+                "signature",
+                r#""trap""#,
+                "Foci are turned into traps: trap, twin or vortex; or of each point one of them or focus.",
+            ),
+            Key::new("bead", r#"{"radius": 1e-3}"#, "What traps are made for; left out expanded polystyrene."),
             Key::new("motion", r#"{"rate": 10e3}"#, "Points that move, in place of points; of `midair motion` alone."),
             Key::new("solver", r#"{"name": "greedy"}"#, "The method where none is named, with its options."),
             Key::new("plane", r#"{"z": 0.15}"#, "Where pictures are taken; left out, it follows the points."),
@@ -40,6 +45,7 @@ const TABLES: &[Table] = &[
         ],
     ),
     ("medium", Medium::KEYS),
+    ("bead", Bead::KEYS),
     (
         "array",
         &[

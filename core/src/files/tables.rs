@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 
 use crate::error::Error;
 use crate::files::node::Node;
-use crate::scene::{Array, Axis, Key, Obstacle, Origin, PartValue, Plane, Scene, Surface, Value};
+use crate::scene::{Array, Axis, Bead, Key, Obstacle, Origin, PartValue, Plane, Scene, Signature, Surface, Value};
 
 /// How a scene was solved, written beside it so that a result can be replayed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -38,13 +38,18 @@ pub(super) fn document(scene: &Scene, provenance: &Provenance) -> Result<Node, E
     });
     let signature = scene.signature().map(|signature| {
         let cure = "files know trap, twin and vortex: take the factors away and give them to the scene that is read";
+        if let Signature::Each(each) = signature {
+            return Ok(Node::List(each.iter().filter_map(Signature::name).map(text).collect()));
+        }
         signature.name().map(text).ok_or_else(|| Error::invalid("signature", "a list of factors", cure))
     });
+    let bead = (scene.bead() != Bead::default()).then(|| bead(scene.bead()));
     let obstacles: Vec<Node> = scene.obstacles().iter().map(obstacle).collect();
     Ok(table([
         ("version", maybe(provenance.version.as_deref().map(text))),
         ("status", maybe(provenance.status.as_deref().map(text))),
         ("signature", maybe(signature.transpose()?)),
+        ("bead", maybe(bead)),
         ("medium", Node::Table(medium.numbers().map(|(name, value)| (name.into(), Node::Real(value))).collect())),
         ("array", array(scene.array())),
         ("solver", maybe(solver.transpose()?)),
@@ -52,6 +57,10 @@ pub(super) fn document(scene: &Scene, provenance: &Provenance) -> Result<Node, E
         ("obstacles", if obstacles.is_empty() { Node::Null } else { Node::List(obstacles) }),
         ("points", Node::List(points.collect())),
     ]))
+}
+
+fn bead(Bead { particle, gravity }: Bead) -> Node {
+    table(particle.numbers().map(|(name, value)| (name, Node::Real(value))).chain([("gravity", numbers(&gravity))]))
 }
 
 fn array(array: &Array) -> Node {

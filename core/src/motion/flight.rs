@@ -11,8 +11,8 @@ use crate::control::Control;
 use crate::error::{Error, real};
 use crate::kernels::InstructionSet;
 use crate::kernels::flight::{Beads, Laws, advance, begin};
-use crate::propagation::Particle;
 use crate::scene::Medium;
+use crate::scene::Particle;
 use crate::scene::geometry::vector;
 
 /// Speeds of the table of drag: up to 8 m/s in steps of 2 mm/s, where the drag over the speed is straight to 1e-4.

@@ -17,7 +17,7 @@ use crate::problem::metrics::Metrics;
 use crate::problem::setup::Setup;
 use crate::problem::status::Status;
 use crate::propagation::{Propagation, field_of};
-use crate::scene::{Request, Scene, check_drive};
+use crate::scene::{Bead, Request, Scene, check_drive};
 use crate::workspace::Workspace;
 
 /// z / factor, by its reciprocal in double precision.
@@ -270,8 +270,10 @@ impl Solution {
         let (array, points, kept) = propagation.origin()?;
         let scene = Scene::new(array.clone(), setup.medium, points.to_vec(), self.request.request()).ok()?;
         let signature = kept.and_then(|kept| kept.signature.clone());
+        let bead = kept.map_or_else(Bead::default, |kept| kept.bead);
         let obstacles = kept.and_then(|kept| kept.scattering.as_ref()).map_or(&[][..], |all| all.obstacles.given());
-        scene.with_obstacles(obstacles.to_vec()).and_then(|scene| scene.with_signature(signature)).ok()
+        let scene = scene.with_obstacles(obstacles.to_vec()).and_then(|scene| scene.with_bead(bead));
+        scene.and_then(|scene| scene.with_signature(signature)).ok()
     }
 
     /// The targets (M,) in Pa that the metrics refer to.

@@ -14,6 +14,8 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::kernels::{InstructionSet, padded, panels};
 use crate::propagation::boundary::Boundary;
+use crate::propagation::jet::TERMS;
+use crate::propagation::local::Local;
 use crate::propagation::sources::Sources;
 use crate::propagation::sphere::Sphere;
 
@@ -87,6 +89,31 @@ impl Bodies {
         // Every instruction set gives the same bits.
         panels::add_answers(InstructionSet::best(), answers, &received, &mut sent, lanes);
         sent
+    }
+
+    /// The Taylor coefficients around a point of what each transducer sends there by way of them, as [`Bodies::sent`].
+    pub(crate) fn expanded(
+        &self,
+        local: &Local,
+        point: [f64; 3],
+        control: &mut Control,
+    ) -> Result<Vec<[Complex64; TERMS]>, Error> {
+        let (mut row, mut heard) = (Vec::new(), vec![[Complex64::ZERO; TERMS]; self.len()]);
+        for (place, terms) in local.around(point) {
+            self.basis.row(place, &mut row);
+            for (heard, wave) in heard.iter_mut().zip(&row) {
+                heard.iter_mut().zip(terms).for_each(|(heard, term)| *heard += wave * term);
+            }
+        }
+        let mut sent = vec![[Complex64::ZERO; TERMS]; self.transducers];
+        for (heard, [re, im]) in heard.iter().zip(self.each()) {
+            control.pulse()?;
+            for (sent, answer) in sent.iter_mut().zip(re.iter().zip(im)) {
+                let answer = Complex64::new(f64::from(*answer.0), f64::from(*answer.1));
+                sent.iter_mut().zip(heard).for_each(|(sent, heard)| *sent += heard * answer);
+            }
+        }
+        Ok(sent)
     }
 
     /// What all transducers make of each wave or element.

@@ -10,13 +10,13 @@ use crate::control::{Control, bytes};
 use crate::error::Error;
 use crate::propagation::bodies::Bodies;
 use crate::propagation::jet::Jet;
-use crate::propagation::local::Local;
+use crate::propagation::local::{LEAST_CLEARANCE, Local};
 use crate::propagation::model::Model;
 use crate::propagation::momentum::Pushed;
-use crate::propagation::particle::{LARGEST, Particle, potential};
+use crate::propagation::particle::{LARGEST, potential};
 use crate::propagation::sources::Sources;
 use crate::propagation::taylor::Taylor;
-use crate::scene::{check_drive, check_places, distance};
+use crate::scene::{Particle, check_drive, check_places, distance};
 
 /// Points worked on by one thread at once.
 const CHUNK: usize = 16;
@@ -24,9 +24,6 @@ const CHUNK: usize = 16;
 /// The largest radius of a sphere, and the step of its force's differences, in wavelengths.
 const MOST: f64 = 3.0;
 const STEP: f64 = 1.0 / 400.0;
-
-/// What a point must be away from a sphere or a mesh for derivatives, in wavelengths.
-const LEAST_CLEARANCE: f64 = 0.01;
 
 /// What a small sphere feels at some points (P,).
 #[derive(Clone, Debug, PartialEq)]
@@ -207,11 +204,10 @@ impl<'a> Trap<'a> {
     fn local(&self, j: usize, point: [f64; 3]) -> Result<Local, Error> {
         let medium = self.model.medium();
         let clear = self.model.scattering.as_ref().map_or(f64::INFINITY, |all| all.obstacles.clearance(point));
-        let least = LEAST_CLEARANCE * medium.wavelength();
-        if clear < least {
+        Local::beside(medium, clear).ok_or_else(|| {
+            let least = LEAST_CLEARANCE * medium.wavelength();
             let cure = format!("{clear:.1e} m from an obstacle's surface: leave {least:.1e} m");
-            return Err(Error::invalid(format!("points[{j}]"), format!("{point:?}"), cure));
-        }
-        Ok(Local::new(medium.complex_wavenumber(), 0.125 * clear.min(medium.wavelength())))
+            Error::invalid(format!("points[{j}]"), format!("{point:?}"), cure)
+        })
     }
 }

@@ -20,11 +20,11 @@ use crate::kernels::derivatives::{MORE_TERMS, TERMS};
 use crate::kernels::simd::doubles::{EIGHT, Eight};
 use crate::propagation::jet::Jet;
 use crate::propagation::model::Model;
-use crate::propagation::particle::Particle;
 use crate::propagation::quantity::{Quantity, weights};
 use crate::propagation::reflection::reflections;
 use crate::propagation::sources::Sources;
 use crate::propagation::taylor::Taylor;
+use crate::scene::Particle;
 use crate::scene::{Medium, Obstacle, check_places};
 
 /// Points whose gradients by transducers are one sum: such sums are added in the points' order, whatever the threads.

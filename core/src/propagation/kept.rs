@@ -15,7 +15,7 @@ use crate::propagation::scattering::Scattering;
 use crate::propagation::sources::Sources;
 use crate::propagation::stiffness::Stiffness;
 use crate::propagation::taylor::add_exact;
-use crate::scene::Signature;
+use crate::scene::{Bead, Signature};
 
 /// Entries of G that are kept at most: a tenth of a second's work, and a few MB. Of more than eight waves each fewer.
 const MOST_ENTRIES: usize = 1 << 20;
@@ -42,6 +42,8 @@ pub(crate) struct Kept {
     pub(crate) points: Arc<[[f64; 3]]>,
     pub(crate) scattering: Option<Arc<Scattering>>,
     pub(crate) signature: Option<Signature>,
+    /// What its traps are to hold.
+    pub(crate) bead: Bead,
     /// Whose transducers' columns are summed.
     pub(crate) channels: Option<Channels>,
     pub(crate) make: Make,
@@ -54,6 +56,7 @@ impl PartialEq for Kept {
         same && self.points == other.points
             && obstacles[0] == obstacles[1]
             && self.signature == other.signature
+            && self.bead == other.bead
             && self.channels == other.channels
     }
 }
@@ -140,22 +143,26 @@ impl Kept {
     }
 
     /// The stiffness of traps at the points, the signature left out; `None` where derivatives of the field are not known, as
-    /// behind a sphere or a mesh.
+    /// on the surface of a sphere or a mesh.
     ///
     /// # Errors
     /// More memory than allowed, a stop.
     fn stiffness(&self, control: &mut Control) -> Result<Option<Stiffness>, Error> {
-        let images = match &self.scattering {
-            Some(scattering) if scattering.bodies.is_some() => return Ok(None),
-            Some(scattering) => &scattering.images[..],
-            None => &[],
-        };
         // Every instruction set gives the same bits.
-        Stiffness::of(InstructionSet::best(), &self.sources, images, self.channels.as_ref(), &self.points, control)
+        let set = InstructionSet::best();
+        Stiffness::of(
+            (set, self.bead),
+            &self.sources,
+            self.scattering.as_deref(),
+            self.channels.as_ref(),
+            &self.points,
+            control,
+        )
     }
 
     /// The same at some of the points, whose matrix is known.
     pub(crate) fn select(&self, chosen: &[usize]) -> Self {
-        Self { points: chosen.iter().map(|&j| self.points[j]).collect(), ..self.clone() }
+        let signature = self.signature.as_ref().map(|signature| signature.select(chosen));
+        Self { points: chosen.iter().map(|&j| self.points[j]).collect(), signature, ..self.clone() }
     }
 }

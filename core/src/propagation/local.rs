@@ -18,9 +18,13 @@ use num_complex::Complex64;
 use crate::math;
 use crate::propagation::jet::{Jet, TERMS};
 use crate::propagation::sphere::gauss;
+use crate::scene::Medium;
 
 /// Heights of Gauss' rule; there are twice as many steps around.
 const HEIGHTS: usize = 6;
+
+/// What a point must be away from a sphere or a mesh for derivatives, in wavelengths.
+pub(crate) const LEAST_CLEARANCE: f64 = 0.01;
 
 /// Places around a point, from it in m, and what the pressure there adds to each Taylor coefficient at the point.
 pub(crate) struct Local(Vec<([f64; 3], [Complex64; TERMS])>);
@@ -40,11 +44,23 @@ impl Local {
         Self((0..HEIGHTS * steps).map(place).collect())
     }
 
+    /// That of a ball which is clear of bodies: `None` where a point, so far in m from the nearest, is within a hundredth of a
+    /// wavelength of it.
+    pub(crate) fn beside(medium: Medium, clear: f64) -> Option<Self> {
+        let ball = || Self::new(medium.complex_wavenumber(), 0.125 * clear.min(medium.wavelength()));
+        (clear >= LEAST_CLEARANCE * medium.wavelength()).then(ball)
+    }
+
+    /// Places around a point, and what the pressure there adds to each Taylor coefficient at the point.
+    pub(crate) fn around(&self, point: [f64; 3]) -> impl Iterator<Item = ([f64; 3], &[Complex64; TERMS])> {
+        self.0.iter().map(move |(offset, terms)| ([0, 1, 2].map(|axis| point[axis] + offset[axis]), terms))
+    }
+
     /// The polynomial around a point, real and imaginary part, of a pressure by place.
     pub(crate) fn expand(&self, point: [f64; 3], mut pressure: impl FnMut([f64; 3]) -> Complex64) -> [Jet; 2] {
         let mut sum = [Complex64::ZERO; TERMS];
-        for (offset, terms) in &self.0 {
-            let p = pressure([0, 1, 2].map(|axis| point[axis] + offset[axis]));
+        for (place, terms) in self.around(point) {
+            let p = pressure(place);
             sum.iter_mut().zip(terms).for_each(|(sum, term)| *sum += p * term);
         }
         [Jet::of(sum.map(|c| c.re)), Jet::of(sum.map(|c| c.im))]

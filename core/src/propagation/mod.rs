@@ -28,7 +28,6 @@ pub use boundary::Boundary;
 pub(crate) use field::field_of;
 pub use field::{KeptField, field};
 pub use model::Model;
-pub use particle::Particle;
 pub(crate) use sources::Sources;
 pub(crate) use strips::Strips;
 
@@ -43,7 +42,7 @@ use crate::kernels::propagate::rows;
 use crate::kernels::{self, ControlPoints, InstructionSet, Row, Run, padded};
 use crate::math;
 use crate::propagation::kept::{Kept, Known};
-use crate::scene::{Array, Scene, UNITS};
+use crate::scene::{Array, Bead, Scene, UNITS};
 
 /// Square wavelengths, a little more than a hundredth squared: f32 decides where f64 is to look.
 pub(crate) const NEAR: f32 = 1.01e-4;
@@ -123,6 +122,7 @@ impl Propagation {
                 points: Arc::clone(points),
                 scattering: None,
                 signature: None,
+                bead: Bead::default(),
                 channels: None,
                 make: Kept::BARE,
             },

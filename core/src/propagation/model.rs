@@ -15,7 +15,7 @@ use crate::propagation::boundary::Boundary;
 use crate::propagation::kept::{Kept, Make};
 use crate::propagation::scattering::Scattering;
 use crate::propagation::sources::Sources;
-use crate::scene::{Array, Medium, Obstacle, Obstacles, Scene, Signature, check_array};
+use crate::scene::{Array, Bead, Medium, Obstacle, Obstacles, Scene, Signature, check_array};
 
 /// An array in a medium, made ready once for points that change: what a scene is for points that do not.
 ///
@@ -33,6 +33,7 @@ pub struct Model {
     pub(crate) set: InstructionSet,
     pub(crate) scattering: Option<Arc<Scattering>>,
     signature: Option<Signature>,
+    bead: Bead,
     /// What makes G behind obstacles or under a signature; none where there are neither.
     make: Option<Make>,
 }
@@ -44,14 +45,15 @@ impl Model {
     /// As [`Scene::new`]: a medium out of range, a beam too narrow or a transducer too far away for f32 phases.
     pub fn new(array: &Array, medium: Medium, set: InstructionSet) -> Result<Self, Error> {
         check_array(array, medium)?;
-        Ok(Self { sources: Arc::new(Sources::new(array, medium)), set, scattering: None, signature: None, make: None })
+        let (sources, bead) = (Arc::new(Sources::new(array, medium)), Bead::default());
+        Ok(Self { sources, set, scattering: None, signature: None, bead, make: None })
     }
 
     /// That of a scene, which has been checked.
     #[must_use]
     pub fn of(scene: &Scene, set: InstructionSet) -> Self {
         let sources = Arc::new(Sources::new(scene.array(), scene.medium()));
-        let bare = Self { sources, set, scattering: None, signature: None, make: None };
+        let bare = Self { sources, set, scattering: None, signature: None, bead: scene.bead(), make: None };
         bare.with_signature(scene.signature().cloned())
             .scattered(scene.checked_obstacles(), &mut Control::none())
             .unwrap_or_else(|_| unreachable!("it is not stopped"))
@@ -130,6 +132,18 @@ impl Model {
         Self { signature, make: kept.then_some(Kept::MAKE), ..self }
     }
 
+    /// The same with traps for another bead.
+    #[must_use]
+    pub fn with_bead(self, bead: Bead) -> Self {
+        Self { bead, ..self }
+    }
+
+    /// The bead that traps are made for.
+    #[must_use]
+    pub fn bead(&self) -> Bead {
+        self.bead
+    }
+
     /// G at some points (M, 3) in m, times the factors of the signature if there is one.
     ///
     /// # Errors
@@ -154,7 +168,8 @@ impl Model {
             return Ok(Propagation::at(sources, points.into(), self.set));
         };
         let (scattering, signature) = (self.scattering.clone(), self.signature.clone());
-        let kept = Kept { sources, points: points.into(), scattering, signature, channels, make };
+        let (points, bead) = (points.into(), self.bead);
+        let kept = Kept { sources, points, scattering, signature, bead, channels, make };
         Propagation::kept(kept, None, self.set)
     }
 

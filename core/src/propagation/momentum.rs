@@ -20,9 +20,8 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::math;
 use crate::propagation::jet::Jet;
-use crate::propagation::particle::Particle;
 use crate::propagation::sphere::{Rules, Sphere};
-use crate::scene::{Medium, Surface, dot};
+use crate::scene::{Medium, Particle, Surface, dot};
 
 /// A sphere that is pushed in an air.
 pub(crate) struct Pushed {

@@ -1,36 +1,14 @@
-//! Particle: a small sphere, and Gor'kov's potential of it in a pressure.
+//! Particle: Gor'kov's potential of a small sphere in a pressure.
 
 use alloc::format;
 
 use crate::error::{Error, real};
 use crate::math;
 use crate::propagation::jet::Jet;
-use crate::scene::{Medium, dot};
+use crate::scene::{Medium, Particle, dot};
 
 /// Radii in wavelengths from which on the sphere is no longer small: k a = 0.79.
 pub(crate) const LARGEST: f64 = 0.125;
-
-/// A sphere that is to be trapped.
-///
-/// The default is a bead of expanded polystyrene, 2 mm across and 29 kg/m^3: the density of the beads of A. Marzo et al.,
-/// "Holographic acoustic elements for manipulation of levitated objects", Nature Communications 6, 8661 (2015). Its sound
-/// speed, 900 m/s, hardly matters: with the 1052 m/s of others a standing wave holds it 0.1 % better.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(clippy::exhaustive_structs, reason = "three numbers, checked where they are used")]
-pub struct Particle {
-    /// Radius a in m.
-    pub radius: f64,
-    /// Density in kg/m^3.
-    pub density: f64,
-    /// Sound speed in m/s of what it is made of.
-    pub sound_speed: f64,
-}
-
-impl Default for Particle {
-    fn default() -> Self {
-        Self { radius: 1e-3, density: 29.0, sound_speed: 900.0 }
-    }
-}
 
 impl Particle {
     /// The factors of |p|^2 and of -|grad p|^2 in U.
@@ -108,8 +86,8 @@ impl Particle {
     }
 }
 
-/// U of a pressure, real and imaginary part.
-pub(crate) fn potential(pressure: &[Jet; 2], [compression, motion]: [f64; 2]) -> Jet {
+/// U of the parts of a pressure, real and imaginary.
+pub(crate) fn potential(pressure: &[Jet], [compression, motion]: [f64; 2]) -> Jet {
     let mut potential = Jet::ZERO;
     for part in pressure {
         potential.add(&part.times(part), compression);

@@ -6,8 +6,9 @@ use crate::error::Error;
 use crate::kernels::contraction::Weights;
 use crate::math;
 use crate::propagation::jet::{EXPONENTS, Jet, TERMS, place};
-use crate::propagation::particle::{Particle, back, potential};
+use crate::propagation::particle::{back, potential};
 use crate::scene::Medium;
+use crate::scene::Particle;
 
 /// The coefficients of x^2, y^2 and z^2.
 const SQUARES: [usize; 3] = [4, 7, 9];

@@ -11,9 +11,8 @@ use crate::linalg::symmetric::eigen;
 use crate::math;
 use crate::propagation::gorkov::{Felt, Trap};
 use crate::propagation::model::Model;
-use crate::propagation::particle::Particle;
 use crate::scene::geometry::vector;
-use crate::scene::{distance, dot};
+use crate::scene::{Particle, distance, dot};
 
 /// The longest step along the force, in wavelengths.
 const STEP: f64 = 1.0 / 48.0;

@@ -20,10 +20,12 @@ use crate::error::Error;
 use crate::kernels::{InstructionSet, padded};
 use crate::linalg::symmetric::eigen;
 use crate::propagation::jet::{Jet, TERMS, degree};
-use crate::propagation::particle::{Particle, potential};
+use crate::propagation::local::Local;
+use crate::propagation::particle::potential;
+use crate::propagation::scattering::Scattering;
 use crate::propagation::sources::Sources;
 use crate::propagation::taylor::Taylor;
-use crate::scene::Medium;
+use crate::scene::{Bead, Medium};
 
 /// The entries of H.
 const ENTRIES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]];
@@ -31,13 +33,10 @@ const ENTRIES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]
 /// The stiffness along an axis counts as this part of the largest at least where it is divided by.
 const LEAST_STIFFNESS: f64 = 1e-3;
 
-/// In m/s^2, down the z axis.
-const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
-
 /// F of each entry, and after them S of each axis.
 type Forms = Vec<[[f64; TERMS]; TERMS]>;
 
-/// C and F of some points, for the default particle.
+/// C and F of some points, and the particle that they are for.
 pub(crate) struct Stiffness {
     /// C, column of G by column, of which point j has the rows from j [`TERMS`] on: padded, re and im, in units of the
     /// reference.
@@ -45,20 +44,22 @@ pub(crate) struct Stiffness {
     points: usize,
     /// F in N/m and S in N, in those units.
     forms: Forms,
-    /// Weight less buoyancy of the particle in N.
-    weight: [f64; 3],
+    /// What the force of each point is to carry in N, turned round: weight less buoyancy of the particle, and its inertia.
+    load: Vec<[f64; 3]>,
+    /// In kg.
+    mass: f64,
 }
 
 impl Stiffness {
-    /// Of what some sources, and their images in walls, make at some points, summed by their channels; `None` where the field
-    /// has no derivatives.
+    /// Of what some sources make at some points, obstacles counted in, summed by their channels; `None` where the field has
+    /// no derivatives.
     ///
     /// # Errors
     /// More memory than allowed, a stop.
     pub(crate) fn of(
-        set: InstructionSet,
+        (set, Bead { particle, gravity }): (InstructionSet, Bead),
         sources: &Sources,
-        images: &[Sources],
+        scattering: Option<&Scattering>,
         channels: Option<&Channels>,
         points: &[[f64; 3]],
         control: &mut Control,
@@ -69,27 +70,52 @@ impl Stiffness {
         control.room("the stiffness of traps", [transducers, points.len()], bytes(8, &[transducers, lanes]))?;
         let [mut re, mut im] = [(); 2].map(|()| vec![0.0; columns * lanes]);
         let units = units(sources.medium, 1.0 / sources.reference());
-        for sources in core::iter::once(sources).chain(images) {
+        let mut add = |j: usize, i: usize, wave: &[[f64; TERMS]; 2]| {
+            let first = channels.map_or(i, |channels| channels.of()[i]) * lanes + j * TERMS;
+            for (plane, part) in [&mut re, &mut im].into_iter().zip(wave) {
+                for (own, (c, unit)) in plane[first..].iter_mut().zip(part.iter().zip(&units)) {
+                    *own += (c * unit) as f32;
+                }
+            }
+        };
+        for sources in core::iter::once(sources).chain(scattering.map_or(&[][..], |all| &all.images)) {
             let waves = Taylor::new(set, sources, |i| sources.array.effect(i));
             for (j, &point) in points.iter().enumerate() {
-                waves.each(point, control, |i, wave| {
-                    let first = channels.map_or(i, |channels| channels.of()[i]) * lanes + j * TERMS;
-                    for (plane, part) in [&mut re, &mut im].into_iter().zip(&wave) {
-                        for (own, (c, unit)) in plane[first..].iter_mut().zip(part.iter().zip(&units)) {
-                            *own += (c * unit) as f32;
-                        }
-                    }
-                })?;
+                waves.each(point, control, |i, wave| add(j, i, &wave))?;
+            }
+        }
+        if let Some((all, bodies)) = scattering.and_then(|all| Some((all, all.bodies.as_ref()?))) {
+            for (j, &point) in points.iter().enumerate() {
+                let Some(local) = Local::beside(sources.medium, all.obstacles.clearance(point)) else {
+                    return Ok(None);
+                };
+                for (i, sent) in bodies.expanded(&local, point, control)?.iter().enumerate() {
+                    let wave = sent.map(|c| c * sources.array.effect(i));
+                    add(j, i, &[wave.map(|c| c.re), wave.map(|c| c.im)]);
+                }
             }
         }
         let finite = re.iter().chain(&im).all(|c| c.is_finite());
         let made = Self {
             planes: [re, im],
             points: points.len(),
-            forms: forms(sources.medium, &units),
-            weight: Particle::default().weight(sources.medium, GRAVITY),
+            forms: forms(particle.factors(sources.medium), &units),
+            load: vec![particle.weight(sources.medium, gravity); points.len()],
+            mass: particle.mass(sources.medium),
         };
         Ok(finite.then_some(made))
+    }
+
+    /// Has the particles accelerate by so much (M, 3) in m/s^2: their net force is then 0 where the field moves them so.
+    pub(crate) fn accelerate(&mut self, accelerations: &[[f64; 3]]) {
+        for (load, acceleration) in self.load.iter_mut().zip(accelerations) {
+            load.iter_mut().zip(acceleration).for_each(|(load, x)| *load -= self.mass * x);
+        }
+    }
+
+    /// Mass of the particle in kg, and of the air that moves with it.
+    pub(crate) fn mass(&self) -> f64 {
+        self.mass
     }
 
     /// C as the kernels read it.
@@ -152,7 +178,7 @@ impl Stiffness {
 
     fn net(&self, field: [&[f32]; 2], j: usize) -> [f64; 3] {
         let parts = field.map(|plane| coefficients(plane, j));
-        [0, 1, 2].map(|axis| self.weight[axis] + quadratic(&self.forms[ENTRIES.len() + axis], &parts))
+        [0, 1, 2].map(|axis| self.load[j][axis] + quadratic(&self.forms[ENTRIES.len() + axis], &parts))
     }
 
     /// Writes the sum of w dK/dRe c and v df/dRe c, and that of dIm c, with weights w (3 M,) and v (M, 3).
@@ -199,21 +225,21 @@ fn units(medium: Medium, pressure: f64) -> [f64; TERMS] {
 }
 
 /// F and S of coefficients in `units`: half the second differences of H and of the force.
-fn forms(medium: Medium, units: &[f64; TERMS]) -> Forms {
-    let factors = Particle::default().factors(medium);
+fn forms(factors: [f64; 2], units: &[f64; TERMS]) -> Forms {
     let values = |terms: &[usize]| -> Vec<f64> {
         let mut part = Jet::ZERO;
         for &term in terms {
             part.add(&Jet::monomial(term), 1.0 / units[term]);
         }
-        let potential = potential(&[part, Jet::ZERO], factors);
+        let potential = potential(&[part], factors);
         let (hessian, gradient) = (potential.hessian(), potential.gradient());
         ENTRIES.iter().map(|&[a, b]| hessian[a][b]).chain(gradient.map(|slope| -slope)).collect()
     };
     let alone: [_; TERMS] = core::array::from_fn(|term| values(&[term]));
     let mut forms = vec![[[0.0; TERMS]; TERMS]; alone[0].len()];
     for t in 0..TERMS {
-        for u in 0..=t {
+        // Of other degrees neither force nor second derivatives know.
+        for u in (0..=t).filter(|&u| (1..=4).contains(&(degree(t) + degree(u)))) {
             let both = values(&[t, u]);
             for (entry, form) in forms.iter_mut().enumerate() {
                 form[t][u] = (both[entry] - alone[t][entry] - alone[u][entry]) / 2.0;

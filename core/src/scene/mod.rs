@@ -3,6 +3,7 @@
 pub(crate) mod aim;
 pub(crate) mod air;
 pub(crate) mod array;
+pub(crate) mod bead;
 pub(crate) mod body;
 pub(crate) mod choice;
 pub(crate) mod directivity;
@@ -30,6 +31,7 @@ pub(crate) mod wiring;
 pub use aim::Aim;
 pub use array::Array;
 pub(crate) use array::UNITS;
+pub use bead::{Bead, Particle};
 pub use body::Body;
 pub use choice::Choice;
 pub use directivity::{Directivity, Parameter};
@@ -80,6 +82,7 @@ pub struct Scene {
     points: Vec<[f64; 3]>,
     request: Request,
     signature: Option<Signature>,
+    bead: Bead,
     obstacles: Obstacles,
     /// The solver a scene file names.
     pub solver: Option<Choice>,
@@ -104,7 +107,8 @@ impl Scene {
         request.check(points.len())?;
         check_places(array.centre(), medium, "points", ".position", &points)?;
         let obstacles = Obstacles::default();
-        Ok(Self { array, medium, points, request, signature: None, obstacles, solver: None, plane: None })
+        let bead = Bead::default();
+        Ok(Self { array, medium, points, request, signature: None, bead, obstacles, solver: None, plane: None })
     }
 
     /// The same scene with foci to be turned into traps by a signature, or with none.
@@ -115,6 +119,22 @@ impl Scene {
         signature.as_ref().map_or(Ok(()), |signature| signature.check(self.array.len(), self.points.len()))?;
         self.signature = signature;
         Ok(self)
+    }
+
+    /// The same scene with traps for another bead.
+    ///
+    /// # Errors
+    /// A radius, density or sound speed that is not above 0, a gravity that is not finite.
+    pub fn with_bead(mut self, bead: Bead) -> Result<Self, Error> {
+        bead.check()?;
+        self.bead = bead;
+        Ok(self)
+    }
+
+    /// The bead that traps are made for.
+    #[must_use]
+    pub fn bead(&self) -> Bead {
+        self.bead
     }
 
     /// The same scene with these obstacles in place of its own: see [`Obstacle`]. The waves then follow

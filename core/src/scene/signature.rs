@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 
 use num_complex::Complex64;
 
-use crate::error::{Error, find};
+use crate::error::{Error, find, one_each};
 use crate::math;
 use crate::scene::Array;
 use crate::scene::geometry::dot;
@@ -47,13 +47,20 @@ pub enum Signature {
     Twin,
     /// The azimuth of each transducer around the array's axis through the point.
     Vortex,
+    /// 1: the point stays a focus, among others that do not.
+    Focus,
     /// Factors of modulus 1: (N,) for all points, or (M, N), point by point.
     Given(Arc<[Complex64]>),
+    /// One for each point (M,), of those known by name.
+    Each(Arc<[Signature]>),
 }
 
 /// The signatures known by name.
 const KNOWN: [(&str, Signature); 3] =
     [("trap", Signature::Trap), ("twin", Signature::Twin), ("vortex", Signature::Vortex)];
+
+/// The name of [`Signature::Focus`].
+const FOCUS: &str = "focus";
 
 /// The weaker side's part of the stronger one's pressure from which on a standing wave traps better than a vortex: found
 /// with two boards of 16 x 16 at 10.5 mm, 236.5 mm apart, and points from the middle to one of them.
@@ -71,14 +78,50 @@ impl Signature {
         find("signature", name, &KNOWN, |known| known.0).map(|known| known.1.clone())
     }
 
-    /// Its name; given factors have none.
+    /// The signature of a name, of one point among others: "focus", too.
+    ///
+    /// # Errors
+    /// A name of none.
+    pub fn of_point(name: &str) -> Result<Self, Error> {
+        let known: [(&str, Self); 4] = core::array::from_fn(|k| KNOWN.get(k).cloned().unwrap_or((FOCUS, Self::Focus)));
+        find("signature", name, &known, |known| known.0).map(|known| known.1.clone())
+    }
+
+    /// Its name; given factors have none, nor has a list.
     #[must_use]
     pub fn name(&self) -> Option<&'static str> {
+        if *self == Self::Focus {
+            return Some(FOCUS);
+        }
         KNOWN.iter().find(|(_, known)| known == self).map(|known| known.0)
     }
 
-    /// Refuses factors that are of another modulus than 1, or too many or few.
+    /// Whether all points are to be [`Signature::Trap`].
+    pub(crate) fn traps(&self) -> bool {
+        match self {
+            Self::Each(each) => each.iter().all(|one| *one == Self::Trap),
+            own => *own == Self::Trap,
+        }
+    }
+
+    /// Of some of the points alone.
+    pub(crate) fn select(&self, chosen: &[usize]) -> Self {
+        match self {
+            Self::Each(each) => Self::Each(chosen.iter().map(|&j| each[j].clone()).collect()),
+            own => own.clone(),
+        }
+    }
+
+    /// Refuses factors that are of another modulus than 1, or too many or few; lists of another length than points.
     pub(crate) fn check(&self, transducers: usize, points: usize) -> Result<(), Error> {
+        if let Self::Each(each) = self {
+            one_each("signature", each.len(), "names", points, "points")?;
+            let nested = |one: &Self| matches!(one, Self::Each(_) | Self::Given(_));
+            return match each.iter().position(nested) {
+                None => Ok(()),
+                Some(j) => Err(Error::invalid(format!("signature[{j}]"), "a list", "give a name for each point")),
+            };
+        }
         let Self::Given(factors) = self else { return Ok(()) };
         if factors.len() != transducers && factors.len() != transducers * points {
             let cure =
@@ -98,6 +141,12 @@ impl Signature {
     /// The factors (N,) of point `j` at `point`; `reach` (N,) is |G| of each transducer there.
     pub(crate) fn factors(&self, array: &Array, j: usize, point: [f64; 3], reach: &[f64]) -> Vec<Complex64> {
         let n = array.len();
+        if let Self::Each(each) = self {
+            return each[j].factors(array, j, point, reach);
+        }
+        if *self == Self::Focus {
+            return alloc::vec![Complex64::ONE; n];
+        }
         if let Self::Given(factors) = self {
             let own = if factors.len() == n { 0..n } else { j * n..(j + 1) * n };
             return factors[own].to_vec();

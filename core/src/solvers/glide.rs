@@ -12,6 +12,8 @@
 //! tau, y' = (q - y)/tau, the field at a frame's end is P = a G y + (1 - a) G q with a = e^{-1/(rate tau)}: that one is made
 //! even.
 //!
+//! Traps of which nothing else is asked are made stiff in place of that ([`traps_within`]), in twice as many steps.
+//!
 //! Drives are relative to the last ones throughout: G's columns are multiplied by q', the bound is an arc around 1, and on a
 //! board's grid it is a largest code.
 
@@ -33,6 +35,8 @@ use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field;
 use crate::solvers::even_field::answer::Answer;
 use crate::solvers::even_field::run::{Plan, QUIET, SWEEPS};
+use crate::solvers::even_field::traps;
+use crate::solvers::even_field::traps_within::{self, Turn};
 use crate::solvers::even_field::within::{Steps, even_within};
 use crate::solvers::last::Last;
 use crate::solvers::method::{Info, Method, Solve};
@@ -158,9 +162,22 @@ impl Glide {
         control: &mut Control,
     ) -> Result<Solution, Error> {
         let mut frame = Frame::new(self, free, problem, last, work, control)?;
-        frame.sweep(self, control)?;
-        let status = frame.level(self, problem, work, control)?;
-        frame.finish(problem, status, last, work, control)
+        let Some(mut traps) = traps::asked(problem, control)? else {
+            frame.sweep(self, control)?;
+            let status = frame.level(self, problem, work, control)?;
+            frame.keep_foci(problem, last, work, control)?;
+            return frame.answer(problem, status, last, work, control);
+        };
+        let motion = traps_within::accelerate(&mut traps, problem, self.rate, last);
+        let turn = Turn { arc: frame.arc, steps: 2 * self.steps, kept: f64::from(1.0 - frame.part) };
+        let relative = frame.wave.drive.each_mut().map(|plane| &mut plane[..]);
+        traps_within::stiffen(&traps, problem, last, turn, relative, work, control)?;
+        let drives = frame.wave.drives(last.played.len(), work);
+        let played = traps_within::keep(&traps, problem, frame.most, &drives, last);
+        frame.wave.play(&frame.rows, played.into_iter());
+        work.complexes.give(drives);
+        last.motion = motion;
+        frame.answer(problem, Status::Done, last, work, control)
     }
 }
 
@@ -296,16 +313,15 @@ impl<'w> Frame<'w> {
         Ok(if off <= NEARLY { Status::Done } else { Status::OutOfSteps })
     }
 
-    /// The answer: on the board's grid, brought down to the targets, and remembered.
-    fn finish(
-        mut self,
+    /// Brings foci to the board's grid, and remembers them.
+    fn keep_foci(
+        &mut self,
         problem: &Problem,
-        status: Status,
         last: &mut Last,
         work: &'w Workspace,
         control: &mut Control,
-    ) -> Result<Solution, Error> {
-        let Self { rows, wave, trial, weights, rest, part, most, .. } = &mut self;
+    ) -> Result<(), Error> {
+        let Self { rows, wave, trial, weights, rest, most, .. } = self;
         let grid = problem.quantization().map(Quantization::grid);
         let phases = grid.and_then(|grid| grid.phases.as_ref());
         let off = |wave: &Wave| wave.unevenness(rows, wave.level(rows), 0.0);
@@ -344,18 +360,32 @@ impl<'w> Frame<'w> {
                 grid.round(rows.set, 1.0, [1.0; 2], &mut last.played);
             }
         }
+        Ok(())
+    }
+
+    /// The answer, brought down to the targets.
+    fn answer(
+        self,
+        problem: &Problem,
+        status: Status,
+        last: &mut Last,
+        work: &'w Workspace,
+        control: &mut Control,
+    ) -> Result<Solution, Error> {
+        let Self { rows, mut wave, rest, part, .. } = self;
         for (y, q) in last.envelope.iter_mut().zip(&last.played) {
-            *y += (q - *y) * *part;
+            *y += (q - *y) * part;
         }
-        if grid.is_some() && phases.is_none() || rest.is_some() {
+        let grid = problem.quantization().map(Quantization::grid);
+        if grid.is_some_and(|grid| grid.phases.is_none()) || rest.is_some() {
             // What the answer tells is the field of its drives at rest.
-            wave.hear(rows);
-            let scale = 1.0 / *part;
+            wave.hear(&rows);
+            let scale = 1.0 / part;
             wave.field.iter_mut().chain([&mut wave.moduli]).for_each(|list| list.iter_mut().for_each(|x| *x *= scale));
         }
         let mut drive = work.complexes.take(last.played.len()).into_vec();
         drive.copy_from_slice(&last.played);
-        Answer { drive, status, steps: (1, 1), mixed: false }.brought_down(problem, rows, wave, work, control)
+        Answer { drive, status, steps: (1, 1), mixed: false }.brought_down(problem, &rows, &wave, work, control)
     }
 }
 

@@ -6,6 +6,11 @@ use num_complex::Complex32;
 
 use crate::workspace::Workspace;
 
+/// q/|q| of a q that is 1 but for rounding, or 0: a step of Newton's for the root.
+pub(crate) fn settled(q: Complex32) -> Complex32 {
+    q * (1.5 - 0.5 * q.norm_sqr())
+}
+
 /// What a solver keeps from frame to frame; empty before the first.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Last {
@@ -19,6 +24,8 @@ pub struct Last {
     pub(crate) weights: Vec<f32>,
     /// How uneven the last new codes left the points.
     pub(crate) unevenness: f32,
+    /// Of traps, places (M, 3) in m, and once they are known their velocities in m/s and accelerations in m/s^2.
+    pub(crate) motion: Vec<[f64; 3]>,
 }
 
 impl Last {
@@ -29,16 +36,27 @@ impl Last {
     }
 
     /// Its drives (N,) at full amplitude as they were found and as they were played, the envelopes (N,) and the weights of
-    /// the points and how uneven these were: what [`Last::restore`] goes on from.
+    /// the points and how uneven these were: with [`Last::motion`] what [`Last::restore`] goes on from.
     #[must_use]
     pub fn parts(&self) -> ([&[Complex32]; 3], &[f32], f32) {
         ([&self.wave, &self.played, &self.envelope], &self.weights, self.unevenness)
     }
 
+    /// Of traps, places (M, 3) in m, and once they are known velocities in m/s and accelerations in m/s^2.
+    #[must_use]
+    pub fn motion(&self) -> &[[f64; 3]] {
+        &self.motion
+    }
+
     /// A last frame of [`Last::parts`].
     #[must_use]
-    pub fn restore([wave, played, envelope]: [Vec<Complex32>; 3], weights: Vec<f32>, unevenness: f32) -> Self {
-        Self { wave, played, envelope, weights, unevenness }
+    pub fn restore(
+        [wave, played, envelope]: [Vec<Complex32>; 3],
+        weights: Vec<f32>,
+        unevenness: f32,
+        motion: Vec<[f64; 3]>,
+    ) -> Self {
+        Self { wave, played, envelope, weights, unevenness, motion }
     }
 
     /// Forgets it; the memory is kept.
@@ -48,12 +66,13 @@ impl Last {
         }
         self.weights.clear();
         self.unevenness = 0.0;
+        self.motion.clear();
     }
 
     /// One in the memory of a workspace.
     pub(crate) fn taken(work: &Workspace, transducers: usize, points: usize) -> Self {
         let [wave, played, envelope] = [(); 3].map(|()| work.complexes.empty(transducers));
-        Self { wave, played, envelope, weights: work.floats.empty(points), unevenness: 0.0 }
+        Self { wave, played, envelope, weights: work.floats.empty(points), unevenness: 0.0, motion: Vec::new() }
     }
 
     /// Gives that back.

@@ -79,7 +79,7 @@ def read(file: Path) -> Document | None:
         return None
     scene, settings = found
     solver, options = scene.solver or ("glide", {})
-    air = {**scene.medium, "obstacles": scene.obstacles}
+    air = {**scene.medium, "obstacles": scene.obstacles, "bead": scene.bead}
     if scene.signature is not None:
         air["signature"] = scene.signature
     return Document(scene.array, _together(moving), settings, solver, air, dict(options), file)

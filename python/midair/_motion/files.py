@@ -86,6 +86,7 @@ def load(path: str | PathLike[str]) -> dict[str, Any]:
         "array": scene.array,
         "obstacles": scene.obstacles,
         "signature": scene.signature,
+        "bead": scene.bead,
         **kept,
         **setting,
     }

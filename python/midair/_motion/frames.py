@@ -17,7 +17,7 @@ from . import arguments
 from . import drives as driven
 
 #: The keywords for the air, what stands in it, and what the points are to be.
-AIR = (*scene_keys()["medium"], "obstacles", "signature")
+AIR = (*scene_keys()["medium"], "obstacles", "signature", "bead")
 
 
 class Frames:
@@ -123,7 +123,9 @@ class Frames:
     __hash__ = None  # type: ignore[assignment]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        around: dict[str, Any] = {"obstacles": self._scene.obstacles, "signature": self._scene.signature}
+        around: dict[str, Any] = {
+            name: getattr(self._scene, name) for name in ("obstacles", "signature", "bead")
+        }
         made = partial(type(self), **around, **self.setting())
         return made, (self.array, self._points, self._targets, self._drives.kept)
 

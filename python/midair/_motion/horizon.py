@@ -248,7 +248,7 @@ def read_frame(frame: Any) -> tuple[NDArray[np.float64], NDArray[np.float64] | N
 
 
 #: What a solver remembers of its last frame.
-REMEMBERED = ("drives", "weights", "unevenness")
+REMEMBERED = ("drives", "weights", "unevenness", "motion")
 
 
 class Found(Protocol):
@@ -270,16 +270,18 @@ class Found(Protocol):
 
 
 class Followed:
-    """By a solver, each frame from the last one; `exact` where its phases are the board's."""
+    """By a solver, each frame from the last one; `exact` for glide, whose phases are the board's."""
 
     def __init__(self, requested: Request, solver: Solver, exact: bool) -> None:
         self.board: dict[str, Any] | None = requested.options.get("quantization")
         self._requested = requested
         self._solver = solver
         self._phases = requested.board.get("phases") if exact and requested.full else None
+        self._stiff = exact and requested.stiff
 
     def block(self, frames: slice) -> NDArray[Any]:
-        drives = self._solver.follow(self._requested.points[frames], self._requested.targets[frames])
+        targets = None if self._stiff else self._requested.targets[frames]
+        drives = self._solver.follow(self._requested.points[frames], targets)
         return drives if self._phases is None else coded(drives, self._phases)
 
     def state(self) -> dict[str, Any]:
@@ -288,7 +290,8 @@ class Followed:
 
     def restore(self, done: int, state: dict[str, Any]) -> None:
         if state:
-            self._solver.restore(state["drives"], state["weights"], float(state["unevenness"]))
+            drives, weights, unevenness, motion = (state[name] for name in REMEMBERED)
+            self._solver.restore(drives, weights, float(unevenness), motion)
 
 
 class Foreseen:

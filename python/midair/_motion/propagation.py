@@ -26,7 +26,7 @@ from .._support.arguments import refused
 from .drives import Drives, blocks
 from .envelope import Envelope
 
-#: Entries of G at once behind obstacles, where it is kept in double precision.
+#: Entries of G at once behind obstacles or under a signature, where it is kept in double precision.
 MOST_KEPT = 1 << 17
 
 
@@ -35,14 +35,21 @@ def rows(
 ) -> NDArray[np.complex64]:
     """G (..., N) at points (..., 3) in a scene's air; an error names the point, the first being `first`."""
     shape, flat = points.shape[:-1], points.reshape(-1, 3)
-    part = max(MOST_KEPT // len(scene.array), 1) if scene.obstacles else len(flat)
+    kept = scene.obstacles or scene.signature is not None
+    part = max(MOST_KEPT // len(scene.array), 1) if kept else len(flat)
+    # Of a list each point of a frame has its own.
+    names = scene.signature if isinstance(scene.signature, list) else None
     blocks = []
     with warnings.catch_warnings():
         # The scene itself has reported probable mistakes.
         warnings.simplefilter("ignore", SceneWarning)
         for start in range(0, len(flat), part):
             try:
-                blocks.append(scene.replace(points=flat[start : start + part]).propagation())
+                changes: dict[str, Any] = {"points": flat[start : start + part]}
+                if names is not None:
+                    order = range(start, start + len(changes["points"]))
+                    changes["signature"] = [names[k % len(names)] for k in order]
+                blocks.append(scene.replace(**changes).propagation())
             except SceneError as error:
                 found = re.match(r"points\[(\d+)\](.*)", str(error))
                 if found is None:

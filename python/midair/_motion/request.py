@@ -32,6 +32,7 @@ class Request:
 
     scene : the array, its air and the first frame
     aim : "target", or "max" if only points are given
+    stiff : whether only points are given, and they are traps
     """
 
     array: Array
@@ -44,6 +45,7 @@ class Request:
     aim: str
     air: dict[str, Any]
     options: dict[str, Any]
+    stiff: bool
 
     @property
     def board(self) -> dict[str, Any]:
@@ -112,18 +114,9 @@ def request(
     elif aim == "max" and _swells(requested):
         warn('aim is "max", but pressures change between frames: leave it out, it plays each frame in full')
     rad = bound(frames, *bounds)
-    return Request(
-        array,
-        scene,
-        points,
-        requested,
-        frames,
-        rad,
-        bool(loops if closed is None else closed),
-        aim,
-        air,
-        options,
-    )
+    stiff = targets is None and aim == "max" and scene.signature == "trap"
+    loops = bool(loops if closed is None else closed)
+    return Request(array, scene, points, requested, frames, rad, loops, aim, air, options, stiff)
 
 
 def _swells(targets: NDArray[np.float64]) -> bool:

@@ -38,8 +38,8 @@ class Sequence(JudgedFrames):
     change : the bound of the solve, in rad a frame, if any
     quantization : the board, as `midair.Array` takes it; left out, the array's own; codes need its phases
     solver : the name of what solved it
-    medium : frequency, sound_speed or temperature, absorption, density, obstacles and
-        signature, as for `midair.Scene`
+    medium : frequency, sound_speed or temperature, absorption, density, obstacles, signature and
+        bead, as for `midair.Scene`
 
     A sequence does not change, compares by value and pickles. Raises SceneError for whatever is not in order.
 

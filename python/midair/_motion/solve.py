@@ -64,7 +64,8 @@ def sequence(
     resume : an .npz file written as the frames are found, in the memory of a block; stopped and called
         again with the same arguments it goes on, to the same bits
     options : of the solver, and the air: frequency, sound_speed, temperature, absorption, density, obstacles;
-        signature="trap" moves traps, whose targets and pressures are those of their foci
+        signature="trap" moves traps: pressures left out as stiff as can be for `bead`, each carrying its
+        bead along; else foci are held to them. Targets and pressures are those of the foci
 
     Warns where points move faster than the bound allows, or than traps can pull a bead. Raises SceneError for
     whatever is not in order.

@@ -7,7 +7,7 @@ use crate::propagation::Model;
 use crate::propagation::gorkov::gorkov;
 use crate::propagation::kept::Kept;
 use crate::rng::Rng;
-use crate::scene::{Array, Directivity, Obstacle, Signature, Surface, Transducer};
+use crate::scene::{Array, Directivity, Obstacle, Particle, Signature, Surface, Transducer};
 
 /// Two rows of transducers that face each other, one of them weak, a wall beside them, and two points.
 fn kept() -> (Model, Kept) {
@@ -49,7 +49,7 @@ fn it_is_the_stiffness_of_gorkov_and_its_slope() {
     let forces = [[2e3, -1e3, 3e3], [-500.0, 700.0, 4e3]];
     let net = |c: &[Vec<f32>; 2]| traps.balance([&c[0], &c[1]]).0;
     for (own, force) in net(&c).iter().zip(&felt.force) {
-        let wanted = [0, 1, 2].map(|axis| force[axis] + traps.weight[axis]);
+        let wanted = [0, 1, 2].map(|axis| force[axis] + traps.load[0][axis]);
         assert!(
             own.iter().zip(wanted).all(|(own, wanted)| (own - wanted).abs() < 1e-8 * largest),
             "{own:?} {wanted:?}"
@@ -69,11 +69,29 @@ fn it_is_the_stiffness_of_gorkov_and_its_slope() {
 }
 
 #[test]
-fn a_field_without_known_derivatives_has_none() {
+fn beside_a_ball_it_is_that_of_gorkov_and_on_its_surface_there_is_none() {
     let (model, kept) = kept();
-    let ball = Obstacle::Sphere { center: [0.2, 0.0, 0.04], radius: 0.02, kind: Surface::Rigid };
+    let ball = Obstacle::Sphere { center: [0.04, 0.02, 0.04], radius: 0.01, kind: Surface::Rigid };
     let model = model.with_obstacles(&[ball]).expect("a model");
-    let propagation = model.propagation(&kept.points).expect("points");
-    let kept = propagation.origin().and_then(|(_, _, kept)| kept).expect("kept");
-    assert!((kept.make.stiffness)(kept, &mut Control::none()).expect("room").is_none());
+    let traps = |points: &[[f64; 3]]| {
+        let propagation = model.propagation(points).expect("points");
+        let kept = propagation.origin().and_then(|(_, _, kept)| kept).expect("kept");
+        (kept.make.stiffness)(kept, &mut Control::none()).expect("room")
+    };
+    let mut rng = Rng::new(4);
+    let drive: Vec<_> = (0..24).map(|_| Complex32::cis(6.3 * rng.uniform() as f32)).collect();
+    let felt = gorkov(&model, &drive, &kept.points, Particle::default(), &mut Control::none()).expect("a force");
+    let known = traps(&kept.points).expect("derivatives");
+    let c = known.field(&drive);
+    let wanted: Vec<f64> = felt.hessian.iter().flat_map(|hessian| eigen(*hessian).0).collect();
+    let largest = wanted.iter().fold(0.0_f64, |most, k| most.max(k.abs()));
+    let (net, _) = known.balance([&c[0], &c[1]]);
+    for (told, wanted) in known.at([&c[0], &c[1]]).zip(&wanted) {
+        assert!((told - wanted).abs() < 1e-4 * largest, "{told} {wanted}");
+    }
+    for (net, force) in net.iter().zip(&felt.force) {
+        let far = [0, 1, 2].map(|axis| (net[axis] - force[axis] - known.load[0][axis]).abs());
+        assert!(far.iter().all(|far| *far < 1e-7 * largest), "{far:?}");
+    }
+    assert!(traps(&[[0.03 - 2e-5, 0.02, 0.04]]).is_none());
 }

@@ -9,8 +9,11 @@
 //!
 //! With amplitudes free a drive is the mean of a pair of phasors, q_i = (a_i + b_i)/2, so that |q_i| <= 1 holds by itself:
 //! the steps rotate both, each by half of that slope.
+//!
+//! Within an arc around 1 drives that a step would turn out of it stay at its end, and are left out of the next direction.
 
 use crate::kernels::tiles;
+use crate::kernels::tiles::unit::Arc;
 use crate::math::{sqrtf, unit};
 use crate::solvers::common::quasi_newton::{QuasiNewton, dot};
 use crate::solvers::common::tiled::{Rows, Wave};
@@ -27,6 +30,9 @@ const FIRST: f32 = 0.3;
 
 /// The largest rotation of a step: its arc tangent is less than a quarter turn.
 const LONGEST: f32 = 2.0;
+
+/// A drive is at an end of its arc where its cosine is no further than this from that of the end.
+const AT_END: f32 = 1e-6;
 
 /// What is to be low.
 pub(crate) trait Cost {
@@ -51,6 +57,8 @@ pub(crate) struct PhaseDescent<'w> {
     trial: Wave<'w>,
     /// Where amplitudes are free: those of the wave, and of the trial.
     pairs: Option<[Pairs<'w>; 2]>,
+    /// What keeps drives near 1.
+    arc: Option<Arc>,
     gradient: Buffer<'w, f32>,
     newton: QuasiNewton<'w>,
     pulls: [Buffer<'w, f32>; 2],
@@ -60,7 +68,12 @@ pub(crate) struct PhaseDescent<'w> {
 impl<'w> PhaseDescent<'w> {
     /// By phases alone, |q| = 1.
     pub(crate) fn new(wave: Wave<'w>, cost: &impl Cost, rows: &Rows, work: &'w Workspace) -> Self {
-        Self::by(None, wave, cost, rows, work)
+        Self::by(None, None, wave, cost, rows, work)
+    }
+
+    /// By phases within an arc around 1, |q| = 1.
+    pub(crate) fn within(arc: Arc, wave: Wave<'w>, cost: &impl Cost, rows: &Rows, work: &'w Workspace) -> Self {
+        Self::by(None, Some(arc), wave, cost, rows, work)
     }
 
     /// By phases and amplitudes, |q| <= 1.
@@ -69,15 +82,23 @@ impl<'w> PhaseDescent<'w> {
         split(&wave.drive, rows, &mut pairs[0]);
         mean(&pairs[0], &mut wave);
         wave.hear(rows);
-        Self::by(Some(pairs), wave, cost, rows, work)
+        Self::by(Some(pairs), None, wave, cost, rows, work)
     }
 
-    fn by(pairs: Option<[Pairs<'w>; 2]>, wave: Wave<'w>, cost: &impl Cost, rows: &Rows, work: &'w Workspace) -> Self {
+    fn by(
+        pairs: Option<[Pairs<'w>; 2]>,
+        arc: Option<Arc>,
+        wave: Wave<'w>,
+        cost: &impl Cost,
+        rows: &Rows,
+        work: &'w Workspace,
+    ) -> Self {
         let phases = if pairs.is_some() { 2 * rows.lanes } else { rows.lanes };
         let mut descent = Self {
             trial: Wave::new(rows, work),
             wave,
             pairs,
+            arc,
             cost: 0.0,
             gradient: work.floats.take(phases),
             newton: QuasiNewton::new(work),
@@ -109,8 +130,24 @@ impl<'w> PhaseDescent<'w> {
         }
     }
 
+    /// Sets to 0 what would turn drives out of their arc, along `sign` times the direction.
+    fn hold(&self, direction: &mut [f32], sign: f32) {
+        let Some([cos, _]) = self.arc.filter(|[cos, _]| *cos > -1.0) else { return };
+        let [re, im] = &self.wave.drive;
+        for ((re, im), x) in re.iter().zip(&im[..]).zip(direction) {
+            if *re <= cos + AT_END && sign * *x * im > 0.0 {
+                *x = 0.0;
+            }
+        }
+    }
+
     /// Writes the wave after a part of a step into the trial.
     fn turn(&mut self, rows: &Rows, direction: &[f32], part: f32) {
+        if let Some(arc) = self.arc {
+            let mut turns = self.newton.work.floats.take_any(direction.len());
+            turns.iter_mut().zip(direction).for_each(|(turn, x)| *turn = part * x);
+            return self.trial.rotate_within(rows, &self.wave, &turns, arc);
+        }
         let Some([own, trial]) = &mut self.pairs else {
             return self.trial.rotate(rows, &self.wave, direction, part);
         };
@@ -127,13 +164,23 @@ impl<'w> PhaseDescent<'w> {
         }
     }
 
+    /// Writes by how much the last step turned each drive: by its sine, for arcs are short.
+    fn turned(&self, turns: &mut [f32]) {
+        let ([re, im], [old_re, old_im]) = (&self.wave.drive, &self.trial.drive);
+        for (i, turn) in turns.iter_mut().enumerate() {
+            *turn = im[i] * old_re[i] - re[i] * old_im[i];
+        }
+    }
+
     /// One step; whether there was one that lowers the cost.
     pub(crate) fn step(&mut self, cost: &impl Cost, rows: &Rows) -> bool {
         loop {
             let work = self.newton.work;
             let [mut direction, mut change] = [(); 2].map(|()| work.floats.take_any(self.gradient.len()));
             direction.copy_from_slice(&self.gradient);
+            self.hold(&mut direction, -1.0);
             self.newton.descend(&mut direction);
+            self.hold(&mut direction, 1.0);
             let longest = direction.iter().fold(0.0_f32, |most, x| most.max(x.abs()));
             let slope = dot(&direction, &self.gradient);
             if longest > 0.0 && slope < 0.0 {
@@ -150,7 +197,10 @@ impl<'w> PhaseDescent<'w> {
                         for (change, gradient) in change.iter_mut().zip(&self.gradient) {
                             *change = gradient - *change;
                         }
-                        direction.iter_mut().for_each(|x| *x = libm::atanf(part * *x));
+                        match self.arc {
+                            None => direction.iter_mut().for_each(|x| *x = libm::atanf(part * *x)),
+                            Some(_) => self.turned(&mut direction),
+                        }
                         self.newton.remember(&direction, &change);
                         return true;
                     }

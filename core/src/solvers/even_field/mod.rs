@@ -9,7 +9,7 @@
 //!    [`cones`], and from random phases; so does any plan that finds no even field. `best` carries the loudest even fields
 //!    ([`leaders`]) of separate points on, too.
 //! 4. *Lift to the target*, if free steps ended below it.
-//! 5. *Stiffen*, if the points are traps ([`traps`]).
+//! 5. *Stiffen*, if the points are traps ([`traps`]; of frames that follow one another [`traps_within`]).
 //! 6. *Bring to the grid* of the board ([`on_grid`], with few phases [`coarse`]), and down to the targets ([`answer`]).
 //!
 //! Where that misses the targets, points that are crowded or to be quiet get the drive of least squares ([`nearest`]): so do
@@ -37,6 +37,7 @@ pub(crate) mod silence;
 pub(crate) mod soft_minimum;
 pub(crate) mod targets;
 pub(crate) mod traps;
+pub(crate) mod traps_within;
 pub(crate) mod weighted_sweeps;
 pub(crate) mod within;
 

@@ -10,6 +10,8 @@
 //! and each stiffness K alike, so that each drive in turn takes that of the three phases around its own by which |s|^2, less the
 //! soft minimum of K, is least. A pass begins with the places and the stiffness as they are.
 
+use core::f64::consts::{FRAC_PI_2, PI, TAU};
+
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -32,11 +34,13 @@ const APART: f64 = 2.7e-4;
 /// How sharp the minimum of K is.
 const SHARPNESS: f64 = 48.0;
 
-/// Rounds drives of modulus 1 to a grid, a pass after the other. K counts in parts of `unit`.
+/// Rounds drives of modulus 1 to a grid, a pass after the other. K counts in parts of `unit`. With a bound each drive stays
+/// within so many codes of another.
 pub(super) fn bring(
     set: InstructionSet,
     (traps, unit): (&Stiffness, f64),
     quantization: &Quantization,
+    bound: Option<(&[Complex32], f32)>,
     drive: &mut [Complex32],
 ) {
     let requested: Vec<Complex32> = drive.to_vec();
@@ -44,9 +48,16 @@ pub(super) fn bring(
     round(drive);
     let Some(count) = quantization.phases() else { return };
     let [back, on] = [-1.0, 1.0].map(|sign: f64| {
-        let turn = math::phasor(sign * core::f64::consts::TAU / f64::from(count));
+        let turn = math::phasor(sign * TAU / f64::from(count));
         Complex32::new(turn.re as f32, turn.im as f32)
     });
+    // Half a code more, against rounding.
+    let most = bound.map_or(f64::INFINITY, |(_, codes)| (f64::from(codes) + 0.5) * TAU / f64::from(count));
+    let [cos, sin] = [math::cos(most.min(PI)), math::sin(most.min(FRAC_PI_2))].map(|x| x as f32);
+    let allowed = |i: usize, to: Complex32| {
+        let turn = bound.map_or(Complex32::ONE, |(last, _)| to * last[i].conj());
+        most >= PI || turn.re > cos.min(0.0) && (turn.im.abs() < sin || cos < 0.0)
+    };
     for _ in 0..PASSES {
         let field = traps.field(drive);
         let field = field.each_ref().map(|plane| &plane[..]);
@@ -71,8 +82,8 @@ pub(super) fn bring(
                 let lost = f64::from((to - requested[i]).norm_sqr()) / requested.len() as f64;
                 share * shifts.iter().map(|s| s * s).sum::<f64>() + soft + lost
             };
-            let around = [own, own * back, own * on].map(|to| (cost(to), to));
-            let nearest = around.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(own, |(_, to)| to);
+            let around = [own, own * back, own * on].into_iter().filter(|&to| to == own || allowed(i, to));
+            let nearest = around.map(|to| (cost(to), to)).min_by(|a, b| a.0.total_cmp(&b.0)).map_or(own, |(_, to)| to);
             values = moved(nearest);
             *q = nearest;
         }

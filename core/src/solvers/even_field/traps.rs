@@ -10,11 +10,14 @@
 //! along it. Along x and y foci cannot be distinguished, so that their levels alone bring no more than nine tenths of
 //! what direct optimisation finds; from the foci a few steps of [`crate::solvers::common::phase_descent`] bring 96 %.
 
+use alloc::borrow::Cow;
 use alloc::vec::Vec;
 
+use crate::control::Control;
 use crate::error::Error;
 use crate::kernels::propagate::rows;
 use crate::math;
+use crate::problem::Problem;
 use crate::propagation::stiffness::Stiffness;
 use crate::scene::{Aim, Signature, dot};
 use crate::solvers::common::phase_descent::{Cost, PhaseDescent};
@@ -22,6 +25,7 @@ use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::rest_on_grid;
 use crate::solvers::even_field::run::Run;
 use crate::solvers::even_field::soft_minimum;
+use crate::workspace::Workspace;
 
 /// How sharp the minimum is and what resting places weigh, one after the other, and steps of each: twice the steps bring 1 % more.
 const STAGES: [(f64, f64); 2] = [(8.0, 0.02), (32.0, 0.1)];
@@ -34,23 +38,50 @@ const APART: f64 = 1e-4;
 const LEAST: f64 = 0.01;
 
 /// The softest of all traps, negated: smooth, and in parts of `unit`; and how far beads rest from their points.
-struct Softest<'a> {
+pub(super) struct Softest<'a> {
     stiffness: &'a Stiffness,
     /// Of the minimum, and what resting places weigh.
     stage: (f64, f64),
-    unit: f64,
+    pub(super) unit: f64,
     /// The inverse of |H| of each point.
     yielding: Vec<[[f64; 3]; 3]>,
+    /// A field beside that of the drives.
+    beside: Option<[&'a [f32]; 2]>,
 }
 
-impl Softest<'_> {
+impl<'a> Softest<'a> {
+    /// In the last stage, in parts of what a field has.
+    pub(super) fn last(stiffness: &'a Stiffness, field: [&[f32]; 2], beside: Option<[&'a [f32]; 2]>) -> Self {
+        Self { beside, ..Self::new(stiffness, field, STAGES[STAGES.len() - 1]) }
+    }
+
+    fn new(stiffness: &'a Stiffness, field: [&[f32]; 2], stage: (f64, f64)) -> Self {
+        let now: Vec<f64> = stiffness.at(field).collect();
+        let largest = now.iter().fold(0.0, |most: f64, k| most.max(k.abs()));
+        let unit = least(&now).max(LEAST * largest).max(f64::MIN_POSITIVE);
+        Self { stiffness, stage, unit, yielding: stiffness.balance(field).1, beside: None }
+    }
+
+    /// E of a field.
+    pub(super) fn of_field(&self, field: [&[f32]; 2]) -> f64 {
+        soft_minimum::negated(self.parts(field).into_iter(), self.stage.0) + self.apart(field).0
+    }
+
+    /// The field of a wave, with what is beside it.
+    fn heard<'b>(&self, wave: &'b Wave) -> [Cow<'b, [f32]>; 2] {
+        [0, 1].map(|part| match self.beside {
+            None => Cow::Borrowed(&wave.field[part][..]),
+            Some(beside) => wave.field[part].iter().zip(beside[part]).map(|(own, beside)| own + beside).collect(),
+        })
+    }
+
     fn parts(&self, field: [&[f32]; 2]) -> Vec<f64> {
         self.stiffness.at(field).map(|k| k / self.unit).collect()
     }
 
     /// The penalty of resting places, and its slope by the net forces (M, 3).
-    fn apart(&self, wave: &Wave) -> (f64, Vec<[f64; 3]>) {
-        let (net, _) = self.stiffness.balance(planes(wave));
+    fn apart(&self, field: [&[f32]; 2]) -> (f64, Vec<[f64; 3]>) {
+        let (net, _) = self.stiffness.balance(field);
         let share = self.stage.1 / (APART * APART * net.len() as f64);
         let (mut sum, mut slopes) = (0.0, Vec::with_capacity(net.len()));
         for (net, yielding) in net.iter().zip(&self.yielding) {
@@ -64,16 +95,47 @@ impl Softest<'_> {
 
 impl Cost for Softest<'_> {
     fn of(&self, wave: &Wave) -> f64 {
-        soft_minimum::negated(self.parts(planes(wave)).into_iter(), self.stage.0) + self.apart(wave).0
+        let field = self.heard(wave);
+        self.of_field([&field[0], &field[1]])
     }
 
     fn pull(&self, wave: &Wave, pulls: [&mut [f32]; 2]) {
-        let parts = self.parts(planes(wave));
+        let field = self.heard(wave);
+        let field = [&field[0][..], &field[1]];
+        let parts = self.parts(field);
         let (least, sum) = soft_minimum::shares(parts.iter().copied(), self.stage.0);
         let share = |k: &f64| math::exp(self.stage.0 * (least - k)) / (-self.unit * sum);
         let weights: Vec<f64> = parts.iter().map(share).collect();
-        self.stiffness.pull(planes(wave), &weights, &self.apart(wave).1, pulls);
+        self.stiffness.pull(field, &weights, &self.apart(field).1, pulls);
     }
+}
+
+/// The traps of a problem where nothing but stiff ones is asked of its points.
+///
+/// # Errors
+/// More memory than allowed, a stop.
+pub(crate) fn asked(problem: &Problem, control: &mut Control) -> Result<Option<Stiffness>, Error> {
+    let kept = problem.propagation().origin().and_then(|(_, _, kept)| kept);
+    let trapping = problem.aim() == Aim::Max && !problem.asks_pressures();
+    match kept.filter(|kept| trapping && kept.signature.as_ref().is_some_and(Signature::traps)) {
+        Some(kept) => (kept.make.stiffness)(kept, control),
+        None => Ok(None),
+    }
+}
+
+/// C of traps, as kernels read it.
+///
+/// # Errors
+/// More memory than allowed, a stop.
+pub(super) fn rows<'w>(
+    traps: &Stiffness,
+    problem: &Problem,
+    work: &'w Workspace,
+    control: &mut Control,
+) -> Result<Rows<'w>, Error> {
+    let (set, [re, im]) = (problem.propagation().instruction_set(), traps.planes());
+    let order = work.counting(traps.rows());
+    Rows::packed(set, rows::Rows::Stored { re, im }, problem.propagation().transducers(), order, work, control)
 }
 
 /// Makes the wave of even foci that of equal traps where the problem is one of traps and asks for no pressures. Returns
@@ -95,24 +157,13 @@ pub(super) fn stiffen(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
 #[inline(never)]
 fn descend(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
     let (problem, work) = (run.problem, run.work);
-    let trapping = problem.aim() == Aim::Max && !problem.asks_pressures() && !problem.has_start();
-    let kept = problem.propagation().origin().and_then(|(_, _, kept)| kept);
-    let Some(kept) = kept.filter(|kept| trapping && kept.signature == Some(Signature::Trap)) else {
-        return Ok(false);
-    };
-    let Some(traps) = (kept.make.stiffness)(kept, run.control)? else { return Ok(false) };
+    let traps = if problem.has_start() { None } else { asked(problem, run.control)? };
+    let Some(traps) = traps else { return Ok(false) };
     let (set, transducers) = (run.rows.set, problem.propagation().transducers());
-    let [re, im] = traps.planes();
-    let order = work.counting(traps.rows());
-    let rows = Rows::packed(set, rows::Rows::Stored { re, im }, transducers, order, work, run.control)?;
+    let rows = rows(&traps, problem, work, run.control)?;
     let mut wave = Wave::new(&rows, work);
     wave.play_at_full(&rows, foci.drives(transducers, work).into_iter());
-    let cost = |wave: &Wave, stage: (f64, f64)| {
-        let now = &stiffness(&traps, wave)[..];
-        let yielding = traps.balance(planes(wave)).1;
-        let largest = now.iter().fold(0.0, |most: f64, k| most.max(k.abs()));
-        Softest { stiffness: &traps, stage, unit: least(now).max(LEAST * largest).max(f64::MIN_POSITIVE), yielding }
-    };
+    let cost = |wave: &Wave, stage: (f64, f64)| Softest::new(&traps, planes(wave), stage);
     let begun = cost(&wave, STAGES[1]);
     let before = begun.of(&wave);
     let mut descent = PhaseDescent::new(wave, &begun, &rows, work);
@@ -131,18 +182,13 @@ fn descend(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
     let mut drive = descent.wave.drives(transducers, work);
     if let Some(quantization) = problem.quantization() {
         let unit = cost(&descent.wave, STAGES[1]).unit;
-        rest_on_grid::bring(set, (&traps, unit), quantization, &mut drive);
+        rest_on_grid::bring(set, (&traps, unit), quantization, None, &mut drive);
     }
     foci.play(run.rows, drive.into_iter());
     Ok(true)
 }
 
-/// K of all points and their axes.
-fn stiffness(traps: &Stiffness, wave: &Wave) -> Vec<f64> {
-    traps.at(planes(wave)).collect()
-}
-
-fn planes<'a>(wave: &'a Wave) -> [&'a [f32]; 2] {
+pub(super) fn planes<'a>(wave: &'a Wave) -> [&'a [f32]; 2] {
     wave.field.each_ref().map(|plane| &plane[..])
 }
 

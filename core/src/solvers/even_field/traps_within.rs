@@ -1,0 +1,174 @@
+//! Traps in motion: as stiff as can be with every phase within an arc around the last frame's.
+//!
+//! Points move by a hundredth of a wavelength a frame, so that the stiffest traps are near the last ones: a few steps of
+//! [`PhaseDescent`] within the bound find them. A bead that is to follow its point needs the force m a: its inertia is part of
+//! what the traps carry, as its weight is. The point's acceleration a is read off the places so far,
+//!
+//! ```text
+//! v = (x - x') rate,   a' + (1 - e^{-1/(rate T)}) ((v - v') rate - a'),   T = 1 ms
+//! ```
+//!
+//! smoothed over less than a bead's period, and no larger than what a trap can carry.
+
+use alloc::vec::Vec;
+
+use num_complex::Complex32;
+
+use crate::control::Control;
+use crate::device::quantization::Quantization;
+use crate::error::Error;
+use crate::kernels::tiles::unit::Arc;
+use crate::math;
+use crate::problem::Problem;
+use crate::propagation::stiffness::Stiffness;
+use crate::scene::{distance, dot};
+use crate::solvers::common::phase_descent::PhaseDescent;
+use crate::solvers::common::tiled::Wave;
+use crate::solvers::even_field::rest_on_grid;
+use crate::solvers::even_field::traps::{self, Softest, planes};
+use crate::solvers::last::{Last, settled};
+use crate::workspace::Workspace;
+
+/// T in s: a bead of expanded polystyrene swings in some 20 ms.
+const SMOOTHED: f64 = 1e-3;
+
+/// The inertia moves a bead no further than this part of the wavelength: it is pulled back over a quarter.
+const FURTHEST: f64 = 0.1;
+
+/// A point that moves further than this part of the wavelength in a frame is another one: no bead would follow.
+const JUMP: f64 = 0.25;
+
+/// How far phases may turn, in how many steps, and what is left of envelopes after a frame.
+#[derive(Clone, Copy)]
+pub(crate) struct Turn {
+    pub(crate) arc: Arc,
+    pub(crate) steps: u32,
+    pub(crate) kept: f64,
+}
+
+/// Has the particles of traps accelerate with their points, a frame after the last; what is to be remembered of that.
+pub(crate) fn accelerate(traps: &mut Stiffness, problem: &Problem, rate: f64, last: &Last) -> Vec<[f64; 3]> {
+    let places = problem.propagation().control_points().unwrap_or_default();
+    let wavelength = problem.setup().medium.wavelength();
+    let motion = moved(&last.motion, places, rate, wavelength);
+    carry(traps, motion.get(2 * places.len()..).unwrap_or_default(), &last.played, wavelength);
+    motion
+}
+
+/// Has the particles of traps accelerate (M, 3), as far as the traps of a drive (N,) can carry them.
+fn carry(traps: &mut Stiffness, accelerations: &[[f64; 3]], drive: &[Complex32], wavelength: f64) {
+    let field = traps.field(drive);
+    let (_, yielding) = traps.balance([&field[0], &field[1]]);
+    let carried = accelerations.iter().zip(&yielding).map(|(a, yielding)| {
+        let shift = yielding.map(|row| traps.mass() * dot(row, *a));
+        let part = (FURTHEST * wavelength / math::sqrt(dot(shift, shift)).max(f64::MIN_POSITIVE)).min(1.0);
+        a.map(|x| part * x)
+    });
+    traps.accelerate(&carried.collect::<Vec<_>>());
+}
+
+/// Places (M, 3), and, once they are known, their velocities and accelerations, after those of the frame before.
+fn moved(before: &[[f64; 3]], places: &[[f64; 3]], rate: f64, wavelength: f64) -> Vec<[f64; 3]> {
+    let near = |(x, last): (&[f64; 3], &[f64; 3])| distance(*x, *last) < JUMP * wavelength;
+    let known = [1, 2, 3].map(|lists| lists * places.len());
+    let follows = known.contains(&before.len()) && places.iter().zip(before).all(near);
+    let mut old = before.chunks_exact(places.len()).take(if follows { 3 } else { 0 });
+    let slope = |(new, old): (&[f64; 3], &[f64; 3])| [0, 1, 2].map(|axis| (new[axis] - old[axis]) * rate);
+    let mut motion = places.to_vec();
+    let Some(last) = old.next() else { return motion };
+    let velocities: Vec<_> = places.iter().zip(last).map(slope).collect();
+    motion.extend_from_slice(&velocities);
+    let Some(last) = old.next() else { return motion };
+    let share = 1.0 - math::exp(-1.0 / (rate * SMOOTHED));
+    let mut accelerations = old.next().map_or_else(|| alloc::vec![[0.0; 3]; places.len()], <[_]>::to_vec);
+    for (own, new) in accelerations.iter_mut().zip(velocities.iter().zip(last).map(slope)) {
+        own.iter_mut().zip(new).for_each(|(own, new)| *own += share * (new - *own));
+    }
+    motion.extend(accelerations);
+    motion
+}
+
+/// Turns the drives relative to those played last.
+///
+/// # Errors
+/// More memory than allowed, a stop.
+pub(crate) fn stiffen(
+    traps: &Stiffness,
+    problem: &Problem,
+    last: &Last,
+    Turn { arc, steps, kept }: Turn,
+    relative: [&mut [f32]; 2],
+    work: &Workspace,
+    control: &mut Control,
+) -> Result<(), Error> {
+    let mut rows = traps::rows(traps, problem, work, control)?;
+    let mut own = Wave::new(&rows, work);
+    let beside = (kept > 0.0).then(|| {
+        own.play(&rows, last.envelope.iter().map(|y| y * kept as f32));
+        own.field.each_ref().map(|plane| plane.to_vec())
+    });
+    let beside = beside.as_ref().map(|planes| planes.each_ref().map(|plane| &plane[..]));
+    own.take(&rows, last.played.iter().map(|q| q * (1.0 - kept) as f32));
+    rows.rotate(&own.drive);
+    for (own, drive) in own.drive.iter_mut().zip(&relative) {
+        own.copy_from_slice(drive);
+    }
+    own.hear(&rows);
+    let cost = Softest::last(traps, planes(&own), beside);
+    let mut descent = if arc[0] > -1.0 {
+        PhaseDescent::within(arc, own, &cost, &rows, work)
+    } else {
+        PhaseDescent::new(own, &cost, &rows, work)
+    };
+    for _ in 0..steps {
+        control.pulse()?;
+        if !descent.step(&cost, &rows) {
+            break;
+        }
+    }
+    for (drive, own) in relative.into_iter().zip(&descent.wave.drive) {
+        drive.copy_from_slice(own);
+    }
+    Ok(())
+}
+
+/// Brings drives (N,), relative to those played last, to the board's grid, and remembers them. Returns them as they are
+/// played, relative to the same.
+pub(crate) fn keep(
+    traps: &Stiffness,
+    problem: &Problem,
+    most: f32,
+    relative: &[Complex32],
+    last: &mut Last,
+) -> Vec<Complex32> {
+    let found: Vec<Complex32> = last.played.iter().zip(relative).map(|(q, d)| settled(q * d)).collect();
+    let mut played = found.clone();
+    let board = problem.quantization();
+    if board.is_none_or(|board| bring(traps, (problem, board), (last, most), &mut played)) {
+        last.wave = found;
+    }
+    let turned = played.iter().zip(&last.played).map(|(q, old)| q * old.conj()).collect();
+    last.played = played;
+    turned
+}
+
+/// Brings drives (N,) to a board's grid, within so many codes of those played last. Where these are no worse they are taken, and
+/// the answer is false.
+fn bring(
+    traps: &Stiffness,
+    (problem, board): (&Problem, &Quantization),
+    (last, most): (&Last, f32),
+    drive: &mut [Complex32],
+) -> bool {
+    let before = traps.field(&last.played);
+    let before = before.each_ref().map(|plane| &plane[..]);
+    let cost = Softest::last(traps, before, None);
+    let set = problem.propagation().instruction_set();
+    rest_on_grid::bring(set, (traps, cost.unit), board, Some((&last.played, most)), drive);
+    let after = traps.field(drive);
+    let better = cost.of_field([&after[0], &after[1]]) < cost.of_field(before);
+    if !better {
+        drive.copy_from_slice(&last.played);
+    }
+    better
+}

@@ -1,0 +1,78 @@
+"""Beads on a circle between two boards, and their flight in double precision.
+
+Written from the definitions, apart from the core: Gor'kov's force of point sources by the derivatives of
+e^{jkr}/r, weight, buoyancy, and the drag of Schiller and Naumann (Z. Ver. Dtsch. Ing. 77, 318, 1933), by
+Runge and Kutta's fourth order.
+"""
+
+import numpy as np
+
+import traps
+from oracle import Complex, Real
+
+RADIUS, START = 0.018, 0.05
+#: Of air at 20 degrees, in Pa s.
+VISCOSITY = 1.81e-5
+#: Steps a frame.
+STEPS = 2
+
+
+def circle(count: int, speed: float, rate: float, laps: float = 1.0) -> Real:
+    """Points (T, M, 3) on a circle in the plane of x and z, whose speed grows smoothly from 0."""
+    time = np.arange(round(rate * (START + laps * 2 * np.pi * RADIUS / speed))) / rate
+    part = np.minimum(time / START, 1)
+    way = speed * (START * (part**3 - part**4 / 2) + np.maximum(time - START, 0))
+    angle = way[:, None] / RADIUS + 2 * np.pi * np.arange(count) / count
+    return RADIUS * np.stack([np.cos(angle), 0 * angle, np.sin(angle)], axis=-1)
+
+
+class Air:
+    """Point sources at full drive around the middle of two boards, and a bead of 1 mm radius among them."""
+
+    def __init__(
+        self, positions: Real, source: float = 4.386, radius: float = 1e-3, density: float = 29.0
+    ) -> None:
+        self.positions, self.source, self.radius = positions, source, radius
+        volume = 4 / 3 * np.pi * radius**3
+        self.factors = traps.factors(radius, density)
+        self.mass = (density + traps.DENSITY / 2) * volume
+        self.weight = np.array([0, 0, -9.81]) * (density - traps.DENSITY) * volume
+
+    def force(self, drive: Complex, places: Real) -> Real:
+        """Gor'kov's force (M, 3) in N, by the derivatives of e^{jkr}/r."""
+        way = places[:, None] - self.positions
+        r = np.linalg.norm(way, axis=2)
+        v = 2j * np.pi / traps.WAVELENGTH * r
+        wave = self.source * np.exp(v) / r * drive
+        first, second = wave * (v - 1) / r**2, wave * (v * v - 3 * v + 3) / r**4
+        pressure, slope = wave.sum(axis=1), np.einsum("mi,mia->ma", first, way)
+        bend = np.einsum("mi,mia,mib->mab", second, way, way) + first.sum(axis=1)[:, None, None] * np.eye(3)
+        compression, motion = self.factors
+        along = np.einsum("mab,mb->ma", bend, slope.conj())
+        return -2 * (compression * (slope * pressure.conj()[:, None]) + motion * along).real
+
+    def drag(self, speed: Real) -> Real:
+        """Schiller and Naumann's drag (M, 3) in N at velocities (M, 3) in m/s."""
+        modulus = np.linalg.norm(speed, axis=1, keepdims=True)
+        reynolds = 2 * self.radius * traps.DENSITY * modulus / VISCOSITY
+        return -6 * np.pi * VISCOSITY * self.radius * (1 + 0.15 * reynolds**0.687) * speed
+
+    def stray(self, drives: Complex, points: Real, begin: Real, rate: float) -> Real:
+        """Distances (T, M) in m of beads from points (T, M, 3) at each frame's end, from places (M, 3)."""
+        step, apart = 1 / (rate * STEPS), np.zeros(points.shape[:2])
+        state = np.stack([begin, np.zeros_like(begin)])
+
+        def change(state: Real, drive: Complex) -> Real:
+            place, speed = state
+            return np.stack([speed, (self.force(drive, place) + self.weight + self.drag(speed)) / self.mass])
+
+        for t, drive in enumerate(drives.astype(complex)):
+            for _ in range(STEPS):
+                one = change(state, drive)
+                two = change(state + step / 2 * one, drive)
+                three = change(state + step / 2 * two, drive)
+                four = change(state + step * three, drive)
+                state = state + step / 6 * (one + 2 * two + 2 * three + four)
+            ahead = points[min(t + 1, len(points) - 1)]
+            apart[t] = np.linalg.norm(state[0] - ahead, axis=1)
+        return apart

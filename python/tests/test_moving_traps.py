@@ -1,0 +1,120 @@
+"""Traps that move, traps of a scene's own bead, and points each with its own signature."""
+
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+
+import beads
+import midair
+import traps
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("count", "quantization"), [(2, {}), (4, {}), (2, {"phases": 128})])
+def test_traps_in_motion_stay_stiff_and_carry_their_beads(count: int, quantization: Any) -> None:
+    positions, normals = traps.openmpd()
+    array = midair.Array(positions, normals, source_pressure=2.3, quantization=quantization)
+    points = beads.circle(count, 0.8, 10e3, laps=0.4)
+    moved = midair.sequence(array, points, rate=10e3, change=np.pi / 16, signature="trap")
+    assert moved.metrics.largest_change <= np.pi / 16 * (1 + 1e-5)
+    begin = midair.rest(moved.scene(0), moved.drives[0]).place
+    assert beads.Air(positions, 2.3).stray(moved.drives, points, begin, 10e3).max() < 0.5e-3
+    for t in range(40, len(points), 200):
+        scene = midair.Scene(array, points[t], signature="trap")
+        alone, held = (
+            np.linalg.eigvalsh(midair.gorkov(scene, drive).hessian).min()
+            for drive in (midair.solve(scene), moved.drives[t])
+        )
+        assert held > (0.7 if count == 2 else 0.6) * alone
+
+
+def test_traps_that_stand_still_keep_their_codes() -> None:
+    array = midair.Array(*traps.tinylev(), quantization={"phases": 32})
+    points = np.broadcast_to([[0.0, 0, 0.002], [0.005, 0, -0.01]], (12, 2, 3))
+    moved = midair.sequence(array, points, rate=1e3, signature="trap", change=np.pi / 4)
+    assert moved.changes[-3:].max() == 0
+
+
+def test_a_sequence_of_traps_that_was_cut_off_goes_on_to_the_same_bits() -> None:
+    array = midair.Array(*traps.tinylev())
+    ring = midair.path.circle([0, 0, 0], 0.003, speed=0.2, points=2)
+    points, _ = ring.frames(4e3)[:2]
+    keywords: dict[str, Any] = {"signature": "trap", "rate": 4e3, "change": np.pi / 8}
+    whole, first = (midair.Solver(array, "glide", **keywords) for _ in range(2))
+    drives, begun = whole.follow(points[:12]), first.follow(points[:7])
+    kept = first.last()
+    assert kept is not None
+    other = midair.Solver(array, "glide", **keywords)
+    other.restore(*kept)
+    assert np.array_equal(drives, np.concatenate([begun, other.follow(points[7:12])]))
+
+
+def test_each_point_may_have_its_own_signature() -> None:
+    positions, normals = traps.openmpd()
+    points = np.array([[0.02, 0, 0], [-0.02, 0.01, 0.004], [0, -0.02, -0.01]])
+    names = ["trap", None, "vortex"]
+    scene = midair.Scene(midair.Array(positions, normals), points, [3000.0, 1500.0, 2000.0], signature=names)
+    assert scene.signature == names
+    plain = scene.replace(signature=None).propagation()
+    for j, name in enumerate(names):
+        alone = plain[j] if name is None else scene.replace(signature=name).propagation()[j]
+        np.testing.assert_allclose(scene.propagation()[j], alone, atol=1e-3)
+    solution = midair.solve(scene)
+    np.testing.assert_allclose(abs(solution.pressures), scene.pressures, rtol=1e-3)
+    # The focus is in the air, too; the traps are silent.
+    real = abs(solution.field(points).pressure)
+    assert real[1] == pytest.approx(1500, rel=1e-3)
+    assert (real[[0, 2]] < 0.5 * scene.pressures[[0, 2]]).all()
+    for again in (midair.Scene.parse(scene.json()), pickle.loads(pickle.dumps(scene))):
+        assert again == scene
+    assert '"focus"' in scene.json()
+    # Of weight 0 a point takes no part, and the others keep their own.
+    rest = midair.solve(scene, weights=[1, 0, 1])
+    np.testing.assert_allclose(abs(rest.pressures[[0, 2]]), [3000, 2000], rtol=1e-3)
+    for bad, told in (
+        (["trap", "focus"], "2 names"),
+        (["trap", "hold", None], "hold"),
+        ([None, 3, None], "signature\\[1\\]"),
+    ):
+        with pytest.raises(midair.SceneError, match=told):
+            scene.replace(signature=bad)
+
+
+def test_traps_are_made_for_the_bead_of_the_scene() -> None:
+    array = midair.Array(*traps.tinylev())
+    points = np.array([[0.0, 0, 0.002], [0.005, 0, -0.01]])
+    bead = {"radius": 0.8e-3, "density": 150.0, "gravity": [-9.81, 0, 0]}
+    scene = midair.Scene(array, points, signature="trap", bead=bead)
+    assert scene.bead == {**bead, "sound_speed": 900.0}
+    for again in (
+        midair.Scene.parse(scene.json()),
+        pickle.loads(pickle.dumps(scene)),
+        scene.replace(points=points),
+    ):
+        assert again == scene
+        assert again.bead == scene.bead
+    held, other = midair.solve(scene).rest(), midair.solve(scene.replace(bead={}))
+    astray = midair.rest(scene, other.drive)
+    assert held.held.all()
+    # Of 72 transducers the drive for the usual bead lets this one sag by .5 mm and more.
+    far, farther = (np.linalg.norm(rest.place - points, axis=1).max() for rest in (held, astray))
+    assert far < 0.15e-3 < 0.5 * farther
+    assert not np.array_equal(other.drive, midair.solve(scene).drive)
+    felt = midair.gorkov(scene, other.drive)
+    reported = midair.gorkov(
+        scene.replace(bead={}), other.drive, radius=0.8e-3, density=150, gravity=[-9.81, 0, 0]
+    )
+    assert felt == reported
+    assert np.array_equal(
+        midair.Solver(array, signature="trap", bead=bead)(points).drive, midair.solve(scene).drive
+    )
+    for bad, match in (
+        ({"radius": 0}, "bead.radius is 0"),
+        ({"weight": 1}, 'key of bead "weight"'),
+        ({"gravity": [0, 1]}, "bead.gravity"),
+        (3, "bead is 3"),
+    ):
+        with pytest.raises(midair.SceneError, match=match):
+            scene.replace(bead=bad)
