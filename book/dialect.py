@@ -11,8 +11,8 @@ ROOT = Path(__file__).parents[1]
 MOST = 240
 #: Generated from texts that are counted where they are written, and recorded data.
 GENERATED = {"docs/map.md", "docs/scene.schema.json", "docs/sweep.schema.json", "capi/include/midair.h"}
-#: Names that programs use: an attribute of midair.Rest, and the ends of a track.
-PUBLIC = r"\.held\b|\bheld(?=: |\()|::Held\b|\bHeld,"
+#: Names that programs use, an attribute of midair.Rest and the ends of a track; and data that are held out.
+PUBLIC = r"held[ _-]out|\.held\b|\bheld(?=: |\()|::Held\b|\bHeld,"
 TEXTS = (
     ".c", ".cpp", ".cs", ".h", ".hpp", ".md", ".mjs", ".py", ".pyi", ".rs", ".sh", ".toml", ".ts", ".vhd",
     ".yml",

@@ -98,19 +98,19 @@ impl Bodies {
         point: [f64; 3],
         control: &mut Control,
     ) -> Result<Vec<[Complex64; TERMS]>, Error> {
-        let (mut row, mut heard) = (Vec::new(), vec![[Complex64::ZERO; TERMS]; self.len()]);
+        let (mut row, mut received) = (Vec::new(), vec![[Complex64::ZERO; TERMS]; self.len()]);
         for (place, terms) in local.around(point) {
             self.basis.row(place, &mut row);
-            for (heard, wave) in heard.iter_mut().zip(&row) {
-                heard.iter_mut().zip(terms).for_each(|(heard, term)| *heard += wave * term);
+            for (received, wave) in received.iter_mut().zip(&row) {
+                received.iter_mut().zip(terms).for_each(|(received, term)| *received += wave * term);
             }
         }
         let mut sent = vec![[Complex64::ZERO; TERMS]; self.transducers];
-        for (heard, [re, im]) in heard.iter().zip(self.each()) {
+        for (received, [re, im]) in received.iter().zip(self.each()) {
             control.pulse()?;
             for (sent, answer) in sent.iter_mut().zip(re.iter().zip(im)) {
                 let answer = Complex64::new(f64::from(*answer.0), f64::from(*answer.1));
-                sent.iter_mut().zip(heard).for_each(|(sent, heard)| *sent += heard * answer);
+                sent.iter_mut().zip(received).for_each(|(sent, received)| *sent += received * answer);
             }
         }
         Ok(sent)

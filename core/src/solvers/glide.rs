@@ -12,7 +12,7 @@
 //! tau, y' = (q - y)/tau, the field at a frame's end is P = a G y + (1 - a) G q with a = e^{-1/(rate tau)}: that one is made
 //! even.
 //!
-//! Traps of which nothing else is asked are made stiff in place of that ([`traps_within`]), in twice as many steps.
+//! Traps of which nothing else is requested are made stiff in place of that ([`traps_within`]), in twice as many steps.
 //!
 //! Drives are relative to the last ones throughout: G's columns are multiplied by q', the bound is an arc around 1, and on a
 //! board's grid it is a largest code.
@@ -162,7 +162,7 @@ impl Glide {
         control: &mut Control,
     ) -> Result<Solution, Error> {
         let mut frame = Frame::new(self, free, problem, last, work, control)?;
-        let Some(mut traps) = traps::asked(problem, control)? else {
+        let Some(mut traps) = traps::requested(problem, control)? else {
             frame.sweep(self, control)?;
             let status = frame.level(self, problem, work, control)?;
             frame.keep_foci(problem, last, work, control)?;

@@ -171,8 +171,8 @@ def dataset(
     def keep(job: Job, arrays: Arrays) -> None:
         shortfall.add(arrays)
         seeds = np.array([trial_seed(job.settings, index) for index in range(job.start, job.stop)])
-        held = np.arange(job.start, job.stop) % EVERY == EVERY - 1
-        for split, rows in zip(SPLITS, (~held, held), strict=True):
+        out = np.arange(job.start, job.stop) % EVERY == EVERY - 1
+        for split, rows in zip(SPLITS, (~out, out), strict=True):
             _write(_file(place, split, job), _table({"trial": seeds} | arrays, rows, _identity(job)))
 
     with locked(place / ".lock"):

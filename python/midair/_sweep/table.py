@@ -260,26 +260,26 @@ def open_drives(path: Path, request: Request) -> Iterator[Callable[[Arrays, int]
         }
         # A chunk of the file is written once, not anew with each result.
         memory = {name: np.full((ROWS, *shape), fill, dtype) for name, (dtype, shape, fill) in layout.items()}
-        held = written = 0
+        filled = written = 0
 
         def flush() -> None:
-            nonlocal held, written
+            nonlocal filled, written
             for name, rows in memory.items():
-                arrays[name][written : written + held] = rows[:held]
+                arrays[name][written : written + filled] = rows[:filled]
                 rows[:] = layout[name][2]
-            written, held = written + held, 0
+            written, filled = written + filled, 0
 
         def give(chunk: Arrays, first: int) -> None:
-            nonlocal held
+            nonlocal filled
             count, taken = len(chunk["scale"]), 0
             while taken < count:
-                more = min(count - taken, ROWS - held)
+                more = min(count - taken, ROWS - filled)
                 for name in arrays.keys() & chunk.keys():
                     values = chunk[name][taken : taken + more]
-                    place = (slice(held, held + more), *(slice(length) for length in values.shape[1:]))
+                    place = (slice(filled, filled + more), *(slice(length) for length in values.shape[1:]))
                     memory[name][place] = values
-                held, taken = held + more, taken + more
-                if held == ROWS:
+                filled, taken = filled + more, taken + more
+                if filled == ROWS:
                     flush()
 
         yield give

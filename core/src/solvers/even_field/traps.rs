@@ -68,7 +68,7 @@ impl<'a> Softest<'a> {
     }
 
     /// The field of a wave, with what is beside it.
-    fn heard<'b>(&self, wave: &'b Wave) -> [Cow<'b, [f32]>; 2] {
+    fn field_at<'b>(&self, wave: &'b Wave) -> [Cow<'b, [f32]>; 2] {
         [0, 1].map(|part| match self.beside {
             None => Cow::Borrowed(&wave.field[part][..]),
             Some(beside) => wave.field[part].iter().zip(beside[part]).map(|(own, beside)| own + beside).collect(),
@@ -95,12 +95,12 @@ impl<'a> Softest<'a> {
 
 impl Cost for Softest<'_> {
     fn of(&self, wave: &Wave) -> f64 {
-        let field = self.heard(wave);
+        let field = self.field_at(wave);
         self.of_field([&field[0], &field[1]])
     }
 
     fn pull(&self, wave: &Wave, pulls: [&mut [f32]; 2]) {
-        let field = self.heard(wave);
+        let field = self.field_at(wave);
         let field = [&field[0][..], &field[1]];
         let parts = self.parts(field);
         let (least, sum) = soft_minimum::shares(parts.iter().copied(), self.stage.0);
@@ -110,11 +110,11 @@ impl Cost for Softest<'_> {
     }
 }
 
-/// The traps of a problem where nothing but stiff ones is asked of its points.
+/// The traps of a problem where nothing but stiff ones is requested of its points.
 ///
 /// # Errors
 /// More memory than allowed, a stop.
-pub(crate) fn asked(problem: &Problem, control: &mut Control) -> Result<Option<Stiffness>, Error> {
+pub(crate) fn requested(problem: &Problem, control: &mut Control) -> Result<Option<Stiffness>, Error> {
     let kept = problem.propagation().origin().and_then(|(_, _, kept)| kept);
     let trapping = problem.aim() == Aim::Max && !problem.asks_pressures();
     match kept.filter(|kept| trapping && kept.signature.as_ref().is_some_and(Signature::traps)) {
@@ -157,7 +157,7 @@ pub(super) fn stiffen(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
 #[inline(never)]
 fn descend(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
     let (problem, work) = (run.problem, run.work);
-    let traps = if problem.has_start() { None } else { asked(problem, run.control)? };
+    let traps = if problem.has_start() { None } else { requested(problem, run.control)? };
     let Some(traps) = traps else { return Ok(false) };
     let (set, transducers) = (run.rows.set, problem.propagation().transducers());
     let rows = rows(&traps, problem, work, run.control)?;
