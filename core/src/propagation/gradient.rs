@@ -73,7 +73,7 @@ pub struct Gradient {
 /// let by = midair::gradient(&model, &drive, &point, Quantity::Amplitude, &[1.0], &mut Control::none())?;
 /// // |p| = P0 |q|/r.
 /// assert!((by.value[0] - 43.86).abs() < 1e-9 && (by.drive[0].re - 43.86).abs() < 1e-9);
-/// assert!((by.points[0][2] + 438.6).abs() < 1e-9 && (by.positions[0][2] - 438.6).abs() < 1e-9);
+/// assert!((by.points[0][2] + 438.6).abs() < 1e-6 && (by.positions[0][2] - 438.6).abs() < 1e-6);
 /// # Ok::<(), midair::Error>(())
 /// ```
 pub fn gradient(
