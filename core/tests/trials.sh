@@ -177,7 +177,9 @@ fn a_bubble_is_a_small_soft_sphere() {
 }
 RUST
 after 'pub(crate) mod boundary;' core/src/propagation/mod.rs <<<'pub(crate) mod bubble;'
-swap '        for image in &*self.images {' '        bubble::add(&self.obstacles, sources, point, row);
+swap '        for image in &*self.images {' '        for (&point, row) in points.iter().zip(&mut *rows) {
+            bubble::add(&self.obstacles, sources, point, row);
+        }
         for image in &*self.images {' core/src/propagation/scattering.rs
 after 'use crate::propagation::bodies::Bodies;' core/src/propagation/scattering.rs <<<'use crate::propagation::bubble;'
 swap '        radius: f64,' '        radius: f64,
