@@ -311,7 +311,10 @@ def test_sequences_of_traps_report_their_foci(tmp_path: Any) -> None:
         assert 0.98 < moved.metrics.level <= 1.001
         assert moved.scene(5).signature == "trap"
         bead = midair.rest(moved.scene(40), moved.drives[40])
-        assert np.linalg.norm(bead.place - moved.points[40]) < 1e-4
+        # Frame by frame the trap carries a bead that goes round: one at rest lies where the force is m v^2/r.
+        inward = 0 if ahead else bead.mass * 0.8**2 / 0.01 / bead.stiffness.min()
+        at = moved.points[40] * (1 - inward / 0.01)
+        assert np.linalg.norm(bead.place - at) < 5e-5 + 5e-5 * (ahead == "all")
         # A hand at the node feels the real field, of which little is left there.
         assert moved.felt(moved.points[40, 0]).values[40] < 0.01 * moved.radiation[40, 0]
         moved.save(tmp_path / "moved.npz")
