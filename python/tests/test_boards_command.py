@@ -54,7 +54,7 @@ def test_a_scene_a_drive_and_a_sequence_are_played(scene: Path, tmp_path: Path) 
         "play", str(scene), "--on", "sonicsurface:loop", "--for", "300ms", "--modulate", "200"
     ).stderr
     assert "dB SPL" in reported
-    assert "1 frames, 0 late" in reported
+    assert "1 frame, 0 late" in reported
     drive = tmp_path / "drive.npz"
     midair("solve", str(scene), "-o", str(drive))
     frames = tmp_path / "frames.bin"

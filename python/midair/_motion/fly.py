@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Bead, Scene, SceneError
 from .._support.arguments import callback, number, real, refused, whole
-from ..path._fastest import poised
+from ..path._optimal import poised
 from . import files
 from .animation import DPI, ENDINGS, film
 from .envelope import Hold

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from .._midair import Array, Bead, Scene, SceneError, solvers
 from .._support.arguments import number, refused, warn, whole
 from ..path import Path, read
-from ..path._fastest import poised
+from ..path._optimal import poised
 from .frames import AIR
 
 if TYPE_CHECKING:

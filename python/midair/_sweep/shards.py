@@ -137,11 +137,11 @@ def dataset(
     Every tenth trial is held out, in files of its own. The numbers depend on the request alone. Raises
     SceneError for a request that is not in order or a folder that holds anything else; warns as a sweep does.
 
-    >>> import midair
+    >>> import midair, tempfile
     >>> made = midair.dataset({
     ...     "array": {"preset": "paper20"}, "solver": {"name": "fast"}, "seeds": 50,
     ...     "points": {"count": 4, "x": [-0.05, 0.05], "y": [-0.05, 0.05], "z": 0.15},
-    ... }, "scenes")
+    ... }, tempfile.mkdtemp())
     >>> [next(made.read(split))["drive"].shape for split in ("train", "held_out")]
     [(45, 400), (5, 400)]
     """

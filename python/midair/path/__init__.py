@@ -14,8 +14,8 @@ second. `a & b` are both at the same time, `a.then(b)` one after the other, `a.w
 """
 
 from .._support import slips as _slips
-from ._fastest import fastest
 from ._figures import circle, line, lissajous, polyline
+from ._optimal import fastest
 from ._path import Path
 from ._samples import from_array, morph, read, still, svg
 
