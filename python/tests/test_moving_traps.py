@@ -73,12 +73,12 @@ def test_each_point_may_have_its_own_signature() -> None:
     # Of weight 0 a point takes no part, and the others keep their own.
     rest = midair.solve(scene, weights=[1, 0, 1])
     np.testing.assert_allclose(abs(rest.pressures[[0, 2]]), [3000, 2000], rtol=1e-3)
-    for bad, told in (
+    for bad, refusal in (
         (["trap", "focus"], "2 names"),
         (["trap", "hold", None], "hold"),
         ([None, 3, None], "signature\\[1\\]"),
     ):
-        with pytest.raises(midair.SceneError, match=told):
+        with pytest.raises(midair.SceneError, match=refusal):
             scene.replace(signature=bad)
 
 

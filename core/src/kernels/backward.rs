@@ -18,9 +18,10 @@
 
 use crate::control::Control;
 use crate::error::Error;
+use crate::kernels::phasor::{CLOSE, phasor};
 use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, total};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-use crate::kernels::waves::{CLOSE, Emitters, Slopes, Waves, against, decay, dot, even, normal, phasor, ray, runs};
+use crate::kernels::waves::{Emitters, Slopes, Waves, against, decay, dot, even, normal, ray, runs};
 
 /// Blocks of eight between two pulses.
 const RUN: usize = 32;

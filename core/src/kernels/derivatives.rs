@@ -17,9 +17,10 @@
 
 use crate::control::Control;
 use crate::error::Error;
+use crate::kernels::phasor::{EXACT, phasor};
 use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, total};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-use crate::kernels::waves::{C, EXACT, Emitters, Slopes, Waves, dot, even, normal, phasor, ray, runs};
+use crate::kernels::waves::{C, Emitters, Slopes, Waves, dot, even, normal, ray, runs};
 use crate::math::exp;
 
 /// Monomials x^a y^b z^c of degree up to 3, in the order of exponents that fall: 1; x, y, z; x^2, xy, xz, y^2, yz, z^2; ...

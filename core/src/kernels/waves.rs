@@ -11,10 +11,6 @@ use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V};
 /// Taylor coefficients of D that are used: D, D', D''/2, D'''/6, D''''/24 by c = cos(theta).
 pub(crate) const SLOPES: usize = 5;
 
-/// Terms of cosine and sine.
-pub(super) const EXACT: usize = 11;
-pub(super) const CLOSE: usize = 8;
-
 /// exp(-x) is found of x/2^HALVINGS.
 const HALVINGS: usize = 7;
 
@@ -129,40 +125,3 @@ pub(super) fn even<S: Doubles>(s: S, square: f64, terms: &[f64], c: V<S>) -> [V<
     let slopes = [f[0], f[1] * a, f[1] * b + f[2] * a * a, third, fourth];
     slopes.map(|slope| zero.where_less(c, zero, slope))
 }
-
-/// Cosine and sine of an angle in turns below 2^40, by Taylor's polynomials of so many terms within a quarter turn of half turns:
-/// to 3e-16 of [`EXACT`] terms, to 7e-11 of [`CLOSE`].
-#[inline(always)]
-pub(super) fn phasor<S: Doubles, const COUNT: usize>(s: S, turns: V<S>) -> (V<S>, V<S>) {
-    let halves = turns * 2.0;
-    let whole = halves.round();
-    // Of an even number of half turns 1, else -1.
-    let odd = whole - (whole * 0.5).round() * 2.0;
-    let sign = V::all(s, 1.0) - odd * odd * 2.0;
-    let angle = (halves - whole) * core::f64::consts::PI;
-    let square = angle * angle;
-    let [mut cos, mut sin] = [V::all(s, TAYLOR[2 * COUNT - 2]), V::all(s, TAYLOR[2 * COUNT - 1])];
-    for n in (0..COUNT - 1).rev() {
-        cos = cos * square + TAYLOR[2 * n];
-        sin = sin * square + TAYLOR[2 * n + 1];
-    }
-    (cos * sign, sin * angle * sign)
-}
-
-/// 1/n! with the signs of cosine and, between them, of sine.
-const TAYLOR: [f64; 22] = {
-    let mut terms = [1.0; 22];
-    let mut n = 1;
-    while n < 22 {
-        terms[n] = terms[n - 1] / n as f64;
-        n += 1;
-    }
-    let mut n = 0;
-    while n < 22 {
-        if n / 2 % 2 == 1 {
-            terms[n] = -terms[n];
-        }
-        n += 1;
-    }
-    terms
-};

@@ -113,7 +113,7 @@ struct Seen<'a> {
     sources: &'a Sources,
     waves: Taylor,
     drives: Vec<[Eight; 2]>,
-    /// Their waves times the drive, where derivatives are asked for.
+    /// Their waves times the drive, where derivatives are requested.
     driven: Option<Taylor>,
     /// What the mirrors make of the unit vectors.
     axes: [[f64; 3]; 3],

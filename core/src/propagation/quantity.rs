@@ -1,4 +1,4 @@
-//! Quantity: what can be asked of the field at a point, and the way back from it to the pressure there.
+//! Quantity: what can be computed of the field at a point, and the way back from it to the pressure there.
 
 use num_complex::Complex64;
 

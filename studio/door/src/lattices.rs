@@ -1,4 +1,4 @@
-//! Lattices: places whose field is asked for again and again, as while a point is dragged along its slice.
+//! Lattices: places whose field is requested again and again, as while a point is dragged along its slice.
 
 use midair::{Array, Complex32, Control, Error, KeptField, Medium, Model, field};
 
@@ -6,7 +6,7 @@ use midair::{Array, Complex32, Control, Error, KeptField, Medium, Model, field};
 const MOST: usize = 1 << 23;
 const LEAST: usize = 1 << 18;
 
-/// A lattice that no field was asked of for so long is forgotten.
+/// A lattice without a request for so long is dropped.
 const PATIENCE: usize = 4;
 
 /// Places above an array, and G there from the second field on.

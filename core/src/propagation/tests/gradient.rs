@@ -83,7 +83,7 @@ impl Setting {
                 Quantity::Radiation => {
                     cotangent[0] * p.norm_sqr() / (self.medium.density * self.medium.sound_speed.powi(2))
                 }
-                _ => unreachable!("what a particle feels is told by gorkov"),
+                _ => unreachable!("gorkov computes what a particle feels"),
             };
         }
         sum

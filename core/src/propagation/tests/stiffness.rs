@@ -86,8 +86,8 @@ fn beside_a_ball_it_is_that_of_gorkov_and_on_its_surface_there_is_none() {
     let wanted: Vec<f64> = felt.hessian.iter().flat_map(|hessian| eigen(*hessian).0).collect();
     let largest = wanted.iter().fold(0.0_f64, |most, k| most.max(k.abs()));
     let (net, _) = known.balance([&c[0], &c[1]]);
-    for (told, wanted) in known.at([&c[0], &c[1]]).zip(&wanted) {
-        assert!((told - wanted).abs() < 1e-4 * largest, "{told} {wanted}");
+    for (own, wanted) in known.at([&c[0], &c[1]]).zip(&wanted) {
+        assert!((own - wanted).abs() < 1e-4 * largest, "{own} {wanted}");
     }
     for (net, force) in net.iter().zip(&felt.force) {
         let far = [0, 1, 2].map(|axis| (net[axis] - force[axis] - known.load[0][axis]).abs());
