@@ -75,8 +75,9 @@ class Docstrings(griffe.Extension):
     def on_package(self, *, pkg: griffe.Module, **_: Any) -> None:
         """Look at every name that the compiled core exports."""
         for name in compiled.__all__:
-            thing, found = getattr(compiled, name), pkg["_midair"].members[name]
-            stubs = pkg[found.target_path.split(".")[1]] if found.is_alias else pkg["_midair"]
+            # A function with overloads only is no member.
+            thing, found = getattr(compiled, name), pkg["_midair"].members.get(name)
+            stubs = pkg[found.target_path.split(".")[1]] if found and found.is_alias else pkg["_midair"]
             if name not in stubs.members:
                 stubs.set_member(name, signature(name, thing, stubs))
             describe(stubs.members[name], thing)

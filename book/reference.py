@@ -75,7 +75,7 @@ METHODS = """\
 
 `midair solvers` prints the same. An option is written `--steps 8` on the command line, `steps = 8` under
 `[solver]` in a scene file, and `steps=8` in Python. [How to choose](../how-to-choose.md) compares
-the methods; [conventions](../conventions.md#options-of-all-methods) explains start, aim, `limit`
+the methods; [requests](../requests.md#options-of-all-methods) explains start, aim, `limit`
 and `tolerance`.
 """
 

@@ -152,7 +152,7 @@ def page() -> str:
     lines = [
         "# Scene file\n",
         "Every key of a scene file, TOML or JSON, as the core knows them.",
-        "[Conventions](../conventions.md#files) has a file to begin with and the rules;",
+        "[Files](../files.md#scene-files) has a file to begin with and the rules;",
         "[an editor](../editors.md) checks and completes keys by",
         "[scene.schema.json](../scene.schema.json).\n",
     ]

@@ -1,4 +1,4 @@
-/** Scene file: a state as the JSON scene that the package reads, and back (docs/conventions.md, "Files"). */
+/** Scene file: a state as the JSON scene that the package reads, and back (docs/files.md). */
 
 import { MOST_POINTS } from "./initial.ts";
 import { middleOf, SIDES, through } from "./plane.ts";

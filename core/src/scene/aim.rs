@@ -4,7 +4,7 @@ use crate::scene::words;
 
 /// How loud `uniform` and `best` make the points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(clippy::exhaustive_enums, reason = "the two of docs/conventions.md")]
+#[allow(clippy::exhaustive_enums, reason = "the two of docs/requests.md")]
 pub enum Aim {
     /// Meet the targets, and never exceed them.
     Target,

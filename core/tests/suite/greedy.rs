@@ -9,7 +9,7 @@ use midair::{
 use crate::oracle::{self, Search};
 use crate::scenes::{preset, problem, propagation, random_points, scene, smiley, widen};
 
-/// The regret allowed: 1e-6 of E(0), the rule of docs/conventions.md.
+/// The regret allowed: 1e-6 of E(0), the rule of docs/reproducibility.md.
 const REGRET: f64 = 1e-6;
 
 fn order(greedy: &Greedy, scene: &Scene) -> Vec<usize> {

@@ -12,7 +12,7 @@ use midair::{
 use crate::oracle::{self, Search};
 use crate::scenes::{preset, problem, propagation, random_points, scene, widen};
 
-/// The regret allowed: 1e-6 of E(0), the rule of docs/conventions.md.
+/// The regret allowed: 1e-6 of E(0), the rule of docs/reproducibility.md.
 const REGRET: f64 = 1e-6;
 
 fn started(problem: Problem, start: &[Complex32]) -> Problem {

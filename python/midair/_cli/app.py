@@ -66,7 +66,7 @@ def explain(*names: str) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
-    """Run the command line and exit with its status (docs/conventions.md)."""
+    """Run the command line and exit with its status (docs/files.md)."""
     prepare()
     warnings.simplefilter("always", SceneWarning)
     warned = set()

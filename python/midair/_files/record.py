@@ -29,7 +29,7 @@ CURE = "give what Solution.save, Sequence.save or midair.write wrote"
 def save(solution: Solution, path: str | PathLike[str]) -> None:
     """Write the solution as .npz, .json or (the drive alone) .csv, by the path's ending, whole or not at all.
 
-    Raises SceneError for another ending, and for a path that cannot be written. docs/conventions.md
+    Raises SceneError for another ending, and for a path that cannot be written. docs/files.md
     lists the keys of a file.
     """
     scene = solution.scene

@@ -33,7 +33,7 @@ def spsa(player: Player, drive: Complex, steps: int, seed: int, on_board: Callab
     player(on_board(phases))
 
 
-#: A later candidate wins only if it is better by more than rounding, as in `greedy` (docs/conventions.md).
+#: A later candidate wins only if it is better by more than rounding (docs/reproducibility.md).
 ROUNDING = 1e-7
 
 

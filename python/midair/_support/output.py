@@ -141,7 +141,7 @@ def _sync(path: Path, flags: int) -> None:
 
 
 def write_drive(path: Path, scene: Scene, solution: Solution) -> None:
-    """Write a drive as .npz, .csv or .json, by the path's ending (docs/conventions.md lists the keys)."""
+    """Write a drive as .npz, .csv or .json, by the path's ending (docs/files.md lists the keys)."""
     ending = path.suffix.lower()
     if ending == ".csv":
         content = drive_to_csv(solution.drive, scene.array.positions).encode()

@@ -49,7 +49,7 @@ use crate::kernels::lanes::{LANES, groups, groups_mut};
 use crate::kernels::simd::Simd;
 
 /// Differences of the energy that do not matter, beside the energy of silence: a fifth of the regret that
-/// docs/conventions.md allows, which leaves the rest to the rounding of G.
+/// docs/reproducibility.md allows, which leaves the rest to the rounding of G.
 const MATTERS: f32 = 2e-7;
 
 /// The problem and the memory of a pass; all lists of points are padded alike.
