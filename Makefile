@@ -241,8 +241,9 @@ book/.venv/ready studio/.venv/ready: %/.venv/ready: %/requirements.txt .venv/rea
 		> "$$(echo $(@D)/lib/python*/site-packages)/midair.pth"
 	touch $@
 
-schema: .venv/extension ## Write docs/*.schema.json and fuzz/*.dict anew, from the core's keys
+schema: .venv/extension ## Write docs/*.schema.json, docs/columns.md and fuzz/*.dict anew, from the tables of keys and columns
 	$(PYTHON) book/schema.py
+	$(PYTHON) book/columns.py
 
 map: ## Write docs/map.md anew: every source file with its first line
 	MIDAIR_MAP=write $(CARGO) test --quiet $(CORE) --test suite map

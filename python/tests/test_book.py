@@ -71,6 +71,12 @@ def test_every_preset_is_described(reference: ModuleType) -> None:
     assert rows == list(midair.presets())
 
 
+def test_the_page_of_columns_is_what_the_package_prints(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "book"))
+    page = importlib.import_module("columns").page()
+    assert (ROOT / "docs" / "columns.md").read_text() == page, "run `make schema`"
+
+
 def test_the_landing_page_leads_to_what_most_people_want() -> None:
     landing = (ROOT / "docs" / "index.md").read_text()
     wanted = [

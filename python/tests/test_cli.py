@@ -127,7 +127,7 @@ def test_presets_are_listed_with_their_counts(run: Run) -> None:
 def test_solve_prints_the_metrics_and_writes_nothing_unasked(run: Run) -> None:
     status, out, err = run("solve", "scene.toml")
     assert (status, err, files()) == (0, "", {"scene.toml"})
-    header, _, row, _, sentence = out.strip().splitlines()
+    header, _, row, _, _, sentence = out.strip().splitlines()
     _, solution = expected()
     points = int(np.count_nonzero(solution.targets))
     assert sentence.startswith(f"{points} points at ")
@@ -300,7 +300,7 @@ def test_compare_has_a_line_and_a_panel_for_each_solver(run: Run) -> None:
     # So few transducers cannot do more: the methods that meet targets report it.
     assert err
     assert all("missed by" in line for line in err.splitlines())
-    rows = out.strip().splitlines()[2:-2]
+    rows = out.strip().splitlines()[2:-3]
     assert [row.split()[0] for row in rows] == list(midair.solvers())
     width, height = png_size("sheet.png")
     assert 400 < height < 8000
@@ -314,7 +314,7 @@ def test_compare_has_a_line_and_a_panel_for_each_solver(run: Run) -> None:
 def test_compare_takes_some_solvers_in_the_order_given(run: Run) -> None:
     status, out, _ = run("compare", "scene.toml", "--solvers", "naive, greedy")
     assert (status, files()) == (0, {"scene.toml"})
-    assert [row.split()[0] for row in out.strip().splitlines()[2:-2]] == ["naive", "greedy"]
+    assert [row.split()[0] for row in out.strip().splitlines()[2:-3]] == ["naive", "greedy"]
 
 
 def test_leak_is_reported_where_there_are_quiet_points(run: Run) -> None:

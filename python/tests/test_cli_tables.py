@@ -13,9 +13,13 @@ import pytest
 
 import midair
 from midair._cli import main, tables
+from midair._cli.app import TABLES
 from midair._judging.compare import cells as compare_cells
 from midair._judging.compare import sentence
+from midair._support import text
 from scenes import small
+
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.mark.parametrize("width", [60, 80, 120])
@@ -25,7 +29,7 @@ def test_tables_are_whole_at_any_width(width: int, monkeypatch: pytest.MonkeyPat
     solutions = [midair.solve(scene, solver) for solver in solvers]
     console = tables._Console(width=width, file=io.StringIO())
     monkeypatch.setattr(tables, "console", console)
-    tables.print_solutions(solutions)
+    tables.print_solutions("compare", solutions)
     printed = console.file.getvalue()
     table = printed.rpartition("left out")[0] or printed.rpartition("\n")[0]
     assert max(len(line.rstrip()) for line in table.splitlines()[:-1]) <= width
@@ -35,6 +39,40 @@ def test_tables_are_whole_at_any_width(width: int, monkeypatch: pytest.MonkeyPat
     for name, cells in compare_cells(solutions, solvers).items():
         if name not in left:
             assert {name, *" ".join(cells).split()} <= words
+
+
+@pytest.mark.parametrize("command", [*TABLES])
+def test_every_printed_column_is_explained(
+    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene, moving = tmp_path / "scene.toml", ROOT / "docs" / "scenes" / "orbit.toml"
+    small(points=[[-0.02, 0, 0.15], [0.02, 0.01, 0.15]]).save(scene)
+    heads: list[str] = []
+    table = tables._table
+
+    def kept(columns: dict[str, list[str]]) -> object:
+        heads.extend(columns)
+        return table(columns)
+
+    monkeypatch.setattr(tables, "_table", kept)
+    arguments = {
+        "solve": [scene],
+        "compare": [scene],
+        "motion": [moving],
+        "tolerate": [scene, "--phase", "10", "--dead", "0.1", "--trials", "2"],
+        "exposure": [scene, "--at", "0,0.1,0.5"],
+    }
+    if command in {"dataset", "reproduce", "ports"}:
+        pytest.skip("needs minutes or hardware")
+    with pytest.raises(SystemExit):
+        main([command, *map(str, arguments.get(command, []))])
+    assert f"columns: midair {command} --help, docs/columns.md" in capsys.readouterr().out
+    assert heads
+    assert {*heads} <= text.meanings(TABLES[command]).keys()
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    shown = capsys.readouterr().out
+    assert all(f"\n{head} " in shown for head in text.meanings(TABLES[command]))
 
 
 def test_a_sentence_reports_an_answer() -> None:
@@ -66,7 +104,7 @@ def test_the_best_of_each_metric_is_marked_in_a_terminal_alone() -> None:
 
 
 def test_lines_too_long_for_any_table_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
-    tables.print_columns({"port": ["x" * 90, "y" * 90], "could be": ["z" * 90, "-"]})
+    tables.print_columns("ports", {"port": ["x" * 90, "y" * 90], "could be": ["z" * 90, "-"]})
     shown = capsys.readouterr().out
     for letter in "xyz":
         assert letter * 90 in shown

@@ -6,11 +6,14 @@ import logging
 import sys
 import warnings
 from collections.abc import Sequence
+from shutil import get_terminal_size
+from textwrap import fill
 from typing import NoReturn
 
 from cyclopts import App, CycloptsError, UnusedCliTokensError
 
 from .. import SceneError, SceneWarning
+from .._support import text
 from .._support.ctrl_c import Terminated, leave, terminable
 from .progress import FAULT, INTERRUPTED, REFUSED, UNREAD, abandon, fault, one_line, prepare, tell
 
@@ -46,9 +49,19 @@ def version() -> str:
     return __version__
 
 
+#: Commands whose table is explained under another name in columns.toml, or under their own.
+TABLES = {
+    "solve": "solutions",
+    "compare": "solutions",
+    "dataset": "judged",
+    **{name: name for name in ("motion", "tolerate", "exposure", "reproduce", "boards", "ports")},
+    **{name: name for name in ("presets", "solvers")},
+}
+
+
 app = App(
     name="midair",
-    help="Drives for airborne ultrasound phased arrays: given points in the air feel given pressures.",
+    help="Drives for airborne ultrasound phased arrays: the pressure at given points is what you request.",
     version=version,
     # Markdown would load a parser and a highlighter.
     help_format="plaintext",
@@ -63,6 +76,17 @@ def explain(*names: str) -> None:
     """Use the whole help of functions for commands in place of their lines in the list."""
     for name in names:
         app[name].help = None
+
+
+def columns(command: str) -> str:
+    """The columns of a command's table, a line each."""
+    meanings = text.meanings(TABLES[command])
+    width = max(map(len, meanings)) + 2
+    rows = [
+        fill(f"{head:{width}}{meaning}", get_terminal_size().columns - 1, subsequent_indent=" " * width)
+        for head, meaning in meanings.items()
+    ]
+    return "\n".join(["Columns of the table:", *rows])
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
@@ -100,6 +124,9 @@ def _run(arguments: Sequence[str]) -> int:
     try:
         with terminable():
             explain(*(word for word in arguments[:1] if word in COMMANDS))
+            for word in arguments[:1]:
+                if word in TABLES and {"--help", "-h"} & {*arguments}:
+                    app[word].help_epilogue = columns(word)
             status = app(arguments, exit_on_error=False, print_error=False, result_action="return_value")
             sys.stdout.flush()
         return status if isinstance(status, int) else 0

@@ -65,7 +65,7 @@ def ports_command(*, json: Annotated[bool, Parameter(negative=())] = False) -> i
         "serial number": [port.serial_number or "-" for port in found],
         "could be": [port.could_be or "-" for port in found],
     }
-    print_columns(columns)
+    print_columns("ports", columns)
     print_line(f"{counted(len(found), 'serial port')}, none opened: midair play BOARD:PORT plays on one")
     return 0
 
@@ -99,7 +99,7 @@ def _print_list(records: dict[str, dict[str, Any]]) -> None:
         "phases": [str(record["phases"]) for record in known],
         "what it is": [record["summary"] for record in known],
     }
-    print_list(columns, "midair boards NAME tells all of one of them")
+    print_list("boards", columns)
 
 
 def _print_one(name: str, record: dict[str, Any]) -> None:

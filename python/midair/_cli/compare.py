@@ -32,9 +32,6 @@ def compare_command(
 ) -> int:
     """Solve a scene file by several methods: a table, and a picture with a panel for each on one scale.
 
-    The column "gap" is how far the weakest point is below a level that no drive exceeds
-    (`midair.bound`, up to 64 points).
-
     Parameters
     ----------
     scene
@@ -82,7 +79,7 @@ def _tell(table: Comparison, output_file: Path | None, json: bool) -> None:
         print(_json(table))
         return
     with beside(document):
-        print_solutions(table.solutions, table.names, table.gaps)
+        print_solutions("compare", table.solutions, table.names, table.gaps)
     if document:
         print(_csv(table), end="")
     elif output_file is not None:

@@ -97,8 +97,7 @@ def _print(found: dict[str, Sequence]) -> None:
     for key, form in COLUMNS.items():
         values = [one.metrics.asdict()[key] for one in found.values()]
         columns[key.replace("_", " ")] = ["-" if value is None else form.format(value) for value in values]
-    print_columns(columns if len(found) == 1 else best_of(columns))
-    print_line("largest change and seam in rad a frame; noise in dB, a proxy: docs/motion.md")
+    print_columns("motion", columns if len(found) == 1 else best_of(columns))
     name, best = max(found.items(), key=lambda each: each[1].metrics.uniformity)
     metrics, (frames, count) = best.metrics, best.targets.shape
     by, driven = f"{name}: " if len(found) > 1 else "", counted(len(best.array), "transducer")

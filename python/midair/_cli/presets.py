@@ -78,7 +78,7 @@ def solvers_command(name: str | None = None, *, json: Annotated[bool, Parameter(
         return 0
     if name is None:
         columns = {"solver": list(known), "what it does": [info.summary for info in known.values()]}
-        print_list(columns, "midair solvers NAME lists the options of one of them and their defaults")
+        print_list("solvers", columns)
         return 0
     for listed, info in known.items():
         _print_options(listed, info)
@@ -161,7 +161,7 @@ def _print_list() -> None:
         "transducers": [str(info.count) for info in known.values()],
         "what it is": [info.summary for info in known.values()],
     }
-    print_list(columns, "midair presets NAME tells all of one of them")
+    print_list("presets", columns)
 
 
 def _print_one(name: str) -> None:

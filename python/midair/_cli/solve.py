@@ -121,7 +121,7 @@ def _print(request: Scene, solution: Solution, json: bool, *, document: bool) ->
         print(output.summary(request, solution))
         return
     with beside(document):
-        print_solutions([solution])
+        print_solutions("solve", [solution])
     if document:
         print(output.drive_json(request, solution))
 

@@ -54,6 +54,7 @@ def reproduce_command(
     for figure, verdict in verdicts:
         table.add_row(figure, *verdict)
     console.print(table)
+    print_line("columns: midair reproduce --help, docs/columns.md")
     counts = Counter(verdict.verdict for _, verdict in verdicts)
     reported = ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
     print_line(f"{counted(len(verdicts), 'statement')} of the paper: {reported}")
@@ -76,7 +77,7 @@ def sweep_command(
     request
         Sweep file, TOML or JSON: docs/sweeps.md.
     output_file
-        Where the table goes: .csv or .parquet.
+        Where the table goes: .csv or .parquet; docs/sweeps.md explains its columns.
     drives
         Where the drives go: a Zarr group, a folder ending in .zarr.
     scheduler
@@ -131,7 +132,7 @@ def dataset_command(
     columns = {"metric": list(METRICS)}
     for title, prefix in (("these drives", ""), ("the data set's", "reference_")):
         columns[title] = [f"{judged[prefix + name].mean():.4f}" for name in METRICS]
-    print_columns(columns)
+    print_columns("dataset", columns)
     print_line(f"means over {counted(len(judged['accuracy']), 'held-out scene')}")
     return 0
 

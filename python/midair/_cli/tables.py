@@ -102,20 +102,26 @@ def print_written(what: object) -> None:
 
 
 def print_solutions(
-    solutions: Iterable[Solution], names: Iterable[str] | None = None, gaps: Iterable[float] | None = None
+    command: str,
+    solutions: Iterable[Solution],
+    names: Iterable[str] | None = None,
+    gaps: Iterable[float] | None = None,
 ) -> None:
     """Metrics side by side, under the solvers' names unless others are given, and a sentence on the best."""
     solutions = list(solutions)
     names = list(names or [solution.solver for solution in solutions])
     columns = cells(solutions, names, gaps)
-    print_columns(columns if len(solutions) == 1 else best_of(columns))
+    print_columns(command, columns if len(solutions) == 1 else best_of(columns))
     best = max(range(len(solutions)), key=lambda k: weakest(solutions[k]))
     name = f"{names[best]}: " if len(solutions) > 1 else ""
     print_line(f"{name}{sentence(solutions[best])}")
 
 
-def print_columns(columns: Mapping[str, list[str]]) -> None:
-    """Columns of text as a table that is never cut: one too wide is turned, or leaves columns out."""
+def print_columns(command: str, columns: Mapping[str, list[str]]) -> None:
+    """Columns of text as a table that is never cut, and where its columns are explained.
+
+    A table that is too wide is turned, or columns are left out.
+    """
     shown = dict(columns)
     if not _fits(_table(shown)) and _fits(_table(_turned(shown))):
         shown = _turned(shown)
@@ -129,21 +135,23 @@ def print_columns(columns: Mapping[str, list[str]]) -> None:
         # As long words of a system may have it: a line for each.
         for row in zip(*columns.values(), strict=True):
             print_facts(dict(zip(columns, row, strict=True)))
-        return
-    console.print(_table(shown))
-    if left:
-        line = f"left out, for want of width: {', '.join(left)}; --json has all"
-        print_line(line)
+    else:
+        console.print(_table(shown))
+        if left:
+            print_line(f"left out, for want of width: {', '.join(left)}; --json has all")
+    print_line(f"columns: midair {command} --help, docs/columns.md")
 
 
-def print_list(columns: Mapping[str, list[str]], closing: str) -> None:
+def print_list(command: str, columns: Mapping[str, list[str]]) -> None:
     """A line each: names and numbers whole, and as many words of the last column as there is room for."""
     *_, last = columns
     others = {name: column for name, column in columns.items() if name != last}
     room = max(console.width - _width(_table(others)) - APART, 0)
     words = [shorten(text, room, placeholder=" ...") for text in columns[last]]
     console.print(_table(others | {last: words}))
-    print_line(closing)
+    print_line(
+        f"midair {command} NAME describes one of them; columns: midair {command} --help, docs/columns.md"
+    )
 
 
 def print_field(field: Field) -> None:

@@ -60,7 +60,7 @@ def exposure_command(
     if json:
         print(output.to_json({"limit": vars(found.limit), "places": found.to_dict()}))
     else:
-        print_columns(found.cells())
+        print_columns("exposure", found.cells())
         print_line(found.heading)
         print_line(found.sentence)
     return 0
@@ -148,7 +148,7 @@ def tolerate_command(
                     output.to_json({"trials": table.trials, "status": table.status, "rows": table.to_dict()})
                 )
             else:
-                print_columns(table.cells())
+                print_columns("tolerate", table.cells())
                 print_line(table.heading)
                 print_line(table.sentence)
     if image is not None and table is not None:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Field, Plane, Scene, field
+from .._support import text
 from .._support.arguments import number
 from . import arguments
 from .drives import blocks
@@ -25,18 +26,6 @@ TAU = 0.2e-3
 
 #: What settles goes below the least number there is, which a program may have made an error (np.seterr).
 SETTLING = np.errstate(under="ignore")
-
-
-#: What each metric means, with its unit.
-MEANINGS = {
-    "level": "mean over the frames of the mean of |p| / target",
-    "uniformity": "least over the frames of min / max of |p| / target",
-    "uniformity_median": "median over the frames of the same",
-    "largest_change": "largest phase change from a frame to the next, rad",
-    "seam": "largest phase change from the last frame to the first, rad",
-    "dip": "least |p| / target of a point over its mean",
-    "noise": "A-weighted proxy, dB re amplitude modulation at 200 Hz",
-}
 
 
 @dataclass(frozen=True)
@@ -76,7 +65,8 @@ class SequenceMetrics:
         values = self.asdict()
         reported = {name: "-" if value is None else f"{value:.4f}" for name, value in values.items()}
         reported["noise"] = f"{self.noise:.1f}"
-        return [(name, reported[name], meaning) for name, meaning in MEANINGS.items()]
+        meanings = text.meanings("motion")
+        return [(name, reported[name], meanings[name.replace("_", " ")]) for name in values]
 
 
 def measure(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import tomllib
 import zipfile
 import zlib
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -19,6 +20,12 @@ from .._midair import SceneError, memory_limit
 
 #: In bytes, of a file and of what it unpacks to. A drive of 512 transducers is 5 kB at most: 50 000 frames.
 MOST_BYTES = 256 << 20
+
+
+def meanings(table: str) -> dict[str, str]:
+    """The meaning of each column of a printed table, by its head: columns.toml."""
+    found = tomllib.loads(Path(__file__).with_name("columns.toml").read_text(encoding="utf-8"))[table]
+    return {str(head): str(meaning) for head, meaning in found.items()}
 
 
 def fault(path: str | PathLike[str], line: int | None, reason: str) -> SceneError:
