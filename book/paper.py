@@ -22,17 +22,25 @@ WIDTH = 860
 
 HEAD = """# The paper, made anew
 
-Every figure of S. Suzuki, M. Fujiwara, Y. Makino, H. Shinoda, "Radiation Pressure Field Reconstruction for
-Ultrasound Midair Haptics by Greedy Algorithm With Brute-Force Search", IEEE Transactions on Haptics 14(4),
-914-921, 2021 ([doi:10.1109/TOH.2021.3076489](https://doi.org/10.1109/TOH.2021.3076489)), and what became of
-its {count} statements: {outcomes}.
+midair grew from one paper: S. Suzuki, M. Fujiwara, Y. Makino, H. Shinoda, "Radiation Pressure Field
+Reconstruction for Ultrasound Midair Haptics by Greedy Algorithm With Brute-Force Search", IEEE Transactions
+on Haptics 14(4), 914-921, 2021 ([doi:10.1109/TOH.2021.3076489](https://doi.org/10.1109/TOH.2021.3076489)).
+This page repeats its experiments with midair and compares {count} statements with the new numbers:
+{outcomes}.
 
-This page is written by `make paper` from the tables in [docs/paper](paper), which
-`midair reproduce all --trials {trials}` makes together with the pictures.
+- **The task.** An array has to make a given sound pressure at several points at once. The paper's greedy
+  search sets one transducer after the other. For each it tries a list of phases and amplitudes and keeps
+  the best.
+- **Accuracy** is the sum of the pressures over the sum of the targets. 100 % is best.
+- **Variation**, sigma, is the spread of the pressures over the points. 0 is best.
+- **The methods** have the settings of the authors' public code, without balancing.
+- **Full drive.** Some methods return amplitudes above 1, which no transducer can play. They are cut to 1
+  (clamp), or all divided by the largest (normalize), or all set to 1 (|q| = 1). Each legend names the
+  rule, because in fig. 3 the rule matters more than the method.
+- **Random points** are the same for every method. Intervals contain the mean with 95 % probability.
 
-The methods are set as in the authors' public code, without balancing. What brings a drive above full drive
-back to |q| <= 1 (clamp, normalize, or every |q| = 1) decides fig. 3 more than the method does, so each legend
-says it. Means are over the same random points for every method; intervals are 95 % of the mean.
+`make paper` writes this page from the tables in [docs/paper](paper). `midair reproduce all --trials
+{trials}` makes these tables and the pictures.
 """
 
 PLURAL: dict[Outcome, str] = {
@@ -44,31 +52,37 @@ PLURAL: dict[Outcome, str] = {
 WORDS = {
     "fig2": (
         "Fig. 2: a pattern of 38 points",
-        "36 x 36 transducers, |p| = 1 wanted at each of 38 points at z = 150 mm, lengths in mm. A point"
-        " counts as lost below half the method's own mean.",
+        "36 x 36 transducers play a smiley of 38 points at z = 150 mm. The target is |p| = 1 at each"
+        " point, with lengths in mm. A point counts as lost if its pressure is below half of the"
+        " method's mean.",
     ),
     "fig3": (
         "Fig. 3: accuracy",
-        "20 x 20 transducers, random points within the array's outline at z = 150 mm, each with the target"
-        " p1/sqrt(M). Accuracy is eq. (12), sum |p| over the sum of targets, not clipped. In percent:",
+        "20 x 20 transducers play M random points above the array at z = 150 mm. Each has the target"
+        " p1/sqrt(M), where p1 is the pressure of a single focus in the middle. Accuracy is eq. (12) and"
+        " may exceed 100 %. In percent:",
     ),
-    "fig4": ("Fig. 4: variation", "The same trials. sigma is eq. (13) with 1/M in place of the printed 1/N:"),
+    "fig4": (
+        "Fig. 4: variation",
+        "The same trials. sigma is eq. (13), with 1/M where the paper prints 1/N:",
+    ),
     "fig5": (
         "Fig. 5: time over the number of points",
-        "20 x 20 transducers, greedy in fixed order. CPU time of a whole solve, all threads added up, methods"
-        " taking turns on the same scenes, medians. All are this project's own implementations. In ms:",
+        "20 x 20 transducers, greedy in fixed order. The table has the median CPU time of a whole"
+        " solve, with the times of all threads added. The methods take turns on the same scenes. All are"
+        " midair's own implementations. In ms:",
     ),
     "fig6": (
         "Fig. 6: time over the number of transducers",
-        "64 points, whose range grows with the array. In ms:",
+        "M = 64 random points. Their square grows with the array. In ms:",
     ),
     "fig7": (
         "Fig. 7: weak and strong targets, the order of the transducers",
-        "36 x 36 transducers, greedy with K = 1, L = 16, one point at (0, 0, 150 mm). Width is the distance"
-        " between the outermost samples of |p| above half its maximum, within 60 mm; an artefact is the"
-        " loudest |p| further than 13.4 mm from the point, relative to the point; power is the mean of"
-        " |q|². Medians over the orders. The third row of panels is not the paper's: it is the cure that"
-        " its section V asks for.",
+        "36 x 36 transducers play one point at (0, 0, 150 mm) by greedy with K = 1, L = 16. Width is"
+        " the distance between the outermost places where |p| is above half its maximum, within 60 mm."
+        " An artefact is the highest |p| farther than 13.4 mm from the point, relative to the point."
+        " Power is the mean of |q|². All are medians over the orders. The third row of panels is not in"
+        " the paper: it shows the cure that its section V asks for.",
     ),
 }
 
@@ -79,12 +93,12 @@ DIFFERENCES = r"""## Where the paper's text and its authors' code differ, or lea
 | unit of length | none | mm | P0 = 1e-3 Pa m, so that \|p\| = 1 Pa is 1 in mm |
 | greedy's objective | squared errors (eq. 7, alg. 1) | absolute errors | `l2`; `l1` as a curve of its own |
 | sigma, eq. (13) | 1/N | 1/M | 1/M |
-| first line of algs. 1 and 2 | the p start at 0 | - | the drives start at 0 |
-| amplitudes (k+1)/K | no "off" | the same | as printed: it makes the background of fig. 7 (a) |
-| fixed order | columns first, from the corner | x fastest | y fastest: only so is fig. 7 (b) wide in x |
+| first line of algs. 1 and 2 | the pressures p start at 0 | - | the drives start at 0 |
+| amplitudes (k+1)/K | no "off" | the same | as printed: this makes the background of fig. 7 (a) |
+| fixed order | columns first, from the corner | x fastest | y fastest: only then is fig. 7 (b) wide in x |
 | random order | a fresh one | unseeded shuffle | a seed for each trial |
 | EVD | gamma = 1 | a row of the eigenvector matrix; q times mean(\|Gq\|/a); clamp | an eigenvector; clamp |
-| SDP+BCD | "as in the original" | raw moduli of the eigenvector; divided by max \|q\| | the same |
+| SDP+BCD | "as in the original" | moduli of the eigenvector as they are; divided by max \|q\| | the same |
 | LM | phases only | phases of drives and points unknown, \|q\| = 1, 200 steps | the same |
 | GS-PAT | 100 iterations | the amplitude enters the back-propagation twice; clamp | once (equal); clamp |
 """
@@ -208,8 +222,9 @@ def ours(rows: dict[str, tables.Rows]) -> str:
         for sigma, *found in zip(tables.pick(rows["fig4"], method="uniform"), *accuracies, strict=True)
     ]
     return (
-        "## What `uniform` adds\n\n`uniform` makes every point as loud as the others, and all as loud as it"
-        " can.\n\n" + table(["M", "greedy / %", "LM / %", "uniform / %", "uniform's sigma"], lines)
+        "## What `uniform` adds\n\n`uniform` gives all points the same pressure, and the highest that it"
+        " finds. Its sigma is nearly 0.\n\n"
+        + table(["M", "greedy / %", "LM / %", "uniform / %", "uniform's sigma"], lines)
     )
 
 
