@@ -90,8 +90,13 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     return TARGET.sub(moved, markdown)
 
 
-def on_post_page(output: str, page: Any, **_: Any) -> str:
-    """Names the search, to which the theme gives no name, and the language of pages in Japanese."""
+def on_page_context(context: dict[str, Any], page: Any, config: Any, **_: Any) -> dict[str, Any]:
+    """Chooses the language of the theme's own words, page by page."""
+    config.theme["language"] = "ja" if page.url.startswith("ja/") else "en"
+    return context
+
+
+def on_post_page(output: str, **_: Any) -> str:
+    """Names the search, to which the theme gives no name."""
     search = 'data-md-component="search" role="dialog"'
-    output = output.replace(search, f'{search} aria-label="Search"')
-    return output.replace('lang="en"', 'lang="ja"', 1) if page.url.startswith("ja/") else output
+    return output.replace(search, f'{search} aria-label="Search"')
