@@ -40,11 +40,11 @@ def main() -> None:
             parts = []
             for t in range(0, len(points), APART):
                 scene = midair.Scene(array, points[t], signature="trap")
-                alone, held = (
+                alone, bounded = (
                     np.linalg.eigvalsh(midair.gorkov(scene, drive).hessian).min()
                     for drive in (midair.solve(scene).drive, moved.drives[t])
                 )
-                parts.append(held / alone)
+                parts.append(bounded / alone)
             begin = midair.rest(midair.Scene(array, points[0]), moved.drives[0]).place
             stray = air.stray(moved.drives, points, begin, RATE)
             cells.append(f"{min(parts):.2f} ({np.mean(parts):.2f}), {1e3 * stray.max():.2f} mm")

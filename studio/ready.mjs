@@ -1,4 +1,4 @@
-// How long the page takes to be ready, from the first byte asked for to the first answers, and to their pictures:
+// How long the page takes to be ready, from the first byte requested to the first answers, and to their pictures:
 // node ready.mjs [visits]. Each visit is a browser of its own, so that nothing is kept from the one before.
 import { withSite } from "./with_site.mjs";
 
@@ -23,9 +23,9 @@ await withSite(async ({ url, launch, visit }) => {
     rows.push(await page.evaluate(() => window.times));
     await browser.close();
   }
-  const told = (key) => {
+  const median = (key) => {
     const sorted = rows.map((row) => row[key]).toSorted((a, b) => a - b);
     return `${sorted[visits >> 1].toFixed(0)} ms (at most ${sorted.at(-1).toFixed(0)})`;
   };
-  console.log(`ready after ${told("ready")}, all that is shown at first seen after ${told("seen")}; medians of ${visits} visits`);
+  console.log(`ready after ${median("ready")}, all that is shown at first seen after ${median("seen")}; medians of ${visits} visits`);
 });

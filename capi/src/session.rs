@@ -366,9 +366,9 @@ mod tests {
         let solve =
             || unsafe { midair_session_solve(session, points, none, none, 1, drive, 16, null_mut(), said, 100) };
         // SAFETY: as above.
-        let held = unsafe { Session::behind(session) }.and_then(Session::state).expect("a session at rest");
+        let state = unsafe { Session::behind(session) }.and_then(Session::state).expect("a session at rest");
         assert_eq!(solve(), Outcome::Invalid);
-        drop(held);
+        drop(state);
         // SAFETY: ended by NUL.
         let said = unsafe { std::ffi::CStr::from_ptr(said) }.to_str();
         assert_eq!(said, Ok("session is at work in another thread: give each thread a session of its own"));

@@ -117,8 +117,8 @@ impl Rest {
     }
 
     fn __repr__(&self) -> String {
-        let held = self.inner.held.iter().filter(|held| **held).count();
-        format!("<midair.Rest: {held} of {} beads held>", self.inner.held.len())
+        let count = self.inner.held.iter().filter(|one| **one).count();
+        format!("<midair.Rest: {count} of {} beads held>", self.inner.held.len())
     }
 }
 

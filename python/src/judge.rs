@@ -165,16 +165,16 @@ fn judge_many(
     let given = pressures.map(|value| read::batch_of_pressures(value, [count, size])).transpose()?.unwrap_or_default();
     let weights = weights.map(|value| read::batch_of_numbers("weights", value, [count, size])).transpose()?;
     let request = own.map(midair::Scene::request);
-    let asked = request.filter(|_| given.pressures.is_none());
-    let asked = [
-        (&given.pressures, asked.and_then(|own| own.pressures.as_deref())),
-        (&given.phases, asked.and_then(|own| own.phases.as_deref())),
+    let requested = request.filter(|_| given.pressures.is_none());
+    let requested = [
+        (&given.pressures, requested.and_then(|own| own.pressures.as_deref())),
+        (&given.phases, requested.and_then(|own| own.phases.as_deref())),
         (&weights, request.and_then(|own| own.weights.as_deref())),
     ];
     read::callback(progress.as_ref().map(|callback| callback.bind(py)), "done, problems, residual")?;
     let write = |k: usize, ask: &mut SolveRequest| -> Result<(), midair::Error> {
         let range = k * size..(k + 1) * size;
-        let lists = asked.map(|(given, own)| given.as_ref().map(|list| &list[range.clone()]).or(own));
+        let lists = requested.map(|(given, own)| given.as_ref().map(|list| &list[range.clone()]).or(own));
         let own = own.map_or(&[][..], midair::Scene::points);
         write_over(ask, points.get(range.clone()).unwrap_or(own), lists);
         Ok(())

@@ -50,7 +50,7 @@ impl PartialEq for Solution {
         self.inner == other.inner
             && self.choice == other.choice
             && self.trace == other.trace
-            && self.asked() == other.asked()
+            && self.request() == other.request()
     }
 }
 
@@ -62,7 +62,7 @@ impl Hash for Solution {
 }
 
 impl Solution {
-    fn asked(&self) -> Option<Arc<midair::Scene>> {
+    fn request(&self) -> Option<Arc<midair::Scene>> {
         self.scene.as_ref().map(|scene| Arc::clone(&scene.inner)).or_else(|| self.inner.scene().map(Arc::new))
     }
 }
@@ -151,9 +151,9 @@ impl Solution {
         let (name, status) = (&self.choice.name, self.inner.status);
         let (accuracy, sigma) = (metrics.accuracy, metrics.sigma);
         // Without pressures there is no request that could be missed.
-        let asked = self.inner.requested().2.pressures.is_some();
+        let given = self.inner.requested().2.pressures.is_some();
         let level =
-            if asked { format!("accuracy {accuracy:.4}") } else { format!("{accuracy:.4} of the balanced level") };
+            if given { format!("accuracy {accuracy:.4}") } else { format!("{accuracy:.4} of the balanced level") };
         let scale = self.inner.scale;
         let supply = if scale < 1.0 { format!(", drives to be scaled by {scale:.4}") } else { String::new() };
         format!("<midair.Solution by {name}: {status}, {level}, sigma {sigma:.4}{supply}>")

@@ -1,4 +1,4 @@
-"""AUTD3 boards over UDP: every frame comes, also where datagrams are lost; boards that are gone are told.
+"""AUTD3 boards over UDP: every frame comes, also where datagrams are lost; boards that are gone are reported.
 
 MIDAIR_SLOW=1 sends 10,000 frames, not 300, and ends programs in more ways.
 """
@@ -69,7 +69,7 @@ def boards(wire: Wire) -> Iterator[Autd3Transport]:
 
 
 def each_board(wire: Wire) -> list[list[bytes]]:
-    """What each board was told, in order, with what was said again at once counted once."""
+    """The commands that each board received, in order; a command repeated at once counts once."""
     assert len(wire.reported) == BOARDS
     return [[codes for codes, _ in groupby(reported)] for reported in wire.reported.values()]
 
@@ -230,7 +230,7 @@ def test_boards_without_a_word_mute_themselves_until_they_are_opened(
     emulator: Packaged | Built, wire: Wire, boards: Autd3Transport
 ) -> None:
     if isinstance(emulator, Packaged):
-        pytest.skip("nobody can read its state")
+        pytest.skip("its state cannot be read")
     (codes,) = frames(1)
     boards.play(codes)
     time.sleep(0.7)

@@ -105,7 +105,7 @@ def test_a_flight_is_what_plain_integration_gives(rate: float, lasts: float) -> 
 
 
 @pytest.mark.slow
-def test_a_bead_falls_out_of_a_trap_that_is_too_weak_and_is_drawn_and_told(tmp_path: Path) -> None:
+def test_a_bead_falls_out_of_a_trap_that_is_too_weak_and_is_drawn_and_reported(tmp_path: Path) -> None:
     sequence = ring(5e-3, 0.1, 500.0)
     weak = midair.Sequence(
         LEVITATOR, sequence.points, 1.0, 0.1 * sequence.drives, rate=500.0, closed=True, signature="trap"

@@ -23,11 +23,11 @@ def test_traps_in_motion_stay_stiff_and_carry_their_beads(count: int, quantizati
     assert beads.Air(positions, 2.3).stray(moved.drives, points, begin, 10e3).max() < 0.5e-3
     for t in range(40, len(points), 200):
         scene = midair.Scene(array, points[t], signature="trap")
-        alone, held = (
+        alone, bounded = (
             np.linalg.eigvalsh(midair.gorkov(scene, drive).hessian).min()
             for drive in (midair.solve(scene), moved.drives[t])
         )
-        assert held > (0.7 if count == 2 else 0.6) * alone
+        assert bounded > (0.7 if count == 2 else 0.6) * alone
 
 
 def test_traps_that_stand_still_keep_their_codes() -> None:
@@ -95,11 +95,11 @@ def test_traps_are_made_for_the_bead_of_the_scene() -> None:
     ):
         assert again == scene
         assert again.bead == scene.bead
-    held, other = midair.solve(scene).rest(), midair.solve(scene.replace(bead={}))
+    resting, other = midair.solve(scene).rest(), midair.solve(scene.replace(bead={}))
     astray = midair.rest(scene, other.drive)
-    assert held.held.all()
+    assert resting.held.all()
     # Of 72 transducers the drive for the usual bead lets this one sag by .5 mm and more.
-    far, farther = (np.linalg.norm(rest.place - points, axis=1).max() for rest in (held, astray))
+    far, farther = (np.linalg.norm(rest.place - points, axis=1).max() for rest in (resting, astray))
     assert far < 0.15e-3 < 0.5 * farther
     assert not np.array_equal(other.drive, midair.solve(scene).drive)
     felt = midair.gorkov(scene, other.drive)

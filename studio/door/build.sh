@@ -1,7 +1,7 @@
 #!/bin/bash
 # Builds the door for the browser: target/midair.wasm, simd128, without imports. With rustup's target wasm32 where there is
 # one; else with Debian's compiler (rustc-web cargo-web rust-web-src lld-19), which builds the standard library along: short,
-# and without the words of panics, which nobody hears in a browser. With rustup's own library the module is larger.
+# and without the messages of panics, which no browser shows. With rustup's own library the module is larger.
 set -eu -o pipefail
 cd "$(dirname "$0")"
 # What is inlined and unrolled at will makes the module larger, and no faster; kernels ask for it by themselves.

@@ -45,13 +45,13 @@ export function createBar(context: Context, levels: HTMLElement, deeds: Deeds): 
   };
   const name = element("h1", {}, "midair ", element("small", {}, say("studio")));
   const logo = element("span", { className: "logo", innerHTML: LOGO });
-  const told = ({ message }: Error) => context.alarm(say("failed", { line: message }));
+  const report = ({ message }: Error) => context.alarm(say("failed", { line: message }));
   const tools = element(
     "div",
     { className: "tools", id: "tools" },
     button(say("open"), () => file.click(), say("openHint")),
-    button(say("exportScene"), () => void exportScene(context).catch(told)),
-    button(say("exportDrive"), () => void exportDrive(context, studio.view.state.slot).catch(told)),
+    button(say("exportScene"), () => void exportScene(context).catch(report)),
+    button(say("exportDrive"), () => void exportDrive(context, studio.view.state.slot).catch(report)),
     button(say("exportPicture"), () => deeds.picture("png")),
     button(say("exportDrawing"), () => deeds.picture("svg")),
     button(say("language"), deeds.language),

@@ -21,7 +21,7 @@ export function createBoardButton(context: Context): HTMLElement {
 
   /** The board that is served, or one at a port that a person chooses. */
   async function reach(): Promise<(() => Promise<Player>) | void> {
-    if (served) return async () => createServed(served.name, told);
+    if (served) return async () => createServed(served.name, report);
     const { serial } = navigator as WithSerial;
     if (!serial) return context.alarm(say("noSerial"));
     const { array } = studio.view.state;
@@ -49,10 +49,10 @@ export function createBoardButton(context: Context): HTMLElement {
     await studio.settled();
     const silence = await engine.slots[0].silence(studio.scene(0), board.name);
     const encode = (drive: Float32Array) => engine.slots[0].encode(studio.scene(0), drive, board.name);
-    return connect(port, board, encode, silence, told);
+    return connect(port, board, encode, silence, report);
   }
 
-  function told(state: PlayerState, line: string) {
+  function report(state: PlayerState, line: string) {
     if (line) context.alarm(say("failed", { line }));
     if (state === "gone") forget();
     show();

@@ -2,15 +2,15 @@
 
 import { element } from "./dom.ts";
 
-/** Values of all frames, 0 and more, and how their largest is told, with its unit. */
+/** Values of all frames, 0 or more, and the text of the largest one with its unit. */
 export interface Curve {
   name: string;
   values: number[];
   most: string;
 }
 
-/** A chart of curves over so many ms, and what moves its mark to a frame; `told` describes it to who does not see. */
-export function createChart(curves: Curve[], milliseconds: number, told: string) {
+/** A chart of curves over so many ms, and the function that moves its mark to a frame; screen readers read `label`. */
+export function createChart(curves: Curve[], milliseconds: number, label: string) {
   const marks: HTMLElement[] = [];
   const rows = curves.map(({ name, values, most }) => {
     const top = Math.max(...values) || 1;
@@ -25,7 +25,7 @@ export function createChart(curves: Curve[], milliseconds: number, told: string)
   });
   const axis = element("p", {}, element("span", {}, "0"), `${Number(milliseconds.toPrecision(3))} ms`);
   return {
-    root: element("div", { className: "chart", role: "img", "aria-label": told }, ...rows, axis),
+    root: element("div", { className: "chart", role: "img", "aria-label": label }, ...rows, axis),
     mark(part: number) {
       for (const mark of marks) mark.style.left = `${100 * part}%`;
     },

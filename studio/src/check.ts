@@ -72,21 +72,21 @@ const RULES: Record<keyof State, Rule> = {
 
 /** What is wrong with a state, in one line; "" if nothing is. */
 export function faultOf(state: State, { presets, solvers }: Catalogue): string {
-  const told = (value: unknown) => (JSON.stringify(value) ?? String(value)).slice(0, 60);
+  const quoted = (value: unknown) => (JSON.stringify(value) ?? String(value)).slice(0, 60);
   const unknown = Object.keys(state).find((key) => !(key in RULES));
   if (unknown) return `${unknown} is no part of the state: give some of ${Object.keys(RULES).join(", ")}`;
   for (const [key, [fits, cure]] of Object.entries(RULES)) {
     const value = state[key as keyof State];
-    if (!fits(value)) return `${key} is ${told(value)}: ${cure}`;
+    if (!fits(value)) return `${key} is ${quoted(value)}: ${cure}`;
   }
   const { array, methods, points, pressures } = state;
   if ("preset" in array) {
     const preset = presets.find(({ name }) => name === array.preset);
-    if (!preset) return `array is ${told(array.preset)}: give one of ${presets.map(({ name }) => name).join(", ")}`;
-    if (!preset.tiles && array.tiles.join() !== "1,1") return `tiles is ${told(array.tiles)}: ${preset.name} has no boards to be tiled`;
+    if (!preset) return `array is ${quoted(array.preset)}: give one of ${presets.map(({ name }) => name).join(", ")}`;
+    if (!preset.tiles && array.tiles.join() !== "1,1") return `tiles is ${quoted(array.tiles)}: ${preset.name} has no boards to be tiled`;
   }
   const method = methods.find((name) => !solvers.some((solver) => solver.name === name));
-  if (method !== undefined) return `methods has ${told(method)}: give two of ${solvers.map(({ name }) => name).join(", ")}`;
+  if (method !== undefined) return `methods has ${quoted(method)}: give two of ${solvers.map(({ name }) => name).join(", ")}`;
   if (pressures && pressures.length !== points.length) {
     return `pressures has ${pressures.length} entries: give one for each of ${points.length} points, or null`;
   }

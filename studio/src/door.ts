@@ -28,7 +28,7 @@ export interface Answer {
   pressures: [number, number][];
   /** re and im of each transducer. */
   drive: Float32Array;
-  /** What should be heard beside, a line each. */
+  /** Warnings and notes that belong to the answer, a line each. */
   said: string[];
 }
 

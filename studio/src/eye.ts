@@ -40,7 +40,7 @@ const within = (value: number, [least, most]: number[]) => Math.min(Math.max(val
 export function createEye({ view }: Studio): Eye {
   let camera: Camera = { target: [0, 0, 0], yaw: 0, pitch: 0, distance: 1 };
   let last = [1, 1];
-  /** What it was fitted to: the array, and the view's size as long as nobody has turned it. */
+  /** The array and the view's size that it was fitted to; the size counts only until a user turns the view. */
   let fitted = "";
   let turned = false;
   /** The state that was last looked at so. */

@@ -13,12 +13,12 @@ import { type SceneFile, stateOf } from "./scene_file.ts";
 import type { State } from "./types.ts";
 
 /** English and Japanese. */
-export type Told = [string, string];
+export type Texts = [string, string];
 
 /** A scene: its state, its name, and one line of what there is to see. */
 export interface Example {
-  name: Told;
-  line: Told;
+  name: Texts;
+  line: Texts;
   state: State;
 }
 

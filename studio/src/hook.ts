@@ -54,7 +54,7 @@ export function createHook(engine: Engine, studio: Studio, page: () => Page): Ho
               scale: each.answer.scale,
               status: each.answer.status,
               milliseconds: each.milliseconds,
-              heard: state.ear && each.heard,
+              atEar: state.ear && each.atEar,
             }
           : null,
       );

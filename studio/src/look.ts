@@ -28,7 +28,7 @@ export function lookOf(view: View, theme: Theme, turn = 0): Look {
     const { values } = lattice;
     for (let k = 0; k < values.length; k += 2) most = Math.max(most, values[k] ** 2 + values[k + 1] ** 2);
   }
-  // Of a trap the points are dark: what they are asked for stands beside them.
+  // The points of a trap are dark: their targets are shown beside them.
   const top = state.signature ? Math.sqrt(most) : Math.max(loudest, Math.min(Math.sqrt(most), MOST * loudest));
   const { quantity, scale } = state;
   return { quantity, scale, top: top || 1, turn, theme };

@@ -1,15 +1,15 @@
-/** Numbers: what is told of both methods, row by row, the better one marked. */
+/** Numbers: the metrics of both methods, row by row, the better one marked. */
 
 import { type Result, shownOf, type View } from "./studio.ts";
 import type { Slot } from "./types.ts";
 import type { Word } from "./words.ts";
 
 /** What a row can be of. */
-export type Told = "accuracy" | "sigma" | "uniformity" | "level" | "leak" | "bound" | "weakest" | "loudest" | "changes" | "heard" | "time";
+export type Metric = "accuracy" | "sigma" | "uniformity" | "level" | "leak" | "bound" | "weakest" | "loudest" | "changes" | "heard" | "time";
 
 /** A row: its word, a text a slot or one for both, and whose is better. */
 export interface Row {
-  word: Told;
+  word: Metric;
   values: [string, string] | [string];
   better: Slot | null;
 }
@@ -39,7 +39,7 @@ export const duration = (ms: number) => (ms < 1 ? `${Math.round(1000 * ms)} µs`
 /** Every row. */
 export function numberRows({ results, bound, state, frame }: View): Row[] {
   const shown = frame?.results ?? results;
-  const row = (word: Told, of: (result: Result) => number, text: (value: number) => string, best: number): Row => {
+  const row = (word: Metric, of: (result: Result) => number, text: (value: number) => string, best: number): Row => {
     const numbers = shown.map((result) => (result?.answer ? of(result) : NaN));
     const values = numbers.map((value) => (Number.isNaN(value) ? NONE : text(value))) as [string, string];
     const ahead = best * (numbers[0] - numbers[1]);
@@ -60,7 +60,7 @@ export function numberRows({ results, bound, state, frame }: View): Row[] {
     row("weakest", weakest, pressure, 1),
   ];
   if (state.pressures?.includes(0)) rows.push(metric("leak", -1));
-  if (state.ear) rows.push(row("heard", ({ heard }) => heard, (p) => `${decibels(p).toFixed(1)} dB SPL`, -1));
+  if (state.ear) rows.push(row("heard", ({ atEar }) => atEar, (p) => `${decibels(p).toFixed(1)} dB SPL`, -1));
   if (frame?.change !== undefined) rows.push({ word: "changes", values: [`${frame.change.toFixed(2)} rad`, NONE], better: null });
   if (!frame) rows.push(row("time", ({ milliseconds }) => milliseconds, duration, 0));
   return rows;

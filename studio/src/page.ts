@@ -166,7 +166,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   const runs = () => !gone && !painter.lost && painter.runs && studio.view.state.quantity === "wave" && !calm.matches;
   const look = () => lookOf(studio.view, theme, turn);
 
-  let [said, told] = ["", ""];
+  let [said, announced] = ["", ""];
   /** The results that the page shows. */
   let shown: unknown[] = [];
   function place() {
@@ -266,11 +266,11 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   announceChanges(context);
   context.listen(() => {
     place();
-    if (said !== told && !studio.view.moving) context.announce((told = said));
+    if (said !== announced && !studio.view.moving) context.announce((announced = said));
     warn();
   });
 
-  /** A scene that neither method can solve is told once. */
+  /** A scene that neither method can solve is reported once. */
   let warned = "";
   function warn() {
     const [a, b] = studio.view.results.map(({ refused }) => refused);

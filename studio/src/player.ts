@@ -37,7 +37,7 @@ const countOf = (path: Path) => Math.max(FEWEST, Math.min(MOST, Math.round(RATE 
 
 /** What was followed: for which state, all frames' points (T, M, 3), and what there is to say of each. */
 interface Followed {
-  asked: string;
+  requested: string;
   state: State;
   places: Float64Array;
   frames: Frame[];
@@ -79,7 +79,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
   let begun = "";
   context.ending(halt);
 
-  const asked = () => JSON.stringify({ ...state(), quantity: 0, scale: 0, slot: 0 });
+  const requested = () => JSON.stringify({ ...state(), quantity: 0, scale: 0, slot: 0 });
 
   function halt() {
     run_ += 1;
@@ -96,22 +96,22 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
 
   /** Follows the path, unless that was done for this state. */
   async function follow(): Promise<Followed> {
-    if (followed?.asked === asked()) return followed;
+    if (followed?.requested === requested()) return followed;
     const now = state();
     const path = now.path!;
     const count = countOf(path);
     const rate = count * path.frequency;
     const places = framesOf(now.points, path, rate, count / rate);
     const frames = await engine.slow.follow(JSON.stringify({ ...sceneOf(now, 0), solver: { name: "glide", rate } }), places, count);
-    const { told, chart } = curvesOf(frames, count / rate);
-    found.replaceChildren(element("p", { className: "told" }, told), chart.root);
-    context.announce(told);
+    const { summary, chart } = curvesOf(frames, count / rate);
+    found.replaceChildren(element("p", { className: "summary" }, summary), chart.root);
+    context.announce(summary);
     [slowB, at] = [false, 0];
-    return (followed = { asked: asked(), state: now, places, frames, chart });
+    return (followed = { requested: requested(), state: now, places, frames, chart });
   }
 
-  /** Shows a frame of both; false where something else is asked for meanwhile. */
-  async function show({ state: now, places, frames, chart, asked: theirs }: Followed, t: number, still: () => boolean): Promise<boolean> {
+  /** Shows a frame of both; false if the request has changed meanwhile. */
+  async function show({ state: now, places, frames, chart, requested: theirs }: Followed, t: number, still: () => boolean): Promise<boolean> {
     const count = now.points.length;
     const points = now.points.map((_, j) => [...places.subarray(3 * (t * count + j), 3 * (t * count + j) + 3)] as Vec3);
     const there = { ...now, points };
@@ -121,7 +121,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
       engine.slow.frame(t, JSON.stringify(sceneOf(there, 0)), grids, now.ear),
       slowB ? null : engine.slots[1].update(JSON.stringify(sceneOf(there, 1)), grids, now.ear, true).then((b) => ((slowB = performance.now() - before > PATIENCE), b)),
     ]);
-    if (!still() || asked() !== theirs) return false;
+    if (!still() || requested() !== theirs) return false;
     at = t;
     chart.mark(t / (frames.length - 1));
     studio.show({ points, results: [resultOf(a), b && resultOf(b)], names: ["glide", b ? "" : say("atRest")], change: frames[t].change });
@@ -133,7 +133,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
     if (!state().path) return;
     const mine = ++run_;
     const still = () => run_ === mine;
-    [mode, begun] = ["play", asked()];
+    [mode, begun] = ["play", requested()];
     place();
     try {
       const all = await follow();
@@ -150,7 +150,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
   /** Stops at a frame. */
   async function seek(t: number) {
     const mine = ++run_;
-    [mode, begun] = ["pause", asked()];
+    [mode, begun] = ["pause", requested()];
     at = t;
     try {
       const all = await follow();
@@ -163,7 +163,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
   /** One turn, frame by frame, as a film. */
   async function save(kind: Film) {
     const mine = ++run_;
-    [mode, begun] = ["play", asked()];
+    [mode, begun] = ["play", requested()];
     place();
     films.forEach((each) => (each.disabled = true));
     try {
@@ -188,19 +188,19 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
     const weakest = frames.map(({ least }) => least);
     const change = Math.max(...changes).toFixed(2);
     const dip = ((100 * Math.min(...weakest)) / Math.max(...frames.map(({ most }) => most))).toFixed(0);
-    const told = Math.max(...changes) < STILL ? say("stands") : say("moved", { change, dip });
+    const summary = Math.max(...changes) < STILL ? say("stands") : say("moved", { change, dip });
     const curves = [
       { name: say("changes"), values: changes, most: `${change} rad` },
       { name: say("weakest"), values: weakest, most: pressure(Math.max(...weakest)) },
     ];
-    return { told, chart: createChart(curves, 1000 * seconds, `${say("motion")}: ${told}`) };
+    return { summary, chart: createChart(curves, 1000 * seconds, `${say("motion")}: ${summary}`) };
   }
 
   function place() {
     const now = state();
-    const known = followed?.asked === asked() ? followed : null;
+    const known = followed?.requested === requested() ? followed : null;
     // Of another state nothing plays.
-    if (mode !== "rest" && begun !== asked()) [mode, run_] = ["rest", run_ + 1];
+    if (mode !== "rest" && begun !== requested()) [mode, run_] = ["rest", run_ + 1];
     root.hidden = now.path === null;
     found.hidden = !known;
     if (!now.path) return;

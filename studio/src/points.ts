@@ -34,8 +34,8 @@ export function removed(state: State, ...which: number[]): Partial<State> {
   return { points, ...(pressures?.some((pressure) => pressure > 0) && filled.length < left.length ? { pressures, filled } : { pressures: null }) };
 }
 
-/** With another target, in Pa; the others are given those that they had by themselves. Null: the page fills it in, if others are asked. */
-export function asked(state: State, index: number, pressure: number | null, balanced: number[]): Partial<State> {
+/** With another target, in Pa; all others keep the targets that they had. Null: the page fills the target in if others are given. */
+export function withTarget(state: State, index: number, pressure: number | null, balanced: number[]): Partial<State> {
   const all = state.points.map((_, k) => k);
   const before = state.pressures ? state.filled : all;
   const filled = pressure === null ? [...new Set([...before, index])].toSorted((a, b) => a - b) : before.filter((k) => k !== index);

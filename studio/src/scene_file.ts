@@ -28,7 +28,7 @@ const ZERO_CELSIUS = 273.15;
 /** Sound speed of air at 0 degrees C, m/s. */
 const SPEED = 331.3;
 
-/** To 1e-9 m, so that a file has no digits that nobody gave. */
+/** Rounded to 1e-9 m, so that a file has no digits of rounding. */
 function rounded(x: number): number {
   return Math.round(x * 1e9) / 1e9 + 0;
 }

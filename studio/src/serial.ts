@@ -63,7 +63,7 @@ export function boardOf({ presets, boards }: Catalogue, preset: string): SerialB
 /**
  * Opens a port and silences the board at it; an error is one line.
  *
- * `encode` makes the bytes of a drive, `silence` turns the board off from any state. `told` hears of
+ * `encode` makes the bytes of a drive, `silence` turns the board off from any state. `report` gets
  * each new state, with one line where something failed; a player whose first silence failed is "gone".
  */
 export async function connect(
@@ -71,7 +71,7 @@ export async function connect(
   board: SerialBoard,
   encode: (drive: Float32Array) => Promise<Uint8Array>,
   silence: Uint8Array,
-  told: (state: PlayerState, line: string) => void,
+  report: (state: PlayerState, line: string) => void,
 ): Promise<Player> {
   const byte = (1000 * BITS) / board.baud;
   let state: PlayerState = "off";
@@ -96,7 +96,7 @@ export async function connect(
   function turn(next: PlayerState, line = ""): void {
     if (state === next && !line) return;
     state = next;
-    told(state, line);
+    report(state, line);
   }
 
   /** Gives bytes to the line behind what it was given already. */
@@ -124,7 +124,7 @@ export async function connect(
     } catch {
       // The line tells it.
     }
-    told("gone", `the port of ${board.name} is gone (${why}): ${cure}`);
+    report("gone", `the port of ${board.name} is gone (${why}): ${cure}`);
     await port.close().catch(() => {});
   }
 

@@ -18,8 +18,8 @@ export function fits({ array: own }: ServedBoard, array: ArrayChoice): boolean {
   return "positions" in array && JSON.stringify(array.positions) === JSON.stringify(own.positions);
 }
 
-/** The player of a board that is served; `told` gets each new state, with one line where something failed. */
-export function createServed(name: string, told: (state: PlayerState, line: string) => void): Player {
+/** The player of a board that is served; `report` gets each new state, with one line where something failed. */
+export function createServed(name: string, report: (state: PlayerState, line: string) => void): Player {
   let state: PlayerState = "off";
   let drive: Float32Array | null = null;
   let runs = false;
@@ -28,7 +28,7 @@ export function createServed(name: string, told: (state: PlayerState, line: stri
   function turn(next: PlayerState, line = "") {
     if (state === next && !line) return;
     state = next;
-    told(state, line);
+    report(state, line);
   }
 
   /** Gives the server a drive, or silence; the time lets it ignore what was overtaken. Returns the server's refusal. */

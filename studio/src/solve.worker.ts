@@ -11,7 +11,7 @@ export type Played = Pick<Answer, "drive" | "scale">;
 
 /** What became of a slot: its answer, its slices and |p| at the ear in Pa; or a refusal. */
 export type Outcome =
-  | { answer: Answer; lattices: Lattice[]; heard: number; warnings: string[] }
+  | { answer: Answer; lattices: Lattice[]; atEar: number; warnings: string[] }
   | { refused: string };
 
 /** Times that are taken, for how long solves are repeated for each, as a browser's clock steps by .1 ms, and for all, in ms. */
@@ -52,7 +52,7 @@ function openBeside(scene: string): void {
 function looked(by: Door, answer: Answer, warnings: string[], grids: Grid[], ear: Vec3 | null): Outcome {
   const [re, im] = ear ? by.field(Float64Array.from(ear)) : [0, 0];
   const lattices = grids.map((grid) => ({ ...grid, values: by.field(places(grid)) }));
-  return { answer, warnings, lattices, heard: Math.hypot(re, im) };
+  return { answer, warnings, lattices, atEar: Math.hypot(re, im) };
 }
 
 /** The outcome of a drive that was found elsewhere. */

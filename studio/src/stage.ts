@@ -42,7 +42,7 @@ const KEYS: Record<string, Vec3> = {
 /** More rings than these would hide the field: they are smaller then. */
 export const MANY = 16;
 
-/** Points that are held: which one and all, where they and the pointer were, and whether they are lifted off the slice. */
+/** Dragged points: the one under the pointer and all of them, their start and the pointer's, and whether they leave the slice. */
 interface Grip {
   index: number;
   all: number[];
@@ -108,7 +108,7 @@ export function createStage(context: Context, eye: Eye): Stage {
     studio.moving(true);
   }
 
-  /** What is held follows the pointer; a click selects. */
+  /** The dragged point follows the pointer; a click selects it. */
   function follow(by: HTMLElement, lifted: (event: PointerEvent) => boolean) {
     by.onpointermove = (event) => grip && drag(event, lifted(event));
     by.onpointerup = by.onpointercancel = (event) => {
@@ -274,10 +274,10 @@ export function createStage(context: Context, eye: Eye): Stage {
       button.classList.toggle("selected", selected.has(index));
       button.classList.toggle("quiet", state().pressures?.[index] === 0);
     });
-    const held = rings[latest];
-    lifter.hidden = !held || studio.view.frame !== null;
-    lifter.classList.toggle("under", held?.[1] < 110);
-    if (held) lifter.style.transform = `translate(${held[0].toFixed(2)}px, ${held[1].toFixed(2)}px)`;
+    const active = rings[latest];
+    lifter.hidden = !active || studio.view.frame !== null;
+    lifter.classList.toggle("under", active?.[1] < 110);
+    if (active) lifter.style.transform = `translate(${active[0].toFixed(2)}px, ${active[1].toFixed(2)}px)`;
     placeHandles();
     slices.place();
     key.place();

@@ -16,7 +16,7 @@ export interface Result {
   /** The slices that cross it, where they are shown. */
   crossing: Lattice[];
   /** |p| at the ear in Pa. */
-  heard: number;
+  atEar: number;
   /** How long solving takes in ms, NaN until it was timed at rest. */
   milliseconds: number;
   refused: string;
@@ -83,7 +83,7 @@ const nothing = (): Result => ({
   answer: null,
   lattice: null,
   crossing: [],
-  heard: 0,
+  atEar: 0,
   milliseconds: NaN,
   refused: "",
   warnings: [],
@@ -92,8 +92,8 @@ const nothing = (): Result => ({
 /** A slot's result from what its worker found. */
 export function resultOf(outcome: Outcome): Result {
   if ("refused" in outcome) return { ...nothing(), refused: outcome.refused };
-  const { answer, lattices: [lattice, ...crossing], heard } = outcome;
-  return { ...nothing(), answer, lattice, crossing, heard, warnings: [...outcome.warnings, ...answer.said] };
+  const { answer, lattices: [lattice, ...crossing], atEar } = outcome;
+  return { ...nothing(), answer, lattice, crossing, atEar, warnings: [...outcome.warnings, ...answer.said] };
 }
 
 /** What is played of an answer, without what need not be sent to a worker. */
@@ -160,7 +160,7 @@ export function createStudio(engine: Engine, initial: State): Studio {
   }
 
   async function update(wished: Grid[][]) {
-    const asked = key(wished);
+    const requested = key(wished);
     const [given, array] = [scenes(), JSON.stringify(view.state.array)];
     const { ear } = view.state;
     const outcomes = await Promise.all(engine.slots.map((hand, slot) => hand.update(given[slot], wished[slot], ear)));
@@ -173,7 +173,7 @@ export function createStudio(engine: Engine, initial: State): Studio {
       arrayShown = array;
     }
     outcomes.forEach((outcome, slot) => take(slot as Slot, outcome));
-    shown = asked;
+    shown = requested;
     view.volume = null;
     tell();
   }

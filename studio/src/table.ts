@@ -3,7 +3,7 @@
 import { type Context, millimetres } from "./context.ts";
 import { element, explained } from "./dom.ts";
 import { MOST_POINTS } from "./initial.ts";
-import { added, asked, moved, removed } from "./points.ts";
+import { added, withTarget, moved, removed } from "./points.ts";
 import type { Vec3 } from "./types.ts";
 
 const AXES = ["x", "y", "z"];
@@ -63,7 +63,7 @@ export function createPointTable(context: Context): { root: HTMLElement; place()
       onchange: () => {
         const value = target.value === "" ? null : Number(target.value);
         if (value !== null && value < 0) context.alarm(say("negative", { value, n }));
-        else studio.change(asked(state(), index, value, studio.view.results[0].answer?.targets ?? []), `target ${index}`);
+        else studio.change(withTarget(state(), index, value, studio.view.results[0].answer?.targets ?? []), `target ${index}`);
         showAll(true);
       },
     });

@@ -26,10 +26,10 @@ test.each(readdirSync(golden).filter((name) => name.endsWith(".json")))("the dri
   const record = JSON.parse(text);
   // The text as it is: a seed of 64 bits is no number of JavaScript's.
   const scene = text.slice(text.indexOf('"scene":') + 8, text.lastIndexOf("}"));
-  const asked = scene.replace('"solver":{', `"solver":{"balance":${record.balance},`);
+  const requested = scene.replace('"solver":{', `"solver":{"balance":${record.balance},`);
   const wanted = Float32Array.from(record.drive.flat());
   for (const scalar of [true, false]) {
-    door.open(asked, false, scalar);
+    door.open(requested, false, scalar);
     expect(door.solve().drive).toEqual(wanted);
   }
 });
@@ -86,8 +86,8 @@ test("frames follow one another within glide's change", () => {
   door.open(ring("glide", { points: [{ position: [0, 0, 0.15] }], array: { preset: "paper20" } }));
   const frames = 20;
   const places = Float64Array.from({ length: 3 * frames }, (_, k) => [1e-4 * Math.floor(k / 3), 0, 0.15][k % 3]);
-  const told = door.follow(places, frames);
-  expect(Math.max(...told.map(({ change }) => change))).toBeLessThan(Math.PI / 16 + 1e-4);
+  const tracked = door.follow(places, frames);
+  expect(Math.max(...tracked.map(({ change }) => change))).toBeLessThan(Math.PI / 16 + 1e-4);
   expect(door.frame(19)).not.toEqual(door.frame(0));
   expect(() => door.frame(20)).toThrow(/frame is 20/);
 });

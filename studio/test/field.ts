@@ -14,7 +14,7 @@ export function square(side: number): Float32Array {
   return positions;
 }
 
-/** Full amplitudes with the phases that the points, each sending a wave, would be heard with. */
+/** Full amplitudes, with the phases at which waves sent from the points would arrive. */
 export function focused(positions: Float32Array, points: Vec3[]): Float32Array {
   const drive = new Float32Array((positions.length / 3) * 2);
   for (let i = 0; i < positions.length / 3; i++) {

@@ -33,7 +33,7 @@ test("what is left out is as at the beginning, and a reader cannot change that",
   expect(initial.methods[0]).toBe("uniform");
 });
 
-test("an upright slice is told, wherever its normal stands in the link", () => {
+test("an upright slice is written, wherever its normal stands in the link", () => {
   const plane = { axis: "x" as const, z: 0.1, size: 0.09, center: [0.005, -0.006] as [number, number] };
   expect(writeLink({ ...initial, plane })).toContain("&z=100,90,5,-6&n=x");
   for (const link of ["v=1&z=100,90,5,-6&n=x", "v=1&n=x&z=100,90,5,-6"]) expect((readLink(link) as State).plane).toEqual(plane);
@@ -47,7 +47,7 @@ test("64 points are at most 1.3 kB", () => {
   expect(writeLink({ ...initial, points }).length).toBeLessThan(1300);
 });
 
-test("an array of one's own is told", () => {
+test("an array of one's own is written", () => {
   const array = { name: "bowl", positions: [[0, 0, 0]] as Vec3[], normals: [[0, 0, 1]] as Vec3[] };
   const link = writeLink({ ...initial, array });
   expect(readLink(link)).toBe(`a is "own": an array of one's own is in no link, load its file`);
@@ -106,9 +106,9 @@ const BAD: [string, string][] = [
 ];
 
 test.each(BAD)("one line: %s", (link, part) => {
-  const told = readLink(link);
-  expect(told).toBeTypeOf("string");
-  expect(told).toContain(part);
-  expect((told as string).split("\n")).toHaveLength(1);
-  expect((told as string).length).toBeLessThan(140);
+  const reason = readLink(link);
+  expect(reason).toBeTypeOf("string");
+  expect(reason).toContain(part);
+  expect((reason as string).split("\n")).toHaveLength(1);
+  expect((reason as string).length).toBeLessThan(140);
 });

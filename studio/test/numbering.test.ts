@@ -4,7 +4,7 @@ import { expect, test } from "vitest";
 import { number } from "../src/numbering.ts";
 import { generator } from "./random.ts";
 
-test("a lone ring's number is free, to its right and above", () => {
+test("a single ring's number is free, to its right and above", () => {
   expect(number([[50, 40]], 10, 20)).toEqual([[expect.closeTo(17.7, 5), expect.closeTo(-16.2, 5)]]);
 });
 

@@ -50,20 +50,20 @@ function fakePort() {
 }
 
 async function begin(port = fakePort(), board: SerialBoard = SURFACE) {
-  const told: string[] = [];
+  const reports: string[] = [];
   const encode = async (drive: Float32Array) => {
     if (drive[0] < 0) throw new Error("2 transducers: give 256");
     return Uint8Array.from(drive);
   };
-  const connected = connect(port, board, encode, SILENCE, (state, line) => told.push(line || state));
+  const connected = connect(port, board, encode, SILENCE, (state, line) => reports.push(line || state));
   await vi.runAllTimersAsync();
-  return { port, told, player: await connected };
+  return { port, reports, player: await connected };
 }
 
 const drive = (...bytes: number[]) => Float32Array.from(bytes);
 
 test("silence goes first and last, and the newest drive between", async () => {
-  const { port, player, told } = await begin();
+  const { port, player, reports } = await begin();
   expect(port.opened).toBe(230400);
   port.delay = 30;
   player.play(drive(1, 1));
@@ -77,7 +77,7 @@ test("silence goes first and last, and the newest drive between", async () => {
   await closed;
   expect(port.given).toEqual([[0, 0], [1, 1], [4, 4], [0, 0]]);
   expect(port.closed).toBe(1);
-  expect(told).toEqual(["playing", "off", "gone"]);
+  expect(reports).toEqual(["playing", "off", "gone"]);
 });
 
 test("an Arduino is silenced once more when it has restarted", async () => {
@@ -90,7 +90,7 @@ test("an Arduino is silenced once more when it has restarted", async () => {
   expect((await connected).state).toBe("off");
 });
 
-test("off drops what waits, and nothing follows silence until it is asked for", async () => {
+test("off drops what waits, and nothing follows silence before the next request", async () => {
   const { port, player } = await begin();
   port.delay = 30;
   player.play(drive(1));
@@ -118,18 +118,18 @@ test("frames come no faster than the line carries them", async () => {
 });
 
 test("a drive that the board cannot play turns it off, in one line", async () => {
-  const { port, player, told } = await begin();
+  const { port, player, reports } = await begin();
   player.play(drive(1));
   await vi.runAllTimersAsync();
   player.play(drive(-1));
   await vi.runAllTimersAsync();
   expect(player.state).toBe("off");
   expect(port.given).toEqual([[0, 0], [1], [0, 0]]);
-  expect(told.at(-1)).toBe("sonicsurface cannot play this (2 transducers: give 256): it is off");
+  expect(reports.at(-1)).toBe("sonicsurface cannot play this (2 transducers: give 256): it is off");
 });
 
-test.each(["throws", "hangs"] as const)("a port that %s: that silence failed is told", async (fault) => {
-  const { port, player, told } = await begin();
+test.each(["throws", "hangs"] as const)("a port that %s: a failed silence is reported", async (fault) => {
+  const { port, player, reports } = await begin();
   player.play(drive(1));
   await vi.runAllTimersAsync();
   port.fault = fault;
@@ -139,7 +139,7 @@ test.each(["throws", "hangs"] as const)("a port that %s: that silence failed is 
   expect(player.state).toBe("gone");
   const why = fault === "throws" ? "device lost" : "it takes nothing";
   const cure = "the board may still play, switch its supply off and connect again";
-  expect(told.at(-1)).toBe(`the port of sonicsurface is gone (${why}): ${cure}`);
+  expect(reports.at(-1)).toBe(`the port of sonicsurface is gone (${why}): ${cure}`);
   expect(port.closed).toBe(1);
   player.play(drive(2));
   await player.off();
@@ -148,22 +148,22 @@ test.each(["throws", "hangs"] as const)("a port that %s: that silence failed is 
 });
 
 test("a frame that fails is followed by silence where the port still takes it", async () => {
-  const { port, player, told } = await begin();
+  const { port, player, reports } = await begin();
   port.fault = "throws once";
   player.play(drive(1));
   await vi.runAllTimersAsync();
   expect(port.given).toEqual([[0, 0], [0, 0]]);
   expect(player.state).toBe("gone");
-  expect(told.at(-1)).toContain("the board was turned off, connect again");
+  expect(reports.at(-1)).toContain("the board was turned off, connect again");
 });
 
-test("a board that is unplugged is told once", async () => {
-  const { port, player, told } = await begin();
+test("an unplugged board is reported once", async () => {
+  const { port, player, reports } = await begin();
   port.unplug();
   await vi.runAllTimersAsync();
   expect(player.state).toBe("gone");
-  expect(told).toHaveLength(1);
-  expect(told[0]).toContain("gone (it was unplugged): the board may still play");
+  expect(reports).toHaveLength(1);
+  expect(reports[0]).toContain("gone (it was unplugged): the board may still play");
 });
 
 test("a port that cannot be opened is an error of one line", async () => {
@@ -175,9 +175,9 @@ test("a port that cannot be opened is an error of one line", async () => {
 test("a first silence that fails is a player that is gone", async () => {
   const port = fakePort();
   port.fault = "throws";
-  const { player, told } = await begin(port);
+  const { player, reports } = await begin(port);
   expect(player.state).toBe("gone");
-  expect(told).toHaveLength(1);
+  expect(reports).toHaveLength(1);
 });
 
 /** A document that is seen and has the focus. */
@@ -209,8 +209,8 @@ test("blur, a hidden or left page and Escape turn off, until that is ended", () 
   expect(count(new Event("visibilitychange"), document)).toBe(0);
 });
 
-test.each(["hashchange", "popstate", "pagehide"])("%s lets go of the port: nothing is played until it is asked for anew", async (kind) => {
-  const { port, player, told } = await begin();
+test.each(["hashchange", "popstate", "pagehide"])("%s lets go of the port: nothing is played before a new request", async (kind) => {
+  const { port, player, reports } = await begin();
   const window = new EventTarget();
   guard(player, window, seen());
   player.play(drive(1));
@@ -222,7 +222,7 @@ test.each(["hashchange", "popstate", "pagehide"])("%s lets go of the port: nothi
   await vi.runAllTimersAsync();
   expect(port.given).toEqual([[0, 0], [1], [0, 0]]);
   expect(port.closed).toBe(1);
-  expect(told.at(-1)).toBe("gone");
+  expect(reports.at(-1)).toBe("gone");
 });
 
 const LEAVING: [string, (window: EventTarget, document: ReturnType<typeof seen>) => void, boolean][] = [

@@ -40,7 +40,7 @@ test("a square closes, and its steps run on around corners", () => {
   expect(steps).toEqual([[0, 0], [1, 0], [2, 0], [2, 1], [2, 2], [1, 2], [0, 2], [0, 1]]);
 });
 
-test("every letter is drawn, as high as asked, and none of its points are too near", () => {
+test("every letter is drawn, as high as requested, and none of its points are too near", () => {
   for (const letter of "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789") {
     const points = written(letter, 1000);
     const up = points.map((at) => at[1]);

@@ -92,8 +92,8 @@ impl Problem {
 
     /// The same of moduli in double precision.
     pub(crate) fn residual_of(&self, moduli: impl Iterator<Item = f64> + Clone) -> f64 {
-        let asked = self.scaled.iter().zip(self.weights());
-        Metrics::of(moduli.zip(asked).map(|(p, (&t, &w))| (p, f64::from(t), f64::from(w)))).residual
+        let requested = self.scaled.iter().zip(self.weights());
+        Metrics::of(moduli.zip(requested).map(|(p, (&t, &w))| (p, f64::from(t), f64::from(w)))).residual
     }
 
     /// The metrics of a drive (N,) over the caller's points.

@@ -65,7 +65,7 @@ def sequence(
         again with the same arguments it goes on, to the same bits
     options : of the solver, and the air: frequency, sound_speed, temperature, absorption, density, obstacles;
         signature="trap" moves traps: pressures left out as stiff as can be for `bead`, each carrying its
-        bead along; else foci are held to them. Targets and pressures are those of the foci
+        bead along; else foci are solved for them. Targets and pressures are those of the foci
 
     Warns where points move faster than the bound allows, or than traps can pull a bead. Raises SceneError for
     whatever is not in order.

@@ -206,7 +206,7 @@ pub extern "C" fn studio_encode(studio: &mut Studio) -> u32 {
     studio.work(Studio::encode)
 }
 
-/// Writes into the bytes what silences the board of the text, whatever it was told before.
+/// Writes into the bytes what silences the board of the text, whatever it received before.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_silence(studio: &mut Studio) -> u32 {
     studio.work(Studio::silence)

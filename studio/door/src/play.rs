@@ -21,7 +21,7 @@ impl Studio {
         let mut kept = SolveRequest { aim: ask.aim, ..SolveRequest::default() };
         session.last().clear();
         session.follow(all, true, &mut kept, &mut drives, &mut Control::none())?;
-        let mut told = Vec::with_capacity(3 * frames);
+        let mut reported = Vec::with_capacity(3 * frames);
         let mut before: Option<&[Complex32]> = None;
         for (drive, points) in drives.chunks(transducers).zip(places.chunks(count)) {
             let turned = before.map_or(0.0, |before| change(before, drive));
@@ -29,10 +29,10 @@ impl Studio {
             let moduli = pressures.iter().map(|p| f64::from(p.norm()));
             let loud = moduli.clone().enumerate().filter(|&(j, _)| pressed.is_none_or(|each| each[j] > 0.0));
             let least = loud.fold(f64::INFINITY, |least, (_, p)| least.min(p));
-            told.extend([turned, least, moduli.fold(0.0, f64::max)]);
+            reported.extend([turned, least, moduli.fold(0.0, f64::max)]);
             before = Some(drive);
         }
-        (self.numbers, self.frames) = (told, drives);
+        (self.numbers, self.frames) = (reported, drives);
         self.frame(0)
     }
 

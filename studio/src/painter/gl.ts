@@ -13,7 +13,7 @@ export interface Program {
 
 const HEAD = "#version 300 es\nprecision highp float;precision highp int;precision highp sampler3D;\n";
 
-/** Compiles and links. There are no attributes: vertices are told apart by gl_VertexID. */
+/** Compiles and links. There are no attributes: gl_VertexID distinguishes the vertices. */
 export function program(gl: Gl, vertex: string, fragment: string): Program {
   const linked = gl.createProgram();
   for (const [type, text] of [

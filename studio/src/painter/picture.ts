@@ -1,4 +1,4 @@
-/** What a painter is asked to paint, by WebGL2 (`createPainter`) or without (`createFlat`). */
+/** Picture: the content that a painter draws, by WebGL2 (`createPainter`) or without it (`createFlat`). */
 
 import type { Lattice, Look, Obstacle, Quantity, Vec3, Volume } from "../types.ts";
 import type { Camera } from "./camera.ts";

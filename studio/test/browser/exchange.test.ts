@@ -50,7 +50,7 @@ test("an SVG that is dropped in becomes points along its lines; one with a scrip
   expect(await points()).toEqual(found);
 });
 
-test("a file of another kind is told which are read, and a damaged picture that it is none", async () => {
+test("a file of another kind gets the list of readable kinds, a damaged picture is rejected", async () => {
   await drop("notes.txt", "hello");
   await expect.poll(() => page.getByRole("alert").innerText()).toMatch(/notes\.txt: give \.toml, \.json, \.csv, \.svg, \.png or \.jpg/);
   await drop("photo.png", "\x89PNG");
@@ -90,16 +90,16 @@ test("on a Japanese page a refusal begins in Japanese", async () => {
   await context.close();
 });
 
-test("a scene that cannot be solved is told in the page's language, without the file's line and column", async () => {
+test("a scene that cannot be solved is reported in the page's language, without the file's line and column", async () => {
   const inside = { points: [[0, 0, 0.1]], obstacles: [{ center: [0, 0, 0.1], radius: 0.02, kind: "rigid" }] };
-  const told = async (shown: Page) => {
+  const alarmOf = async (shown: Page) => {
     await shown.evaluate((state) => window.midair!.set(state as never), inside);
     await shown.evaluate(() => window.midair!.settled());
     return shown.getByRole("alert").innerText();
   };
-  expect(await told(page)).toMatch(/^Cannot be solved: point 1\.position is .*inside the sphere/);
+  expect(await alarmOf(page)).toMatch(/^Cannot be solved: point 1\.position is .*inside the sphere/);
   const { page: japanese, context } = await visit(open.browser, open.url, { locale: "ja-JP" });
-  expect(await told(japanese)).toMatch(/^解けません: 点 1 は障害物の中/);
+  expect(await alarmOf(japanese)).toMatch(/^解けません: 点 1 は障害物の中/);
   await context.close();
 });
 

@@ -32,7 +32,7 @@ let lab: ChildProcess;
 let browser: Browser;
 let page: Page;
 
-/** A port of this machine that nobody has. */
+/** A free port of this machine. */
 async function free(): Promise<number> {
   const server = createServer();
   await new Promise<void>((done) => server.listen(0, "127.0.0.1", done));
@@ -65,7 +65,7 @@ async function run(k: number) {
 }
 
 /** What the last cell prints of the view, in m. */
-async function told(): Promise<number[][]> {
+async function received(): Promise<number[][]> {
   await run(2);
   // A "*" stands at a cell that runs.
   await expect.poll(() => cell(2).locator(".jp-InputPrompt").innerText()).toMatch(/\d/);
@@ -122,7 +122,7 @@ test("points that are dragged, and moved by keys, arrive in Python", async () =>
   await expect.poll(label).not.toContain("x 10, y 20");
   const shown = async () => [...(await label())!.matchAll(/[xyz] (-?[\d.]+)/g)].map(([, mm]) => Number(mm) / 1000);
   const alike = async () => {
-    const [[there], here] = [await told(), await shown()];
+    const [[there], here] = [await received(), await shown()];
     return Math.max(...there.map((value, axis) => Math.abs(value - here[axis]))) < 1e-5;
   };
   await expect.poll(alike, { timeout: 30_000 }).toBe(true);

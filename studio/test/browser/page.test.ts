@@ -173,7 +173,7 @@ test("a character without strokes of ours is traced from a font; one that no fon
   await expect.poll(() => page.getByRole("alert").innerText(), PATIENT).toContain("which no font here draws: give another");
 });
 
-test("a path is played with its changes and weakest points as curves; what stands still is told", async () => {
+test("a path is played with its changes and weakest points as curves; a path that stands still is reported", async () => {
   await page.evaluate(() =>
     window.midair!.set({ view: "slice", path: { kind: "circle", radius: 0.004, frequency: 40 } }),
   );

@@ -71,7 +71,7 @@ test("a SonicSurface plays, and is off by Escape and blur", async () => {
   await context.close();
 });
 
-test("an array that no serial board plays is told so", async () => {
+test("an array that no serial board plays is rejected with a reason", async () => {
   const { page, context } = await visit(open.browser, open.url);
   await withPort(page);
   await page.getByRole("button", { name: /connect/i }).click();

@@ -108,13 +108,13 @@ test("a page of another origin cannot play it", async () => {
   const context = await open.browser.newContext();
   const page = await context.newPage();
   await page.goto(foreign.url);
-  const told = await page.evaluate(async (address) => {
+  const answers = await page.evaluate(async (address) => {
     const body = new Float32Array(512).fill(0.5);
     const at = `${new URL("board", address)}?${Date.now() + 1e6}`;
     const ask = async (init: RequestInit) => fetch(at, { method: "POST", body, ...init }).then(({ type, status }) => `${type} ${status}`, () => "refused");
     return [await ask({ headers: { "Content-Type": "application/octet-stream" } }), await ask({ mode: "no-cors" }), await ask({})];
   }, address);
-  expect(told).toEqual(["refused", "refused", "refused"]);
+  expect(answers).toEqual(["refused", "refused", "refused"]);
   await page.waitForTimeout(300);
   expect(state()).toBe("off");
   await context.close();

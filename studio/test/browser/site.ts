@@ -99,7 +99,7 @@ export async function fromMenu(page: Page, name: string): Promise<void> {
   await page.getByRole("button", { name, exact: true }).click();
 }
 
-/** A page that is ready, and everything that it asked for or complained of; `before` runs in it ahead of its own scripts. */
+/** A page that is ready, with all of its requests and errors; `before` runs in it ahead of its own scripts. */
 export async function visit(browser: Browser, url: string, options: BrowserContextOptions = {}, before?: () => void) {
   // A page without a link greets by a hand that drags a point, unless less motion is wanted.
   const reducedMotion = url.includes("#") ? "no-preference" : "reduce";

@@ -105,8 +105,8 @@ test("the values under the pointer are those of the core, on the slice and in sp
   expect(Math.abs(z / 1000 - 0.15 - (up - 0.5) * 0.12)).toBeLessThan(0.0006);
   const [[re, im]] = await page.evaluate((place) => window.midair!.field(0, [place]), [x / 1000, y / 1000, z / 1000] as Vec3);
   const peak = Math.hypot(re, im);
-  const [, told, unit] = text.match(/\|p\| ([\d.]+) (k?Pa)/)!;
-  expect(Number(told) * (unit === "kPa" ? 1000 : 1)).toBeCloseTo(peak, -1);
+  const [, shown, unit] = text.match(/\|p\| ([\d.]+) (k?Pa)/)!;
+  expect(Number(shown) * (unit === "kPa" ? 1000 : 1)).toBeCloseTo(peak, -1);
   expect(Number(text.match(/([\d.]+) dB SPL/)![1])).toBeCloseTo(20 * Math.log10(peak / Math.SQRT2 / 20e-6), 1);
   expect(Number(text.match(/phase (\S+) rad/i)![1])).toBeCloseTo(Math.atan2(im, re), 1);
   // |p|^2/(rho c^2) of air at 25 degrees C.
