@@ -18,7 +18,7 @@ MARGIN = (1.0, -1.0)
 SIZE = 8.0
 #: Right and left first: there a name is read most easily.
 ANGLES = np.radians([0, 180, 90, 270, 30, 150, 210, 330, 60, 120, 240, 300])
-#: What a place costs: its gap, for each angle that comes before its own, and for what it covers.
+#: Cost of a place for a label: its gap, for each angle that comes before its own, and for what it covers.
 TURN, COVER = 0.25, 1000.0
 #: Orders in which the names take their places.
 ORDERS = 50

@@ -12,7 +12,7 @@ FIELDS = (
     "scenes", "accuracy", "sigma", "uniformity",
 )  # fmt: skip
 BEGIN, END = "<!-- bench:begin -->", "<!-- bench:end -->"
-#: What all ratios refer to.
+#: The method that all ratios refer to.
 REFERENCE, GREEDY = "autd3", "greedy 16 phases"
 #: The rows of the README's table, which links to all of them.
 BRIEF = (("midair", "fast"), ("midair", "uniform"), (REFERENCE, GREEDY))

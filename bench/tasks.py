@@ -53,7 +53,7 @@ class Task:
         return np.full(self.count, p1 * (ALONE if self.count == 1 else 1 / np.sqrt(self.count)))
 
     def request(self, scene: int) -> dict[str, Any]:
-        """What workers/serve.py takes, but for method, form and repeat."""
+        """Arguments of workers/serve.py without method, form and repeat."""
         return {
             "preset": self.preset,
             "tiles": self.tiles,

@@ -1,4 +1,4 @@
-"""What mkdocs calls while it builds the book: pages from elsewhere join those of docs/, and links find them.
+"""Hooks of mkdocs: pages from elsewhere join those of docs/, and links find them.
 
 Pages of docs/ link to files of the repository as GitHub shows them, `../CHANGELOG.md`. On the site such a
 file is a page under `repository/`, with those that it links to.

@@ -215,7 +215,7 @@ TABLES: dict[str, Callable[[tables.Rows], str]] = {
 
 
 def ours(rows: dict[str, tables.Rows]) -> str:
-    """What `uniform` has over the paper's best two."""
+    """Advantages of `uniform` over the paper's best two methods."""
     accuracies = (tables.pick(rows["fig3"], method=key) for key in ("greedy", "lm", "uniform"))
     lines = [
         [str(sigma["M"]), *(f"{100 * row['mean']:.1f}" for row in found), f"{sigma['mean']:.1e}"]

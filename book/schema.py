@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[1]
 
 #: The directivities by name, each with its formula.
 DIRECTIVITIES = {name: about for name, (_, about, _) in directivities().items()}
-#: What a fuzzer writes beside keys: names, numbers at the ends, null.
+#: Values that a fuzzer writes beside keys: names, numbers at the ends, null.
 VALUES = ['"autd3"', '"paper20"', "[1, 2]", '"max"', '"full"', '"all"', "true", "null"]
 VALUES += ["inf", "nan", "-0.0", "1e308", "9223372036854775808"]
 HEAD = {"$schema": "http://json-schema.org/draft-07/schema#"}
@@ -168,7 +168,7 @@ def page() -> str:
     return "\n".join(lines)
 
 
-#: What `make schema` writes.
+#: Files that `make schema` writes.
 WRITTEN = {
     "docs/scene.schema.json": lambda: text(schema()),
     "docs/sweep.schema.json": lambda: text(sweep_schema()),

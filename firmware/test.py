@@ -22,7 +22,7 @@ STEADY = ("fast", "greedy", "naive")
 
 
 def faults(target: emulated.Path, method: str, array: str, board: str, points: int) -> list[str]:
-    """What differs."""
+    """The differences."""
     own = emulated.emulated(target, method, array, board, points)
     other = emulated.here(target, method, array, board, points)
     found = []

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-#: What is timed, and what turns its result into the answer's entries, which is not.
+#: The timed function, and the untimed one that turns its result into the answer's entries.
 Prepared = tuple[Callable[[], Any], Callable[[Any], dict[str, Any]]]
 
 

@@ -24,7 +24,7 @@
 // The binary interface that this header describes; midair_abi() of a library that fits gives the same number.
 #define MIDAIR_ABI 1
 
-// What became of a call. Everything but MIDAIR_RESULT_OK left the caller's buffers as they were, but the message.
+// The outcome of a call. Everything but MIDAIR_RESULT_OK left the caller's buffers as they were, but the message.
 typedef enum {
     // Done. The message is empty, or remarks that the caller should hear, a line each.
     MIDAIR_RESULT_OK = 0,
@@ -48,7 +48,7 @@ typedef enum {
     MIDAIR_STATUS_MISSED = 3,
 } midair_status;
 
-// What carries bytes to boards.
+// The link that carries bytes to boards.
 typedef enum {
     // A serial line.
     MIDAIR_LINK_KIND_SERIAL = 0,
@@ -92,13 +92,13 @@ typedef struct {
     double leak;
 } midair_metrics;
 
-// What a solve tells beside the drive.
+// Results of a solve beside the drive.
 typedef struct {
     // How it ended.
     midair_status status;
     // Steps taken.
     size_t steps;
-    // What supply or modulation have to multiply the drive by; 1 unless the board has no such amplitude.
+    // The factor that supply or modulation must apply to the drive; 1 unless the board has no such amplitude.
     double scale;
     // How good it is, the scale counted in.
     midair_metrics metrics;
@@ -106,7 +106,7 @@ typedef struct {
 
 // How bytes reach boards, and what these do by themselves; 1 for yes, 0 for no.
 typedef struct {
-    // What carries the bytes.
+    // The link that carries the bytes.
     midair_link_kind kind;
     // Number of lines; a frame is as many parts of one length, one after the other.
     size_t lines;

@@ -32,7 +32,7 @@ pub struct Metrics {
     pub leak: f64,
 }
 
-/// What a solve tells beside the drive.
+/// Results of a solve beside the drive.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Answer {
@@ -40,7 +40,7 @@ pub struct Answer {
     pub status: Status,
     /// Steps taken.
     pub steps: usize,
-    /// What supply or modulation have to multiply the drive by; 1 unless the board has no such amplitude.
+    /// The factor that supply or modulation must apply to the drive; 1 unless the board has no such amplitude.
     pub scale: f64,
     /// How good it is, the scale counted in.
     pub metrics: Metrics,

@@ -18,7 +18,7 @@ impl From<midair::Board> for Board {
     }
 }
 
-/// What carries bytes to boards.
+/// The link that carries bytes to boards.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub enum LinkKind {
@@ -34,7 +34,7 @@ pub enum LinkKind {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Link {
-    /// What carries the bytes.
+    /// The link that carries the bytes.
     pub kind: LinkKind,
     /// Number of lines; a frame is as many parts of one length, one after the other.
     pub lines: usize,

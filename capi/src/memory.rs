@@ -19,7 +19,7 @@ pub struct Complex {
 const _: () =
     assert!(size_of::<Complex>() == size_of::<Complex32>() && align_of::<Complex>() == align_of::<Complex32>());
 
-/// What is behind a handle.
+/// The object behind a handle.
 pub(crate) fn handle<'a, T>(item: &str, handle: Option<&'a T>) -> Result<&'a T, Error> {
     handle.ok_or_else(|| Error::invalid(item, "NULL", format!("make one with midair_{item}_new() or the like")))
 }

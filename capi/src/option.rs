@@ -16,7 +16,7 @@ pub(crate) enum Given<'a> {
     Numbers(&'a [f64]),
 }
 
-/// What a session is made of.
+/// The settings that make a session.
 #[derive(Clone)]
 pub(crate) struct Setting {
     array: Array,
@@ -75,7 +75,7 @@ impl Setting {
         self.choice.aim
     }
 
-    /// What is hardly meant of array and medium, a line each.
+    /// Probable mistakes in array and medium, a line each.
     pub(crate) fn doubts(&self) -> Vec<String> {
         self.array.doubts(self.medium).iter().map(ToString::to_string).collect()
     }

@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use midair::Error;
 
-/// What became of a call. Everything but MIDAIR_RESULT_OK left the caller's buffers as they were, but the message.
+/// The outcome of a call. Everything but MIDAIR_RESULT_OK left the caller's buffers as they were, but the message.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
@@ -69,7 +69,7 @@ pub(crate) fn outcome<T: AsRef<str>>(message: Message, work: impl FnOnce() -> Re
     }
 }
 
-/// What a panic says.
+/// The message of a panic.
 fn words(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no words")

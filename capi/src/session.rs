@@ -17,10 +17,10 @@ use crate::outcome::{Message, Outcome, outcome};
 /// different sessions may be used by different threads at the same time.
 pub struct Session(Mutex<State>);
 
-/// What a call changes.
+/// The state that a call changes.
 pub(crate) struct State {
     setting: Setting,
-    /// What was said of the setting.
+    /// Warnings about the setting.
     doubts: Vec<String>,
     model: Model,
     pub(crate) session: midair::Session,
@@ -64,7 +64,7 @@ impl State {
         self.setting.board(kind)
     }
 
-    /// What the caller should hear beside the last answer, each kind once in a session.
+    /// Warnings about the last answer, each kind once in a session.
     pub(crate) fn remarks(&mut self) -> String {
         let doubts = self.session.doubts(&self.ask);
         let doubts = doubts.iter().map(ToString::to_string);

@@ -16,7 +16,7 @@ STRICT = ["-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O1", "-g"]
 
 
 def run(*command: object, cwd: Path = ROOT, **environment: str) -> str:
-    """What a command that must succeed prints."""
+    """Output of a command that must succeed."""
     words = [str(word) for word in command]
     done = subprocess.run(words, cwd=cwd, capture_output=True, text=True, env={**os.environ, **environment})
     assert done.returncode == 0, f"{' '.join(words)}: {done.stdout}{done.stderr}"
@@ -46,7 +46,7 @@ def library(prefix: Path) -> Library:
 
 @pytest.fixture(scope="session")
 def flags(prefix: Path) -> list[str]:
-    """What pkg-config says, and where the library is when the program runs."""
+    """Flags of pkg-config, and the library's folder when the program runs."""
     need("cc", "c++", "pkg-config")
     folder = str(prefix / "lib" / "pkgconfig")
     said = run("pkg-config", "--cflags", "--libs", "midair", PKG_CONFIG_PATH=folder).split()

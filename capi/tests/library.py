@@ -45,7 +45,7 @@ class Library:
             self.names.append(name)
 
     def plain(self, name: str, *arguments: object) -> object:
-        """What a function returns that cannot fail."""
+        """Result of a function that cannot fail."""
         return getattr(self._functions, f"midair_{name}")(*arguments)
 
     def call(self, name: str, *arguments: object, size: int = 1024) -> tuple[int, str]:

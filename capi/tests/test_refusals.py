@@ -1,4 +1,4 @@
-"""What cannot be meant: a result, and one line that names the item, its value and the cure."""
+"""Requests that make no sense: a result, and one line that names the item, its value and the cure."""
 
 import threading
 from collections.abc import Callable, Iterator

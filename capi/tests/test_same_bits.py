@@ -1,4 +1,4 @@
-"""What the library answers is what the package answers, bit for bit."""
+"""The library gives the same answers as the package, bit for bit."""
 
 from collections.abc import Iterator
 from ctypes import c_void_p

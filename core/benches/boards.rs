@@ -18,7 +18,7 @@ const LEAST: Duration = Duration::from_micros(1500);
 /// Scenes that a session goes through.
 const SCENES: usize = 8;
 
-/// What is measured: it does its work so many times.
+/// A measured function: it repeats its work a given number of times.
 type Side<'a> = Box<dyn FnMut(usize) + 'a>;
 
 fn timed(side: &mut Side<'_>, times: usize) -> Duration {

@@ -122,7 +122,7 @@ impl<'a> Control<'a> {
         self
     }
 
-    /// What can be spread over threads goes over these.
+    /// The threads that share work.
     #[must_use]
     pub fn on(mut self, threads: Threads) -> Self {
         self.threads = threads;

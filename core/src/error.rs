@@ -23,11 +23,11 @@ pub enum Error {
     /// An unknown name.
     #[error("unknown {kind} \"{name}\": {hint}known are {known}")]
     Unknown {
-        /// What the name should have named: `solver`, `preset`, `option of greedy`.
+        /// The kind of name that is wrong: `solver`, `preset`, `option of greedy`.
         kind: String,
         /// The name given.
         name: String,
-        /// What may have been meant, a question or remark that ends in a blank; empty where nothing is near.
+        /// A suggestion that ends in a blank, or an empty text if no known name is near.
         hint: String,
         /// The names that would have done, separated by commas.
         known: String,
@@ -51,7 +51,7 @@ pub enum Error {
     Unreached {
         /// Index of the point.
         point: usize,
-        /// What to change.
+        /// The cure.
         cure: &'static str,
     },
     /// One problem of a batch that cannot be answered.
@@ -77,7 +77,7 @@ pub enum Error {
         *limit as f64 * 1e-9
     )]
     Memory {
-        /// What it is for.
+        /// Its purpose.
         what: String,
         /// N.
         transducers: usize,
@@ -96,7 +96,7 @@ pub enum Error {
     File {
         /// Its name, and the line and column where they are known.
         place: String,
-        /// What is wrong there and what to change.
+        /// The fault there and its cure.
         reason: String,
     },
 }

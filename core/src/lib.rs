@@ -104,7 +104,7 @@ pub use solvers::{Solve, solve::solve};
 pub use threads::Threads;
 pub use workspace::{Buffer, Pool, Workspace};
 
-/// What [`options!`] needs where it is used.
+/// Imports that [`options!`] needs where it is used.
 #[doc(hidden)]
 pub mod __private {
     pub use crate::error::same_name;

@@ -170,7 +170,7 @@ pub struct Workspace {
     pub complexes: Pool<Complex32>,
     /// Indices of transducers.
     pub indices: Pool<u32>,
-    /// What the greedy search keeps of its points.
+    /// Values of its points that the greedy search keeps.
     pub(crate) points: Pool<PointGroup>,
 }
 

@@ -10,7 +10,7 @@ const TOP: u32 = 0x00ff_ffff;
 pub struct Clock(SYST);
 
 impl Clock {
-    /// What [`Clock::now`] counts of a tick.
+    /// The unit of [`Clock::now`].
     pub const PARTS: u32 = 1 << 8;
 
     /// Starts it.

@@ -100,7 +100,7 @@ class Uniform(TypedDict, total=False):
     tolerance: float | None
     """Ends when no point is off the common level by more than this part of it."""
     quiet: float | None
-    """What a quiet point may leak, relative to the loudest point; divided by its weight, relative to the targets'."""
+    """Allowed leak of a quiet point, relative to the loudest point; divided by its weight, relative to the targets'."""
 class SolveUniform(Solve, Uniform): ...
 class SolverUniform(Solver, Uniform): ...
 class BatchUniform(Batch, Uniform): ...
@@ -114,7 +114,7 @@ class Best(TypedDict, total=False):
     tolerance: float | None
     """Ends when no point is off the common level by more than this part of it."""
     quiet: float | None
-    """What a quiet point may leak, relative to the loudest point; divided by its weight, relative to the targets'."""
+    """Allowed leak of a quiet point, relative to the loudest point; divided by its weight, relative to the targets'."""
     seed: int | None
     """Seed of the point phases, 0 to 2^64 - 1."""
 class SolveBest(Solve, Best): ...
@@ -128,7 +128,7 @@ class Greedy(TypedDict, total=False):
     amplitudes: int | None
     """Amplitude quantization K, 1 to 256: amplitudes are (k+1)/K or as many of the device's, never off."""
     objective: Literal["l2", "l1"] | Callable[[NDArray[np.complex64], NDArray[np.float64], NDArray[np.float64]], ArrayLike] | None
-    """What is minimised: "l2" (squared errors, the paper's text) or "l1" (its authors' code)."""
+    """Objective: "l2" (squared errors, the paper's text) or "l1" (its authors' code)."""
     order: Literal["random", "rows", "columns"] | Sequence[int] | NDArray[np.integer] | None
     """Order of the updates: "random", "rows", "columns" or a permutation of 0..N."""
     seed: int | None

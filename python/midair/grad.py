@@ -27,7 +27,7 @@ from ._support import slips
 
 __all__ = ["Gradient", "amplitude", "force", "gorkov", "pressure", "radiation", "stiffness"]
 
-#: What a gradient is by, in the order in which the extension returns it.
+#: The arguments of a gradient, in the order in which the extension returns it.
 NAMES = ("drive", "points", "positions", "normals", "sound_speed")
 
 #: First argument and drive of every function.

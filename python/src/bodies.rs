@@ -176,7 +176,7 @@ bodies! {
     }
 }
 
-/// What a surface does, by its name.
+/// The boundary condition of a surface, by its name.
 pub(crate) fn surface(item: &str, kind: &str) -> PyResult<Surface> {
     Surface::read(item, &Value::Text(kind.into())).map_err(refused)
 }

@@ -56,7 +56,7 @@ fn drawn<T>(
     other.map_or_else(|| found.map_err(refused), Err)
 }
 
-/// What a table stands for.
+/// The points of a table.
 fn drawing(py: Python<'_>, name: &str, text: &str, folder: Option<&Path>) -> PyResult<Drawing> {
     if name != "obstacles" {
         return points(py, name, text, folder).map(|(points, request)| Drawing::Points(points, request));

@@ -30,7 +30,7 @@ pub(crate) fn bytes_of(path: &Path) -> PyResult<Vec<u8>> {
     Ok(bytes)
 }
 
-/// What to do with a file's bytes, their format and where they come from.
+/// A function of a file's bytes, their format and their origin.
 pub(crate) fn read<T>(
     path: &Path,
     bytes: &[u8],

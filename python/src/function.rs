@@ -11,10 +11,10 @@ use pyo3::types::PyDict;
 use crate::error::refused;
 use crate::read;
 
-/// What the entry point needs to know of any: it neither balances by itself nor uses a start or an aim.
+/// Facts that the entry point needs about any function: it neither balances by itself nor uses a start or an aim.
 static INFO: Info = Info::new("function", "a function in Python", "the caller's own");
 
-/// What a function raised, for the door to raise again.
+/// The exception of a function, which the binding raises again.
 #[derive(Clone, Default)]
 pub(crate) struct Raised(Arc<Mutex<Option<PyErr>>>);
 

@@ -160,7 +160,7 @@ impl Boundary {
         (self.inner.elements(), self.inner.transducers())
     }
 
-    /// What the sound depends on, to be hashed.
+    /// The parameters that the sound depends on, to be hashed.
     fn content<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
         PyBytes::new(py, &self.inner.content())
     }

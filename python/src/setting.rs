@@ -40,7 +40,7 @@ pub(crate) fn answered(choice: &Arc<Choice>, info: &Info, problem: Option<&Probl
     }
 }
 
-/// What a session's G comes from.
+/// The source of a session's G.
 pub(crate) enum Source {
     Model(Model),
     Given(midair::Propagation, Arc<Setup>),

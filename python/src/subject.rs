@@ -56,7 +56,7 @@ impl Beside<'_, '_> {
     }
 }
 
-/// What `solve`, `judge` and `bound` are about.
+/// The scene or matrix that `solve`, `judge` and `bound` get.
 pub(crate) enum Subject {
     Scene(Scene),
     Given(midair::Propagation, Arc<Setup>, midair::Request),
@@ -111,7 +111,7 @@ impl Subject {
         }
     }
 
-    /// What the board can play.
+    /// The board's grid.
     pub(crate) fn quantization(&self) -> Option<&Quantization> {
         match self {
             Self::Scene(scene) => scene.inner.array().quantization(),

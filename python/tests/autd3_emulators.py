@@ -9,7 +9,7 @@ from typing import Any
 
 import autd3
 
-#: What `make gateware` and `make test-boards` build of the makers' crates.
+#: Programs that `make gateware` and `make test-boards` build from the makers' crates.
 BUILT = Path(__file__).parents[2] / "gateware" / "autd3" / "target" / "release" / "autd3-emulators"
 
 
@@ -25,7 +25,7 @@ class Built:
         self.address = self._stdout.readline().strip()
 
     def state(self) -> list[dict[str, Any]]:
-        """What each device has in its banks and tables."""
+        """The content of each device's banks and tables."""
         self._say("state")
         found: list[dict[str, Any]] = json.loads(self._stdout.readline())
         return found

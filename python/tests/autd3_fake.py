@@ -68,7 +68,7 @@ class Fake:
         return list(range(closed + 1))
 
     def _answer(self, board: int, data: bytes) -> bytes | None:
-        """What a board answers, None where it says nothing."""
+        """The answer of a board, None if it sends none."""
         version, kind, _ = HEADER.unpack_from(data)
         body = data[HEADER.size :]
         if version != self.versions[board]:
@@ -117,7 +117,7 @@ def read(frame: bytes) -> tuple[int, int, bytes]:
 
 
 def acts(boards: Any) -> list[Any]:
-    """What golden/autd3 has recordings of: acts with a transport of two boards, one after the other."""
+    """The recordings in golden/autd3: acts with a transport of two boards, one after the other."""
     codes = bytes(k * k % 251 for k in range(2 * 498 * 7))
     frames = [codes[k : k + 2 * 498] for k in range(0, len(codes), 2 * 498)]
     return [

@@ -1,4 +1,4 @@
-"""What the tests of pictures read from figures, and scenes that are quick to draw."""
+"""Readings of figures for the tests of pictures, and scenes that are quick to draw."""
 
 import numpy as np
 from matplotlib.axes import Axes

@@ -1,4 +1,4 @@
-"""What boards make of the bytes they receive: plain models of their firmware, a byte at a time.
+"""Models of boards: plain models of their firmware, a byte at a time.
 
 Each model listens to one line (`receive`) and tells what its channels emit (`drive`, in the order of the
 board's channels) from the physics of its pulses. Nothing here knows how midair makes bytes. The models
@@ -157,7 +157,7 @@ class OpenMpd:
 
 
 class Arduino:
-    """What the Arduino sketches share: two banks, nibbles for board 1, others passed on as one less.
+    """The common part of the Arduino sketches: two banks, nibbles for board 1, others passed on as one less.
 
     Nano's sketch is not published: it is taken to be Nano16's with 24 divisions of one port. Bytes beyond
     a bank, which overwrite other memory of the board, are dropped.
@@ -327,7 +327,7 @@ class Homies:
 
 @dataclass(frozen=True)
 class Kind:
-    """What a kind of board is known by.
+    """The properties of a kind of board.
 
     lines : the lines of so many boards and what listens to them
     length : bytes of a frame of so many boards

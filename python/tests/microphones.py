@@ -11,7 +11,7 @@ import midair
 Complex = NDArray[np.complex128]
 Real = NDArray[np.float64]
 
-#: What the array is believed to be in, and what it is in, in m/s.
+#: The assumed and the true sound speed around the array, in m/s.
 BELIEVED, TRUE_SPEED = 340.0, 346.1
 
 

@@ -12,7 +12,7 @@ FILES = {
     "widget.mjs": b"export default { render() {} };",
 }
 
-#: What the page tells Python: studio/src/types.ts.
+#: Messages from the page to Python: studio/src/types.ts.
 STATE = {
     "array": {"preset": "autd3", "tiles": [2, 2]},
     "quantization": "board",

@@ -107,7 +107,7 @@ def of_kind(kind: str) -> tuple[Board, Rig]:
 
 
 def played(board: Board, rig: Rig, drive: Complex) -> Complex:
-    """What the board plays when it is sent this drive."""
+    """The board's output for this drive."""
     return received(board, rig, board.encode(drive))
 
 

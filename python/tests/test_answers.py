@@ -122,7 +122,7 @@ def test_units_at_the_ends_of_f32_are_refused_or_answered(size: float) -> None:
         ]
 
     with warnings.catch_warnings():
-        # What does not fit complex64 is not to be found out by numpy's warnings.
+        # A value that does not fit complex64 is reported before numpy warns.
         warnings.simplefilter("error")
         for solver in SOLVERS:
             assert all(whole(request) for request in requests(solver)), solver

@@ -1,4 +1,4 @@
-"""What AUTD3 boards play, sample by sample, of all that a transport tells them one after the other."""
+"""The output of AUTD3 boards, sample by sample, for all messages of a transport."""
 
 from collections.abc import Callable
 from typing import Any

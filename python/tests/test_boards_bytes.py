@@ -43,7 +43,7 @@ FRAMES = {
 }
 
 
-# What lies on the grid
+# Drives that lie on the grid
 
 
 @every
@@ -166,7 +166,7 @@ def test_a_channel_is_noticed_on_its_own_transducer_alone() -> None:
             np.testing.assert_allclose(played(board, rig, wanted), wanted * full(case[0]), atol=1e-6)
 
 
-# What lies off the grid
+# Drives that lie off the grid
 
 
 @every

@@ -253,7 +253,7 @@ def test_a_limit_refuses_what_is_too_loud():
             np.testing.assert_allclose(null.emitting, quiet.drive, atol=1e-6)
             with pytest.raises(midair.BoardError, match="limit"):
                 null.stream([quiet, loud])
-            # What is refused midway is turned off.
+            # A drive that is rejected midway turns the board off.
             assert null.state == "off"
     scene = midair.Scene(array, [[0.0, 0.1, 0.15]])
     pressure = abs(midair.field(scene, loud, [[0.0, 0.1, 0.15]]).pressure[0])
@@ -349,7 +349,7 @@ def test_several_threads_may_send(loop):
 
 
 def python(script, *paths):
-    """What a new interpreter prints."""
+    """The output of a new interpreter."""
     code = f"import sys; sys.path[:0] = {json.dumps([str(path) for path in paths])}\n{script}"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     return done.stdout.strip()

@@ -1,4 +1,4 @@
-"""What is sent and hardly meant: real numbers, rates that are too high, sequences that are left open."""
+"""Probable mistakes in messages to boards: real numbers, too high rates, open sequences."""
 
 import warnings
 

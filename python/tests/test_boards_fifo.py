@@ -15,7 +15,7 @@ from midair._boards.transport import open_transport
 
 
 class Chip:
-    """What stands for an FTDI chip."""
+    """A model of an FTDI chip."""
 
     there = ("A", "B")
     opened: ClassVar = {}
@@ -55,7 +55,7 @@ def chips(monkeypatch):
 
 
 def transport(address):
-    """What the guard makes of an address, and the board."""
+    """The guard's reading of an address, and the board."""
     place = parse(address)
     board = midair.Board(place.board)
     # JSON is what carries the description.

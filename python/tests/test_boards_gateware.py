@@ -1,4 +1,4 @@
-"""What the makers' own gateware did with our bytes, as recorded: fields of the pins as reported, and rates.
+"""The recorded response of the makers' own gateware to our bytes: fields of the pins, and rates.
 
 SonicSurface's VHDL ran in GHDL, Ultraino's published binary in simavr; `firmware.py` has their timing.
 """
@@ -18,7 +18,7 @@ PAIR, QUIET, PERIOD = 0.078, 0.018, 396
 
 
 def emitted(board: midair.Board, drive, kind: str) -> np.ndarray:
-    """What the pins do with a drive's frame, in the order of the array."""
+    """The response of the pins to a drive's frame, in the order of the array."""
     _, rig = of_kind(kind)
     return rig.play(board.encode(drive), board.channels)[: len(board.array)] / TURN[kind]
 
@@ -116,7 +116,7 @@ def test_an_openmpd_gets_the_nearest_pulses_of_all() -> None:
                 np.testing.assert_allclose(seen, stated, atol=1e-5 * stated.max())
                 pair.append(seen[-1] / seen.max())
             leaks.append(pair[0] / pair[1])
-    # What searches the grid ends on it.
+    # A method that searches the grid ends on it.
     assert np.median(quiet["lm"]) < 0.75
     assert quiet["uniform"] == [1.0] * 10
 

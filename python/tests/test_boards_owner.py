@@ -21,7 +21,7 @@ from midair._boards import process
 from test_boards_guard import ended, programs, started  # noqa: F401, a fixture among them
 
 TRIALS = 20 if os.environ.get("MIDAIR_SLOW") else 1
-#: What is stopped is seen, where there is /proc; what hangs is missed.
+#: A stopped process is seen where there is /proc; a hanging one is missed.
 STOPPED, MISSED = 0.25, 1.0
 if not Path("/proc/self/stat").exists():
     STOPPED = MISSED

@@ -124,7 +124,7 @@ def test_a_stream_above_the_rate_skips(line, surface):
     assert stats.frames + stats.late == 200
     assert 0.7 * 0.5 * RATE < stats.frames < 0.5 * RATE + 5
     played = as_played(surface, [codes for _, codes in line.commits()][2:])
-    # What was played is of the stream, in its order, and keeps up with it.
+    # The played frames are those of the stream, in its order and without delay.
     order = [int(abs(sent - one).sum(axis=1).argmin()) for one in played]
     assert order == sorted(set(order))
     assert order[-1] > 180

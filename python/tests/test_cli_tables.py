@@ -1,4 +1,4 @@
-"""What commands print for people, and the letters of the pictures that they write."""
+"""The printed texts of commands, and the letters of the pictures that they write."""
 
 import io
 import os
@@ -181,7 +181,7 @@ def test_tables_are_whole_in_a_terminal_of_80_columns(command: str, tmp_path: Pa
     far, near = os.openpty()
     environment = {**os.environ, "COLUMNS": "80", "TERM": "dumb"}
     program = [sys.executable, "-m", "midair", *shlex.split(command)]
-    # What a board does is written beside standard output.
+    # The progress of a board is written beside standard output.
     beside = near if command.startswith("play") else subprocess.DEVNULL
     done = subprocess.Popen(program, stdin=near, stdout=near, stderr=beside, cwd=tmp_path, env=environment)
     os.close(near)

@@ -41,7 +41,7 @@ def test_a_new_scene_solves_well_and_replaces_nothing(run: Run) -> None:
     status, out, err = run("solve", "scene.toml", "--json")
     assert (status, err) == (0, "")
     assert json.loads(out)["level"] > 0.99
-    # What is commented out can be had, too.
+    # The lines that are comments are valid, too.
     lines = [line.removeprefix("# ").split("  #")[0] for line in text.splitlines()]
     for key in (
         "source_pressure",

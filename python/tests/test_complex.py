@@ -136,7 +136,7 @@ def test_a_scene_keeps_complex_pressures(tmp_path: Path) -> None:
         scene.save(path)
         assert midair.Scene.load(path) == scene
     assert pickle.loads(pickle.dumps(scene)) == scene
-    # What is not replaced stays, phases too.
+    # Unchanged parts stay, phases too.
     assert scene.replace(weights=None).replace(weights=[1, 2, 3]) == scene
     assert scene.replace(pressures=None).pressures is None
     with pytest.raises(midair.SceneError, match="pressures is kept from 3 points"):

@@ -157,7 +157,7 @@ def test_callback_may_solve_by_itself() -> None:
 
 
 def run(code: str, **environment: str) -> str:
-    """What a fresh interpreter prints."""
+    """The output of a fresh interpreter."""
     ran = subprocess.run(
         [sys.executable, "-c", code], env=os.environ | environment, check=True, capture_output=True, text=True
     )

@@ -64,7 +64,7 @@ def test_every_field_of_what_is_handed_out_is_reported() -> None:
             assert own <= reported, f"{name}: {own - reported}"
 
 
-#: What takes arguments and refuses none of them; what functions make and users do not.
+#: Functions that take arguments and refuse none of them; objects that functions make and users do not.
 REFUSE_NOTHING = {"Sequence.each_change", "grad.Gradient", "Connection", "View"}
 
 

@@ -1,4 +1,4 @@
-"""What is drawn in scene files, on the command line and in pictures: wanted, made and difference."""
+"""Drawn points in scene files, on the command line and in pictures: wanted, made and difference."""
 
 import json
 from pathlib import Path
@@ -97,7 +97,7 @@ pressure = 10
     )
     assert scene.weights == pytest.approx(np.repeat([1, 3, 1, 1], [*counts, 3]))
     assert scene_files(scene_file) == [scene_file, folder / "logo.svg", folder / "logo.png"]
-    # What was drawn is saved as points: a record needs no fonts and no files.
+    # Drawn shapes are saved as points: a record needs no fonts and no files.
     scene.save(tmp_path / "saved.json")
     assert midair.Scene.load(tmp_path / "saved.json") == scene
 

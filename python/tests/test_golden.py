@@ -55,6 +55,6 @@ def test_golden_vectors_are_as_good_under_the_best_set(path: Path, tmp_path: Pat
     file = tmp_path / "scene.json"
     file.write_text(json.dumps(record["scene"]))
     metrics = midair.solve(midair.Scene.load(file), balance=record["balance"]).metrics
-    # What instruction sets may differ by: docs/reproducibility.md.
+    # The allowed differences between instruction sets: docs/reproducibility.md.
     assert metrics.accuracy == pytest.approx(record["metrics"]["accuracy"], abs=2e-3)
     assert metrics.sigma == pytest.approx(record["metrics"]["sigma"], abs=5e-3)

@@ -28,7 +28,7 @@ def test_a_schedule_is_felt_more_than_the_usual_techniques() -> None:
     assert len(found.standards) == 4
     assert found.technique not in found.standards
     assert len(found.sequence) <= 1024
-    # What is reported is what the skin gets of the drives.
+    # The reported strength is that of the drives on the skin.
     again = midair.skin(found.sequence, found.skin.hand)
     places = np.linspace(*np.array(LINE), 20)
     assert along(again, places) == pytest.approx(found.strength, abs=0.2)

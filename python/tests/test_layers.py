@@ -168,7 +168,7 @@ def test_names_that_are_loaded_later_are_those_that_type_checkers_see() -> None:
     assert later | {home for home, names in HOMES.items() if not names} <= set(midair.__all__)
 
 
-#: What `import midair` loads of the package and of what it needs: NumPy and the extension.
+#: The modules that `import midair` loads: NumPy and the extension.
 LOADED = """
 import sys, midair
 own = {name for name in sys.modules if name.startswith("midair")}

@@ -204,7 +204,7 @@ def test_lists_without_end_are_refused_where_no_array_is_meant() -> None:
         refused(call)
 
 
-#: What a drive (20,) can be written into.
+#: Arrays that a drive (20,) can be written into.
 WRITABLE = {
     "C": np.copy,
     "strided": strided,
@@ -212,7 +212,7 @@ WRITABLE = {
     "records": field_of_records,
     "masked nowhere": np.ma.masked_array,
 }
-#: What it cannot, and the word that says why.
+#: Arrays that it cannot be written into, and the word that says why.
 UNWRITABLE: dict[str, tuple[str, Callable[[np.ndarray], Any]]] = {
     "misaligned": ("misaligned", misaligned),
     "big-endian": ("dtype >c8", LAYOUTS["big-endian"]),

@@ -1,4 +1,4 @@
-"""What `make test` and `make demo` show: a line above each command, and the name of one that fails."""
+"""The output of `make test` and `make demo`: a line above each command, and the name of one that fails."""
 
 import os
 import re

@@ -8,7 +8,7 @@ import pytest
 
 from test_control import POSIX
 
-#: What asks for too much: the call, and what the refusal must say.
+#: Calls that request too much, and the expected words of the refusal.
 TOO_MUCH = {
     "gspat": (
         'midair.solve(scene(4, 200_000), "gspat")',
@@ -39,7 +39,7 @@ except MemoryError as error:
 
 
 def run(code: str, **environment: str) -> str:
-    """What the program prints with little memory to be had."""
+    """The output of the program with little memory."""
     program = (
         "import resource; resource.setrlimit(resource.RLIMIT_AS, (3 << 30, 3 << 30))\n" + PROGRAM.format(code)
     )

@@ -16,7 +16,7 @@ import midair
 from midair._pictures.notebook import MOST_DOTS
 from scenes import small
 
-#: What a picture may take of a notebook, in letters.
+#: The most letters that a picture may take in a notebook.
 MOST = 40_000
 
 SVG = "{http://www.w3.org/2000/svg}"

@@ -255,7 +255,7 @@ def test_the_mean_force_of_modulation(shape: Any, mean: float) -> None:
     assert (targets[:-1] ** 2).mean() == pytest.approx(mean, rel=1e-12)
 
 
-# What a sequence reads
+# Inputs of a sequence
 
 
 def test_read_gives_frames_of_paths_and_arrays() -> None:

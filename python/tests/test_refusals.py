@@ -14,7 +14,7 @@ ARRAY = midair.Array.grid(4, 4, pitch=0.01)
 POINT = [[0, 0, 0.1]]
 NAN, INF = float("nan"), float("inf")
 
-#: What is no real number, by name: of another kind, or of another shape than a scalar or a list has.
+#: Values that are no real numbers, by name: of another kind, or of another shape than a scalar or a list has.
 NO_NUMBER: Mapping[str, Any] = {
     "text": "1",
     "text with a line break": "1\n2",

@@ -94,7 +94,7 @@ def test_points_of_a_stream_come_and_go() -> None:
     drives = np.array(list(midair.stream(BOARD, frames, rate=RATE, change=CHANGE, ahead=4, absorption=0)))
     loud = np.abs(drives).max(axis=1)
     assert loud[:8].max() < 0.9
-    # What appears at once is uneven for some frames, and the loudest is no louder than requested.
+    # A point that appears at once is uneven for some frames, and the loudest is no louder than requested.
     assert loud[12:].min() > 0.95
     codes = np.rint(np.angle(drives) * 128 / np.pi).astype(int) % 256
     assert steps(codes).max() <= 4

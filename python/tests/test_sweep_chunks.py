@@ -99,7 +99,7 @@ def saved(**arrays: Any) -> bytes:
     return content.getvalue()
 
 
-#: What has the right digest, and yet is no result.
+#: A file that has the right digest but is no result.
 FORGED: dict[str, Callable[[dict[str, Any]], bytes]] = {
     "no archive": lambda arrays: b"nothing of the kind",
     "pickle": lambda arrays: saved(**{**arrays, "level": np.array([Trap()] * 5)}),

@@ -262,7 +262,7 @@ def test_solutions_are_saved_and_read(kind: str, ending: str, tmp_path: Path) ->
 
 
 class Malice:
-    """What runs when it is unpickled."""
+    """The function that runs when it is unpickled."""
 
     def __reduce__(self) -> Any:
         return pytest.fail, ("a file was run",)

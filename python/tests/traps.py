@@ -42,7 +42,7 @@ def tinylev() -> tuple[Real, Real]:
 
 
 def factors(radius: float = 1e-3, density: float = 29.0, sound_speed: float = 900.0) -> tuple[float, float]:
-    """What |p|^2 and |grad p|^2 (peak values) are multiplied by in U."""
+    """The factors of |p|^2 and |grad p|^2 (peak values) in U."""
     volume = 4 / 3 * np.pi * radius**3
     f1 = 1 - DENSITY * SOUND_SPEED**2 / (density * sound_speed**2)
     f2 = 2 * (density - DENSITY) / (2 * density + DENSITY)

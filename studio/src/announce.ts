@@ -23,7 +23,7 @@ export function announcer(region: HTMLElement): (text: string) => void {
   };
 }
 
-/** What of a state is said when it is another one. */
+/** The text that is announced after a change of the state. */
 const SAID: { [Key in keyof State]?: [Word, (state: State) => string] } = {
   array: ["array", ({ array }) => ("preset" in array ? `${array.preset} ${array.tiles.join(" × ")}` : array.name)],
   quantization: ["levels", ({ quantization }) => quantization],

@@ -31,7 +31,7 @@ function drawn(positions: Float64Array): SVGElement {
 /** Makes it; `change` is given the name of the array that is chosen. */
 export function createArrayPicker({ engine, studio }: Context, change: (name: string) => void) {
   const select = element("select", { className: "arrays", onchange: () => change(select.value) });
-  // What stands for the select while it is closed: its choice with the picture.
+  // The closed select: its choice with the picture.
   const face = element("button");
   const pictures = new Map<string, SVGElement>();
   let offered = "";

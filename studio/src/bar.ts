@@ -7,7 +7,7 @@ import { exportDrive, exportScene, open } from "./exchange.ts";
 import { showGallery } from "./gallerybox.ts";
 import { writeLink } from "./link.ts";
 
-/** What the page does for the bar. */
+/** The page's functions for the bar. */
 export interface Deeds {
   language(): void;
   theme(): void;

@@ -6,7 +6,7 @@ import { type Player, type PlayerState, type SerialBoard, type SerialPortLike, a
 import { createServed, fits } from "./served.ts";
 import { shownOf } from "./studio.ts";
 
-/** What browsers with WebSerial have. */
+/** The part of the navigator of browsers with WebSerial. */
 type WithSerial = Navigator & { serial?: { requestPort(): Promise<SerialPortLike> } };
 
 /** Makes the button: it asks for a port, plays what slot A finds, and turns the board off. */

@@ -70,7 +70,7 @@ const RULES: Record<keyof State, Rule> = {
   path: [isPath, 'give { kind: "circle", radius, frequency }, { kind: "line", length, frequency } or null'],
 };
 
-/** What is wrong with a state, in one line; "" if nothing is. */
+/** The fault of a state in one line; "" if there is none. */
 export function faultOf(state: State, { presets, solvers }: Catalogue): string {
   const quoted = (value: unknown) => (JSON.stringify(value) ?? String(value)).slice(0, 60);
   const unknown = Object.keys(state).find((key) => !(key in RULES));

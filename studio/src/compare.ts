@@ -13,7 +13,7 @@ import { MANY } from "./stage.ts";
 import { shownOf } from "./studio.ts";
 import type { Look, Slot, Vec3 } from "./types.ts";
 
-/** What of the page compares. */
+/** The page's parts that compare. */
 export interface Compare {
   /** Both methods above the slice that they share, which a wiper parts: A to its left, B to its right. */
   root: HTMLElement;

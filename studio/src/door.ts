@@ -18,7 +18,7 @@ export interface Metrics {
 /** The answer of a solver. */
 export interface Answer {
   metrics: Metrics;
-  /** What supply or modulation multiply the drive by. */
+  /** The factor that supply or modulation must apply to the drive. */
   scale: number;
   status: "done" | "out_of_steps" | "stopped" | "missed";
   steps: number;
@@ -64,7 +64,7 @@ export interface BoardKind {
   restarts: boolean;
 }
 
-/** What the core offers. */
+/** The core's methods, presets and boards. */
 export interface Catalogue {
   version: string;
   presets: Preset[];
@@ -102,7 +102,7 @@ export interface Door {
   writeDrive(): string;
   /** re and im at places (K, 3) in m. */
   field(places: Float64Array): Float32Array;
-  /** What there is at a place in m. */
+  /** The values at a place in m. */
   probe(place: Vec3): Probe;
   /** At most so many points along straight lines from vertex to vertex of each contour; m. */
   along(contours: Vec3[][], most: number): Vec3[];

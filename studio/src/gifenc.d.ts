@@ -1,4 +1,4 @@
-/** What the page needs of gifenc, which brings no types. */
+/** The parts of gifenc that the page uses; gifenc brings no types. */
 declare module "gifenc/dist/gifenc.esm.js" {
   type Palette = number[][];
   /** At most so many colours for pixels of four bytes. */

@@ -15,7 +15,7 @@ const ROW = FINE + 2;
 /** To the pixels around one, clockwise from above. */
 const AROUND = [-ROW, 1 - ROW, 1, 1 + ROW, ROW, ROW - 1, -1, -1 - ROW];
 
-/** What has no glyph in any font. */
+/** Characters that have no glyph in any font. */
 const NOWHERE = "\u{10ffff}";
 
 /** 1 where the character has ink, rows from the top. */

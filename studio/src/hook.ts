@@ -12,7 +12,7 @@ import { sample } from "./painter/lattice.ts";
 import type { Studio } from "./studio.ts";
 import type { Slot, State, Vec3 } from "./types.ts";
 
-/** What scripts may call; complex numbers are [re, im], lengths metres, pressures Pa. */
+/** The functions that scripts may call; complex numbers are [re, im], lengths metres, pressures Pa. */
 export interface Hook {
   version: string;
   /** All that the page knows, as data of its own. */

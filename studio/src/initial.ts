@@ -19,7 +19,7 @@ function ring(count: number): Vec3[] {
   ]);
 }
 
-/** What links and files leave out: seven points on a ring of 40 mm and one in its middle, 180 mm above four AUTD3 boards. */
+/** The state that links and files leave out: seven points on a ring of 40 mm and one in its middle, 180 mm above four AUTD3 boards. */
 export const initial: State = {
   array: { preset: "autd3", tiles: [2, 2] },
   quantization: "board",

@@ -33,7 +33,7 @@ const MOST_OBSTACLES = 8;
 const FARTHEST = 10_000;
 const LOUDEST = 1e6;
 
-/** What a link gets wrong, in one line. */
+/** The fault of a link in one line. */
 class Wrong extends Error {}
 
 function wrong(item: string, value: string, cure: string): never {

@@ -12,7 +12,7 @@ const HIGH = 0.85;
  */
 export function number(rings: readonly (readonly number[])[], radius: number, width: number): (number[] | undefined)[] {
   const [wide, high] = [width / 2, (HIGH * width) / 2];
-  // What is covered: the middle of each, and half its width and height.
+  // The covered rectangles: the middle of each, and half its width and height.
   const taken = rings.map(([x, y]) => [x, y, radius, radius]);
   return rings.map(([x, y], index) => {
     const free = WAYS.map(([right, down]) => [

@@ -4,7 +4,7 @@ import { type Result, shownOf, type View } from "./studio.ts";
 import type { Slot } from "./types.ts";
 import type { Word } from "./words.ts";
 
-/** What a row can be of. */
+/** The metrics of a row. */
 export type Metric = "accuracy" | "sigma" | "uniformity" | "level" | "leak" | "bound" | "weakest" | "loudest" | "changes" | "heard" | "time";
 
 /** A row: its word, a text a slot or one for both, and whose is better. */

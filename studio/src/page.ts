@@ -241,7 +241,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
       if (!lattice || !whole.width) return;
       const shared = slices[1 - slot] ? compare.share() : 1 - slot;
       const [from, to] = slot ? [whole.x + shared * whole.width, whole.x + whole.width] : [whole.x, whole.x + shared * whole.width];
-      // What is scrolled out of its sheet is not seen above it.
+      // A part that is scrolled out of its sheet is not seen above it.
       const docked = panels.root.contains(compare.slice);
       const [top, bottom] = [docked ? Math.max(whole.y, sheet.y) : whole.y, whole.y + whole.height];
       painter.slice(whole, lattice, "AB"[slot], shades, { x: from, y: top, width: to - from, height: bottom - top });

@@ -31,7 +31,7 @@ const TILES = ["1x1", "2x1", "2x2", "3x2", "3x3"] as const;
 /** Presets whose boards face one another, around z = 0. */
 const isFacing = (array: State["array"]) => "preset" in array && /pair|lev/.test(array.preset);
 
-/** What is offered to stand in the way. */
+/** The panels that can be shown. */
 const OBSTACLES: Record<string, Obstacle[]> = {
   none: [],
   wall: [{ point: [0.03, 0, 0], normal: [-1, 0, 0], kind: "rigid" }],
@@ -173,7 +173,7 @@ export function createPanels(context: Context, compare: Compare, player: Player,
       }
       if (shown !== now.level) {
         for (const each of made) {
-          // What folds keeps its fold while a level without folds is shown.
+          // A panel keeps its fold while a level without folds is shown.
           if (shown === "engineer") each.open = each.root.open;
           each.root.open = now.level !== "engineer" || each.open;
         }

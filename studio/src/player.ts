@@ -35,7 +35,7 @@ const STILL = 1e-6;
 /** Frames of a turn. */
 const countOf = (path: Path) => Math.max(FEWEST, Math.min(MOST, Math.round(RATE / path.frequency)));
 
-/** What was followed: for which state, all frames' points (T, M, 3), and what there is to say of each. */
+/** A followed path: for which state, all frames' points (T, M, 3), and what there is to say of each. */
 interface Followed {
   requested: string;
   state: State;
@@ -44,11 +44,11 @@ interface Followed {
   chart: ReturnType<typeof createChart>;
 }
 
-/** What plays, and its time line. */
+/** The player and its time line. */
 export interface Player {
   /** The time line, hidden while there is no path. */
   root: HTMLElement;
-  /** What is to be seen of all frames: in words, and as curves. */
+  /** The summary of all frames: in words, and as curves. */
   found: HTMLElement;
   playing(): boolean;
   /** Begins, or ends and shows what is at rest. */

@@ -23,7 +23,7 @@ const WIDEST = 720;
 
 const KINDS = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"];
 
-/** What keeps the pictures of a sheet, and makes a film of them. */
+/** A recorder that keeps the pictures of a sheet and makes a film of them. */
 interface Recorder {
   shoot(): void;
   end(): Promise<Blob>;

@@ -2,7 +2,7 @@
 
 import type { Language } from "./words.ts";
 
-/** What is said most, in Japanese; other lines stay as they are. */
+/** The most common messages in Japanese; other lines stay as they are. */
 const JAPANESE: [RegExp, string][] = [
   [/(\d+) is reached by no/, "点 $1 に音が届きません: アレイの前に移すか、0 Pa にしてください"],
   [/(\d+)\.position is .*where no sound is/, "点 $1 は障害物の中か裏です: 動かしてください"],

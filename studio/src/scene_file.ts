@@ -74,7 +74,7 @@ export function sceneOf(state: State, slot: Slot): SceneFile {
   };
 }
 
-/** What an array has beside its places on the page. */
+/** The part of an array beside its places on the page. */
 const USUAL: Record<string, unknown> = { source_pressure: 4.386, directivity: "point", quantization: {} };
 
 function refuse(item: string, value: unknown, cure: string): never {

@@ -6,7 +6,7 @@ import { element, explained, write } from "./dom.ts";
 import { sentenceOf } from "./numbers.ts";
 import { type Word, WORDS } from "./words.ts";
 
-/** What explains each number that is put in. */
+/** The explanation of each number that is put in. */
 const TIPS: Record<string, Word> = {
   count: "countTip",
   pressure: "weakestTip",

@@ -5,7 +5,7 @@
 
 import type { BoardKind, Catalogue } from "./door.ts";
 
-/** What is used of a `SerialPort` of the Web Serial API. */
+/** The used part of a `SerialPort` of the Web Serial API. */
 export interface SerialPortLike {
   open(options: { baudRate: number }): Promise<void>;
   close(): Promise<void>;
@@ -13,7 +13,7 @@ export interface SerialPortLike {
   addEventListener(kind: "disconnect", listener: () => void): void;
 }
 
-/** What is known of a board at a serial port; a byte takes 10 of its bits a second. */
+/** Facts about a board at a serial port; a byte takes 10 of its bits a second. */
 export type SerialBoard = Pick<BoardKind, "name" | "baud" | "restarts">;
 
 /** "gone": the port has failed, or was closed. */
@@ -183,7 +183,7 @@ export async function connect(
   };
 }
 
-/** What of a document tells whether it is seen. */
+/** The part of a document that says whether it is visible. */
 export type Seen = EventTarget & { readonly hidden: boolean; hasFocus(): boolean };
 
 /**

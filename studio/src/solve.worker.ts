@@ -9,7 +9,7 @@ export type Grid = Omit<Lattice, "values">;
 /** A drive, and what supply or modulation multiply it by. */
 export type Played = Pick<Answer, "drive" | "scale">;
 
-/** What became of a slot: its answer, its slices and |p| at the ear in Pa; or a refusal. */
+/** The result of a slot: its answer, its slices and |p| at the ear in Pa; or a refusal. */
 export type Outcome =
   | { answer: Answer; lattices: Lattice[]; atEar: number; warnings: string[] }
   | { refused: string };
@@ -48,7 +48,7 @@ function openBeside(scene: string): void {
   other = scene;
 }
 
-/** What a door has of its scene's drive. */
+/** The binding's data of its scene's drive. */
 function looked(by: Door, answer: Answer, warnings: string[], grids: Grid[], ear: Vec3 | null): Outcome {
   const [re, im] = ear ? by.field(Float64Array.from(ear)) : [0, 0];
   const lattices = grids.map((grid) => ({ ...grid, values: by.field(places(grid)) }));
@@ -159,7 +159,7 @@ const jobs = {
     const values = door.field(places(grid));
     return Float32Array.from({ length: values.length / 2 }, (_, k) => Math.hypot(values[2 * k], values[2 * k + 1]));
   },
-  /** What an answer that was found elsewhere makes at a place. */
+  /** The values of a foreign answer at a place. */
   probe(scene: string, { drive, scale }: Played, place: Vec3): Probe {
     openBeside(scene);
     beside.load(drive, scale);
@@ -175,7 +175,7 @@ const jobs = {
   frame: (index: number, scene: string, grids: Grid[], ear: Vec3 | null) => judged(scene, mover.frame(index), grids, ear),
 };
 
-/** What the page may ask for. */
+/** The requests of the page. */
 export type Jobs = typeof jobs;
 
 self.onmessage = async ({ data: { id, job, given } }: MessageEvent) => {

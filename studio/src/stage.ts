@@ -220,7 +220,7 @@ export function createStage(context: Context, eye: Eye): Stage {
   const placeHandles = createHandles(context, view, current, local, seen);
   const root = element("section", { className: "stage" }, view, hint, element("div", { className: "viewing" }, slices.root, looks), key.root, readout.root);
 
-  // What the slice is where it is pointed at.
+  // The values of the slice at the pointer.
   view.addEventListener("pointermove", (event) => {
     const { plane, view: shown, slot } = state();
     const spot = local(event);

@@ -23,7 +23,7 @@ export interface Result {
   warnings: string[];
 }
 
-/** What is shown in place of the results; null: that slot is still as it was. */
+/** The replacement of the results; null: that slot is unchanged. */
 export interface Shown {
   points: State["points"];
   results: [Result | null, Result | null];
@@ -44,7 +44,7 @@ export interface View {
   array: Float64Array;
   positions: Float32Array;
   normals: Float32Array;
-  /** What is shown in place of the results: a frame of what moves, or a drive that came by file. */
+  /** The replacement of the results: a frame of what moves, or a drive that came by file. */
   frame: Shown | null;
   /** Whether something is being moved. */
   moving: boolean;
@@ -96,10 +96,10 @@ export function resultOf(outcome: Outcome): Result {
   return { ...nothing(), answer, lattice, crossing, atEar, warnings: [...outcome.warnings, ...answer.said] };
 }
 
-/** What is played of an answer, without what need not be sent to a worker. */
+/** The played part of an answer, without the parts that a worker does not need. */
 export const playedOf = ({ drive, scale }: Answer) => ({ drive, scale });
 
-/** What both slots show. */
+/** The display of both slots. */
 export const shownOf = ({ results, frame }: View) => results.map((result, slot) => frame?.results[slot] ?? result) as [Result, Result];
 
 /** A studio with its engine. */
@@ -128,7 +128,7 @@ export function createStudio(engine: Engine, initial: State): Studio {
   let waiting: (() => void)[] = [];
   const tell = () => listeners.forEach((listener) => listener());
 
-  /** What decides the pictures. */
+  /** The values that the pictures depend on. */
   const key = (grids: Grid[][]) => JSON.stringify([scenes(), grids, view.state.ear]);
   /** The slices of both slots: those that cross are in the 3-D view alone. */
   const grids = () => {

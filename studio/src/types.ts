@@ -11,7 +11,7 @@ export type ArrayChoice =
 /** Metres, and unit vectors whither each transducer radiates. */
 export type OwnArray = { name: string; positions: Vec3[]; normals: Vec3[] };
 
-/** What the waves meet, as `[[obstacles]]` of a scene file. */
+/** An obstacle, as `[[obstacles]]` of a scene file. */
 export type Obstacle =
   | { point: Vec3; normal: Vec3; kind: "rigid" | "soft" }
   | { center: Vec3; radius: number; kind: "rigid" | "soft" };
@@ -59,12 +59,12 @@ export interface State {
   plane: { axis: Axis; z: number; size: number; center: [number, number] };
   level: Level;
   view: View;
-  /** What of p the slices show: |p|, the wave Re(p e^{-jwt}), or the phase. */
+  /** The part of p that the slices show: |p|, the wave Re(p e^{-jwt}), or the phase. */
   quantity: Quantity;
   /** Whose field the 3-D view shows. */
   slot: Slot;
   scale: ScaleName;
-  /** What moves, or null. */
+  /** The path of the moving points, or null. */
   path: Path | null;
 }
 

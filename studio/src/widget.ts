@@ -11,7 +11,7 @@ import SolveWorker from "./solve.worker.ts?worker&inline";
 import { createStudio, type Studio } from "./studio.ts";
 import type { State } from "./types.ts";
 
-/** What anywidget hands over. */
+/** The object that anywidget hands over. */
 interface Model {
   get(name: string): unknown;
   set(name: string, value: unknown): void;

@@ -4,7 +4,7 @@ import { expect, test } from "vitest";
 import { entry } from "../src/painter/maps.ts";
 import { lab, type Row } from "./lab.ts";
 
-/** What is seen, in linear RGB: Machado, Oliveira and Fernandes 2009, severity 1. */
+/** Colours as they are seen, in linear RGB: Machado, Oliveira and Fernandes 2009, severity 1. */
 const SEEN: Record<string, [Row, Row, Row]> = {
   "normal sight": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
   protanopia: [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],

@@ -8,7 +8,7 @@ import { plain } from "../src/refusals.ts";
 
 const door = openDoor(await compile(readFileSync(`${import.meta.dirname}/../built/midair.wasm`)));
 
-/** What the core says of points over an array. */
+/** The core's messages about points over an array. */
 function said(points: object[], more: object = {}): string {
   try {
     door.open(JSON.stringify({ array: { preset: "sonicsurface" }, points, solver: { name: "uniform" }, ...more }));

@@ -42,7 +42,7 @@ const SLACK: f64 = 1e-6;
 pub struct Board {
     format: &'static Format,
     boards: usize,
-    /// What it makes, where that is pulses.
+    /// The pulses that it makes, if it makes pulses.
     pulses: Option<Pulses>,
     /// Which transducers one channel drives; `None` where each has its own. All below has one entry a channel driven.
     wiring: Option<Channels>,
@@ -154,7 +154,7 @@ impl Board {
         self.format.name
     }
 
-    /// What it is, in one line.
+    /// Its description in one line.
     #[must_use]
     pub fn summary(&self) -> &'static str {
         self.format.summary
@@ -357,7 +357,7 @@ impl Board {
     }
 }
 
-/// What is known of a kind of board.
+/// Facts about a kind of board.
 pub(crate) fn format(name: &str) -> Result<&'static Format, Error> {
     error::find("board", name, &FORMATS, |format| format.name)
 }

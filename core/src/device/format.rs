@@ -14,7 +14,7 @@ use crate::math;
 /// A kind of board.
 pub(crate) struct Format {
     pub(crate) name: &'static str,
-    /// What it is, in one line.
+    /// Its description in one line.
     pub(crate) summary: &'static str,
     /// Where its bytes are read.
     pub(crate) source: &'static str,

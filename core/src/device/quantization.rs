@@ -41,7 +41,7 @@ pub(crate) fn steps_within(change: f64, phases: u32) -> f64 {
     math::floor(change / core::f64::consts::TAU * f64::from(phases) + STEP_ROUNDING)
 }
 
-/// What the channels of a device can do: L phases 2 pi l/L and a table of amplitudes, each of which may be left
+/// Capabilities of the channels of a device: L phases 2 pi l/L and a table of amplitudes, each of which may be left
 /// out for a device that is continuous in it.
 ///
 /// ```

@@ -13,7 +13,7 @@ use crate::files::shape::shape;
 use crate::files::write;
 use crate::scene::Request;
 
-/// What a table is drawn as.
+/// The curve or picture that a table describes.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::exhaustive_enums, reason = "what the tables of a scene file stand for")]
 pub enum Drawing {
@@ -39,7 +39,7 @@ pub(super) struct Drawn {
     pub(super) request: Request,
 }
 
-/// What draws nothing.
+/// Tables that draw nothing.
 pub(super) fn undrawn(_name: &str, _text: &str) -> Result<Drawing, String> {
     Err("midair's Python package draws it: load the file there and save the scene, which lists what it stands for"
         .into())

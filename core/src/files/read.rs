@@ -200,7 +200,7 @@ fn array(table: &Table<'_>, source: Source<'_>) -> Result<Array, Fault> {
     } else {
         placed(table, source)?
     };
-    // What is left out is the preset's, or usual.
+    // A missing key has the preset's value, or the default.
     Array::PARTS.iter().try_fold(array, |array, part| match table.get(part.name) {
         None => Ok(array),
         Some(item) => Ok(part.put(array, value_of(part, &item)?)?),

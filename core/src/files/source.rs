@@ -41,14 +41,14 @@ impl Format {
     }
 }
 
-/// What some editors begin a text with.
+/// The byte order mark that some editors write first.
 pub(super) const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
 
 /// Where a document comes from.
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::exhaustive_structs, reason = "a name and a place")]
 pub struct Source<'a> {
-    /// What errors call it: its file's name.
+    /// The name that errors use: its file's name.
     pub name: &'a str,
     /// The folder that files named in it are relative to; without one they are refused.
     pub folder: Option<&'a Path>,

@@ -12,7 +12,7 @@ use crate::files::source::{Format, Source};
 /// More keys than any table has; comparing each with each stays cheap.
 const MOST_KEYS: usize = 256;
 
-/// What is wrong with a text, and where, if that is known.
+/// The fault in a text, and its place if known.
 pub(super) struct Flaw {
     at: Option<usize>,
     reason: String,

@@ -82,7 +82,7 @@ fn integer(value: &DeInteger<'_>) -> Option<Node> {
     i64::from_str_radix(digits, radix).map(Node::Integer).or_else(large).ok().or_else(real)
 }
 
-/// What the parser says, in our words.
+/// The parser's message in plain words.
 fn refused(error: &Error, text: &str) -> Flaw {
     let span = error.span();
     let at = span.as_ref().map(|span| span.start);

@@ -128,7 +128,7 @@ fn is_section(node: &Node) -> bool {
     }
 }
 
-/// What is null is left out of a table.
+/// A null value is left out of a table.
 fn given(entries: &[(String, Node)]) -> impl Iterator<Item = &(String, Node)> {
     entries.iter().filter(|(_, node)| *node != Node::Null)
 }
@@ -139,7 +139,7 @@ fn name(key: &str, text: &mut String) {
     if !key.is_empty() && key.chars().all(plain) { text.push_str(key) } else { quoted(key, text) }
 }
 
-/// What both formats write alike.
+/// The parts that both formats write alike.
 fn scalar(node: &Node, text: &mut String) {
     match node {
         Node::Text(words) => quoted(words, text),

@@ -26,7 +26,7 @@ use crate::kernels::waves::{Emitters, Slopes, Waves, against, decay, dot, even, 
 /// Blocks of eight between two pulses.
 const RUN: usize = 32;
 
-/// What the way forward keeps of eight transducers and a point.
+/// The intermediate values of eight transducers and a point that the backward pass needs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sent {
     /// 1/r.

@@ -29,7 +29,7 @@ const RUN: usize = 8;
 /// A term, and what its coefficient is multiplied by: real and imaginary part.
 pub(crate) type Weight = (usize, [f64; 2]);
 
-/// What coefficients are multiplied by in each sum.
+/// The factors of the coefficients in each sum.
 #[derive(Default)]
 pub(crate) struct Weights {
     /// Of Z.

@@ -21,7 +21,7 @@ use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 
-/// What is at the points, all lists padded alike.
+/// Values at the points, all lists padded alike.
 pub(crate) struct Points<'a> {
     /// e, re and im: im is 0 but at quiet points.
     pub(crate) error: [&'a mut [f32]; 2],

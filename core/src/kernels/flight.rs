@@ -23,7 +23,7 @@ pub(crate) type Forces = [[Eight; 3]; TERMS];
 /// Vectors of eight beads.
 pub(crate) type Vectors = [Eight; 3];
 
-/// What moves beads beside the forces.
+/// The other accelerations of beads: all but the forces.
 #[derive(Clone, Debug)]
 pub(crate) struct Laws {
     /// 1/m in 1/kg.
@@ -111,7 +111,7 @@ fn step<S: Doubles>(
     at: usize,
     beads: &mut Beads<'_>,
 ) {
-    // What the compiler is to know, so that it checks no load.
+    // Facts that the compiler needs to leave out checks of loads.
     let at = at.min(EIGHT - S::WIDTH);
     let of = |all: &Vectors| [V::of(s, &all[0][at..]), V::of(s, &all[1][at..]), V::of(s, &all[2][at..])];
     let (place, speed) = (of(beads.place), of(beads.speed));

@@ -269,7 +269,7 @@ impl Grid {
         for (new, old) in new.iter_mut().zip(q) {
             *new = s.mul(amplitude, *new);
             if self.phases.is_none() || self.amplitudes.is_none() {
-                // What has been rounded before keeps its bits.
+                // A value that has been rounded before keeps its bits.
                 *new = s.select_less(s.abs(s.sub(*new, old)), s.mul(large, s.splat(SAME)), old, *new);
             }
             *new = s.select_less(zero, large, *new, zero);

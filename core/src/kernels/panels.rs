@@ -29,7 +29,7 @@ pub(crate) struct Panels {
     pub(crate) normal: [Eight; 3],
     pub(crate) nodes: [[Eight; 3]; NODES],
     pub(crate) weights: [Eight; NODES],
-    /// What g itself and its slope along the normal are multiplied by.
+    /// The factors of g itself and of its slope along the normal.
     pub(crate) beside: Eight,
     pub(crate) along: Eight,
 }

@@ -22,7 +22,7 @@ pub struct Ahead {
     pub change: f64,
     /// Phases L of the device, 2 to 65536: drives are e^{j 2 pi l/L}.
     pub phases: u32,
-    /// What binds the first frame and the last.
+    /// The bounds of the first frame and the last.
     pub ends: Ends,
     /// Rounds of tracks, point phases and weights.
     pub rounds: u32,

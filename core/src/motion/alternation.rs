@@ -23,7 +23,7 @@ const MOST_CHANGE: f32 = 2.0;
 /// What the pace of a weight is multiplied by where it goes on as before, and where it turns back.
 const PACES: [f32; 2] = [1.2, 0.5];
 
-/// What is wanted at the points of all frames.
+/// The targets at the points of all frames.
 pub(super) struct Wanted {
     /// w_j (T, M); 0 for a point that is not there.
     weights: Vec<f32>,

@@ -26,7 +26,7 @@ pub type Force = [[[f64; 8]; 3]; 84];
 /// Place, speed and the last four accelerations of eight beads, the newest first, in SI units.
 pub type State = [[[f64; 8]; 3]; 6];
 
-/// What beads are, and how their time is cut.
+/// Properties of beads, and the steps of their time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::exhaustive_structs, reason = "numbers, checked where they are used")]
 pub struct Flight {

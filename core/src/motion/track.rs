@@ -46,7 +46,7 @@ impl Circle {
     }
 }
 
-/// What binds tracks at their ends.
+/// The bounds of tracks at their ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(clippy::exhaustive_enums, reason = "a sequence has no more ends")]
 pub enum Ends {

@@ -21,7 +21,7 @@ const LEAST_TARGET: f64 = 1e-30;
 /// A point that the whole array brings to less, in Pa, is not reached: quotients would overflow.
 const LEAST_REACH: f64 = 1e-200;
 
-/// What a request asks of an array, over all points, in Pa.
+/// The pressures that a request needs from an array, over all points, in Pa.
 #[derive(Clone, Debug)]
 pub(crate) struct ArrayRequest {
     /// G at all points.
@@ -96,7 +96,7 @@ impl ArrayRequest {
         !self.phases.is_empty()
     }
 
-    /// What was read.
+    /// The request as it was read.
     pub(crate) fn request(&self) -> Request {
         Request {
             pressures: self.given.then(|| self.pascals.clone()),

@@ -16,7 +16,7 @@ use crate::scene::Aim;
 /// proven to be further away is a slip.
 const EVERYDAY: f64 = 0.75;
 
-/// What an array can do.
+/// Capabilities of an array.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Reach {
@@ -74,7 +74,7 @@ fn pascals(pressure: f64) -> String {
 }
 
 impl Problem {
-    /// What the array can do at the points, in double precision.
+    /// The pressures that the array can make at the points, in double precision.
     ///
     /// # Errors
     /// A stop.

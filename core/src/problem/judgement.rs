@@ -46,7 +46,7 @@ impl Problem {
         (miss > MISS).then_some(miss)
     }
 
-    /// What quiet points leak, as [`Problem::weighted_leak`], where that is much more than the part `quiet` that was allowed.
+    /// The leak at quiet points, as [`Problem::weighted_leak`], where it is much more than the allowed part `quiet`.
     pub(crate) fn leaks(&self, quiet: f64, solution: &Solution) -> Option<f64> {
         let leak = self.weighted_leak(&solution.pressures);
         (solution.status != Status::Stopped && leak >= LOUD * quiet && leak > 0.0).then_some(leak)

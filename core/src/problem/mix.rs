@@ -168,7 +168,7 @@ impl<'w> Points<'w> {
         }
     }
 
-    /// What [`dither`] changes.
+    /// The drives that [`dither`] changes.
     fn own(&mut self) -> dither::Points<'_> {
         let Self { error, inverse, quiet, row, .. } = self;
         dither::Points {

@@ -51,7 +51,7 @@ pub struct Problem {
     targets: Arc<ArrayRequest>,
     start: Option<Arc<Start>>,
     pub(crate) aim: Option<Aim>,
-    /// What the caller's targets are multiplied by: 1 unless this is the balanced problem.
+    /// The factor of the caller's targets: 1 unless this is the balanced problem.
     factor: f64,
     /// Targets of the points of weight above 0 in units of the reference, padded with zeros.
     scaled: Vec<f32>,
@@ -325,7 +325,7 @@ impl Problem {
         &self.targets.setup
     }
 
-    /// What the board can play; `None` for any drive.
+    /// The board's grid; `None` for any drive.
     #[must_use]
     pub fn quantization(&self) -> Option<&Quantization> {
         self.targets.setup.quantization.as_deref()

@@ -46,13 +46,14 @@ const SETTLED: f64 = 3e-3;
 /// Numbers of a box: its certificate, the phases of its middle, weights.
 const BOX: usize = 1 + 2 * MOST;
 
-/// What is added to the diagonal of the weights' equations, relative to its mean: coincident points make them singular.
+/// The term added to the diagonal of the weights' equations, relative to its mean: coincident points make them
+/// singular.
 const RIDGE: f64 = 1e-12;
 
 /// Rows of the matrix of the weights' equations.
 const SIDE: usize = 8;
 
-/// What is found.
+/// The result.
 #[derive(Clone, Copy)]
 pub(crate) struct Optimum {
     /// No drive's level is higher.
@@ -275,13 +276,13 @@ impl Torus<'_> {
     }
 }
 
-/// What a sum of cosines of phase differences adds to a certificate: at the middle, and at most over the box.
+/// The share of a sum of cosines of phase differences in a certificate: at the middle, and at most over the box.
 #[derive(Default)]
 struct Swing {
     middle: f64,
     /// Its slope along each phase.
     slopes: [f64; MOST],
-    /// What the second and third order of all cosines add.
+    /// The second and third order of all cosines.
     bent: f64,
     /// The sum of what each cosine is at most.
     apart: f64,

@@ -17,8 +17,8 @@ const MIDDLE: RangeInclusive<f64> = 1.0 / (1 << 30) as f64..=(1 << 30) as f64;
 const MOST_EXCESS: f64 = (1 << 20) as f64;
 
 impl Problem {
-    /// What a solver gets: this problem at `factor` times the caller's targets and within f32's range. `None` where it is
-    /// that as it stands; [`Problem::recycle`] gives the memory back.
+    /// The problem as a solver gets it: this problem at `factor` times the caller's targets and within f32's range.
+    /// `None` where it is that as it stands; [`Problem::recycle`] gives the memory back.
     pub(crate) fn prepared(&self, factor: f64, work: &Workspace) -> Option<Self> {
         let within = self.is_within(factor);
         if within && factor <= 1.0 {
@@ -45,7 +45,7 @@ impl Problem {
         self.plain.is_some()
     }
 
-    /// What the caller's targets are multiplied by.
+    /// The factor of the caller's targets.
     pub(crate) fn factor(&self) -> f64 {
         self.factor
     }

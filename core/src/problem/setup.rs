@@ -11,7 +11,7 @@ use crate::error::{Error, one_each};
 use crate::propagation::Propagation;
 use crate::scene::{Array, Medium, check_drive, check_positions};
 
-/// What a problem takes beside G and the request. Whatever array G was computed or measured from, it can have a
+/// Inputs of a problem beside G and the request. Whatever array G was computed or measured from, it can have a
 /// board's quantization, positions for an order of its transducers, and a medium for radiation pressures.
 ///
 /// ```
@@ -31,7 +31,7 @@ use crate::scene::{Array, Medium, check_drive, check_positions};
 pub struct Setup {
     /// The air: density and sound speed give radiation pressures.
     pub medium: Medium,
-    /// What the board can play; `None` for any drive.
+    /// The board's grid; `None` for any drive.
     pub quantization: Option<Arc<Quantization>>,
     /// The positions in m of what G has a column of, where they are known: for an order of columns. A channel's is the middle
     /// of its transducers.
@@ -65,7 +65,7 @@ impl Setup {
         self.channels.as_ref().map_or(columns, |channels| channels.of().len())
     }
 
-    /// What the columns of G get of drives (N,), checked.
+    /// The values that the columns of G get from drives (N,), checked.
     ///
     /// # Errors
     /// Drives that the array cannot be given.

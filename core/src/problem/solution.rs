@@ -40,8 +40,8 @@ pub struct Solution {
     pub status: Status,
     /// Steps taken.
     pub steps: usize,
-    /// What supply or modulation have to multiply all drives by, at most 1: below 1 where the device has
-    /// no amplitude for the answer. The pressures count it in, the drives do not.
+    /// The factor, at most 1, that supply or modulation must apply to all drives: below 1 where the device has no
+    /// amplitude for the answer. The pressures count it in, the drives do not.
     pub scale: f64,
     /// Whether every drive is known to lie on the board's grid.
     pub(super) on_grid: bool,

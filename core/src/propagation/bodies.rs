@@ -19,7 +19,7 @@ use crate::propagation::local::Local;
 use crate::propagation::sources::Sources;
 use crate::propagation::sphere::Sphere;
 
-/// What the sound of bodies is made of: a trait, so that a program that has none is not linked with their mathematics.
+/// The waves of bodies: a trait, so that a program that has none is not linked with their mathematics.
 trait Basis: fmt::Debug + Send + Sync {
     /// Each wave, or what each element sends, at a point outside.
     fn row(&self, point: [f64; 3], row: &mut Vec<Complex64>);
@@ -74,7 +74,8 @@ impl Bodies {
         self.answers[0].len() / padded(self.transducers)
     }
 
-    /// What each transducer sends to some points by way of them, its response left out, in Pa: real and imaginary parts, padded.
+    /// The share of each transducer at some points by way of the bodies, without its response, in Pa: real and
+    /// imaginary parts, padded.
     pub(crate) fn sent(&self, points: &[[f64; 3]]) -> Vec<[Vec<f32>; 2]> {
         let lanes = padded(self.transducers);
         let mut row = Vec::new();
@@ -116,7 +117,7 @@ impl Bodies {
         Ok(sent)
     }
 
-    /// What all transducers make of each wave or element.
+    /// The sum over all transducers for each wave or element.
     fn each(&self) -> impl Iterator<Item = [&[f32]; 2]> {
         let [re, im] = self.answers.each_ref().map(|plane| plane.chunks_exact(padded(self.transducers)));
         re.zip(im).map(|(re, im)| [re, im])

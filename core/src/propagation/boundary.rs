@@ -105,7 +105,7 @@ impl Boundary {
         self.sources[0].medium
     }
 
-    /// What the sound on it depends on, as bytes: a key to keep it by.
+    /// The parameters that the sound on it depends on, as bytes: a key to keep it by.
     #[must_use]
     pub fn content(&self) -> Vec<u8> {
         let (own, medium) = (&self.sources[0].array, self.medium());
@@ -194,7 +194,7 @@ impl Boundary {
         Complex64::new(0.0, 1.0 / self.medium().wavenumber())
     }
 
-    /// What each element sends to a point for u = 1.
+    /// The wave of each element at a point for u = 1.
     pub(crate) fn row(&self, point: [f64; 3], row: &mut Vec<Complex64>) {
         let wave = self.medium().complex_wavenumber();
         row.clear();

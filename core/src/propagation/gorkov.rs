@@ -25,7 +25,7 @@ const CHUNK: usize = 16;
 const MOST: f64 = 3.0;
 const STEP: f64 = 1.0 / 400.0;
 
-/// What a small sphere feels at some points (P,).
+/// Force, potential and stiffness of a small sphere at some points (P,).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Gorkov {

@@ -127,7 +127,7 @@ struct Pass<'a> {
     all: Vec<Seen<'a>>,
 }
 
-/// What a few points give.
+/// Results at a few points.
 struct Part {
     value: Vec<f64>,
     points: Vec<[f64; 3]>,

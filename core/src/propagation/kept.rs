@@ -35,14 +35,14 @@ pub(crate) struct Make {
     pub(crate) stiffness: fn(&Kept, &mut Control) -> Result<Option<Stiffness>, Error>,
 }
 
-/// What such a matrix is made of.
+/// The parameters of such a matrix.
 #[derive(Clone, Debug)]
 pub(crate) struct Kept {
     pub(crate) sources: Arc<Sources>,
     pub(crate) points: Arc<[[f64; 3]]>,
     pub(crate) scattering: Option<Arc<Scattering>>,
     pub(crate) signature: Option<Signature>,
-    /// What its traps are to hold.
+    /// The beads that its traps hold.
     pub(crate) bead: Bead,
     /// Whose transducers' columns are summed.
     pub(crate) channels: Option<Channels>,

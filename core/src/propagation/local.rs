@@ -23,7 +23,7 @@ use crate::scene::Medium;
 /// Heights of Gauss' rule; there are twice as many steps around.
 const HEIGHTS: usize = 6;
 
-/// What a point must be away from a sphere or a mesh for derivatives, in wavelengths.
+/// The least distance of a point from a sphere or a mesh for derivatives, in wavelengths.
 pub(crate) const LEAST_CLEARANCE: f64 = 0.01;
 
 /// Places around a point, from it in m, and what the pressure there adds to each Taylor coefficient at the point.

@@ -70,7 +70,7 @@ enum Rows {
         matrix: Arc<[Complex64]>,
         planar: Arc<[Vec<f32>; 2]>,
         reference: f64,
-        /// What they were made of, where a scene's obstacles, signature or channels made them.
+        /// The obstacles, signature or channels that they were made from, if there are any.
         kept: Option<Arc<Kept>>,
     },
 }
@@ -243,7 +243,7 @@ impl Propagation {
         }
     }
 
-    /// What it was made of, where that is known.
+    /// Its origin, if known.
     pub(crate) fn origin(&self) -> Option<Origin<'_>> {
         match &self.rows {
             Rows::Computed { sources, points, .. } => Some((&sources.array, points, None)),
@@ -256,7 +256,7 @@ impl Propagation {
         self.origin().map(|(_, points, _)| points)
     }
 
-    /// What to change where no transducer has any effect at a point.
+    /// The cure where no transducer has any effect at a point.
     pub(crate) fn cure_of_silence(&self) -> &'static str {
         match self.origin() {
             None => "give its row of the matrix an entry that is neither 0 nor masked, or ask for pressure 0 there",
@@ -304,7 +304,7 @@ impl Propagation {
         }
     }
 
-    /// What rows are computed from, unless they are kept.
+    /// The inputs of rows, unless the rows are kept.
     pub(crate) fn computed(&self) -> Option<(&Arc<Sources>, ControlPoints<'_>)> {
         match &self.rows {
             Rows::Computed { sources, frame, .. } => Some((sources, self.padded_points(frame))),

@@ -34,7 +34,7 @@ pub struct Model {
     pub(crate) scattering: Option<Arc<Scattering>>,
     signature: Option<Signature>,
     bead: Bead,
-    /// What makes G behind obstacles or under a signature; none where there are neither.
+    /// The maker of G behind obstacles or under a signature; none where there are neither.
     make: Option<Make>,
 }
 

@@ -99,7 +99,7 @@ pub fn rest(
     })
 }
 
-/// What is known of one particle.
+/// Properties of one particle.
 #[derive(Clone, Copy)]
 struct One {
     place: [f64; 3],

@@ -22,7 +22,7 @@ use crate::math;
 use crate::propagation::sources::Sources;
 use crate::scene::{Medium, Surface, distance};
 
-/// What a series is cut off at, beside the largest term: e^-10 = 5e-5 of a transducer's own share.
+/// The terms below this part of the largest term are left out: e^-10 = 5e-5 of a transducer's own share.
 const CUT: f64 = 10.0;
 
 /// Orders above k a that a transducer close to the surface may add.
@@ -127,7 +127,7 @@ impl Sphere {
         Ok(answers)
     }
 
-    /// What the surface meets of a transducer in a direction: p, or dp/dr of a rigid one.
+    /// The wave of a transducer at the surface in a direction: p, or dp/dr of a rigid one.
     fn met(&self, sources: &Sources, i: usize, direction: [f64; 3]) -> Complex64 {
         let sent = |r: f64| sources.sent(i, [0, 1, 2].map(|axis| self.center[axis] + r * direction[axis]));
         match self.kind {

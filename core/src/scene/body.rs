@@ -13,7 +13,7 @@ pub(crate) type Described = (Vec<Vec<f64>>, Surface);
 pub struct Body {
     /// Its name in messages.
     pub noun: &'static str,
-    /// What describes it, each with the count of its numbers.
+    /// Its parameters, each with the count of its numbers.
     pub parts: &'static [(Key, usize)],
     /// Makes one of the numbers of each part and what its surface does; the counts are right.
     pub make: fn(&[Vec<f64>], Surface) -> Obstacle,
@@ -75,7 +75,7 @@ macro_rules! obstacles {
                 $(#[$about])*
                 $name {
                     $( $(#[doc = $doc])+ $field: $type, )+
-                    /// What its surface does.
+                    /// Its acoustic boundary condition.
                     kind: $crate::scene::Surface,
                 },
             )+
@@ -108,7 +108,7 @@ macro_rules! obstacles {
                 },
             )+];
 
-            /// What describes them, kind after kind.
+            /// Their parameters, kind after kind.
             pub const PARTS: &[$crate::scene::Key] = &[$($(
                 $crate::scene::Key::new(stringify!($field), $example, concat!("Of a ", $noun, ":", $($doc),+)),
             )+)+];

@@ -11,7 +11,7 @@ use crate::scene::geometry::vector;
 use crate::scene::geometry::{bounds, cross, distance, dot, minus};
 use crate::scene::surface::Surface;
 
-/// What to do with a face whose corners lie on a line.
+/// The cure for a face whose corners lie on a line.
 const FLAT: &str = "it has no area: leave it out";
 
 /// A triangle by its corners, counterclockwise as seen from the air.
@@ -97,13 +97,13 @@ impl Mesh {
         &self.faces
     }
 
-    /// What the surface does.
+    /// Its acoustic boundary condition.
     #[must_use]
     pub fn kind(&self) -> Surface {
         self.kind
     }
 
-    /// What it encloses, in m^3.
+    /// The enclosed volume in m^3.
     #[must_use]
     pub fn volume(&self) -> f64 {
         self.volume

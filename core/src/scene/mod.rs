@@ -174,7 +174,7 @@ impl Scene {
         &self.obstacles
     }
 
-    /// What turns the foci into traps.
+    /// The signature that turns the foci into traps.
     #[must_use]
     pub fn signature(&self) -> Option<&Signature> {
         self.signature.as_ref()
@@ -204,7 +204,7 @@ impl Scene {
         &self.request
     }
 
-    /// What is answered, but hardly meant, of array, medium, points and plane: each slip once.
+    /// Probable mistakes in array, medium, points and plane: each slip once.
     ///
     /// ```
     /// use midair::{Array, Medium, Request, Scene};

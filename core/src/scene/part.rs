@@ -14,7 +14,7 @@ use crate::scene::key::Key;
 use crate::scene::origin::Origin;
 use crate::scene::transducer::Transducer;
 
-/// What a part is: bindings read and write one kind, whatever the part.
+/// The kind of a part: bindings read and write one kind, whatever the part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::exhaustive_enums, reason = "a binding has to read every kind")]
 pub enum PartKind {
@@ -46,7 +46,7 @@ pub enum PartValue {
     Flags(Vec<bool>),
     /// One of each transducer (N,).
     Indices(Vec<usize>),
-    /// What a board can play.
+    /// The board's grid.
     Quantization(Quantization),
 }
 
@@ -108,7 +108,7 @@ parts! {
     mask, such as "[true, false]": Access::Flags(Array::mask, Array::with_mask);
     /// The driven channel of each transducer, where several are wired to one; left out the preset's, or each its own.
     channels, such as "[0, 0, 1, 1]": Access::Indices(Array::channels, Array::with_channels);
-    /// What the board can play; left out the preset's, {} any drive.
+    /// The board's grid; left out the preset's, {} any drive.
     quantization, such as r#"{"phases": 256}"#: Access::Quantization(Array::quantization, Array::with_quantization);
 }
 

@@ -50,7 +50,7 @@ pub struct Doubt {
     pub item: String,
     /// The value found.
     pub value: String,
-    /// What to give instead.
+    /// The cure.
     pub cure: String,
 }
 
@@ -84,7 +84,7 @@ fn metres(value: f64, range: &RangeInclusive<f64>) -> String {
 }
 
 impl Plane {
-    /// What is hardly meant of a plane: a length beyond every array's.
+    /// Probable mistakes in a plane: a length beyond every array's.
     #[must_use]
     pub fn doubt(&self) -> Option<Doubt> {
         let [across, up] = self.center;
@@ -96,7 +96,7 @@ impl Plane {
 }
 
 impl Array {
-    /// What is hardly meant of an array in a medium: each slip once.
+    /// Probable mistakes in an array and its medium: each slip once.
     #[must_use]
     pub fn doubts(&self, medium: Medium) -> Vec<Doubt> {
         let mut doubts = of_medium(medium);
@@ -109,7 +109,7 @@ impl Array {
         doubts
     }
 
-    /// What is hardly meant of an array in any medium: a width beyond every array's.
+    /// Probable mistakes in an array, whatever its medium: a width beyond every array's.
     #[must_use]
     pub fn doubt(&self) -> Option<Doubt> {
         let side = largest(&self.bounds());

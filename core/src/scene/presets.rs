@@ -19,7 +19,7 @@ use crate::scene::transducer::Transducer;
 pub struct Preset {
     /// Its name in `Array::preset` and in scene files.
     pub name: &'static str,
-    /// What it is, in one line.
+    /// Its description in one line.
     pub summary: &'static str,
     /// Where its numbers come from.
     pub source: &'static str,

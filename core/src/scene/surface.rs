@@ -5,7 +5,7 @@ use crate::scene::value::words;
 /// Metres that count as none beside an obstacle's surface.
 pub(crate) const ON: f64 = 1e-9;
 
-/// What a surface does to a wave.
+/// The acoustic boundary condition of a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[allow(clippy::exhaustive_enums, reason = "the two ideal surfaces")]
 pub enum Surface {

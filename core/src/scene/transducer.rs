@@ -2,7 +2,7 @@
 
 use crate::scene::directivity::Directivity;
 
-/// What all transducers of an array have in common.
+/// Properties that all transducers of an array share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transducer {
     /// P0 in Pa m: on-axis pressure (peak) times distance at full drive.

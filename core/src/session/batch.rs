@@ -10,7 +10,7 @@ use crate::problem::{Metrics, Problem, Solution, Status};
 use crate::solvers::method::Solve;
 use crate::solvers::remark::{Remark, harmonic, weak_part};
 
-/// What comes out of [`crate::Session::solve_batch`] beside the drives, for B problems of M points.
+/// Results of [`crate::Session::solve_batch`] beside the drives, for B problems of M points.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::exhaustive_structs, reason = "what a door keeps and makes again, list by list")]
 pub struct Batch {
@@ -18,7 +18,7 @@ pub struct Batch {
     pub pressures: Vec<Complex32>,
     /// Metrics (B,).
     pub metrics: Vec<Metrics>,
-    /// What supply or modulation have to multiply each drive by (B,), see [`crate::Solution::scale`].
+    /// The factor (B,) that supply or modulation must apply to each drive, see [`crate::Solution::scale`].
     pub scale: Vec<f64>,
     /// How each ended (B,).
     pub status: Vec<Status>,
@@ -28,7 +28,7 @@ pub struct Batch {
     pub beyond: Vec<bool>,
     /// Whether the targets of each are below half the balanced level, solved unbalanced (B,).
     pub weak: Vec<bool>,
-    /// What a caller should hear beside the answers: a line a kind, with counts.
+    /// Warnings about the answers: a line a kind, with counts.
     pub remarks: Vec<String>,
 }
 
@@ -48,7 +48,7 @@ impl Batch {
     }
 }
 
-/// What falls short, a line a kind: in how many problems, and in which the most.
+/// Shortfalls, a line a kind: in how many problems, and in which the most.
 fn remarks(outcomes: &[Outcome]) -> Vec<String> {
     let worst = |badness: fn(&Outcome) -> f64| {
         let bad = outcomes.iter().map(badness).enumerate().filter(|(_, badness)| *badness > 1.0);

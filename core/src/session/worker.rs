@@ -70,7 +70,7 @@ impl Transducers {
     }
 }
 
-/// What all requests of a session share.
+/// The parts that all requests of a session share.
 pub(super) struct Task {
     pub(super) transducers: Transducers,
     pub(super) setup: Arc<Setup>,
@@ -100,7 +100,7 @@ impl Task {
     }
 }
 
-/// What a thread keeps from problem to problem.
+/// The memory that a thread keeps from problem to problem.
 #[derive(Default)]
 pub(super) struct Worker {
     pub(super) problems: Vec<Problem>,

@@ -17,7 +17,7 @@ options! {
         pub steps: u32 = 12,
         /// Ends when no point is off the common level by more than this part of it.
         pub tolerance: f64 = 1e-5,
-        /// What a quiet point may leak, relative to the loudest point; divided by its weight, relative to the targets'.
+        /// Allowed leak of a quiet point, relative to the loudest point; divided by its weight, relative to the targets'.
         pub quiet: f64 = QUIET,
         /// Seed of the point phases, 0 to 2^64 - 1.
         pub seed: u64 = 0,
@@ -45,7 +45,7 @@ impl Method for Best {
 
 impl Solve for Best {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
-        // What `uniform` finds is among what it chooses from.
+        // The answer of `uniform` is one of its candidates.
         let as_uniform = Plan::alone(SWEEPS, self.tolerance, self.quiet);
         let plan = Plan {
             starts: self.starts as usize,

@@ -334,7 +334,7 @@ impl<'w> Barrier<'w> {
             }
             double::add_products(self.set, columns, size, &mut self.matrix, control)?;
         }
-        // What rounding may take from a pivot, so that there is always a factor.
+        // The largest loss of a pivot by rounding, so that there is always a factor.
         let largest = (0..size).map(|k| self.matrix[k * size + k]).fold(0.0, f64::max);
         let shift = 1.0 + 4.0 * size as f64 * f64::EPSILON * largest;
         (0..size).for_each(|k| self.matrix[k * size + k] += shift);

@@ -378,7 +378,7 @@ impl<'w> Frame<'w> {
         }
         let grid = problem.quantization().map(Quantization::grid);
         if grid.is_some_and(|grid| grid.phases.is_none()) || rest.is_some() {
-            // What the answer tells is the field of its drives at rest.
+            // The answer reports the field of its drives at rest.
             wave.hear(&rows);
             let scale = 1.0 / part;
             wave.field.iter_mut().chain([&mut wave.moduli]).for_each(|list| list.iter_mut().for_each(|x| *x *= scale));

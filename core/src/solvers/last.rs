@@ -11,7 +11,7 @@ pub(crate) fn settled(q: Complex32) -> Complex32 {
     q * (1.5 - 0.5 * q.norm_sqr())
 }
 
-/// What a solver keeps from frame to frame; empty before the first.
+/// The state that a solver keeps from frame to frame; empty before the first.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Last {
     /// Drives (N,) at full amplitude as they were found, before a board's grid.

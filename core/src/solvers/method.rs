@@ -66,7 +66,7 @@ pub trait Solve {
         false
     }
 
-    /// What it lets a quiet point leak, relative to the loudest point, where it holds quiet points to a tolerance.
+    /// The allowed leak of a quiet point, relative to the loudest point, if the method has such a tolerance.
     #[doc(hidden)]
     fn quiet(&self) -> Option<f64> {
         None
@@ -84,13 +84,13 @@ pub trait Solve {
     }
 }
 
-/// What the registry knows of a method beside its options.
+/// The registry's facts about a method beside its options.
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::exhaustive_structs, reason = "a plain list of what is known; Info::new gives the usual values")]
 pub struct Info {
     /// Its name.
     pub name: &'static str,
-    /// What it does, in one line.
+    /// Its description in one line.
     pub summary: &'static str,
     /// Paper and equation.
     pub source: &'static str,
@@ -138,7 +138,7 @@ impl Info {
 
 /// A registered method: options, what is known of it, and [`Solve`].
 pub trait Method: Configure + Solve + Send + Sync + 'static {
-    /// What is known of it.
+    /// Its facts.
     const INFO: Info;
 
     /// Defaults that follow from a device's quantization.

@@ -12,7 +12,7 @@ pub struct OptionInfo {
     pub name: &'static str,
     /// Its default.
     pub default: Value,
-    /// What it does, in one line.
+    /// Its description in one line.
     pub doc: &'static str,
     /// The words that it takes; none where it takes no words.
     pub words: &'static [&'static str],

@@ -52,7 +52,7 @@ pub const DEFAULT: &str = "uniform";
 /// A line of the registry.
 #[derive(Clone, Copy, Debug)]
 pub struct Entry {
-    /// What is known of the method.
+    /// The method's facts.
     pub info: &'static Info,
     list: fn() -> Vec<OptionInfo>,
     make: fn(&Options) -> Result<Configured, Error>,

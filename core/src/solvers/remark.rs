@@ -14,7 +14,7 @@ use crate::solvers::even_field::silence::silenceable;
 use crate::solvers::method::Solve;
 use crate::solvers::registry::SOLVERS;
 
-/// What a caller should hear beside an answer.
+/// Warnings about an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::exhaustive_enums, reason = "the eight ways in which an answer differs from the request")]
 pub enum Remark {
@@ -26,7 +26,7 @@ pub enum Remark {
     Weak(f64),
     /// The targets have phases, and the solver does not use them.
     PhasesUnused,
-    /// What is left to supply or modulation: the device has no amplitude for the answer.
+    /// The factor that is left to supply or modulation: the device has no amplitude for the answer.
     Scaled(f64),
     /// A phase may change by less than a step of the board's: every transducer keeps the phase that it has.
     Still {
@@ -39,7 +39,7 @@ pub enum Remark {
     Leak {
         /// The most, relative to the loudest point, times the point's weight over the targets' largest.
         leak: f64,
-        /// What was allowed.
+        /// The allowed value.
         quiet: f64,
         /// Quiet points a wavelength apart that so many transducers can silence beside the targets.
         able: usize,

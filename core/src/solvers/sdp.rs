@@ -25,7 +25,7 @@ use crate::solvers::iterate::iterate;
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
-/// What becomes of the moduli of the relaxation's eigenvector.
+/// The use of the moduli of the relaxation's eigenvector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(clippy::exhaustive_enums, reason = "as they are, or 1")]
 pub enum Moduli {

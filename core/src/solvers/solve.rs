@@ -146,7 +146,7 @@ fn check(solution: &Solution) -> Result<(), Error> {
     Err(Error::lost())
 }
 
-/// What the targets are multiplied by before solving.
+/// The factor of the targets before solving.
 fn factor(problem: &Problem, solver: &dyn Solve, balance: bool) -> f64 {
     if balance && !solver.finds_level() { problem.balance().max(1.0) } else { 1.0 }
 }

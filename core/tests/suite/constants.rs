@@ -1,4 +1,4 @@
-//! What a result rests on beside arithmetic: the random numbers and the presets' geometry, by their sources.
+//! Inputs of every result beside arithmetic: the random numbers and the presets' geometry, by their sources.
 
 use std::collections::BTreeMap;
 

@@ -64,7 +64,7 @@ fn files_of_drawn_tables_belong_to_the_scene() {
     assert_eq!(named, [std::path::PathBuf::from("folder/logo.svg"), "folder/logo.png".into()]);
 }
 
-/// What a document is refused with, where the door answers so.
+/// The error of a document that is rejected, if the binding reports one.
 fn reported(text: &str, format: Format, answer: &Result<Drawing, String>) -> String {
     let error = read_drawn(text.as_bytes(), format, SOURCE, &mut |_, _| answer.clone()).expect_err(text).to_string();
     assert!(!error.contains('\n'), "{error}");

@@ -1,4 +1,4 @@
-//! What people draw: lines, rings, discs, grids and pictures, dense as they come, by `uniform`, `best` and `descent`.
+//! Usual drawings: lines, rings, discs, grids and pictures, dense as they come, by `uniform`, `best` and `descent`.
 
 use std::f64::consts::TAU;
 
@@ -137,7 +137,7 @@ fn pictures_end_where_long_descents_end_and_the_default_takes_them_to_descent() 
     // L-BFGS in f64 on the moduli, two seconds from each of ten starts: .038 to .058.
     assert!(error(&own) <= 0.055, "{}", error(&own));
     assert_eq!(own.drive, usual.drive);
-    // What was missed is not called done.
+    // A missed target is not called done.
     assert_eq!(usual.status, Status::Missed);
 }
 

@@ -1,4 +1,4 @@
-//! What is reported of an answer, against the oracle: golden files pin the numbers, these say that they are right.
+//! Reported metrics of an answer against the oracle: golden files pin the numbers, these say that they are right.
 
 use std::f64::consts::TAU;
 

@@ -142,7 +142,7 @@ pub fn balanced_factor(reach: &[f64], targets: &[f64], weights: &[f64]) -> f64 {
     1.0 / counted.map(part).sum::<f64>().sqrt()
 }
 
-/// What the greedy search lowers.
+/// The energy that the greedy search lowers.
 #[derive(Clone, Copy, Debug)]
 pub enum Objective {
     /// Sum of `w (t - |P|)^2`.

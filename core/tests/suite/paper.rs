@@ -1,4 +1,4 @@
-//! What the paper shows, in numbers: fig. 2's smiley, fig. 3's accuracies, fig. 7's widths.
+//! Results of the paper in numbers: fig. 2's smiley, fig. 3's accuracies, fig. 7's widths.
 
 use midair::solvers::{Greedy, Order};
 use midair::{Control, InstructionSet, Metrics, Model, Scene, Solution, Workspace};

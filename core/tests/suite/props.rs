@@ -1,4 +1,4 @@
-//! What holds for any input, tried on random ones.
+//! Properties that hold for any input, tried on random ones.
 
 use midair::solvers::{Greedy, Objective, SOLVERS};
 use midair::{
@@ -118,7 +118,7 @@ mod files {
         "directivity": { "piston": 0.0045 } }, "points": [{ "position": [0.0, 0.0, 0.15], "pressure": 500.0 }],
         "solver": { "name": "greedy", "phases": 16 }, "plane": { "size": 0.1 } }"#;
 
-    /// What slips into a file: any byte, or one that the formats have a use for.
+    /// Mistakes in a file: any byte, or one that the formats have a use for.
     fn slips() -> impl Strategy<Value = Vec<u8>> {
         let useful = prop::sample::select(b"0123456789-+.e\"{}[]=,:#\n ".to_vec());
         prop::collection::vec(prop_oneof![1 => any::<u8>(), 4 => useful], 0..4)

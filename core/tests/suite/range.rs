@@ -72,7 +72,7 @@ fn no_spread_of_a_matrix_or_its_targets_makes_an_answer_unfit() {
             ("all", requested(0.4)),
             ("weak", requested(1e-12)),
         ] {
-            // What no transducer reaches, or hardly one, is refused in words.
+            // Points that no transducer reaches are rejected with a message.
             let Ok(problem) = problem(matrix, pressures) else { continue };
             assert!(problem.targets_in_pascals().iter().all(|target| target.is_finite()), "{name}, {kind}");
             for entry in SOLVERS {

@@ -1,4 +1,4 @@
-//! What the registry says of its solvers is so: names, options, grids, and memory that leaves no trace.
+//! The registry's facts about its solvers are true: names, options, grids, and memory that leaves no trace.
 
 use std::f64::consts::TAU;
 

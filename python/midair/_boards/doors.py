@@ -32,7 +32,7 @@ from .playing import SILENCE, Live
 #: The largest message, in bytes, and numbers of a point in a binary one.
 MOST_BYTES, ROW = 1 << 16, 4
 
-#: What a message may hold.
+#: Limits of a message.
 KEYS = ("points", "path", "modulation", "off", "keep", "state")
 
 MISSING = 'serve needs websockets and python-osc: pip install "midair[serve]"'

@@ -138,7 +138,7 @@ class Live:
         self.connection.off()
 
     def state(self) -> dict[str, Any]:
-        """What the board does, its counts of frames, and the error that ended the last points, if any."""
+        """The board's state, its counts of frames, and the error that ended the last points, if any."""
         stats = self.connection.stats
         counts = {"frames": stats.frames, "late": stats.late, "lapses": stats.lapses}
         return {"state": self.connection.state, **counts, "error": self._error}

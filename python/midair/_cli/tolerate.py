@@ -141,7 +141,7 @@ def tolerate_command(
         with progress_bar("trying") as tell:
             found.run(scheduler=scheduler, progress=tell)
     finally:
-        # What was tried before an interruption is worth its lines.
+        # Finished trials are printed after an interruption.
         if (table := found.table()) is not None:
             if json:
                 print(

@@ -270,7 +270,7 @@ def _usual(curve: _Curve, rate: float) -> Iterator[Technique]:
 
 
 class _Judge:
-    """What techniques are felt like along a curve."""
+    """Strength of usual techniques along a curve."""
 
     def __init__(self, array: Array, curve: _Curve, rate: float, reach: float, model: dict[str, Any]) -> None:
         self._array, self._curve, self._rate, self._model = array, curve, rate, model
@@ -301,7 +301,7 @@ class _Judge:
             yield curve.index(lap + part * np.floor(period * jumps) / jumps)
 
     def climbed(self, aim: str) -> Iterator[tuple[str, Sequence, Skin]]:
-        """What the ascents end at, each by its name."""
+        """The results of the ascents, each by its name."""
         for start in self.starts():
             chosen = self.foci.climb(start, aim)
             on = (chosen >= 0)[:, None]
@@ -327,7 +327,7 @@ class _Judge:
         points = self._curve.places[index]
         if change < math.pi:
             with warnings.catch_warnings():
-                # What is too fast for the bound is felt less, and not chosen.
+                # A movement that is too fast for the bound is felt less, and not chosen.
                 warnings.simplefilter("ignore", SceneWarning)
                 drives = sequence(self._array, points, rate=self._rate, change=change).drives
         elif index.shape[1] == 1:

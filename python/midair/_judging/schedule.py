@@ -119,7 +119,7 @@ class Foci:
         return best
 
     def strengths(self, schedule: NDArray[np.int64]) -> NDArray[np.float32]:
-        """What the fast channel feels of a schedule (T,) at each place (X,), relative to another one's."""
+        """Response of the fast channel to a schedule (T,) at each place (X,), relative to another one's."""
         found: NDArray[np.float32] = np.linalg.norm(self._moved(schedule), axis=0)
         return found
 

@@ -180,7 +180,7 @@ TOGETHER = "together"
 
 @dataclass(frozen=True, eq=False)
 class Kept:
-    """What trials of some faults keep.
+    """Fractions that trials of some faults keep.
 
     level, uniformity : (T,), as parts of those without faults
     """

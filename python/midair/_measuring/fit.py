@@ -189,7 +189,7 @@ def fit(
 def _start(
     model: Model, drives: Complex, readings: Real | Complex, believed: Real, used: NDArray[np.bool_]
 ) -> Real:
-    """What is believed, at the loudness of the readings and in the air that fits them best.
+    """The current estimate, at the loudness of the readings and in the air that fits them best.
 
     The speeds within three standard deviations are looked through: over a large array a wave slips by more
     than half a length for a wrong one, which no step would find back from.
@@ -212,7 +212,7 @@ def _start(
 def _modelled(
     drives: Complex, responses: Real | Complex, matrix: Complex, phased: bool, noise: float = 0.0
 ) -> Real | Complex:
-    """What the readings (K, M) would be: p, or the root mean square of a modulus with noise."""
+    """The expected readings (K, M): p, or the root mean square of a modulus with noise."""
     p = drives @ (matrix * responses).T
     return p if phased else np.hypot(np.abs(p), noise)
 

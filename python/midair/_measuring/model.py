@@ -100,7 +100,7 @@ class Model:
         """Pressures (M, N) in Pa at the microphones, of each transducer at full drive and a modulus of 1."""
         array = self._made(*self._placed(state), state[NUMBER])
         with warnings.catch_warnings():
-            # What the fit tries is nothing to warn of.
+            # Trial values of the fit give no warnings.
             warnings.simplefilter("ignore", SceneWarning)
             scene = self._scene.replace(array=array, points=self.microphones(state), sound_speed=state[SPEED])
         return np.asarray(scene.propagation() * self.phases * np.exp(1j * state[CLOCK] + state[LOUDNESS]))

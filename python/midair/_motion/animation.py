@@ -64,7 +64,7 @@ def animate(
 
 
 def film(part: Path, fps: int) -> _Film | _Pictures:
-    """What takes pictures at a pace for a file of one of the `ENDINGS`."""
+    """A writer that takes pictures at a pace, for a file of one of the `ENDINGS`."""
     return (_Film if part.suffix == ".mp4" else _Pictures)(part, fps)
 
 

@@ -57,7 +57,7 @@ def time_constant(given: Any) -> float:
 
 
 def hold(given: Any) -> Hold:
-    """What a board does between frames."""
+    """How a board changes its phases between frames."""
     if not isinstance(given, str) or given not in get_args(Hold):
         raise refused("hold", given, 'give "hold" or "linear"')
     return "hold" if given == "hold" else "linear"

@@ -21,7 +21,7 @@ from ..path import Path as Moving
 from .sequence import Sequence
 from .solve import sequence
 
-#: What a path of a file may be.
+#: The kinds of paths in a file.
 KINDS: dict[str, Callable[..., Moving]] = {
     "circle": paths.circle,
     "line": paths.line,

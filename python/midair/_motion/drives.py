@@ -199,6 +199,6 @@ class Stored:
         return found
 
     def _now(self) -> tuple[int, int]:
-        """What changes when the file does."""
+        """A stamp that changes when the file does."""
         found = os.fstat(self._handle)
         return found.st_size, found.st_mtime_ns

@@ -57,7 +57,7 @@ class Envelope:
                 yield frames, steps, y
 
     def _decays(self, times: NDArray[np.float64]) -> NDArray[np.float32]:
-        """What is left after some times: e^(-t/tau)."""
+        """The part that is left after some times: e^(-t/tau)."""
         left = np.exp(-times / self.tau) if self.tau > 0 else np.zeros_like(times)
         return left.astype(np.float32)
 
@@ -78,7 +78,7 @@ class Envelope:
     def _starts(
         self, course: _Course, y: NDArray[np.complex128]
     ) -> tuple[NDArray[np.complex64], NDArray[np.complex128]]:
-        """What y is at the start of each frame of a block, and after it."""
+        """The value of y at the start of each frame of a block, and after the block."""
         begin, end = course.at(0.0), course.at(1 / self.rate)
         kept = np.exp(-1 / (self.rate * self.tau)) if self.tau > 0 else 0.0
         starts = np.empty_like(begin)

@@ -1,4 +1,4 @@
-"""What a hand gets: radiation pressure or force at a fixed place, its spectrum and the rms by band."""
+"""The force on a hand: radiation pressure or force at a fixed place, its spectrum and the rms by band."""
 
 from __future__ import annotations
 

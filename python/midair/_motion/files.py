@@ -25,7 +25,7 @@ from .drives import Stored
 #: Drives of so many bytes are read where they lie, a block at a time.
 LARGE = 1 << 28
 
-#: What a file has to hold.
+#: The arrays that a file must have.
 KEYS = ("points", "targets", "drives", "scene", "setting")
 
 

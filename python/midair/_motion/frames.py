@@ -21,7 +21,7 @@ AIR = (*scene_keys()["medium"], "obstacles", "signature", "bead")
 
 
 class Frames:
-    """What a `midair.Sequence` is made of; its documentation tells what the arguments mean."""
+    """The parts of a `midair.Sequence`; its documentation explains the arguments."""
 
     def __init__(
         self,

@@ -188,7 +188,7 @@ class Horizon:
         return self._frames[0]
 
     def state(self) -> dict[str, Any]:
-        """What there is to know to go on, once a frame was handed out."""
+        """The state that is needed to go on after a frame was handed out."""
         return {"codes": self._codes, "decided": self._decided}
 
     def _plan(self, kept: int) -> NDArray[np.uint16]:
@@ -247,7 +247,7 @@ def read_frame(frame: Any) -> tuple[NDArray[np.float64], NDArray[np.float64] | N
     return points, None if pressures is None else changing_pressures(pressures, 1, len(points))[0]
 
 
-#: What a solver remembers of its last frame.
+#: The state of a solver after its last frame.
 REMEMBERED = ("drives", "weights", "unevenness", "motion")
 
 
@@ -263,7 +263,7 @@ class Found(Protocol):
         """Drives or codes (frames, N) of the frames after those of the last block."""
 
     def state(self) -> dict[str, Any]:
-        """What it has to know to go on after the last block."""
+        """The state that it needs to go on after the last block."""
 
     def restore(self, done: int, state: dict[str, Any]) -> None:
         """Go on after the frame `done` - 1."""

@@ -24,7 +24,8 @@ from .propagation import Between, between, pressures, rows
 #: Time constant in s for the noise of a sequence by default.
 TAU = 0.2e-3
 
-#: What settles goes below the least number there is, which a program may have made an error (np.seterr).
+#: Values that settle fall below the least positive number, which a program may have made an error
+#: (np.seterr).
 SETTLING = np.errstate(under="ignore")
 
 
@@ -179,7 +180,7 @@ class JudgedFrames(Frames):
 
     @property
     def summary(self) -> str:
-        """What it is, and its metrics, as a table of text."""
+        """The sequence's size and its metrics, as a table of text."""
         return f"{self._heading()}\n{self.metrics!r}"
 
     @SETTLING

@@ -169,7 +169,7 @@ def modulated(
     )
 
 
-#: What a stream does not take as `sequence` does.
+#: Arguments of `sequence` that a stream does not take.
 ELSEWHERE = {
     "pressures": "a stream takes them with each frame, as a pair (points, pressures)",
     "closed": "a stream has no last frame to go on from, leave it out",

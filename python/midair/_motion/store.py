@@ -25,7 +25,7 @@ from .horizon import Found
 from .request import Request
 from .sequence import Sequence
 
-#: What the folder beside the file is called.
+#: The name of the folder beside the file.
 ENDING = ".resume"
 
 #: The file in it that names the request, and what begins the name of an array of the state in a piece.

@@ -160,7 +160,7 @@ def loud(field: Field) -> float:
 def _values(field: Field, quantity: Quantity) -> NDArray[np.float64]:
     pressure: NDArray[np.float64] = np.abs(field.pressure).astype(np.float64)
     if quantity == "radiation":
-        # What the paper draws: its unit is no pascal, and has no density.
+        # The quantity that the paper draws: its unit is no pascal, and has no density.
         return pressure**2 if field.scene.in_paper_unit else field.radiation
     if quantity == "pressure":
         return pressure

@@ -94,7 +94,7 @@ def _circle(place: NDArray[np.int_], size: int) -> str:
 
 
 class _View:
-    """What is seen: a box around array and points, in whole units with y down."""
+    """The visible part: a box around array and points, in whole units with y down."""
 
     def __init__(self, array: Array, points: NDArray[np.float64]) -> None:
         everything = np.vstack([array.positions[:, :2], points[:, :2]])

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class OwnPicture(Protocol):
-    """What has a figure of its own, as a `midair.Sequence` has."""
+    """An object that draws its own figure, such as a `midair.Sequence`."""
 
     def plot(self, ax: Axes | None = None) -> Figure: ...
 

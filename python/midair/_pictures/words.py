@@ -36,7 +36,7 @@ def has_arrows(field: Field) -> bool:
 
 
 def marks(fields: Sequence[Field]) -> str:
-    """What rings and crosses mean, where there are any, and how many points have no plane of theirs."""
+    """The meaning of rings and crosses, if there are any, and the number of points without a plane."""
     shown = np.array([field.shown for field in fields])
     dark = all(map(is_dark, fields))
     silent = quiet(fields[0])

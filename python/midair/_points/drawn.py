@@ -86,7 +86,7 @@ def library() -> Any:
 
 
 def reason(error: BaseException) -> str:
-    """What an error says, in a line."""
+    """The line of an error."""
     if isinstance(error, ImportError) and isinstance(error.__context__, UnicodeError):
         # Of bytes that are no text, trimesh says that a package is missing which would guess their letters.
         error = error.__context__

@@ -14,7 +14,7 @@ from .._support.arguments import number, refused, vector
 #: Quiet points this far apart, in m, leave nothing loud between them: a quarter of the wavelength at 40 kHz.
 STEP = 2e-3
 
-#: What the level refers to, in Pa (root mean square): ISO 1683.
+#: The reference of the level, in Pa (root mean square): ISO 1683.
 REFERENCE = 20e-6
 
 #: Quiet points at most: more than any array silences.

@@ -17,7 +17,7 @@ from .tables import Found, Run, Tell, Verdict, silent
 
 
 class Figure(Protocol):
-    """What the module of a figure does."""
+    """The functions of a figure's module."""
 
     def collect(self, run: Run, /) -> Found:
         """Find the numbers."""

@@ -23,7 +23,7 @@ POINT = [[0.0, 0.0, scenes.Z]]
 SPAN = 0.06
 STEP = 1e-4
 
-#: What is louder than half the maximum over more than this, m, is not one focus: the ideal one has 6.7 mm.
+#: A region above half the maximum that is wider than this, in m, is not one focus: the ideal one has 6.7 mm.
 NARROW = 0.015
 #: Widths of an ideal focus, m: 1.2 lambda/(2 NA) within a twentieth.
 IDEAL = (6.3e-3, 7.1e-3)
@@ -126,7 +126,7 @@ def draw(found: Found) -> Figure:
 
 
 def judge(rows: tables.Rows) -> list[Verdict]:
-    """What the paper says of each panel, and that balancing cures the weak focus."""
+    """The paper's statements on each panel, and that balancing cures the weak focus."""
     a, b, c, d, e, f = rows
     return [
         Verdict(

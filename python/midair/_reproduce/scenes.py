@@ -45,7 +45,7 @@ FINE = Method(
     False,
 )
 
-#: What the authors' code minimises instead of eq. (7).
+#: The objective that the authors' code minimises instead of eq. (7).
 L1 = Method(
     "greedy-l1",
     "greedy, l1, K=1 L=16, |q|=1",

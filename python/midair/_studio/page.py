@@ -105,7 +105,7 @@ def _plane(slice_: dict[str, Any]) -> dict[str, Any]:
 
 
 def _unknown(scene: Scene, written: dict[str, Any]) -> Iterator[str]:
-    """What of a scene the page refuses; `written` is its array as files have it."""
+    """The parts of a scene that the page rejects; `written` is its array as files have it."""
     if scene.frequency != FREQUENCY:
         yield f"frequency = {scene.frequency:g} (its own is {FREQUENCY:g})"
     if "preset" in written:
@@ -128,7 +128,7 @@ def _unknown(scene: Scene, written: dict[str, Any]) -> Iterator[str]:
 
 
 def _passed_over(what: Scene | Solution) -> Iterator[str]:
-    """What of a scene or solution the page takes no notice of."""
+    """The parts of a scene or solution that the page ignores."""
     if isinstance(what, Solution):
         if what.solver not in solvers():
             yield f"the solver {what.solver}"

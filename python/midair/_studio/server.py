@@ -109,7 +109,7 @@ class Server(ThreadingHTTPServer):
         self, scene: str | None = None, port: int = 0, folder: Path = BUILT, board: PagesBoard | None = None
     ) -> None:
         file("index.html", folder)
-        # What is not in these is not served.
+        # The server sends no other files.
         self.files = {
             f"/{path.relative_to(folder).as_posix()}": path for path in folder.rglob("*") if path.is_file()
         }

@@ -43,7 +43,7 @@ class View:
             from .widget import Widget
         except ImportError as error:
             raise SceneError('view needs anywidget: pip install "midair[notebook]"') from error
-        #: What Python has set and the page has not yet changed.
+        #: Values that Python has set and the page has not yet changed.
         self._given: Scene | None = what if isinstance(what, Scene) else Scene.parse(text)
         self._widget = Widget(
             _esm=file("widget.mjs", folder).read_text(encoding="utf-8"),

@@ -78,7 +78,7 @@ def part_of(path: Path) -> Path:
 
 
 def _begin(path: Path) -> str:
-    """What the temporary names of a path begin with; the process's number follows."""
+    """The beginning of the temporary names of a path; the process's number follows."""
     name = os.fsencode(path.name)
     return f".{path.name if len(name) <= LONG else sha256(name).hexdigest()[:32]}."
 

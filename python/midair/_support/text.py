@@ -29,7 +29,7 @@ def meanings(table: str) -> dict[str, str]:
 
 
 def fault(path: str | PathLike[str], line: int | None, reason: str) -> SceneError:
-    """What is wrong with a file, in one line."""
+    """The message about a faulty file, in one line."""
     place = f'file "{path}"' if line is None else f'file "{path}", line {line}'
     return SceneError(" ".join(f"{place}: {reason}".split()))
 
@@ -115,7 +115,7 @@ def text(path: str | PathLike[str], found: bytes | None = None) -> str:
 
 
 def unpacked(path: str | PathLike[str], found: bytes, kind: str, most: int = MOST_BYTES) -> bytes:
-    """What zlib has packed, "gzip" or "zlib", and no more than `most` of it."""
+    """The unpacked bytes of zlib, "gzip" or "zlib", and no more than `most` of them."""
     packed = zlib.decompressobj(31 if kind == "gzip" else 15)
     try:
         whole = packed.decompress(found, most + 1)

@@ -50,7 +50,7 @@ def _word(text: str, name: str) -> str:
 def array_table(array: Array) -> dict[str, Any]:
     """The table of an array, as a scene file has it."""
     table = _full_table(array)
-    # What comes with a preset, or with none, is left out: an axis of other presets brings its own.
+    # A setting that belongs to a preset is left out: an axis of other presets brings its own.
     usual = Array.preset(table["preset"]) if "preset" in table else Array.grid(1, 1, 0.01)
     same = {key for key, value in _full_table(usual).items() if table.get(key) == value}
     return {
@@ -149,7 +149,7 @@ def _within(table: Any, path: list[str], value: Any) -> Any:
 
 
 def column(values: list[Any]) -> list[Any]:
-    """What the table shows of an axis: numbers and words, else JSON, else the place in the list."""
+    """The text of an axis in the table: numbers and words, else JSON, else the place in the list."""
     if not any(isinstance(value, list | Mapping) for value in values):
         return values
     texts = [value if isinstance(value, str) else json.dumps(value) for value in values]

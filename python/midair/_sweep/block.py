@@ -140,7 +140,7 @@ def _of_the_trial(error: SceneError, trials: list[int], count: int) -> SceneErro
 
 
 def _arrays(found: list[_midair.Batch]) -> Arrays:
-    """What a block keeps of batches, one after the other."""
+    """The results of batches that a block keeps, one after the other."""
     parts: list[Arrays] = [
         {
             "drive": one.drives,

@@ -115,7 +115,7 @@ class Job:
     settings: Settings
     start: int
     stop: int
-    #: What the caller knows it by; it stays in this process.
+    #: The caller's name for it; it stays in this process.
     owner: Any = None
 
     @property

@@ -270,7 +270,7 @@ def _table(arrays: Arrays, rows: NDArray[np.bool_], identity: str) -> pa.Table:
 
 
 def _arrays(table: pa.Table) -> dict[str, NDArray[Any]]:
-    """What `_table` made of arrays."""
+    """The arrays behind a table of `_table`."""
     found: dict[str, NDArray[Any]] = {}
     for name, column in zip(table.column_names, table.columns, strict=True):
         own = column.combine_chunks()

@@ -60,7 +60,7 @@ class Shortfall:
 
 TABLES = (".csv", ".parquet")
 
-#: What marks a Zarr group as a sweep's, among its attributes, and what such a group may hold.
+#: The attribute that marks a Zarr group as a sweep's, and the names that such a group may hold.
 MARK = {"midair": "sweep"}
 ARRAYS = ("drive", "scale", "pressures", "points", "targets")
 

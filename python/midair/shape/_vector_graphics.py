@@ -45,7 +45,7 @@ def svg(path: str | PathLike[str], *, size: float, z: float, step: float = STEP)
 
 
 def outlines(caller: str, path: str | PathLike[str], size: float, z: float) -> list[Contour]:
-    """What an SVG file or text draws, as contours in m, for the function `caller`."""
+    """The contours in m of an SVG file or text, for the function `caller`."""
     size, z = number("size", size, above=0), number("z", z)
     written = isinstance(path, str) and path.lstrip().startswith("<")
     name = Path("SVG text") if written else existing("path", path, "give an SVG file")

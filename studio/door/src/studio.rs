@@ -19,7 +19,7 @@ pub struct Studio {
     pub(crate) bytes: Vec<u8>,
     /// The drives of all frames (T, N) that were followed.
     pub(crate) frames: Vec<Complex32>,
-    /// What supply or modulation multiply the drive by.
+    /// The factor that supply or modulation must apply to the drive.
     scale: f32,
     opened: Option<Opened>,
     lattices: Lattices,

@@ -13,7 +13,7 @@ const MANY = 400;
 /** Height of a can, in radii. */
 export const HEIGHT = 0.9;
 
-/** What all parts of a can share: its axis and two directions across it. */
+/** The common part of all parts of a can: its axis and two directions across it. */
 const CAN = `${LOOK_UP}
 uniform sampler2D positions, normals, drives;
 uniform mat4 matrix;

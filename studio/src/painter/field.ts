@@ -68,7 +68,7 @@ void main() {
   colour = vec4(entry(shade(p)) * alpha, alpha);
 }`;
 
-/** What a lattice that is spread has at each of its places. */
+/** The values at each place of a spread lattice. */
 const SPREADING = `${SAMPLE}
 uniform vec2 size;
 in vec2 st;
@@ -86,9 +86,9 @@ const FLAT = [2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, -1, -1, 0, 1];
 export type Part = readonly [number, number, number, number];
 export const ALL: Part = [0, 0, 1, 1];
 
-/** What the painter and the volume need of fields. */
+/** The functions of fields that the painter and the volume need. */
 export interface FieldPainter {
-  /** What COLOUR needs of `look`, for a program that has it; the map goes to texture unit 3. */
+  /** The uniforms of `look` that COLOUR needs; the map goes to texture unit 3. */
   setLook(program: Program, look: Look): void;
   /** The lattice over all of the view, opaque. */
   flat(lattice: Lattice, key: string, look: Look): void;

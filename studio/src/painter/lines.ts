@@ -26,7 +26,7 @@ void main() {
   int line = 3 * (gl_VertexID / 6), k = corner();
   vec4 a = vectorOf(ends, line), ink = vectorOf(ends, line + 2);
   vec4 p = matrix * vec4(a.xyz, 1), q = matrix * vec4(vectorOf(ends, line + 1).xyz, 1);
-  // What lies behind the camera is cut off, so that the division below is sound.
+  // The part behind the camera is cut off, so that the division below is sound.
   float near = .001;
   if (p.w < near) p = mix(p, q, (near - p.w) / max(q.w - p.w, 1e-9));
   if (q.w < near) q = mix(q, p, (near - q.w) / max(p.w - q.w, 1e-9));

@@ -69,7 +69,7 @@ function createScene(gl: Gl) {
       gl.depthMask(true);
     } else if (slices.length) {
       const [slice] = slices;
-      // What glows behind the slice is seen through it, what glows before it covers it.
+      // A glow behind the slice is seen through it, a glow before the slice covers it.
       const { corner, u, v } = slice.lattice;
       const away: Vec3 = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
       const size = Math.sqrt(dot(away, away)) * (dot(along(view.eye, -1, corner), away) < 0 ? -1 : 1);

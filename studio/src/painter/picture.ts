@@ -14,7 +14,7 @@ export interface Box {
 /** Red, green, blue, 0 to 255. */
 export type Rgb = [number, number, number];
 
-/** What the 3-D view shows. Lengths in m. What changes is a new array: identity tells what to upload. */
+/** The content of the 3-D view. Lengths in m. What changes is a new array: identity tells what to upload. */
 export interface Picture {
   camera: Camera;
   /** N x 3. */
@@ -23,7 +23,7 @@ export interface Picture {
   normals: Float32Array;
   /** re and im of N drives of modulus 0 to 1; null: not known yet. */
   drive: Float32Array | null;
-  /** What the transducers show of the drive: nothing ("modulus"), the wave, or their phases. */
+  /** The transducers' display of the drive: nothing ("modulus"), the wave, or their phases. */
   discs: Quantity;
   /** One, or some that cross in their middles; `key` names the texture that the lattice is kept in, as in `Painter.slice`. */
   slices: { lattice: Lattice; key: string }[];

@@ -1,4 +1,4 @@
-/** What the waves meet: balls, shaded, and walls, as translucent squares about where they are nearest. */
+/** Obstacles: balls, shaded, and walls, as translucent squares about where they are nearest. */
 
 import type { Obstacle, Vec3 } from "../types.ts";
 import { along, dot } from "./camera.ts";

@@ -1,4 +1,4 @@
-/** What stands around the array: the axes with their marks, the lines down from the points. */
+/** Stage: the axes with their marks, the lines down from the points. */
 
 import type { Vec3 } from "../types.ts";
 import { along, type Camera, dot, frame } from "./camera.ts";

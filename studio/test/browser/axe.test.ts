@@ -16,7 +16,7 @@ interface Axe {
 const open = shared();
 const axe = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
-/** What axe calls serious or critical. */
+/** The faults that axe calls serious or critical. */
 async function faults(page: Page): Promise<string[]> {
   const { violations } = await page.evaluate(() => (window as unknown as { axe: Axe }).axe.run());
   return violations

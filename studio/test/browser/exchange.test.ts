@@ -1,4 +1,4 @@
-// What comes in and goes out: files, links, exports, refusals; that nothing leaves the page's origin, and how large it is.
+// Exchange with the page: files, links, exports, refusals; that nothing leaves the page's origin, and how large it is.
 import { readFile, readdir } from "node:fs/promises";
 import { gzipSync } from "node:zlib";
 

@@ -64,7 +64,7 @@ async function run(k: number) {
   await page.keyboard.press("Shift+Enter");
 }
 
-/** What the last cell prints of the view, in m. */
+/** The output of the last cell for the view, in m. */
 async function received(): Promise<number[][]> {
   await run(2);
   // A "*" stands at a cell that runs.

@@ -1,4 +1,4 @@
-// What is typed is in links and in undo; a long link is whole on the exported sheet.
+// A typed text is in links and in undo; a long link is whole on the exported sheet.
 import { readFile } from "node:fs/promises";
 
 import type { Page } from "playwright-core";

@@ -9,7 +9,7 @@ import { visit } from "./site.ts";
 
 const open = shared();
 
-/** What is wrong to the eye, a line each. */
+/** Visible faults, a line each. */
 const faults = (page: Page) =>
   page.evaluate(() => {
     const found: string[] = [];

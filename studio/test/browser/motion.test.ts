@@ -1,4 +1,4 @@
-// What moves: both methods frame by frame, with the numbers of the frame; played, stopped, sought and filmed.
+// Motion: both methods frame by frame, with the numbers of the frame; played, stopped, sought and filmed.
 import { readFile } from "node:fs/promises";
 
 import type { Page } from "playwright-core";

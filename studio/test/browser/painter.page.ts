@@ -1,4 +1,4 @@
-/** What painter.test.ts runs in the page: slices are painted and read back. */
+/** The part of painter.test.ts that runs in the page: slices are painted and read back. */
 
 import { createFlat } from "../../src/painter/canvas2d.ts";
 import { sampleAt } from "../../src/painter/lattice.ts";

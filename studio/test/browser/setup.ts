@@ -1,4 +1,4 @@
-// What the tests of a file share: the built site, served, and a browser.
+// The common part of a file's tests: the built site, served, and a browser.
 import { afterAll, beforeAll } from "vitest";
 
 import { type Open, start } from "./site.ts";

@@ -221,7 +221,7 @@ fn word(text: &str) -> Option<String> {
     String::from_utf16(&units).ok()
 }
 
-/// What a text is, read as one number.
+/// The value of a text that is read as one number.
 fn number(text: &str) -> Option<f64> {
     read(text).ok()?.real()
 }

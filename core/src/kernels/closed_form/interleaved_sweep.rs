@@ -110,7 +110,7 @@ impl<S: Simd> Layout<S> for ProblemsInLanes<'_> {
     }
 }
 
-/// What the sums of two transducers are made of, a group of lanes a point.
+/// The terms of the sums of two transducers, a group of lanes a point.
 struct Terms<'a, S: Simd> {
     s: S,
     rows: &'a [Octet],

@@ -101,7 +101,7 @@ pub(crate) fn sweep(
     }
 }
 
-/// What a lane group holds.
+/// The content of a lane group.
 pub(crate) trait Layout<S: Simd> {
     /// Transducers whose rows share a lane group.
     const SHARED: usize = 1;
@@ -130,7 +130,7 @@ pub(crate) trait Layout<S: Simd> {
     }
 }
 
-/// What z is made of, beside rows and drives.
+/// The terms of z beside rows and drives.
 #[derive(Clone, Copy)]
 pub(crate) struct Look<'a> {
     pub(crate) residual: [&'a [f32]; 2],
@@ -228,7 +228,7 @@ pub(crate) fn run<S: Simd, L: Layout<S>>(
         let goes_on = !block.has(0) || report([&re[..count], &im[..count]]);
         core::mem::swap(&mut block, &mut next);
         if !goes_on || !block.has(0) {
-            // What the padding added up to.
+            // The sum over the padding.
             re[count..].fill(0.0);
             im[count..].fill(0.0);
             return goes_on;

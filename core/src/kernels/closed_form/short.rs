@@ -71,7 +71,7 @@ fn run<S: Simd>(
         s.apart(count, &mut Added { field: &mut field, rows: octets, change: &change, members: some });
         goes_on = report([&field.pressure[0][..count], &field.pressure[1][..count]]);
     }
-    // What the padding added up to.
+    // The sum over the padding.
     field.pressure.into_iter().for_each(|part| part[count..].fill(0.0));
     goes_on
 }

@@ -6,7 +6,7 @@ use crate::kernels::greedy::search::Points;
 use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::simd::{Apart, Elementwise, Simd, TINY};
 
-/// What the energies of one update depend on.
+/// The values that the energies of one update depend on.
 pub(crate) struct Energies<'a, S: Simd> {
     pub(crate) s: S,
     pub(crate) points: Points<'a>,

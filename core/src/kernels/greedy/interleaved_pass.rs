@@ -197,7 +197,7 @@ fn moments<S: Simd>(s: S, points: Points<'_>, energies: &[f32]) -> ([S::V; THIRD
     (m, near)
 }
 
-/// What point j adds to the moments, and to `near` the lanes where they leave it out.
+/// The share of point j in the moments, and in `near` the lanes that leave it out.
 #[inline(always)]
 fn parts<S: Simd>(s: S, points: Points<'_>, energies: &[f32], j: usize, near: &mut u32) -> [S::V; THIRD] {
     let gain = [s.load(&groups(points.row[0])[j]), s.load(&groups(points.row[1])[j])];
@@ -255,7 +255,7 @@ fn write_powers<S: Simd>(s: S, candidates: &Candidates, table: &mut [f32]) {
     }
 }
 
-/// What [`crate::kernels::greedy::search::best`] finds for each problem among up to 16 phases; 0 for no effect.
+/// The result of [`crate::kernels::greedy::search::best`] for each problem among up to 16 phases; 0 for no effect.
 #[inline(always)]
 fn search<S: Simd>(s: S, points: Points<'_>, table: &[f32]) -> [S::V; 2] {
     let zero = s.splat(0.0);

@@ -20,7 +20,7 @@
 //!   a f_1 - a (1 - a) (g2 + (1 + a) g3). At a point left out |P + a G z| <= (1 - a) |P| + a |P + G z| gives the same
 //!   with w |G|^2 for the last bracket. So f_a >= a f_1 - a (1 - a) Q, [`Energies::bow`].
 //!
-//! What each is worth, in time of a pass (K = 16, L = 256, M from 1 to 256):
+//! Gain of each trick, in time of a pass (K = 16, L = 256, M from 1 to 256):
 //!
 //! 1. To evaluate the arcs around one phase first, and others only where bounds fail: 32 % up to M = 16, 2 to 8 % at
 //!    M = 256.

@@ -67,7 +67,7 @@ pub(crate) struct Pass<'a> {
     pub(crate) memory: &'a mut [f32],
 }
 
-/// What a pass searches, and the memory of a search.
+/// The candidates of a pass, and the memory of a search.
 pub(crate) struct Search<'a> {
     pub(crate) candidates: &'a Candidates,
     /// [`large_grid::floats`] numbers and, in an interleaved batch, [`crate::kernels::greedy::interleaved_pass::floats`] before them.
@@ -102,7 +102,7 @@ pub(crate) fn pass<T: Term>(
     })
 }
 
-/// What the lanes hold: points or problems.
+/// The content of the lanes: points or problems.
 pub(crate) trait Layout<S: Simd> {
     /// The drive of a transducer: of one problem or of each.
     type Drive;

@@ -51,8 +51,8 @@ use crate::math::sqrtf;
 /// The largest |u| that the polynomial is used for.
 pub(crate) const FAR: f32 = 0.25;
 
-/// What a lane adds to the moments, in this order: A1, A2, A3 and C (re before im), 2 B, the power, 4 R (1 - [`FAR`]),
-/// the energy, A4 and D.
+/// The share of a lane in the moments, in this order: A1, A2, A3 and C (re before im), 2 B, the power, 4 R (1 - [`FAR`]), the
+/// energy, A4 and D.
 pub(crate) const PARTS: usize = LANES;
 
 /// How many of them the third order needs, and which are the power (the remainder follows) and the energy.
@@ -155,7 +155,7 @@ pub(crate) fn change<S: Elementwise>(s: S, m: impl Fn(usize) -> S::V, z: impl Fn
     s.add(low, s.fma(m(6), z(6), s.fma(m(7), z(7), high)))
 }
 
-/// What points add to the moments, lanes apart; +0 in those quarters of the lanes that hold no point.
+/// The share of points in the moments, lanes apart; +0 in those quarters of the lanes that hold no point.
 pub(crate) type Parts = [Lanes; PARTS];
 
 /// Adds what a group of points does, and tells which of them are left out.

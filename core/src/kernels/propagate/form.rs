@@ -6,7 +6,7 @@
 use crate::kernels::propagate::directivity::{Ahead, Pattern};
 use crate::kernels::simd::Elementwise;
 
-/// What all transducers share: absorption as a power of two per wavelength (< 0) and the directivity.
+/// Properties that all transducers share: absorption as a power of two per wavelength (< 0) and the directivity.
 #[derive(Clone, Debug)]
 pub(crate) struct Radiation {
     pub(crate) decay: Option<f32>,

@@ -15,7 +15,7 @@ pub(crate) const EIGHT: usize = 8;
 /// Such numbers.
 pub(crate) type Eight = [f64; EIGHT];
 
-/// What a set does with doubles.
+/// Operations of an instruction set on doubles.
 pub(crate) trait Doubles: Copy {
     /// f64, [`Doubles::WIDTH`] of them: a divisor of [`EIGHT`].
     type D: Copy;

@@ -34,7 +34,7 @@ impl Lists {
         Complex64::new(wide(self.gain[0][at]), wide(self.gain[1][at]))
     }
 
-    /// What a field must be: the f64 sum of the waves, within the rounding of `transducers` sums in f32.
+    /// The expected field: the f64 sum of the waves, within the rounding of `transducers` sums in f32.
     pub(super) fn assert_field(&self, drive: &[Complex64], re: &[f32], im: &[f32]) {
         for j in 0..self.points {
             let want: Complex64 = (0..drive.len()).map(|i| self.gain(i, j) * drive[i]).sum();

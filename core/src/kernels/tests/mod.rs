@@ -128,7 +128,7 @@ impl Shot {
         (0..3).map(|axis| part(axis).powi(2)).sum()
     }
 
-    /// What each kernel must give, over memory full of NaN.
+    /// The expected result of each kernel, over memory full of NaN.
     fn check(&self, set: InstructionSet) {
         let [mut re, mut im] = [(); 2].map(|()| vec![f32::NAN; padded(self.count)]);
         let mut moduli = vec![1.0; self.count];

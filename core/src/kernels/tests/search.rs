@@ -166,7 +166,7 @@ fn candidates_are_amplitudes_times_phases_whatever_the_buffers_kept() {
     }
 }
 
-/// What `best` finds is within rounding of the least energy that f64 finds.
+/// The energy that `best` finds is within rounding of the least energy that f64 finds.
 fn assert_best<T: Reference>(set: InstructionSet, scene: &mut Scene, phases: usize, amplitudes: usize, silent: bool) {
     let candidates = candidates(phases, amplitudes);
     let tolerance = tolerance::<T>(set, scene);

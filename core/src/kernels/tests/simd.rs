@@ -12,7 +12,7 @@ fn lanes(rng: &mut Rng, low: f64, high: f64) -> Lanes {
     from_fn(|_| (low + (high - low) * rng.uniform()) as f32)
 }
 
-/// What a body stores.
+/// The values that a body stores.
 macro_rules! stored {
     ($set:expr, $s:ident => $body:expr) => {
         dispatch!($set, $s => {

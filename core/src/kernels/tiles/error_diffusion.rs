@@ -103,7 +103,7 @@ struct Points<'a> {
     miss: &'a mut [Lanes],
     /// w r h.
     pull: &'a mut [Lanes],
-    /// What a tile's drives make at the points.
+    /// The pressures that a tile's drives make at the points.
     change: &'a mut [Lanes],
     /// Half of 1 over the number of points with a target: all are there twice.
     share: f32,
@@ -133,7 +133,7 @@ impl<'a> Points<'a> {
         points
     }
 
-    /// What is wrong with the field, at the last look's mean; then the mean. Returns sum w r^2.
+    /// The error of the field at the last look's mean; then the mean. Returns sum w r^2.
     #[inline(always)]
     fn look<S: Simd>(&mut self, s: S) -> S::V {
         s.aside(
@@ -351,7 +351,7 @@ fn exchange<S: Simd>(
     let along = [s.mul(q[0], cosine), s.mul(q[1], cosine)];
     let across = [s.mul(q[0], sine), s.mul(q[1], sine)];
     let square = s.splat(-2.0 * c);
-    // What either step costs, and what the step up costs less than the one down.
+    // The cost of either step, and how much less the step up costs than the one down.
     let (mut both, mut odd) = (zero, zero);
     for (block, [[gr], [gi]]) in tiles.columns(tile).enumerate() {
         let [unit, miss, loud] = [&points.unit, &points.miss, &points.loud].map(|list| &list[block / 2]);

@@ -46,7 +46,7 @@ pub(crate) fn align_rows(
             for &k in visits {
                 control.pulse()?;
                 let k = k as usize;
-                // What the last point changed, and what there is at this one, in one pass.
+                // The change by the last point and the value at this one, in one pass.
                 let (dr, di) = (s.splat(change[0]), s.splat(change[1]));
                 let mut sums = [s.splat(0.0); 4];
                 let [[last_re, last_im], [now_re, now_im]] = [last, k].map(|k| tiles.rows(k / BLOCK));

@@ -7,7 +7,7 @@ use crate::scene::{Array, Directivity, Surface, Transducer};
 /// Steps of the differences: in m, of drives and normals, and in m/s. Second derivatives of measured lobes jump.
 const STEPS: [f64; 3] = [1e-6, 1e-5, 1e-3];
 
-/// What a gradient may be off, of the largest of its kind.
+/// The allowed error of a gradient, relative to the largest of its kind.
 const WORST: f64 = 1e-5;
 
 /// All that a value depends on.

@@ -18,7 +18,7 @@ pub(crate) struct Law {
     pub(crate) taylor: Taylor,
     /// How fast D varies with the angle, of (parameter, k): x where D falls as 1 - x^2 sin^2(theta)/6 from the axis, about.
     pub(crate) sharpness: fn(f64, f64) -> f64,
-    /// What the polynomials of the f32 rows follow.
+    /// The functions that the polynomials of the f32 rows follow.
     pub(crate) shape: Shape,
 }
 
@@ -33,13 +33,13 @@ pub(crate) enum Taylor {
 /// The parameter of a law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
-    /// What a bare name stands for.
+    /// The parameter that a bare name stands for.
     pub default: f64,
     /// Whether it is a length in m, above 0 and at most 1 m; else it is a number, 0 or above.
     pub length: bool,
 }
 
-/// What a law is over the angle.
+/// The value of a law over the angle.
 pub(crate) enum Shape {
     /// D = 1 everywhere, also behind.
     Omnidirectional,

@@ -27,7 +27,7 @@ use crate::problem::{Problem, Solution, Status};
 use crate::propagation::field_of;
 use crate::workspace::Workspace;
 
-/// What a phase of a drive may be off a grid by its rounding to f32, in turns.
+/// The largest distance of a drive's phase from a grid by rounding to f32, in turns.
 const ROUNDING: f64 = 3e-8;
 
 /// By how much a whole number of phase steps may exceed the bound, in steps: the rounding of `change`.

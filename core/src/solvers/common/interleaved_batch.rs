@@ -64,7 +64,7 @@ impl<'w> InterleavedPoints<'w> {
     }
 }
 
-/// What solvers of an interleaved batch work on. Drives have two groups of lanes a transducer, re and im.
+/// The lists that solvers of an interleaved batch work on. Drives have two groups of lanes a transducer, re and im.
 pub(crate) struct InterleavedBatch<'w> {
     pub(crate) points: InterleavedPoints<'w>,
     pub(crate) target: Buffer<'w, f32>,

@@ -39,13 +39,13 @@ pub(crate) struct Task {
     /// Starts, each followed for a fifth of the steps.
     pub(crate) starts: usize,
     pub(crate) seed: u64,
-    /// What the targets are multiplied by.
+    /// The factor of the targets.
     pub(crate) factor: f32,
     /// Steps done before.
     pub(crate) before: usize,
 }
 
-/// What was found: the drive, how it ended, and steps taken of all.
+/// The result: the drive, how it ended, and steps taken of all.
 pub(crate) struct LeastSquares {
     pub(crate) drive: Vec<Complex32>,
     pub(crate) status: Status,

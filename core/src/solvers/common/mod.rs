@@ -1,4 +1,4 @@
-//! What several solvers share.
+//! Code that several solvers share.
 
 pub(crate) mod alternating_projection;
 pub(crate) mod back_projection;

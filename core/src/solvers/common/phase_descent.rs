@@ -34,7 +34,7 @@ const LONGEST: f32 = 2.0;
 /// A drive is at an end of its arc where its cosine is no further than this from that of the end.
 const AT_END: f32 = 1e-6;
 
-/// What is to be low.
+/// The quantity that is minimised.
 pub(crate) trait Cost {
     /// E of a wave.
     fn of(&self, wave: &Wave) -> f64;
@@ -57,7 +57,7 @@ pub(crate) struct PhaseDescent<'w> {
     trial: Wave<'w>,
     /// Where amplitudes are free: those of the wave, and of the trial.
     pairs: Option<[Pairs<'w>; 2]>,
-    /// What keeps drives near 1.
+    /// The penalty that keeps drives near 1.
     arc: Option<Arc>,
     gradient: Buffer<'w, f32>,
     newton: QuasiNewton<'w>,
@@ -210,7 +210,7 @@ impl<'w> PhaseDescent<'w> {
                     part *= if bend > 0.0 { (least as f32).clamp(0.1, 0.5) } else { 0.5 };
                 }
             }
-            // What was learnt leads nowhere: once more along the gradient alone.
+            // The learnt direction leads nowhere: once more along the gradient alone.
             if !self.newton.forget() {
                 return false;
             }

@@ -151,7 +151,7 @@ impl<'w> Wave<'w> {
         Self { drive, field, moduli: work.floats.take(rows.count) }
     }
 
-    /// What a kernel makes of it, and the moduli.
+    /// The result of a kernel, and its moduli.
     pub(crate) fn set(&mut self, kernel: impl FnOnce(tiles::Wave<'_>)) {
         let [drive, field] = [&mut self.drive, &mut self.field].map(|pair| pair.each_mut().map(|plane| &mut plane[..]));
         kernel(tiles::Wave { drive, field });

@@ -46,7 +46,7 @@ impl Pace {
     /// The first quarter of it, after which the weakest point tells how loud the end will be, within 3 %.
     pub(super) const FIRST: Self = Self { steps: 40, ..Self::LOUD };
 
-    /// What comes after that quarter: .93^40 of the damping.
+    /// The damping after that quarter: .93^40 of the first.
     pub(super) const REST: Self = Self { damping: 0.0549, steps: 120, ..Self::LOUD };
 
     /// For crowded quiet points around a few targets: their equations are linear, and there are many. A least damping of

@@ -43,7 +43,7 @@ const WITHIN: f32 = 0.3;
 /// The least weight that differs from 0.
 const LEAST_WEIGHT: f32 = 1e-6;
 
-/// What became of a wave.
+/// The outcome of a wave.
 pub(super) struct Polish {
     /// Whether it is even to the plan's tolerance.
     pub(super) even: bool,
@@ -128,7 +128,7 @@ pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, manner: Manner, wave: &mut W
         let before = newton.cost(rows, wave, level_here(wave));
         let renewed = if renew { newton.update(rows, wave, None, run.control) } else { Ok(()) };
         let tried = match renewed.and_then(|()| newton.step(rows, wave, level, damping, &mut trial, run.control)) {
-            // What was half done when the stop came counts for nothing.
+            // A step that the stop interrupts does not count.
             Err(Error::Stopped) => {
                 run.stopped = true;
                 break;
@@ -167,7 +167,7 @@ pub(crate) struct Newton<'w> {
     /// 1 / weight of each equation.
     ease: Buffer<'w, f32>,
     pub(crate) rotations: Buffer<'w, f32>,
-    /// What a quiet point may leak, relative to the level.
+    /// The allowed leak of a quiet point, relative to the level.
     quiet: f32,
 }
 

@@ -34,7 +34,7 @@ const AMPLITUDES: usize = 16;
 /// An even answer gives way to another that misses this part of what it misses.
 const MUCH: f64 = 0.33;
 
-/// What misses a thousandth less is no better: rounding decides there.
+/// A gain of less than a thousandth is no gain: rounding decides there.
 const BETTER: f64 = 0.999;
 
 /// The error that needs no amplitudes.

@@ -19,7 +19,7 @@ pub(crate) struct Plan {
     pub(crate) sweeps: usize,
     /// Even enough: the largest deviation from the common level, relative to it.
     pub(crate) tolerance: f32,
-    /// What a quiet point may leak, relative to the level.
+    /// The allowed leak of a quiet point, relative to the level.
     pub(crate) quiet: f32,
     /// How many of the even fields of separate points are raised on.
     pub(crate) raised: usize,
@@ -28,7 +28,7 @@ pub(crate) struct Plan {
 /// A quiet point counts from this many times what it may leak on: the last tenth would take as many steps as all before.
 const ABOVE: f32 = 1.1;
 
-/// What a quiet point may leak by default: 60 dB below the level.
+/// The default of the allowed leak of a quiet point: 60 dB below the level.
 pub(crate) const QUIET: f64 = 1e-3;
 
 /// Weighted sweeps before the Gauss-Newton steps, unless an option gives another number.

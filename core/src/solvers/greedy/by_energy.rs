@@ -21,7 +21,7 @@ use crate::workspace::Workspace;
 /// By how much a later candidate must be better, relative to the largest value: the rounding of sums in f32.
 const ROUNDING: f64 = 1e-7;
 
-/// What the fields of candidates cost; the lowest is taken.
+/// The energies of candidates; the lowest is taken.
 pub trait Energy: Send + Sync {
     /// Writes the values (K,) of K candidates. `fields` (K, M) are the pressures p_j in Pa that each would make, one
     /// candidate after another.
@@ -72,7 +72,7 @@ pub struct GreedyBy {
 }
 
 impl GreedyBy {
-    /// What is known of it.
+    /// Its facts.
     pub const INFO: Info = Info::new(
         "greedy",
         "greedy with brute-force search by an energy of one's own",

@@ -62,7 +62,7 @@ options! {
         pub phases: u32 = 16,
         /// Amplitude quantization K, 1 to 256: amplitudes are (k+1)/K or as many of the device's, never off.
         pub amplitudes: u32 = 1,
-        /// What is minimised: "l2" (squared errors, the paper's text) or "l1" (its authors' code).
+        /// Objective: "l2" (squared errors, the paper's text) or "l1" (its authors' code).
         pub objective: Objective = Objective::L2,
         /// Order of the updates: "random", "rows", "columns" or a permutation of 0..N.
         pub order: Order = Order::Random,

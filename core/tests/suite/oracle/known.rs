@@ -1,4 +1,4 @@
-//! What the reference gives where the answer is known.
+//! Results of the reference where the answer is known.
 
 use super::*;
 
