@@ -1,8 +1,8 @@
 """Value and gradient of |p| beside JAX, in one run: bench/records/gradients.csv.
 
-JAX runs in single precision on all threads, as it does by default; midair runs in double precision. Their
-answers are compared before the clock runs. Times are CPU time in ms of all threads, the least of rounds in
-turns, so that other programs on the machine count little. It needs `midair[jax]`.
+JAX runs on all threads, in single precision, as it does by default, and in double; midair runs in double
+precision. Their answers are compared before the clock runs. Times are CPU time in ms of all threads, the
+least of rounds in turns, so that other programs on the machine count little. It needs `midair[jax]`.
 """
 
 from __future__ import annotations
@@ -37,6 +37,11 @@ def jax_loss(drive: Any, points: Any, positions: Any, weights: Any) -> Any:
     return (weights * jnp.abs(field)).sum()
 
 
+#: Its value and its gradients by drive, points and positions, compiled.
+VALUE = jax.jit(jax_loss)
+SLOPES = jax.jit(jax.value_and_grad(jax_loss, argnums=(0, 1, 2)))
+
+
 def interleaved(calls: dict[str, Callable[[], Any]]) -> dict[str, float]:
     """The CPU time of each call in ms, all of them in turns."""
     times: dict[str, list[float]] = {name: [] for name in calls}
@@ -57,33 +62,41 @@ def measure(side: int, count: int) -> dict[str, float]:
     drive = np.exp(2j * np.pi * rng.uniform(size=len(array)))
     weights = rng.uniform(size=count)
     scene = midair.Scene(array, points)
-    single = [jnp.asarray(x, jnp.float32) for x in (points, array.positions, weights)]
-    inputs = (jnp.asarray(drive, jnp.complex64), *single)
-    value = jax.jit(jax_loss)
-    slopes = jax.jit(jax.value_and_grad(jax_loss, argnums=(0, 1, 2)))
-    by, theirs = midair.grad.amplitude(scene, drive, points, weights), slopes(*inputs)[1]
-    for own, other in zip((by.drive.conj(), by.points, by.positions), theirs, strict=True):
-        # JAX's phases are single.
-        assert np.abs(own - np.asarray(other)).max() < 1e-3 * np.abs(own).max()
-    return interleaved(
+    real = (points, array.positions, weights)
+    single = [jnp.asarray(x, jnp.float32) for x in real]
+    single = (jnp.asarray(drive, jnp.complex64), *single)
+    double = (jnp.asarray(drive), *(jnp.asarray(x) for x in real))
+    by = midair.grad.amplitude(scene, drive, points, weights)
+    off = {}
+    for name, inputs, most in (("single", single, 1e-3), ("double", double, 1e-6)):
+        pairs = zip((by.drive.conj(), by.points, by.positions), SLOPES(*inputs)[1], strict=True)
+        off[name] = max(np.abs(own - np.asarray(other)).max() / np.abs(own).max() for own, other in pairs)
+        assert off[name] < most, (name, off[name])
+    times = interleaved(
         {
             "field": lambda: midair.field(scene, drive, points),
             "value": lambda: midair._midair.gradient("amplitude", scene, drive, points),
             "gradient": lambda: midair.grad.amplitude(scene, drive, points, weights),
-            "jax_value": lambda: value(*inputs).block_until_ready(),
-            "jax_gradient": lambda: jax.block_until_ready(slopes(*inputs)),
+            "single_value": lambda: VALUE(*single).block_until_ready(),
+            "single_gradient": lambda: jax.block_until_ready(SLOPES(*single)),
+            "double_value": lambda: VALUE(*double).block_until_ready(),
+            "double_gradient": lambda: jax.block_until_ready(SLOPES(*double)),
         }
     )
+    return {**times, "single_off": float(off["single"]), "double_off": float(off["double"])}
 
 
 def main() -> None:
     """Measure all sizes, print them, and add them to the record."""
+    jax.config.update("jax_enable_x64", True)
     rows = []
     for side, count in SIZES:
         times = measure(side, count)
-        shown = {name: f"{own:.4f}" for name, own in times.items()}
-        ratio = times["jax_gradient"] / times["gradient"]
-        rows.append({"N": side * side, "M": count, **shown, "ratio": f"{ratio:.1f}"})
+        shown = {name: f"{own:.1e}" if "off" in name else f"{own:.4f}" for name, own in times.items()}
+        ratios = {
+            name: f"{times[f'{name}_gradient'] / times['gradient']:.1f}" for name in ("single", "double")
+        }
+        rows.append({"N": side * side, "M": count, **shown, **ratios})
         print(rows[-1])
     new = not RECORD.exists()
     with RECORD.open("a", newline="") as stream:

@@ -19,9 +19,9 @@
 use crate::control::Control;
 use crate::error::Error;
 use crate::kernels::phasor::{CLOSE, phasor};
-use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, total};
+use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, list, loaded, ray, runs, scaled, total};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-use crate::kernels::waves::{Emitters, Slopes, Waves, against, decay, dot, even, normal, ray, runs};
+use crate::kernels::waves::{Emitters, Slopes, Waves, against, decay, even};
 
 /// Blocks of eight between two pulses.
 const RUN: usize = 32;
@@ -76,11 +76,11 @@ pub(crate) fn forth(
         control.pulse()?;
         dispatch!(set, s => {
             for at in runs(s) {
-                let mut sum = [V::of(s, &sums[0][at..]), V::of(s, &sums[1][at..])];
+                let mut sum = loaded(s, &sums, at);
                 let mut most = V::of(s, &nearest[at..]);
-                for ((block, [re, im]), kept) in blocks.iter().zip(drives).zip(kept.iter_mut()) {
+                for ((block, drive), kept) in blocks.iter().zip(drives).zip(kept.iter_mut()) {
                     let [own_re, own_im] = send(s, waves, (block, at), point, kept);
-                    let [re, im] = [V::of(s, &re[at..]), V::of(s, &im[at..])];
+                    let [re, im] = loaded(s, drive, at);
                     sum[0] = sum[0] + (own_re * re - own_im * im);
                     sum[1] = sum[1] + (own_re * im + own_im * re);
                     let near = V::of(s, &kept.near[at..]);
@@ -104,12 +104,13 @@ fn send<S: Doubles>(
     point: [f64; 3],
     kept: &mut Sent,
 ) -> [V<S>; 2] {
-    let d = ray(s, block, at, point);
-    let r = dot(d, d).sqrt();
-    let near = r.inverse();
-    let (cos, sin) = phasor::<_, CLOSE>(s, r * (waves.wavenumber / core::f64::consts::TAU));
+    let d = ray(s, point, (&block.position, at));
+    let square = dot(d, d);
+    let near = square.inverse_root();
+    let r = square * near;
+    let (cos, sin) = phasor::<_, CLOSE>(s, r * (waves.wavenumber * (1.0 / core::f64::consts::TAU)));
     let amplitude = if waves.absorption > 0.0 { near * decay(s, r * waves.absorption) } else { near };
-    let [re, im] = block.factor.each_ref().map(|part| V::of(s, &part[at..]));
+    let [re, im] = loaded(s, &block.factor, at);
     let (cos, sin) = (amplitude * cos, amplitude * sin);
     let g = [cos * re - sin * im, cos * im + sin * re];
     near.put(&mut kept.near[at..]);
@@ -119,10 +120,10 @@ fn send<S: Doubles>(
             g[1].put(&mut kept.wave[1][at..]);
             return g;
         }
-        Slopes::Even { square, terms } => even(s, *square, terms, dot(d, normal(s, block, at)) * near),
-        Slopes::Each(of) => (dot(d, normal(s, block, at)) * near).each(of),
+        Slopes::Even { square, terms } => even(s, *square, terms, dot(d, loaded(s, &block.normal, at)) * near),
+        Slopes::Each(of) => (dot(d, loaded(s, &block.normal, at)) * near).each(of),
     };
-    let wave = g.map(|part| part * slopes[0]);
+    let wave = scaled(g, slopes[0]);
     for part in 0..2 {
         wave[part].put(&mut kept.wave[part][at..]);
         (g[part] * slopes[1]).put(&mut kept.bend[part][at..]);
@@ -145,11 +146,11 @@ pub(crate) fn back(
     for (((blocks, drives), kept), pulls) in all {
         control.pulse()?;
         dispatch!(set, s => {
-            let w = cotangent.map(|part| V::all(s, part));
+            let w = list(s, |part| V::all(s, cotangent[part]));
             for at in runs(s) {
-                let mut sum: [V<_>; 4] = core::array::from_fn(|k| V::of(s, &sums[k][at..]));
+                let mut sum = loaded(s, &sums, at);
                 for (((block, drive), kept), pull) in blocks.iter().zip(drives).zip(kept).zip(pulls.iter_mut()) {
-                    let drive = drive.each_ref().map(|part| V::of(s, &part[at..]));
+                    let drive = loaded(s, drive, at);
                     let own = pulled(s, waves, (block, at), (point, w, drive), kept, pull);
                     for k in 0..4 {
                         sum[k] = sum[k] + own[k];
@@ -174,19 +175,19 @@ fn pulled<S: Doubles>(
     pull: &mut Pull,
 ) -> [V<S>; 4] {
     let near = V::of(s, &kept.near[at..]);
-    let d = ray(s, block, at, point);
-    let e = d.map(|x| x * near);
-    let sent = against(w, kept.wave.each_ref().map(|part| V::of(s, &part[at..])));
+    let d = ray(s, point, (&block.position, at));
+    let e = scaled(d, near);
+    let sent = against(w, loaded(s, &kept.wave, at));
     sent[0].onto(&mut pull.drive[0][at..]);
     (sent[1] * -1.0).onto(&mut pull.drive[1][at..]);
     let driven = [sent[0] * q[0] - sent[1] * q[1], sent[0] * q[1] + sent[1] * q[0]];
     let along = (driven[0] * (near + waves.absorption) + driven[1] * waves.wavenumber) * -1.0;
     let mut by_k = dot(d, e) * driven[1] * -1.0;
-    let mut v = e.map(|x| x * along);
+    let mut v = scaled(e, along);
     if !matches!(waves.slopes, Slopes::One) {
-        let n = normal(s, block, at);
+        let n = loaded(s, &block.normal, at);
         let c = dot(e, n);
-        let bend = against(w, kept.bend.each_ref().map(|part| V::of(s, &part[at..])));
+        let bend = against(w, loaded(s, &kept.bend, at));
         let t = bend[0] * q[0] - bend[1] * q[1];
         let across = t * near;
         for axis in 0..3 {

@@ -19,9 +19,9 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::kernels::backward::Pull;
 use crate::kernels::derivatives::{TERMS, expand};
-use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, total};
+use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, list, loaded, ray, runs, total};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-use crate::kernels::waves::{C, Emitters, Slopes, Waves, dot, normal, ray, runs};
+use crate::kernels::waves::{C, Emitters, Slopes, Waves};
 
 /// Blocks of eight between two pulses.
 const RUN: usize = 8;
@@ -57,7 +57,7 @@ pub(crate) fn contract<const COUNT: usize>(
         dispatch!(set, s => {
             for ((block, drive), pull) in blocks.iter().zip(drives).zip(pulls.iter_mut()) {
                 for at in runs(s) {
-                    let drive = drive.each_ref().map(|part| V::of(s, &part[at..]));
+                    let drive = loaded(s, drive, at);
                     let own = contracted::<_, COUNT>(s, waves, (block, at), (point, drive, weights), pull);
                     for k in 0..4 {
                         own[k].onto(&mut sums[k][at..]);
@@ -81,19 +81,23 @@ fn contracted<S: Doubles, const COUNT: usize>(
     let value = summed(s, &weights.value, &c);
     value[0].onto(&mut pull.drive[0][at..]);
     (value[1] * -1.0).onto(&mut pull.drive[1][at..]);
-    let d = ray(s, block, at, point);
-    let slopes = weights.slopes.each_ref().map(|weights| driven(q, summed(s, weights, &c)));
+    let d = ray(s, point, (&block.position, at));
+    let mut slopes = [[V::all(s, 0.0); 3]; 2];
+    for axis in 0..3 {
+        let own = driven(q, summed(s, &weights.slopes[axis], &c));
+        (slopes[0][axis], slopes[1][axis]) = (own[0], own[1]);
+    }
     let mut grown = driven(q, summed(s, &weights.grown, &c));
     for part in 0..2 {
-        grown[part] = grown[part] + dot(d, slopes.map(|slope| slope[part]));
+        grown[part] = grown[part] + dot(d, slopes[part]);
     }
     let (k, alpha) = (waves.wavenumber, waves.absorption);
     let mut by_k = (grown[0] * k + grown[1] * alpha) * (1.0 / (k * k + alpha * alpha));
-    let v = slopes.map(|slope| slope[0]);
+    let v = slopes[0];
     if !matches!(waves.slopes, Slopes::One) {
-        let turned = weights.turned.each_ref().map(|weights| driven(q, summed(s, weights, &c))[0]);
-        let torque = cross(d, v);
-        let by_normal = cross(normal(s, block, at), core::array::from_fn(|axis| torque[axis] + turned[axis]));
+        let torque = cross(s, d, v);
+        let turn = list(s, |axis| torque[axis] + driven(q, summed(s, &weights.turned[axis], &c))[0]);
+        let by_normal = cross(s, loaded(s, &block.normal, at), turn);
         for axis in 0..3 {
             by_normal[axis].onto(&mut pull.normal[axis][at..]);
         }
@@ -125,8 +129,8 @@ fn driven<S: Doubles>(q: C<S>, z: C<S>) -> C<S> {
 }
 
 #[inline(always)]
-fn cross<S: Doubles>(a: [V<S>; 3], b: [V<S>; 3]) -> [V<S>; 3] {
-    core::array::from_fn(|axis| {
+fn cross<S: Doubles>(s: S, a: [V<S>; 3], b: [V<S>; 3]) -> [V<S>; 3] {
+    list(s, |axis| {
         let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
         a[next] * b[last] - a[last] * b[next]
     })

@@ -18,9 +18,9 @@
 use crate::control::Control;
 use crate::error::Error;
 use crate::kernels::phasor::{EXACT, phasor};
-use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, total};
+use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, loaded, ray, runs, scaled, total};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-use crate::kernels::waves::{C, Emitters, Slopes, Waves, dot, even, normal, ray, runs};
+use crate::kernels::waves::{C, Emitters, Slopes, Waves, even};
 use crate::math::exp;
 
 /// Monomials x^a y^b z^c of degree up to 3, in the order of exponents that fall: 1; x, y, z; x^2, xy, xz, y^2, yz, z^2; ...
@@ -106,13 +106,12 @@ pub(crate) fn values(
 
 #[inline(always)]
 fn value<S: Doubles>(s: S, waves: &Waves, (block, at): (&Emitters, usize), (point, least): ([f64; 3], f64)) -> C<S> {
-    let d = ray(s, block, at, point);
+    let d = ray(s, point, (&block.position, at));
     let (r, least) = (dot(d, d).sqrt(), V::all(s, least));
     let r = least.where_less(r, least, r);
     let near = r.inverse();
-    let [re, im] = &block.factor;
-    let wave = times(spread(s, waves, r, near), [V::of(s, &re[at..]), V::of(s, &im[at..])]);
-    let c = dot(d, normal(s, block, at)) * near;
+    let wave = times(spread(s, waves, r, near), loaded(s, &block.factor, at));
+    let c = dot(d, loaded(s, &block.normal, at)) * near;
     match &waves.slopes {
         Slopes::One => wave,
         Slopes::Even { square, terms } => by(wave, even(s, *square, terms, c)[0]),
@@ -139,13 +138,12 @@ pub(super) fn expand<S: Doubles, const COUNT: usize>(
 ) -> [[V<S>; COUNT]; 2] {
     let zero = V::all(s, 0.0);
     let out = &mut [[zero; COUNT]; 2];
-    let ray = ray(s, block, at, point);
+    let ray = ray(s, point, (&block.position, at));
     let r = dot(ray, ray).sqrt();
     let near = r.inverse();
-    let e = ray.map(|x| x * near);
-    let n = normal(s, block, at);
-    let [re, im] = &block.factor;
-    let factor = [V::of(s, &re[at..]), V::of(s, &im[at..])];
+    let e = scaled(ray, near);
+    let n = loaded(s, &block.normal, at);
+    let factor = loaded(s, &block.factor, at);
     // G_a = r^{2a} times the a-th derivative of g by s, times the factor: g times 1, v - 1, v^2 - 3v + 3, v^3 - 6v^2 + 15v - 15,
     // v^4 - 10v^3 + 45v^2 - 105v + 105, v = ur.
     let v = [r * -waves.absorption, r * waves.wavenumber];
@@ -244,8 +242,8 @@ fn second_third<S: Doubles, const COUNT: usize>(
     let (square, cube) = (near * near, near * near * near);
     for part in 0..2 {
         let [half, sixth] = [f20[part] * 0.5, f30[part] * (1.0 / 6.0)];
-        let mut second: [V<S>; 6] = core::array::from_fn(|t| ee[t] * half);
-        let mut along: [V<S>; 6] = core::array::from_fn(|t| ee[t] * sixth);
+        let mut second = scaled(ee, half);
+        let mut along = scaled(ee, sixth);
         let mut across = [near * 0.0; 6];
         if let Some([f11, f02, f21, f12, f03]) = directed {
             for t in 0..6 {
@@ -292,8 +290,8 @@ fn fourth<S: Doubles, const COUNT: usize>(
     let unit = [one, zero, zero, one, zero, one];
     let scale = near * near * near * near;
     for part in 0..2 {
-        let mut along: [V<S>; 6] = core::array::from_fn(|t| ee[t] * (f40[part] * (1.0 / 24.0)));
-        let mut level: [V<S>; 6] = core::array::from_fn(|t| unit[t] * (f20[part] * 0.125));
+        let mut along = scaled(ee, f40[part] * (1.0 / 24.0));
+        let mut level = scaled(unit, f20[part] * 0.125);
         let mut across = [zero; 6];
         for t in [0, 3, 5] {
             along[t] = along[t] + f30[part] * 0.25;

@@ -12,7 +12,7 @@ use core::f64::consts::TAU;
 
 use crate::kernels::lanes::{groups, groups_mut};
 use crate::kernels::phasor::{EXACT, phasor};
-use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, ray, runs, three};
+use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, loaded, ray, runs};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::math::exp;
 
@@ -75,7 +75,7 @@ fn eight<S: Doubles>(
     (own, at): (&Panels, usize),
     point: [f64; 3],
 ) -> [V<S>; 2] {
-    let normal = three(s, &own.normal, at);
+    let normal = loaded(s, &own.normal, at);
     let (beside, along) = (V::of(s, &own.beside[at..]), V::of(s, &own.along[at..]));
     let mut absorbed = None;
     if absorption > 0.0 {

@@ -6,7 +6,7 @@
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
-use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V};
+use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, list};
 
 /// Taylor coefficients of D that are used: D, D', D''/2, D'''/6, D''''/24 by c = cos(theta).
 pub(crate) const SLOPES: usize = 5;
@@ -38,8 +38,13 @@ impl Emitters {
                 blocks.push(Self { position, normal, factor: [[0.0; EIGHT]; 2] });
             }
             let Some(block) = blocks.last_mut() else { continue };
-            let own = block.position.iter_mut().chain(&mut block.normal).chain(&mut block.factor);
-            own.zip(position.into_iter().chain(normal).chain(factor)).for_each(|(own, x)| own[i % EIGHT] = x);
+            for axis in 0..3 {
+                block.position[axis][i % EIGHT] = position[axis];
+                block.normal[axis][i % EIGHT] = normal[axis];
+            }
+            for part in 0..2 {
+                block.factor[part][i % EIGHT] = factor[part];
+            }
         }
         blocks
     }
@@ -64,27 +69,6 @@ pub(crate) struct Waves {
     pub(crate) slopes: Slopes,
     /// dD/dk and its derivatives by c, where D is a function of k sin(theta); else it is one of theta alone.
     pub(crate) widening: Option<Slopes>,
-}
-
-/// The first of each run of numbers that a set takes at once.
-#[inline(always)]
-pub(super) fn runs<S: Doubles>(_s: S) -> impl Iterator<Item = usize> {
-    (0..EIGHT).step_by(S::WIDTH)
-}
-
-#[inline(always)]
-pub(super) fn ray<S: Doubles>(s: S, block: &Emitters, at: usize, point: [f64; 3]) -> [V<S>; 3] {
-    core::array::from_fn(|axis| V::all(s, point[axis]) - V::of(s, &block.position[axis][at..]))
-}
-
-#[inline(always)]
-pub(super) fn normal<S: Doubles>(s: S, block: &Emitters, at: usize) -> [V<S>; 3] {
-    core::array::from_fn(|axis| V::of(s, &block.normal[axis][at..]))
-}
-
-#[inline(always)]
-pub(super) fn dot<S: Doubles>(a: [V<S>; 3], b: [V<S>; 3]) -> V<S> {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// w* z.
@@ -123,5 +107,5 @@ pub(super) fn even<S: Doubles>(s: S, square: f64, terms: &[f64], c: V<S>) -> [V<
     let third = f[2] * a * (2.0 * b) + f[3] * a * a * a;
     let fourth = f[2] * (b * b) + f[3] * a * a * (3.0 * b) + f[4] * a * a * a * a;
     let slopes = [f[0], f[1] * a, f[1] * b + f[2] * a * a, third, fourth];
-    slopes.map(|slope| zero.where_less(c, zero, slope))
+    list(s, |n| zero.where_less(c, zero, slopes[n]))
 }

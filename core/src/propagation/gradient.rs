@@ -28,10 +28,13 @@ use crate::scene::Particle;
 use crate::scene::{Medium, Obstacle, check_places};
 
 /// Points whose gradients by transducers are one sum: such sums are added in the points' order, whatever the threads.
-const BLOCK: usize = 8;
+const BLOCK: usize = 16;
 
 /// Sums of each thread that wait to be added.
 const WAITING: usize = 4;
+
+/// Pairs of a transducer and a point from which on a second thread saves more than its start costs.
+const SPREAD: usize = 1 << 17;
 
 /// Unit vectors.
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -195,13 +198,20 @@ impl<'a> Pass<'a> {
         for (stretch, all) in points.chunks(BLOCK * waiting).enumerate() {
             let first = stretch * BLOCK * waiting;
             let mut parts: Vec<Option<Part>> = all.chunks(BLOCK).map(|_| None).collect();
-            let work = parts.iter_mut().zip(all.chunks(BLOCK)).enumerate().collect();
-            control.each(work, &|(k, (part, points)): (usize, (&mut Option<Part>, &[[f64; 3]])), control| {
+            let mut work = parts.iter_mut().zip(all.chunks(BLOCK)).enumerate();
+            let run = |(k, (part, points)): (usize, (&mut Option<Part>, &[[f64; 3]])), control: &mut Control| {
                 let first = first + k * BLOCK;
                 let cotangent = cotangent.map(|all| &all[first * width..(first + points.len()) * width]);
                 *part = Some(self.part((first, points), cotangent, control)?);
                 Ok(())
-            })?;
+            };
+            // A particle feels derivatives, ten times the work.
+            let cost = if self.quantity.particle().is_some() { 10 } else { 1 };
+            if count * all.len() * cost < SPREAD {
+                work.try_for_each(|work| run(work, control))?;
+            } else {
+                control.each(work.collect(), &run)?;
+            }
             for part in parts.into_iter().flatten() {
                 sum.add(&part);
                 gradient.value.extend(part.value);

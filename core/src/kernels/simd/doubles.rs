@@ -15,6 +15,9 @@ pub(crate) const EIGHT: usize = 8;
 /// Such numbers.
 pub(crate) type Eight = [f64; EIGHT];
 
+/// Of [`Doubles::rsqrt_estimate_doubles`].
+pub(crate) const ROOT: u64 = 0x5fe6_eb50_c7b5_37a9;
+
 /// Operations of an instruction set on doubles.
 pub(crate) trait Doubles: Copy {
     /// f64, [`Doubles::WIDTH`] of them: a divisor of [`EIGHT`].
@@ -31,6 +34,8 @@ pub(crate) trait Doubles: Copy {
     fn mul_doubles(self, a: Self::D, b: Self::D) -> Self::D;
     fn div_doubles(self, a: Self::D, b: Self::D) -> Self::D;
     fn sqrt_doubles(self, a: Self::D) -> Self::D;
+    /// 1/sqrt(a) of normal a to 3.5 %: the integer of its bits is [`ROOT`] less half of that of a.
+    fn rsqrt_estimate_doubles(self, a: Self::D) -> Self::D;
     /// x where a < b, else y.
     fn select_doubles(self, a: Self::D, b: Self::D, x: Self::D, y: Self::D) -> Self::D;
 }
@@ -79,6 +84,11 @@ impl<R: Copy> Doubles for Fours<R> {
     #[inline(always)]
     fn sqrt_doubles(self, a: f64) -> f64 {
         math::sqrt(a)
+    }
+
+    #[inline(always)]
+    fn rsqrt_estimate_doubles(self, a: f64) -> f64 {
+        f64::from_bits(ROOT - (a.to_bits() >> 1))
     }
 
     #[inline(always)]
@@ -142,6 +152,18 @@ impl<S: Doubles> V<S> {
         Self(self.0, self.0.div_doubles(self.0.splat_double(1.0), self.1))
     }
 
+    /// 1/sqrt(x) of normal x to 3e-12, in half the time of a root and a quotient.
+    #[inline(always)]
+    pub(crate) fn inverse_root(self) -> Self {
+        let mut root = Self(self.0, self.0.rsqrt_estimate_doubles(self.1));
+        // Halley's step: of an error e there remains 5/2 e^3.
+        for _ in 0..2 {
+            let rest = Self::all(self.0, 1.0) - self * root * root;
+            root = root + root * rest * (rest * 0.375 + 0.5);
+        }
+        root
+    }
+
     /// This where `a` < `b`, else `other`.
     #[inline(always)]
     pub(crate) fn where_less(self, a: Self, b: Self, other: Self) -> Self {
@@ -185,16 +207,32 @@ pub(crate) fn runs<S: Doubles>(_s: S) -> impl Iterator<Item = usize> {
     (0..EIGHT).step_by(S::WIDTH)
 }
 
-/// Those of three lists.
+/// The values by index. The closure of `core::array::from_fn` is compiled without the set's instructions: 2 times slower.
 #[inline(always)]
-pub(crate) fn three<S: Doubles>(s: S, [x, y, z]: &[Eight; 3], at: usize) -> [V<S>; 3] {
-    [V::of(s, &x[at..]), V::of(s, &y[at..]), V::of(s, &z[at..])]
+pub(crate) fn list<S: Doubles, const N: usize>(s: S, of: impl Fn(usize) -> V<S>) -> [V<S>; N] {
+    let mut all = [V::all(s, 0.0); N];
+    for k in 0..N {
+        all[k] = of(k);
+    }
+    all
+}
+
+/// Those of some lists.
+#[inline(always)]
+pub(crate) fn loaded<S: Doubles, const N: usize>(s: S, lists: &[Eight; N], at: usize) -> [V<S>; N] {
+    list(s, |k| V::of(s, &lists[k][at..]))
+}
+
+/// A vector times a number.
+#[inline(always)]
+pub(crate) fn scaled<S: Doubles, const N: usize>(v: [V<S>; N], x: V<S>) -> [V<S>; N] {
+    list(x.0, |k| v[k] * x)
 }
 
 /// From places to a point.
 #[inline(always)]
 pub(crate) fn ray<S: Doubles>(s: S, point: [f64; 3], (places, at): (&[Eight; 3], usize)) -> [V<S>; 3] {
-    let [x, y, z] = three(s, places, at);
+    let [x, y, z] = loaded(s, places, at);
     [V::all(s, point[0]) - x, V::all(s, point[1]) - y, V::all(s, point[2]) - z]
 }
 

@@ -4,6 +4,7 @@ use core::array::from_fn;
 
 use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::simd::WHOLE;
+use crate::kernels::simd::doubles::{EIGHT, V, runs};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::tests::ROUNDING;
 use crate::rng::Rng;
@@ -21,6 +22,24 @@ macro_rules! stored {
             out
         })
     };
+}
+
+#[test]
+fn inverse_roots_are_the_same_of_every_set_and_close() {
+    let numbers = [1e-300, 3e-9, 0.25, 0.999, 1.0, 2.0, 7.3, 1e200];
+    let exact = numbers.map(|x: f64| 1.0 / x.sqrt());
+    let mut first = None;
+    for set in InstructionSet::all() {
+        let mut roots = [0.0; EIGHT];
+        dispatch!(set, s => {
+            for at in runs(s) {
+                V::of(s, &numbers[at..]).inverse_root().put(&mut roots[at..]);
+            }
+        });
+        let off = roots.iter().zip(exact).map(|(root, exact)| (root / exact - 1.0).abs()).fold(0.0, f64::max);
+        assert!(off < 3e-12, "{set}: {off:e}");
+        assert_eq!(roots, *first.get_or_insert(roots));
+    }
 }
 
 #[test]

@@ -207,8 +207,10 @@ fn gradients_are_central_differences_in_two_hundred_scenes() {
 #[test]
 fn bits_are_those_of_every_instruction_set_and_number_of_threads() {
     let setting = Setting::random(4);
-    let points: Vec<[f64; 3]> = (0..61).map(|k| [0.001 * f64::from(k), -0.02, 0.15]).collect();
-    let cotangent: Vec<f64> = (0..61).map(|k| f64::from(k % 7) - 2.0).collect();
+    // Enough for a second thread.
+    let count = (SPREAD / setting.drive.len() + 1) as u32;
+    let points: Vec<[f64; 3]> = (0..count).map(|k| [0.001 * f64::from(k % 61), -0.02, 0.15]).collect();
+    let cotangent: Vec<f64> = (0..count).map(|k| f64::from(k % 7) - 2.0).collect();
     let model = setting.model();
     let of = |set, threads: usize| {
         let mut control = Control::none().on(crate::Threads::default().at_most(threads));

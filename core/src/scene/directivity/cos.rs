@@ -9,11 +9,17 @@ pub(super) static LAW: Law = Law {
     about: "D = cos(theta)^n; HandyBeam's model with n = 3.376",
     value: |exponent, cos_theta, _| math::pow(cos_theta, exponent),
     taylor: Taylor::Each(|n, c, _| {
-        let power = |m: f64, factor: f64| if factor == 0.0 { 0.0 } else { factor * math::pow(c, n - m) };
+        // One power and quotients, where neither is too small to divide.
+        let (whole, over) = (math::pow(c, n), [1.0, c, c * c, c * c * c]);
+        let power = |m: usize, factor: f64| match factor {
+            0.0 => 0.0,
+            _ if c > 1e-30 && whole > 1e-200 => factor * whole / over[m],
+            _ => factor * math::pow(c, n - m as f64),
+        };
         let second = n * (n - 1.0) / 2.0;
-        let third = power(3.0, second * (n - 2.0) / 3.0);
+        let third = power(3, second * (n - 2.0) / 3.0);
         let fourth = if c > 0.0 { third * (n - 3.0) / (4.0 * c) } else { 0.0 };
-        [power(0.0, 1.0), power(1.0, n), power(2.0, second), third, fourth]
+        [whole, power(1, n), power(2, second), third, fourth]
     }),
     sharpness: |exponent, _| math::sqrt(exponent),
     shape: Shape::Power,
