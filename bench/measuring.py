@@ -98,7 +98,7 @@ class Rig:
         return float(p.mean() / self.best), float(p.min() / p.max())
 
     def solved(self, array: midair.Array, speed: float) -> tuple[float, float]:
-        """The same of an array's answer."""
+        """Measure the same quantities for an array's answer."""
         return self.kept(midair.solve(midair.Scene(array, self.new, sound_speed=speed), "uniform").drive)
 
 

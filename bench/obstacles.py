@@ -32,7 +32,7 @@ def received(
 
 def main() -> None:
     """The table, and the picture."""
-    # Its last column stands 5 mm from the wall.
+    # The last column of the array stands 5 mm from the wall.
     array = midair.Array.grid(9, 16, 10e-3)
     scene = midair.Scene(array, POINTS)
     wall = midair.Wall([SIDE, 0, 0], [-1, 0, 0])

@@ -175,7 +175,7 @@ midair_result midair_array_positions(const midair_array *array,
 // Frees an array. Sessions made of it go on. NULL is nothing to free.
 void midair_array_free(midair_array *array);
 
-// Solves problems of count points each by one call, over so many threads at most (0 for one a processor): points
+// Solves problems of count points each by one call, over this many threads at most (0 for one a processor): points
 // (problems, count, 3) in m, pressures and weights (problems, count) as in midair_session_solve(), drives (problems,
 // transducers), answers (problems,), which may be NULL. Each answer is bit for bit that of midair_session_solve() for the
 // problem alone in a new session, whatever the threads. A refused problem is named, and nothing is written. A weight of 0
@@ -193,7 +193,7 @@ midair_result midair_session_solve_batch(midair_session *session,
                                          char *message,
                                          size_t message_size);
 
-// Solves the requests of count scenes by one call, over so many threads at most (0 for one a processor): scenes (count,) are
+// Solves the requests of count scenes by one call, over this many threads at most (0 for one a processor): scenes (count,) are
 // texts as midair_session_open() takes them, folder is where they look up files, or NULL. drives (count, transducers) have a
 // row for each scene, with 0 behind the drive of a scene of fewer transducers; answers (count,) may be NULL. A refused scene
 // is named, and nothing is written.
@@ -207,7 +207,7 @@ midair_result midair_solve_scenes(const char *const *scenes,
                                   char *message,
                                   size_t message_size);
 
-// Makes as many boards of a kind, such as "sonicsurface" or "openmpd", as an array of so many transducers needs, in the
+// Makes as many boards of a kind, such as "sonicsurface" or "openmpd", as an array of this many transducers needs, in the
 // order of the kind's preset.
 midair_result midair_board_new(const char *name,
                                size_t transducers,
@@ -226,7 +226,7 @@ midair_result midair_board_of_session(const char *name,
 // Bytes of a frame, for all boards; 0 for NULL.
 size_t midair_board_frame_size(const midair_board *board);
 
-// Writes the frame that makes the boards play a drive of so many transducers, size being midair_board_frame_size().
+// Writes the frame that makes the boards play a drive of this many transducers, size being midair_board_frame_size().
 midair_result midair_board_encode(const midair_board *board,
                                   const midair_complex *drive,
                                   size_t transducers,
@@ -276,7 +276,7 @@ size_t midair_session_transducers(const midair_session *session);
 
 // Sets an option to a number: of the medium (every key of `[medium]` in a scene file, such as "temperature"), of the
 // transducers ("source_pressure", "directivity." and the name of a directivity that takes a parameter, as in
-// "directivity.piston"), or of the method. A session whose options are set begins anew.
+// "directivity.piston"), or of the method. A session whose options are set begins again.
 midair_result midair_session_set_number(midair_session *session,
                                         const char *name,
                                         double value,

@@ -14,7 +14,7 @@ use crate::memory::{Complex, Lists, list, room, text, write};
 use crate::outcome::{Message, Outcome, outcome};
 use crate::session::{Session, State, write_request};
 
-/// So many threads at most, as many as there are processors for 0.
+/// This many threads at most, as many as there are processors for 0.
 fn at_most(threads: usize) -> usize {
     let all = thread::available_parallelism().map_or(1, NonZero::get);
     if threads == 0 { all } else { threads.min(all) }
@@ -29,13 +29,13 @@ fn aside<R: Send>(work: impl FnOnce() -> R + Send) -> Result<R, Error> {
     Ok(thread.join().unwrap_or_else(|panic| resume_unwind(panic)))
 }
 
-/// The number of entries that problems of so many points have.
+/// The number of entries that problems of this many points have.
 fn entries(problems: usize, count: usize) -> Result<usize, Error> {
     let cure = "no memory holds so many points: look at the counts";
     problems.checked_mul(count).ok_or_else(|| Error::invalid("problems", problems, cure))
 }
 
-/// Refuses where no drive, or no answer, of so many problems can be written; how many entries the drives have.
+/// Refuses where no drive, or no answer, of this many problems can be written; how many entries the drives have.
 fn outputs(problems: usize, drives: *mut Complex, transducers: usize, answers: *mut Answer) -> Result<usize, Error> {
     let rows = entries(problems, transducers)?;
     room("drives", drives, rows, rows)?;
@@ -45,7 +45,7 @@ fn outputs(problems: usize, drives: *mut Complex, transducers: usize, answers: *
     Ok(rows)
 }
 
-/// Solves problems of count points each by one call, over so many threads at most (0 for one a processor): points
+/// Solves problems of count points each by one call, over this many threads at most (0 for one a processor): points
 /// (problems, count, 3) in m, pressures and weights (problems, count) as in midair_session_solve(), drives (problems,
 /// transducers), answers (problems,), which may be NULL. Each answer is bit for bit that of midair_session_solve() for the
 /// problem alone in a new session, whatever the threads. A refused problem is named, and nothing is written. A weight of 0
@@ -109,7 +109,7 @@ pub unsafe extern "C" fn midair_session_solve_batch(
     })
 }
 
-/// Solves the requests of count scenes by one call, over so many threads at most (0 for one a processor): scenes (count,) are
+/// Solves the requests of count scenes by one call, over this many threads at most (0 for one a processor): scenes (count,) are
 /// texts as midair_session_open() takes them, folder is where they look up files, or NULL. drives (count, transducers) have a
 /// row for each scene, with 0 behind the drive of a scene of fewer transducers; answers (count,) may be NULL. A refused scene
 /// is named, and nothing is written.

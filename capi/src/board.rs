@@ -75,7 +75,7 @@ impl From<&midair::Board> for Link {
     }
 }
 
-/// Makes as many boards of a kind, such as "sonicsurface" or "openmpd", as an array of so many transducers needs, in the
+/// Makes as many boards of a kind, such as "sonicsurface" or "openmpd", as an array of this many transducers needs, in the
 /// order of the kind's preset.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_board_new(
@@ -121,7 +121,7 @@ pub extern "C" fn midair_board_frame_size(board: Option<&Board>) -> usize {
     board.map_or(0, |board| board.inner.frame_size())
 }
 
-/// Writes the frame that makes the boards play a drive of so many transducers, size being midair_board_frame_size().
+/// Writes the frame that makes the boards play a drive of this many transducers, size being midair_board_frame_size().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_board_encode(
     board: Option<&Board>,

@@ -55,7 +55,7 @@ pub(crate) unsafe fn text<'a>(item: &str, text: *const c_char) -> Result<&'a str
 /// `count` entries from an address on.
 ///
 /// # Safety
-/// `start` is NULL or so many entries can be read there while the answer is in use.
+/// `start` is NULL or this many entries can be read there while the answer is in use.
 pub(crate) unsafe fn list<'a, T>(item: &str, start: *const T, count: usize) -> Result<&'a [T], Error> {
     if count == 0 {
         return Ok(&[]);
@@ -131,7 +131,7 @@ pub(crate) fn room<T>(item: &str, start: *mut T, count: usize, needed: usize) ->
 /// Writes a list to where there is [`room`] for it.
 ///
 /// # Safety
-/// So many entries may be written from `start` on, which [`room`] did not refuse.
+/// This many entries may be written from `start` on, which [`room`] did not refuse.
 pub(crate) unsafe fn write<T: Copy>(start: *mut T, values: &[T]) {
     // SAFETY: as the caller's; memory that the core works in does not lie in a buffer of the caller's.
     unsafe { start.copy_from_nonoverlapping(values.as_ptr(), values.len()) };

@@ -80,7 +80,7 @@ impl Setting {
         self.array.doubts(self.medium).iter().map(ToString::to_string).collect()
     }
 
-    /// Sets an option, or sets it anew.
+    /// Sets an option, or sets it again.
     pub(crate) fn set(&mut self, name: &str, given: Given<'_>) -> Result<(), Error> {
         let value = |item: &str| given.number(item);
         if let Some(law) = name.strip_prefix("directivity.") {

@@ -40,7 +40,7 @@ impl State {
         Ok((Self { setting, doubts, model, session, ask, own: None }, news))
     }
 
-    /// That of a scene's text, and what is hardly meant of it.
+    /// The setting of a scene's text, and its probable mistakes.
     pub(crate) fn of_scene(text: &str, source: Source<'_>) -> Result<(Self, String), Error> {
         let scene = read_from(text.as_bytes(), Format::of_text(text.as_bytes()), source)?;
         let (state, said) = Self::open(Setting::of_scene(&scene)?, &[])?;
@@ -74,7 +74,7 @@ impl State {
 }
 
 impl Session {
-    /// That behind a handle.
+    /// The session behind a handle.
     ///
     /// # Safety
     /// The handle is NULL or one that was not freed yet.
@@ -94,7 +94,7 @@ impl Session {
         }
     }
 
-    /// Sets an option: the session begins anew.
+    /// Sets an option: the session begins again.
     fn set(&self, name: &str, given: Given<'_>) -> Result<String, Error> {
         let mut state = self.state()?;
         let mut setting = state.setting.clone();
@@ -186,7 +186,7 @@ pub extern "C" fn midair_session_transducers(session: Option<&Session>) -> usize
 
 /// Sets an option to a number: of the medium (every key of `[medium]` in a scene file, such as "temperature"), of the
 /// transducers ("source_pressure", "directivity." and the name of a directivity that takes a parameter, as in
-/// "directivity.piston"), or of the method. A session whose options are set begins anew.
+/// "directivity.piston"), or of the method. A session whose options are set begins again.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_session_set_number(
     session: *mut Session,

@@ -1,4 +1,4 @@
-//! The header is what cbindgen makes of the crate: `make header` writes it anew.
+//! The header is what cbindgen makes of the crate: `make header` writes it again.
 
 use std::fs;
 use std::path::Path;

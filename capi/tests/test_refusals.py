@@ -258,7 +258,7 @@ def test_warnings_are_reported_once(library: Library, have: SimpleNamespace) -> 
     call = solve(have, session=session, pressures=loud)
     assert "points[0].pressure is 1000000 Pa, beyond reach" in library.done(*call)
     assert library.done(*call) == ""
-    # Set anew it begins anew; an array with a probable mistake is reported when it is known.
+    # Set again it begins again; an array with a probable mistake is reported when it is known.
     said = library.done("session_set_number", session, "frequency", 40.0)
     assert said.startswith("medium.frequency is 40 Hz")
     assert library.done("session_set_number", session, "density", 1.2) == ""

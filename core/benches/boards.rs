@@ -55,7 +55,7 @@ struct Method {
 const FAST: Method = Method { label: "fast", name: "fast", options: &[] };
 const UNIFORM: Method = Method { label: "uniform", name: "uniform", options: &[] };
 
-/// Greedy of so many phases at full amplitude: the same search whatever the board.
+/// Greedy of this many phases at full amplitude: the same search whatever the board.
 const fn greedy(label: &'static str, options: &'static [(&'static str, i128)]) -> Method {
     Method { label, name: "greedy", options }
 }
@@ -74,7 +74,7 @@ impl Method {
     }
 }
 
-/// Scenes of so many points in a square of 100 mm at 200 mm, as loud as the array can.
+/// Scenes of this many points in a square of 100 mm at 200 mm, as loud as the array can.
 fn scenes(count: usize, points: usize) -> Vec<SolveRequest> {
     let mut rng = Rng::new(points as u64);
     let mut coordinate = || 0.1 * rng.uniform() - 0.05;

@@ -2,7 +2,7 @@
 //!
 //! `cargo bench -p midair --features parallel --bench side_by_side`. CPU frequency and neighbours move all sides
 //! alike; the ratio is what counts. "textbook" is Algorithm 2 as one writes it down: complex f64, |P + G q| by the
-//! complex modulus, energies summed anew for each candidate, G of eq. (5) computed by libm as ours computes its own.
+//! complex modulus, energies summed again for each candidate, G of eq. (5) computed by libm as ours computes its own.
 #![forbid(unsafe_code)]
 
 use std::hint::black_box;
@@ -169,7 +169,7 @@ fn many_candidates(array: &Array, points: usize, rounds: usize) {
     println!("greedy N={} M={points}: K=16 L=256 {many:.2?}, {ratio:.2} times K=1 L=16, {few:.2?}", array.len());
 }
 
-/// A batch on one thread against a loop of single solves, each problem made anew on both sides.
+/// A batch on one thread against a loop of single solves, each problem made again on both sides.
 fn batch(array: &Array, name: &str, points: usize, count: usize, rounds: usize) {
     let model = Model::new(array, Medium::default(), InstructionSet::best()).expect("an array with a medium");
     let mut rng = Rng::new(points as u64);

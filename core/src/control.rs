@@ -52,7 +52,7 @@ impl<F: FnMut(Progress<'_>) -> ControlFlow<()>> Observe for F {
 /// Bytes that a computation may take at once by default.
 const MEMORY: u64 = 8_000_000_000;
 
-/// One pulse of so many is passed on: a row of G takes but ten times as long as asking does.
+/// One pulse of this many is passed on: a row of G takes but ten times as long as asking does.
 const PULSES: u32 = 8;
 
 /// Fewer bytes than this are taken without a check.
@@ -233,7 +233,7 @@ impl fmt::Debug for Control<'_> {
     }
 }
 
-/// Bytes of so many numbers of `size` bytes, `sides` multiplied.
+/// Bytes of this many numbers of `size` bytes, `sides` multiplied.
 pub(crate) fn bytes(size: usize, sides: &[usize]) -> u64 {
     sides.iter().fold(size as u64, |product, &side| product.saturating_mul(side as u64))
 }

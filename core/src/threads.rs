@@ -18,14 +18,14 @@ pub struct Threads {
 }
 
 impl Threads {
-    /// Those of a pool.
+    /// The threads of a pool.
     #[cfg(feature = "parallel")]
     #[must_use]
     pub fn of(pool: Arc<rayon::ThreadPool>) -> Self {
         Self { pool: Some(pool), most: None }
     }
 
-    /// The same, `most` of them at once; at least 1.
+    /// Threads of which `most` work at once; at least 1.
     #[must_use]
     pub fn at_most(mut self, most: usize) -> Self {
         self.most = Some(most.max(1));

@@ -28,7 +28,7 @@ impl<T: Clone + Default> Pool<T> {
         Buffer { list, pool: self }
     }
 
-    /// The same for what is written as a whole before it is read: it may hold anything.
+    /// Memory for a list that is written as a whole before it is read: it may hold anything.
     pub(crate) fn take_any(&self, len: usize) -> Buffer<'_, T> {
         let mut list = self.fitting(len);
         list.resize(len, T::default());

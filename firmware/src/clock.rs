@@ -23,7 +23,7 @@ impl Clock {
         Self(register)
     }
 
-    /// The time in parts of a tick, so many that it counts through all of u32.
+    /// The time in parts of a tick, this many that it counts through all of u32.
     #[must_use]
     pub fn now(&self) -> u32 {
         let _ = &self.0;

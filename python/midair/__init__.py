@@ -1,4 +1,4 @@
-"""Drives for airborne ultrasound phased arrays: given points in the air feel given pressures.
+"""Drives for airborne ultrasound phased arrays: the pressure at given points is what you request.
 
 >>> import midair
 >>> array = midair.Array.preset("paper20")

@@ -60,7 +60,7 @@ impl Function {
         self.raised.clone()
     }
 
-    /// It as the registry would make one.
+    /// The function as the registry would make a method.
     pub(crate) fn configured(self, choice: &Choice) -> PyResult<Configured> {
         if choice.aim.is_some() {
             return Err(refused(unused("aim", &self.name, |info| info.uses_aim)));

@@ -31,7 +31,7 @@ impl<'py> Keywords<'py> {
         Ok(value)
     }
 
-    /// Those that are left.
+    /// The keywords that are left.
     pub(crate) fn rest(&self) -> &Bound<'py, PyDict> {
         &self.0
     }

@@ -50,7 +50,7 @@ pub(crate) fn memory() -> PyResult<u64> {
     REQUESTED.get_or_init(requested).clone().map_err(no_bytes)
 }
 
-/// The same, read anew, for what Python computes.
+/// The memory limit, read again, for computations in Python.
 #[pyfunction]
 pub(crate) fn memory_limit() -> PyResult<u64> {
     requested().map_err(no_bytes)

@@ -172,7 +172,7 @@ impl Boundary {
         PyArray1::from_vec(py, matrix).reshape([self.inner.elements(); 2])
     }
 
-    /// Their right-hand sides (E, N).
+    /// The right-hand sides of the elements (E, N).
     fn incident<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
         let threads = limits::threads(py)?;
         let incident = attend(py, None, |control| self.inner.incident(&mut control.on(threads)))?;

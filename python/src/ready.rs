@@ -12,7 +12,7 @@ use crate::mesh::behind;
 /// Bytes of a workspace that is kept for the next solve at most: new memory of 1 MB costs as much as G at 64 points.
 const MOST_KEPT: usize = 32 << 20;
 
-/// An array prepared for a medium, and what is hardly meant of the two: both take O(N) and more, a scene of them O(M).
+/// An array prepared for a medium, and what is probably a mistake of the two: both take O(N) and more, a scene of them O(M).
 pub(crate) struct Ready {
     pub(crate) model: Model,
     pub(crate) doubts: Vec<Doubt>,
@@ -60,7 +60,7 @@ impl Kept {
         Self(Arc::new(Mutex::new(Some(ready))))
     }
 
-    /// That of the array which it is kept beside.
+    /// The prepared data of the array.
     pub(crate) fn get(&self, array: &midair::Array, medium: Medium) -> PyResult<Arc<Ready>> {
         // Locked with the GIL taken, and so free whenever Python forks.
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);

@@ -61,7 +61,7 @@ impl PartialEq for Source {
 }
 
 impl Source {
-    /// One of a session's problems, made again.
+    /// One problem of a session, made again.
     pub(crate) fn problem(
         &self,
         points: &[[f64; 3]],

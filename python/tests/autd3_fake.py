@@ -27,7 +27,7 @@ class Fake:
         #: Statuses that boards reply next, to whatever comes; and flags besides those of a board in order.
         self.refusals: list[int] = []
         self.flags = 0
-        #: So many steps are acknowledged by another count, as boards do that have dropped them.
+        #: This many steps are acknowledged by another count, as boards do that have dropped them.
         self.skips = 0
         self._unit: list[int | None] = [None] * boards
         self._open = [False] * boards

@@ -329,9 +329,9 @@ class Homies:
 class Kind:
     """The properties of a kind of board.
 
-    lines : the lines of so many boards and what listens to them
-    length : bytes of a frame of so many boards
-    off : whether a frame of so many boards says in the board's own word that nothing plays
+    lines : the lines of this many boards and what listens to them
+    length : bytes of a frame of this many boards
+    off : whether a frame of this many boards says in the board's own word that nothing plays
     ticks : of a period, or their lengths; 0 of a board that is sent codes instead of pulses
     widths : of pulses in ticks; left out, half a period or none
     """

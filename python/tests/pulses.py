@@ -12,7 +12,7 @@ Complex = NDArray[np.complex128]
 
 
 def edges(ticks: int | Ticks) -> Complex:
-    """Where each tick of a period begins, and the last ends: so many equal ones, or of some lengths."""
+    """Where each tick of a period begins, and the last ends: this many equal ones, or of some lengths."""
     lengths = np.ones(ticks) if isinstance(ticks, int) else np.array(ticks)
     return np.exp(2j * np.pi * np.r_[0, np.cumsum(lengths)] / lengths.sum())
 

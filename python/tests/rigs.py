@@ -87,7 +87,7 @@ BYTEWISE = [case for case in CASES if case[0] != "autd3" and case[1] < 14]
 
 
 def made(case: tuple[str, int]) -> tuple[Board, Rig]:
-    """So many boards of a kind: in an array of their own where there is one, else on a grid."""
+    """Boards of a kind: in an array of their own where there is one, else on a grid."""
     kind, boards = case
     board = Board(kind)
     if boards != board.boards:

@@ -11,7 +11,7 @@ import midair
 
 #: The weakest method of docs/how-to-choose.md reaches .42; far above the targets is a fault, too.
 LEAST, MOST = 0.3, 1.2
-#: Its most uneven one has .24.
+#: The most uneven method has .24.
 UNEVEN = 0.3
 
 
@@ -55,7 +55,7 @@ def sane(thing: object, where: str) -> int:
 
 
 def columns(table: Mapping[str, object], where: str) -> int:
-    """The same of a table of metrics, a column a name."""
+    """The columns of a table of metrics, by name."""
     within = {"accuracy": (LEAST, MOST), "level": (LEAST, MOST), "sigma": (0, UNEVEN)}
     found = {name: np.asarray(table[name], float) for name in within.keys() & table.keys()}
     for name, values in found.items():
@@ -81,7 +81,7 @@ def printed(text: str) -> dict[str, list[float]]:
 
 
 def written(paths: Iterable[Path]) -> int:
-    """The same of the files that a command has left."""
+    """The numbers of the files that a command has left."""
     count = 0
     for path in paths:
         if path.suffix == ".npz":

@@ -21,7 +21,7 @@ def scenes() -> dict[str, midair.Scene]:
     array = midair.Array.preset("openmpd_board")
     return {
         "plain": midair.Scene(array, POINTS, 300.0),
-        # Its amplitudes leave a scale below 1.
+        # The amplitudes of this board leave a scale below 1.
         "scaled": midair.Scene(midair.Array.preset("sonicsurface"), POINTS, 20.0),
         "trap": midair.Scene(array, POINTS, signature="trap"),
         "wall": midair.Scene(array, POINTS, obstacles=[midair.Wall([0, 0.09, 0], [0, -1, 0])]),

@@ -43,7 +43,7 @@ def test_two_sonicsurfaces_make_the_focus_that_is_reported(place) -> None:
     pins = emitted(board, solution.drive, "sonicsurface")
     (got,) = pressures(board, scene, pins)
     assert got == pytest.approx(abs(solution.pressures[0]), rel=1e-3)
-    # The bytes that make up for nothing.
+    # Bytes without corrections.
     late = np.where(np.arange(512) < 256, 1, np.exp(1j * np.deg2rad(187.65)))
     (silent,) = pressures(board, scene, pins * late)
     assert silent / got == pytest.approx(PAIR, abs=0.01)

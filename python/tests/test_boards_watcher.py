@@ -21,7 +21,7 @@ from test_boards_guard import ended, programs, started  # noqa: F401, a fixture 
 
 TRIALS = 20 if os.environ.get("MIDAIR_SLOW") else 5
 
-#: Within so many seconds.
+#: Within this many seconds.
 ALLOWED = 0.25
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="finds processes by /proc")

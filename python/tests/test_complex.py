@@ -49,7 +49,7 @@ def least_error(G: Complex, p: Complex, weights: NDArray[np.float64]) -> float:
 
 
 def error(G: Complex, drive: NDArray[np.complex64], p: Complex, weights: NDArray[np.float64]) -> float:
-    """The same of a drive."""
+    """The complex errors of a drive."""
     root = np.sqrt(weights)
     return float(np.linalg.norm(root * (G @ drive.astype(complex) - p)) / np.linalg.norm(root * p))
 

@@ -94,7 +94,7 @@ def test_progress_is_reported_every_step(solver: str) -> None:
     assert steps >= len(reported) == solution.steps
     assert {tuple(map(type, step)) for step in reported} == {(int, int, float)}
     assert np.array_equal([residual for _, _, residual in reported], solution.trace)
-    # The last step's residual is the answer's: an f32 field kept along the way, and one computed anew.
+    # The last step's residual is the answer's: an f32 field kept along the way, and one computed again.
     assert reported[-1][2] == pytest.approx(solution.metrics.residual, abs=1e-5)
     assert same_bits(midair.solve(scene, solver).drive, solution.drive)
 

@@ -1,4 +1,4 @@
-"""Kept files: what is damaged is made anew, one run works on a folder, nothing of others is touched."""
+"""Kept files: what is damaged is made again, one run works on a folder, nothing of others is touched."""
 
 import subprocess
 import sys
@@ -19,7 +19,7 @@ BOARD = midair.Array.grid(8, 8, 10e-3, quantization=midair.Array.preset("sonicsu
 ANGLE = np.arange(80)[:, None] / 40
 RING = np.stack([0.01 * np.cos(ANGLE), 0.01 * np.sin(ANGLE), np.full(ANGLE.shape, 0.12)], axis=-1)
 
-#: A run on a folder, which stops after so many pieces.
+#: A run on a folder, which stops after this many pieces.
 SCRIPT = """
 import sys, time
 from pathlib import Path
@@ -122,7 +122,7 @@ def test_a_folder_that_is_a_link_is_refused(tmp_path: Path) -> None:
 
 
 def start(path: Path, slow: float, most: int = 0) -> "subprocess.Popen[str]":
-    """Start a run that sleeps after each piece, whose files may have so many bytes."""
+    """Start a run that sleeps after each piece, whose files may have this many bytes."""
     script = SCRIPT.format(tests=str(Path(__file__).parent), path=str(path), slow=slow, most=most)
     return subprocess.Popen(
         [sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True

@@ -277,7 +277,7 @@ def test_propagation_reaches_two_metres_wherever_the_origin_is(offset: float) ->
     assert (np.abs(found - expected) <= 2 * GAIN * np.abs(expected)).all()
 
 
-# Transducers metres apart are hardly meant.
+# Transducers metres apart are probably a mistake.
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 @pytest.mark.parametrize("ending", ["toml", "json"])
 def test_a_saved_scene_is_read_back_to_the_last_bit(tmp_path, ending: str) -> None:

@@ -72,7 +72,7 @@ def test_an_upright_picture_names_its_axes() -> None:
     assert marks(ax)["dots"] == pytest.approx(np.array([[0, 100], [0, 140]]))
 
 
-# 400 Pa m are hardly meant.
+# 400 Pa m are probably a mistake.
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 @pytest.mark.parametrize(

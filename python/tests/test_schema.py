@@ -29,7 +29,7 @@ TYPES = {
 
 
 def faults(value: Any, wanted: dict[str, Any], path: str = "") -> list[str]:
-    """Those of the words of JSON Schema that the file uses."""
+    """The checks for the words of JSON Schema that the file uses."""
     if "anyOf" in wanted:
         each = [faults(value, one, path) for one in wanted["anyOf"]]
         return [] if [] in each else each[0]

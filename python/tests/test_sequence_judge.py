@@ -129,7 +129,7 @@ def test_metrics_are_those_of_plain_loops_over_the_points_that_are_there() -> No
 
 
 def euler(drives: Any, hold: str, closed: bool, tau: float, fine: int = 4000) -> np.ndarray[Any, Any]:
-    """Four times a frame y (T 4, N), by so many steps a frame of y' = (q - y)/tau."""
+    """Four times a frame y (T 4, N), by this many steps a frame of y' = (q - y)/tau."""
     count, step = len(drives), 1 / (RATE * fine)
     following = [(t + 1) % count if closed else min(t + 1, count - 1) for t in range(count)]
     laps, y, taken = 3 if closed else 1, np.array(drives[0], complex), []
@@ -288,7 +288,7 @@ def test_noise_is_reported_beside_amplitude_modulation_at_200_hertz() -> None:
     def plain(c: Any) -> Any:
         return (1 + c) / 2
 
-    # So many frames that no corner of their amplitudes is audible.
+    # This many frames that no corner of their amplitudes is audible.
     rate = 40e3
     assert modulated(plain, rate=rate).judge(TAU, hold="linear").noise == pytest.approx(0, abs=0.01)
     # Twice the frequency: four times the bend, and the ear hears its lines 6.1 and 4.0 dB better.

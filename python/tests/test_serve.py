@@ -78,7 +78,7 @@ def test_points_are_played_and_silence_is_silent(doors: Doors) -> None:
         until(doors, "off")
         ask(client, points=[POINT, [0.01, 0, 0.1]], pressures=[300, 100])
         until(doors, "playing")
-    # Its end is the board's.
+    # The end of the server turns the board off.
     assert until(doors, "off") < SILENCE + 0.3
 
 

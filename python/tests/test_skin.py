@@ -40,7 +40,7 @@ def played(points: Any, rate: float, amplitudes: Any = 1.0) -> midair.Sequence:
 
 
 def frames(frequency: float) -> int:
-    """So many in a period that their steps lie beyond what is felt."""
+    """Frames a period: enough that the steps between them are not felt."""
     return max(30, round(3000 / frequency))
 
 

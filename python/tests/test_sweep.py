@@ -48,7 +48,7 @@ def test_a_row_is_what_solve_gives_for_its_scene() -> None:
         array = [midair.Array.preset("paper20"), midair.Array.grid(8, 8, 0.01)][table["array"][index]]
         scene = midair.Scene(array, group["points"][index, :count], group["targets"][index, :count])
         if solver == "greedy":
-            # Its own seed is no column: what it reached must be what its drive gives.
+            # The seed of a trial is no column: what it reached must be what its drive gives.
             drive = group["drive"][index, : len(array)]
         else:
             solution = midair.solve(scene, "naive", balance=True)

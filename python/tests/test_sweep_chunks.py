@@ -1,4 +1,4 @@
-"""Kept results of sweeps: whatever happened to such a file, it is what was computed or made anew."""
+"""Kept results of sweeps: whatever happened to such a file, it is what was computed or made again."""
 
 import io
 import zipfile

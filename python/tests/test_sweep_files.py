@@ -1,4 +1,4 @@
-"""Files of sweeps: whole or none, kept results taken up or made anew, nothing of anybody's replaced."""
+"""Files of sweeps: whole or none, kept results reused or made again, no file of another program replaced."""
 
 import errno
 import os

@@ -1,4 +1,4 @@
-/** Announcements: what changes is said to who does not look, one thing after another. */
+/** Announcements: changes are said to users of screen readers, one after another. */
 
 import { type Context, millimetres } from "./context.ts";
 import { write } from "./dom.ts";

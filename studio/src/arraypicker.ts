@@ -41,7 +41,7 @@ export function createArrayPicker({ engine, studio }: Context, change: (name: st
       const picture = pictures.get(option.value);
       if (picture && !option.contains(picture)) option.prepend(picture);
     }
-    // It holds a copy of the choice as that was.
+    // The copy of the choice as it was.
     face.replaceChildren(document.createElement("selectedcontent"));
   }
 

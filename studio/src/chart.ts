@@ -9,7 +9,7 @@ export interface Curve {
   most: string;
 }
 
-/** A chart of curves over so many ms, and the function that moves its mark to a frame; screen readers read `label`. */
+/** A chart of curves over this many ms, and the function that moves its mark to a frame; screen readers read `label`. */
 export function createChart(curves: Curve[], milliseconds: number, label: string) {
   const marks: HTMLElement[] = [];
   const rows = curves.map(({ name, values, most }) => {

@@ -61,7 +61,7 @@ export function createCompare(context: Context): Compare {
   const rings: HTMLElement[] = [];
   listen();
   const order = createInstrument(context, picture, (right) => (wiper.hidden ? (shownOf(studio.view)[0].lattice ? 0 : 1) : right < +wiper.value ? 0 : 1));
-  // Its roles are named, as a row of numbers is no table to the style.
+  // Roles are named, because a row of numbers is no table to the style.
   const table = element("table", { className: "numbers", role: "table" });
   const warnings = element("ul", { className: "warnings" });
 
@@ -115,7 +115,7 @@ export function createCompare(context: Context): Compare {
     });
   }
 
-  /** Writes the table anew, which costs a layout: only when something in it is. */
+  /** Writes the table again, which costs a layout: only when something in it is. */
   const writeRows = changes((text: string) => {
     const rows = (JSON.parse(text) as Row[]).map(({ word, values, better }) =>
       element(

@@ -14,7 +14,7 @@ export interface Context {
   /** The board of `midair studio --on`. */
   board: ServedBoard | null;
   say(word: Word, put?: Record<string, string | number>): string;
-  /** Says something to who does not look. */
+  /** Says a text to users of screen readers. */
   /** A line of the core on a scene of the page. */
   plain(line: string): string;
   announce(text: string): void;

@@ -82,7 +82,7 @@ export interface Frame {
 /** A scene that can be solved, looked at and played. */
 export interface Door {
   catalogue(): Catalogue;
-  /** Opens a scene file's text; what is hardly meant, a line each. */
+  /** Opens a scene file's text; what is probably a mistake, a line each. */
   open(text: string, toml?: boolean, scalar?: boolean): string[];
   /** The scene as the command line writes it. */
   save(toml: boolean): string;
@@ -104,7 +104,7 @@ export interface Door {
   field(places: Float64Array): Float32Array;
   /** The values at a place in m. */
   probe(place: Vec3): Probe;
-  /** At most so many points along straight lines from vertex to vertex of each contour; m. */
+  /** At most this many points along straight lines from vertex to vertex of each contour; m. */
   along(contours: Vec3[][], most: number): Vec3[];
   bound(): number;
   follow(points: Float64Array, frames: number): Frame[];

@@ -56,7 +56,7 @@ async function compareDrive({ studio, engine }: Context, drive: Float32Array, na
   studio.show({ points: state.points, results: [found, results[1]], names: [name, ""] });
 }
 
-/** Gives a file to who looks. */
+/** Gives a file to the user. */
 export function save(name: string, content: BlobPart, type: string): void {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(new Blob([content], { type }));

@@ -7,7 +7,7 @@ import type { State, Vec3 } from "./types.ts";
 
 /** A camera that outlives the page's themes and languages. */
 export interface Eye {
-  /** For a view of so many CSS px. */
+  /** For a view of this many CSS px. */
   camera(size: [number, number]): Camera;
   /** By pixels. */
   turn(dx: number, dy: number): void;
@@ -66,7 +66,7 @@ export function createEye({ view }: Studio): Eye {
       const fresh = fitted !== key(size);
       if (fresh || (state !== seen && !turned && !view.moving)) {
         const best = fit(view.positions, all(), ...size, state.plane.axis);
-        // What comes to lie out of sight, or makes the view too large by far, is looked at anew; else nothing jumps.
+        // What comes to lie out of sight, or makes the view too large by far, is looked at again; else nothing jumps.
         const cut = all().some((place) => {
           const at = project(camera, place, ...size);
           return size.some((side, k) => Math.abs(2 * at[k] - side) > side);

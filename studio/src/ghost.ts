@@ -1,4 +1,4 @@
-/** Ghost: a hand that drags the first focus once along a loop, so that who looks sees that one can. */
+/** Ghost: a hand that drags the first focus once along a loop, to show users that a focus can be dragged. */
 
 import type { Context } from "./context.ts";
 import { element } from "./dom.ts";

@@ -6,7 +6,7 @@ const FINE = 72;
 /** Strokes shorter than this, in pixels, are left by the thinning, unless they stand alone. */
 const SPUR = 6;
 
-/** A stroke's vertices are so many pixels apart. */
+/** A stroke's vertices are this many pixels apart. */
 const STEP = 3;
 
 /** A row of pixels with a clear border on both sides. */

@@ -23,7 +23,7 @@ export interface Hook {
   settled(): Promise<void>;
   /** The field of a slot at places, computed. */
   field(slot: Slot, places: Vec3[]): Promise<[number, number][]>;
-  /** The same as the slice's picture has it, interpolated; null beside the slice. */
+  /** The field as the slice's picture has it, interpolated; null beside the slice. */
   shown(slot: Slot, places: Vec3[]): ([number, number] | null)[];
   /** The drive of a slot. */
   drive(slot: Slot): [number, number][];

@@ -22,7 +22,7 @@ export const soundSpeed = (temperature: number) => 331.3 * Math.sqrt(1 + tempera
 /** Wavelength in m. */
 export const wavelength = (state: State) => soundSpeed(state.temperature) / FREQUENCY;
 
-/** A slice's lattice, of at most so many places along a side. */
+/** A slice's lattice, of at most this many places along a side. */
 export function gridOf(state: State, most = MOST, plane = state.plane): Grid {
   const { size } = plane;
   const [right, up] = SIDES[plane.axis];

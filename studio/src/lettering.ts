@@ -4,7 +4,7 @@ import { type Contour, placed } from "./contours.ts";
 import strokes from "./strokes.json";
 import type { Vec3 } from "./types.ts";
 
-/** A capital is so many units high, letters are so many apart, and lines. */
+/** A capital is this many units high, letters are this many apart, and lines. */
 const HEIGHT = 6;
 const GAP = 2;
 const SPACE = 3;
@@ -13,7 +13,7 @@ const LEADING = 3;
 /** Strokes of each letter: pairs of digits x, y in units from its lower left corner. */
 const STROKES: Record<string, string> = strokes;
 
-/** What is traced has more strokes to a letter: it is so many times as high. */
+/** What is traced has more strokes to a letter: it is this many times as high. */
 const LARGER = 2;
 
 /** A word or line in units: its strokes from its lower left corner, and its width. */

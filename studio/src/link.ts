@@ -60,7 +60,7 @@ function place(item: string, cells: string[]): Vec3 {
   return [metres(item, cells[0]), metres(item, cells[1]), metres(item, cells[2])];
 }
 
-/** The cells of a value, where there are so many of them. */
+/** The cells of a value, where there are this many of them. */
 function cells(item: string, text: string, counts: number[], form: string): string[] {
   const found = text.split(",");
   return counts.includes(found.length) ? found : wrong(item, text, `give ${form}`);

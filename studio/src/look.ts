@@ -4,13 +4,13 @@ import type { View } from "./studio.ts";
 import { FREQUENCY } from "./lattices.ts";
 import type { Look, Quantity, State, Theme } from "./types.ts";
 
-/** The wave is so many times slower than sound: 2 Hz, below the three flashes a second that can harm. */
+/** The wave is this many times slower than sound: 2 Hz, below the three flashes a second that can harm. */
 const SLOWED = 2e4;
 
-/** w t of the slowed wave in rad, below 2 pi, after so many ms. */
+/** w t of the slowed wave in rad, below 2 pi, after this many ms. */
 export const turnAt = (milliseconds: number) => 2 * Math.PI * (((FREQUENCY / SLOWED) * milliseconds * 1e-3) % 1);
 
-/** A top above so many times the loudest point is something else's, such as a transducer's. */
+/** A top above this many times the loudest point is something else's, such as a transducer's. */
 const MOST = 1.5;
 
 /** What the transducers show: they are in neutral ink, so that the field has all the colour, but where phases are looked at. */

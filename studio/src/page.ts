@@ -45,7 +45,7 @@ export interface Manner {
   compact?: boolean;
   /** Whether a hand shows once that points can be dragged. */
   greets?: boolean;
-  /** A new language or theme: the page is built anew. */
+  /** A new language or theme: the page is built again. */
   again(manner: Partial<Manner>): void;
 }
 

@@ -25,7 +25,7 @@ export function onPlane(plane: Plane, place: Vec3): [number, number, number] {
   return [0.5 + right / plane.size, 0.5 + up / plane.size, off];
 }
 
-/** The place (m) that is seen so many sides right and up of the left lower corner. */
+/** The place (m) that is seen this many sides right and up of the left lower corner. */
 export function placeOn(plane: Plane, right: number, up: number): Vec3 {
   const place = middleOf(plane);
   place[SIDES[plane.axis][0]] += (right - 0.5) * plane.size;

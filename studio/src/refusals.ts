@@ -1,4 +1,4 @@
-/** Refusals: what the core says of scenes that the page has written, for who has never seen their files. */
+/** Refusals: the core's messages about scenes that the page has written, for users who have never seen their files. */
 
 import type { Language } from "./words.ts";
 

@@ -27,7 +27,7 @@ export interface Result {
 export interface Shown {
   points: State["points"];
   results: [Result | null, Result | null];
-  /** Of a slot, in place of its method; "": the method. */
+  /** The name that a slot shows in place of its method; "": the method's name. */
   names: [string, string];
   /** The largest change of a phase from the frame before, rad, of what moves. */
   change?: number;

@@ -34,13 +34,13 @@ pub(crate) struct Format {
     /// What a channel, those of a second board after those of the first, emits late: whole steps, which the bytes make up for,
     /// and turns that are left, which are the response of the array.
     pub(crate) late: fn(usize) -> (u16, f64),
-    /// Bytes of a frame of so many boards.
+    /// Bytes of a frame of this many boards.
     pub(crate) size: fn(usize) -> usize,
-    /// Writes the codes of the channels of so many boards into a frame of that size.
+    /// Writes the codes of the channels of this many boards into a frame of that size.
     pub(crate) encode: Encode,
     /// Reads them back.
     pub(crate) decode: Decode,
-    /// Silences so many boards from any state, half a frame included, by their off frame.
+    /// Silences this many boards from any state, half a frame included, by their off frame.
     pub(crate) silence: fn(boards: usize, off: &[u8]) -> Vec<u8>,
 }
 

@@ -77,7 +77,7 @@ impl<'a> Item<'a> {
         self.some(N).map(|list| core::array::from_fn(|k| list[k]))
     }
 
-    /// So many numbers.
+    /// This many numbers.
     pub(super) fn some(&self, count: usize) -> Result<Vec<f64>, Fault> {
         let numbers = self.node.reals().filter(|list| list.len() == count);
         numbers.map(Cow::into_owned).ok_or_else(|| self.refused(&format!("give {count} numbers")))

@@ -26,7 +26,7 @@ use crate::math::exp;
 /// Monomials x^a y^b z^c of degree up to 3, in the order of exponents that fall: 1; x, y, z; x^2, xy, xz, y^2, yz, z^2; ...
 pub(crate) const TERMS: usize = 20;
 
-/// Those of degree up to 4.
+/// Derivatives of degree up to 4.
 pub(crate) const MORE_TERMS: usize = 35;
 
 /// Calls `take` with each block's Taylor coefficients around a point, real and imaginary: no transducer lies there.

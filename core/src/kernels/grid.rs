@@ -142,7 +142,7 @@ impl Phases {
         self.step
     }
 
-    /// Takes a code to the next, or to the one before; its phasor.
+    /// Moves a code to the next one or to the one before, and returns its phasor.
     pub(crate) fn stepped(&self, code: &mut f32, up: bool) -> [f32; 2] {
         *code += if up { 1.0 } else { -1.0 };
         *code -= if code.abs() < self.count { 0.0 } else { *code };

@@ -66,7 +66,7 @@ pub(crate) fn log2<S: Elementwise>(s: S, x: S::V) -> S::V {
 pub(crate) const EXACT: usize = 11;
 pub(crate) const CLOSE: usize = 8;
 
-/// Cosine and sine of an angle in turns below 2^40, by Taylor's polynomials of so many terms within a quarter turn of half turns:
+/// Cosine and sine of an angle in turns below 2^40, by Taylor's polynomials of this many terms within a quarter turn of half turns:
 /// to 3e-16 of [`EXACT`] terms, to 7e-11 of [`CLOSE`].
 #[inline(always)]
 pub(crate) fn phasor<S: Doubles, const COUNT: usize>(s: S, turns: V<S>) -> (V<S>, V<S>) {

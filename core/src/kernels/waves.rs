@@ -29,7 +29,7 @@ pub(crate) struct Emitters {
 }
 
 impl Emitters {
-    /// Those of transducers one by one: position, normal, factor.
+    /// All waves of transducers, one by one: position, normal, factor.
     pub(crate) fn all(of: impl ExactSizeIterator<Item = ([f64; 3], [f64; 3], [f64; 2])>) -> Vec<Self> {
         let mut blocks: Vec<Self> = Vec::with_capacity(of.len().div_ceil(EIGHT));
         for (i, (position, normal, factor)) in of.enumerate() {

@@ -1,7 +1,7 @@
 //! Alternation: best tracks for given point phases and weights, then the phases and weights that the tracks ask for.
 //!
 //! For point phases psi_j(t) and weights w_j(t) the waves S_i(t) = sum_j w_j e^{j psi_j} conj(G_ji) leave every transducer
-//! alone, and its best track is found exactly. Its field then says the phases anew (Gerchberg-Saxton over all frames at
+//! alone, and its best track is found exactly. Its field then says the phases again (Gerchberg-Saxton over all frames at
 //! once), and the weights of points too weak or too loud (Di Leonardo et al., Opt. Express 15(4), 2007).
 
 use alloc::vec;

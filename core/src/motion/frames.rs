@@ -33,7 +33,7 @@ pub(super) struct Frames<'a> {
     pub(super) targets: Vec<f32>,
     /// `sum_i |G_ji|` (T, M).
     pub(super) reach: Vec<f32>,
-    /// Some frames after another; who is not there stands where another point is.
+    /// Some frames after another; a point that is absent stands where another point is.
     pub(super) blocks: Vec<Propagation>,
 }
 

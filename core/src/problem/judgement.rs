@@ -90,7 +90,7 @@ impl Problem {
         self.residual_of(moduli.iter().map(|&modulus| f64::from(modulus)))
     }
 
-    /// The same of moduli in double precision.
+    /// The residual of moduli in double precision.
     pub(crate) fn residual_of(&self, moduli: impl Iterator<Item = f64> + Clone) -> f64 {
         let requested = self.scaled.iter().zip(self.weights());
         Metrics::of(moduli.zip(requested).map(|(p, (&t, &w))| (p, f64::from(t), f64::from(w)))).residual

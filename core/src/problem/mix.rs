@@ -6,7 +6,7 @@
 //! ```
 //! Where there are many transducers a point, amplitudes are drawn at random, which leaves errors of about `step / (2 sqrt(N))`:
 //! small enough, or so after some choices. Else every transducer chooses, one after another, the amplitude that leaves the
-//! smaller sum of e^2; the next ones take back the errors of those before ([`dither`]). Later rounds choose anew, until the
+//! smaller sum of e^2; the next ones take back the errors of those before ([`dither`]). Later rounds choose again, until the
 //! errors are small enough. Time O(N M) a round.
 
 use num_complex::Complex32;

@@ -70,7 +70,7 @@ pub(crate) struct Optimum {
 pub(crate) struct Effort {
     /// Until the bound is above the level by no more than this part of it, ...
     pub(crate) gap: f64,
-    /// ... or so many boxes have been looked at.
+    /// ... or this many boxes have been looked at.
     pub(crate) boxes: usize,
 }
 

@@ -41,7 +41,7 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// That of an array in a medium.
+    /// The setup of an array in a medium.
     #[must_use]
     pub fn of(array: &Array, medium: Medium) -> Self {
         let (positions, quantization) = array.shared();
@@ -60,7 +60,7 @@ impl Setup {
         self.positions.as_ref().map_or(Ok(()), |positions| check_positions(positions, columns))
     }
 
-    /// Number of transducers N behind a G of so many columns.
+    /// Number of transducers N behind a G of this many columns.
     pub(crate) fn transducers(&self, columns: usize) -> usize {
         self.channels.as_ref().map_or(columns, |channels| channels.of().len())
     }

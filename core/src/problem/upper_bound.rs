@@ -30,7 +30,7 @@ use crate::problem::optimum::{self, Effort, ROUNDING};
 use crate::rng::Rng;
 use crate::workspace::Workspace;
 
-/// The certificate takes time O(N M^2 + M^3), the search for it a hundred times O(N M): of more points, so many are looked
+/// The certificate takes time O(N M^2 + M^3), the search for it a hundred times O(N M): of more points, this many are looked
 /// at.
 const MOST_POINTS: usize = 400;
 
@@ -150,7 +150,7 @@ struct Rows {
 }
 
 impl Rows {
-    /// Of at most so many points, evenly chosen in their order: no more of them are at a level than some of them.
+    /// Of at most this many points, evenly chosen in their order: no more of them are at a level than some of them.
     fn new(problem: &Problem, most: usize, control: &mut Control) -> Result<Self, Error> {
         let (propagation, mut targeted) = (&problem.targets.propagation, problem.targeted());
         let all = targeted.len();

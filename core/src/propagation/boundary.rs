@@ -61,7 +61,7 @@ pub struct Boundary {
     pub(super) elements: Vec<Element>,
     /// The elements' images in walls.
     images: Vec<(f64, Vec<Element>)>,
-    /// Those and these, eight at a time.
+    /// Panels of both, eight at a time.
     panels: Vec<Vec<Panels>>,
 }
 

@@ -21,7 +21,7 @@ const RULE: [[f64; 3]; 2] = [
     [0.091_576_213_509_771, 0.816_847_572_980_459, 0.109_951_743_655_322],
 ];
 
-/// An element is near to a place within so many times its reach: two edges.
+/// An element is near to a place within this many times its reach: two edges.
 const NEAR: f64 = 3.5;
 
 /// How often a near element is cut in four, at most: within an eighth of its edge it is beyond the rule.
@@ -81,7 +81,7 @@ pub(crate) struct Element {
 pub(crate) type Place = ([f64; 3], Option<([f64; 3], Complex64)>);
 
 impl Element {
-    /// Those of a mesh, at most so large in m^2 and long in m.
+    /// Elements of a mesh, of at most this area in m^2 and this length in m.
     pub(crate) fn all(mesh: &Mesh, [area, edge]: [f64; 2]) -> Vec<Self> {
         let mut all = Vec::new();
         for triangle in mesh.triangles() {
@@ -96,7 +96,7 @@ impl Element {
         Self { patch: Patch::new(corners), normal: twice.map(|x| x / length), kind }
     }
 
-    /// The same elsewhere.
+    /// The element at another place.
     pub(crate) fn moved(&self, place: impl Fn([f64; 3]) -> [f64; 3], direction: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
         Self { patch: Patch::new(self.patch.corners.map(place)), normal: direction(self.normal), kind: self.kind }
     }
@@ -124,7 +124,7 @@ impl Element {
     fn panel(chunk: &[Self], wavenumber: f64) -> Panels {
         let mut panels = Panels::NONE;
         for lane in 0..EIGHT {
-            // Those that are too many lie where the last one does.
+            // Lanes beyond the last element repeat it.
             let element = &chunk[lane.min(chunk.len() - 1)];
             for axis in 0..3 {
                 panels.center[axis][lane] = element.patch.center[axis];

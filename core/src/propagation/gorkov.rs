@@ -46,8 +46,9 @@ pub struct Gorkov {
 /// ```
 ///
 /// after H. Bruus, "Acoustofluidics 7", Lab on a Chip 12, 1014 (2012), and L. P. Gor'kov, Sov. Phys. Dokl. 6, 773 (1962):
-/// a sphere that is small beside the wavelength, a fluid without viscosity, no gravity, and no scattering force, which
-/// waves that run, as those of a single array, add. From a radius of an eighth of the wavelength on, up to three, the sphere is
+/// a sphere that is small beside the wavelength, a fluid without viscosity, no gravity, and no scattering force,
+/// which travelling waves add, such as those of a single array. From a radius of an eighth of the wavelength on, up
+/// to three, the sphere is
 /// rigid, and the force that of its series of waves, with all of that: its potential is NaN, for it has none, and `hessian` has
 /// the force's differences, -dF. G is eq. (5) itself, not a scene's signature, in double precision, and its
 /// derivatives are exact: Taylor polynomials around each point. Those of the sound that spheres and meshes send on come from its
@@ -155,7 +156,7 @@ impl<'a> Trap<'a> {
         Ok(Some(Pushed::new(self.particle, medium)))
     }
 
-    /// The same of a large sphere, which has no potential.
+    /// The force on a large sphere, which has no potential.
     fn pushed(&self, sphere: &Pushed, j: usize, point: [f64; 3], control: &mut Control) -> Result<Felt, Error> {
         let mut force =
             |center: [f64; 3]| sphere.force(center, |place| self.pressure(j, place, &mut Control::none()), control);

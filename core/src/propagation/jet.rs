@@ -40,7 +40,7 @@ pub(crate) const fn place(of: [u8; 3]) -> usize {
 /// Number of pairs of monomials whose product is one of them.
 const PAIRS: usize = 84;
 
-/// Those pairs, and the place of their product.
+/// The pairs, and the place of their product.
 const PRODUCTS: [[usize; 3]; PAIRS] = {
     let mut products = [[0; 3]; PAIRS];
     let (mut next, mut i) = (0, 0);
@@ -67,7 +67,7 @@ pub(crate) struct Jet([f64; TERMS]);
 impl Jet {
     pub(crate) const ZERO: Self = Self([0.0; TERMS]);
 
-    /// That of its coefficients.
+    /// The jet of these coefficients.
     pub(crate) fn of(coefficients: [f64; TERMS]) -> Self {
         Self(coefficients)
     }

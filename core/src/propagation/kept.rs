@@ -111,7 +111,7 @@ impl Kept {
         })
     }
 
-    /// The columns of G, of so many waves each. `add` gets the numbers and places of the points whose columns are not known, and
+    /// The columns of G, of this many waves each. `add` gets the numbers and places of the points whose columns are not known, and
     /// a row of zeros a point.
     fn columns(
         &self,
@@ -160,7 +160,7 @@ impl Kept {
         )
     }
 
-    /// The same at some of the points, whose matrix is known.
+    /// The matrix at some of its points.
     pub(crate) fn select(&self, chosen: &[usize]) -> Self {
         let signature = self.signature.as_ref().map(|signature| signature.select(chosen));
         Self { points: chosen.iter().map(|&j| self.points[j]).collect(), signature, ..self.clone() }

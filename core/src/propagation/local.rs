@@ -30,7 +30,7 @@ pub(crate) const LEAST_CLEARANCE: f64 = 0.01;
 pub(crate) struct Local(Vec<([f64; 3], [Complex64; TERMS])>);
 
 impl Local {
-    /// Those of a ball of a radius in m, for wavenumber k, whose imaginary part is the absorption.
+    /// Fields of a ball of a radius in m, for wavenumber k, whose imaginary part is the absorption.
     pub(crate) fn new(wavenumber: Complex64, radius: f64) -> Self {
         let (heights, weights) = gauss(HEIGHTS);
         let steps = 2 * HEIGHTS;
@@ -44,8 +44,8 @@ impl Local {
         Self((0..HEIGHTS * steps).map(place).collect())
     }
 
-    /// That of a ball which is clear of bodies: `None` where a point, so far in m from the nearest, is within a hundredth of a
-    /// wavelength of it.
+    /// The ball around a point that is clear of bodies: `None` where a point, this far in m from the nearest, is within
+    /// a hundredth of a wavelength of it.
     pub(crate) fn beside(medium: Medium, clear: f64) -> Option<Self> {
         let ball = || Self::new(medium.complex_wavenumber(), 0.125 * clear.min(medium.wavelength()));
         (clear >= LEAST_CLEARANCE * medium.wavelength()).then(ball)

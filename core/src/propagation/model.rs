@@ -49,7 +49,7 @@ impl Model {
         Ok(Self { sources, set, scattering: None, signature: None, bead, make: None })
     }
 
-    /// That of a scene, which has been checked.
+    /// The model of a scene that has been checked.
     #[must_use]
     pub fn of(scene: &Scene, set: InstructionSet) -> Self {
         let sources = Arc::new(Sources::new(scene.array(), scene.medium()));

@@ -58,7 +58,7 @@ impl Sphere {
         Self::of_order((center, radius, kind), medium, order)
     }
 
-    /// One of its own highest order.
+    /// The series of a sphere with its own highest order.
     pub(crate) fn of_order((center, radius, kind): ([f64; 3], f64, Surface), medium: Medium, order: usize) -> Self {
         let wavenumber = medium.complex_wavenumber();
         let surface = hankel(wavenumber * radius, order + 1);
@@ -110,7 +110,7 @@ impl Sphere {
         Ok((0..self.waves()).flat_map(|wave| each.iter().map(move |answers| answers[wave])).collect())
     }
 
-    /// The same of one transducer (K,).
+    /// The answers to one transducer (K,).
     fn answers_to(
         &self,
         sources: &Sources,
@@ -189,7 +189,7 @@ pub(crate) struct Rules {
 }
 
 impl Rules {
-    /// Those that are exact for products of two waves and a direction.
+    /// The directions that are exact for products of two waves and a direction.
     pub(crate) fn new(sphere: &Sphere) -> Self {
         let count = sphere.order + 1;
         let (heights, weights) = gauss(count);

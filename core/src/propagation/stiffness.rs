@@ -7,7 +7,8 @@
 //! f_ja  = sum_tu S_atu (Re c_jt Re c_ju + Im c_jt Im c_ju)   the force
 //! ```
 //!
-//! Those, and not the stiffness along x, y and z: where all of that is above 0, a trap may still be open between two axes.
+//! Eigenvalues, and not the stiffness along x, y and z: where all of that is above 0, a trap may still be open
+//! between two axes.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -106,7 +107,7 @@ impl Stiffness {
         Ok(finite.then_some(made))
     }
 
-    /// Has the particles accelerate by so much (M, 3) in m/s^2: their net force is then 0 where the field moves them so.
+    /// Has the particles accelerate by this much (M, 3) in m/s^2: their net force is then 0 where the field moves them so.
     pub(crate) fn accelerate(&mut self, accelerations: &[[f64; 3]]) {
         for (load, acceleration) in self.load.iter_mut().zip(accelerations) {
             load.iter_mut().zip(acceleration).for_each(|(load, x)| *load -= self.mass * x);

@@ -2,7 +2,7 @@
 //!
 //! Sixteen transducers fill the lanes, however few points there are: at M = 4 a method makes G once in a quarter of the time
 //! that one row a transducer takes. Where G is small it is one strip, made once and met again in each pass. Else each
-//! pass makes it anew, [`STRIP`] transducers at a time: memory stays O(M), and reading G back would take as long.
+//! pass makes it again, [`STRIP`] transducers at a time: memory stays O(M), and reading G back would take as long.
 
 use core::ops::Range;
 
@@ -19,7 +19,7 @@ use crate::workspace::{Aligned, Buffer, Workspace};
 /// Transducers of a strip of a large G.
 const STRIP: usize = products::RUN * LANES;
 
-/// The same where code and memory are to be short.
+/// The length of a strip where code and memory are to be short.
 const SHORT_STRIP: usize = 4 * LANES;
 
 /// Entries of a G that is kept as a whole: 2 MB.

@@ -14,7 +14,7 @@ use crate::kernels::waves::{Emitters, Waves};
 use crate::propagation::jet::{Jet, TERMS};
 use crate::propagation::sources::Sources;
 
-/// Those transducers of an array whose factor is not 0.
+/// The transducers of an array whose factor is not 0.
 pub(crate) struct Taylor {
     set: InstructionSet,
     pub(super) waves: Waves,

@@ -287,7 +287,7 @@ impl Array {
         self.hardware
     }
 
-    /// The same array as hardware that emits so many Hz, or as none: a subset of a board, or its transducers where they were
+    /// The same array as hardware that emits this many Hz, or as none: a subset of a board, or its transducers where they were
     /// measured.
     #[must_use]
     pub fn with_hardware(mut self, hardware: Option<f64>) -> Self {

@@ -169,7 +169,7 @@ impl Scene {
         self.obstacles.given()
     }
 
-    /// The same, checked.
+    /// The checked scene.
     pub(crate) fn checked_obstacles(&self) -> &Obstacles {
         &self.obstacles
     }
@@ -224,7 +224,7 @@ impl Scene {
         doubts
     }
 
-    /// The same without [`Array::doubts`]: those of points and plane.
+    /// The probable mistakes of points and plane, without [`Array::doubts`].
     #[must_use]
     pub fn own_doubts(&self) -> Vec<Doubt> {
         let mut doubts = Vec::new();

@@ -126,7 +126,7 @@ impl Part {
         }
     }
 
-    /// That of an array, or `None` where it has none.
+    /// The board of an array, or `None` where it has none.
     #[must_use]
     pub fn of(&self, array: &Array) -> Option<PartValue> {
         match self.access {

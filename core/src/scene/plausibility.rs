@@ -42,7 +42,7 @@ const LARGEST: f64 = 10.0;
 /// The farthest point from an array in m, unless the array itself is larger: sound of 40 kHz is down to half there.
 const FARTHEST: f64 = 5.0;
 
-/// A value that is answered, but hardly meant that way.
+/// A value that is answered, but probably a mistake that way.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Doubt {
@@ -78,7 +78,7 @@ fn in_unit(value: f64, unit: &str, others: &[(&str, f64)], range: &RangeInclusiv
     format!("give {unit}{}", meant.unwrap_or_default())
 }
 
-/// The same of a length.
+/// A length, with the range that it should have.
 fn metres(value: f64, range: &RangeInclusive<f64>) -> String {
     in_unit(value, "m", &[("mm", 1e-3), ("cm", 1e-2)], range)
 }

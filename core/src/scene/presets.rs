@@ -45,7 +45,7 @@ impl Preset {
         self.board.map(|kind| board::format(kind)?.steps.quantization()).transpose()
     }
 
-    /// The response of so many transducers of it: what its device cannot make up for.
+    /// The response of this many transducers of it: what its device cannot make up for.
     pub(crate) fn response(&self, count: usize) -> Result<Option<Vec<Complex64>>, Error> {
         let Some(kind) = self.board else { return Ok(None) };
         let format = board::format(kind)?;

@@ -16,7 +16,7 @@ use crate::scene::geometry::dot;
 ///
 /// The array's axis a is the direction that its normals have most in common (the leading eigenvector of the sum of
 /// n n^T); its sides, seen from a point x, are the transducers below it, (x - x_i) a > 0, and those above it. All of it
-/// is taken at each point anew.
+/// is taken at each point again.
 ///
 /// Twin traps and vortices are those of Marzo et al., Nature Communications 6, 8661 (2015).
 ///

@@ -51,7 +51,7 @@ pub trait OptionValue: Sized {
     /// # Errors
     /// A value of another kind or out of range.
     fn read(item: &str, value: &Value) -> Result<Self, Error>;
-    /// The same as a value.
+    /// The value that is shown.
     fn show(&self) -> Value;
 }
 

@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::scene::array::Array;
 
 impl Array {
-    /// That of a kind of board: its preset, or a grid of a kind that its owners wire as they like.
+    /// The array of a kind of board: its preset, or a grid for a kind that its owners wire as they like.
     ///
     /// # Errors
     /// An unknown name, tiles of 0, tiles for a kind that cannot be tiled.
@@ -66,7 +66,7 @@ impl Array {
         self.wiring().map(Channels::of)
     }
 
-    /// The same as [`Channels`].
+    /// The wiring as [`Channels`].
     #[must_use]
     pub fn wiring(&self) -> Option<&Channels> {
         self.channels.as_ref()

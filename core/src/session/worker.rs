@@ -50,7 +50,7 @@ impl SolveRequest {
 pub(super) enum Transducers {
     /// Computed at the points of each request.
     Model(Model),
-    /// The same for all requests.
+    /// One matrix for all requests.
     Given(Propagation),
 }
 
@@ -108,7 +108,7 @@ pub(super) struct Worker {
     ask: SolveRequest,
 }
 
-/// How many points all problems of a batch have, and who says what each asks.
+/// The number of points of all problems of a batch, and the function that gives each request.
 #[derive(Clone, Copy)]
 pub(super) struct Requests<'a> {
     pub(super) points: usize,

@@ -11,7 +11,7 @@
 //!
 //! (majorise-minimise, Hunter and Lange, Am. Statistician 58(1), 2004). While P_j = 0 its phase is taken as 0. One
 //! sum over the points replaces L candidates. A transducer moves P by one part in N, so a block of them may share
-//! the same d: it is the sums of a block that fill a register. A further sweep takes each transducer anew, with a
+//! the same d: it is the sums of a block that fill a register. A further sweep takes each transducer again, with a
 //! part `OWN` of its own wave left in P so that the members of a block do not all rotate at once.
 
 use alloc::vec::Vec;

@@ -16,7 +16,7 @@ pub(crate) fn settled(q: Complex32) -> Complex32 {
 pub struct Last {
     /// Drives (N,) at full amplitude as they were found, before a board's grid.
     pub(crate) wave: Vec<Complex32>,
-    /// The same as they were played: what the next frame's phases may differ from by so much.
+    /// The drives as they were played: the next frame's phases may differ from them by the bound.
     pub(crate) played: Vec<Complex32>,
     /// The transducers' envelopes (N,), of drives at full amplitude.
     pub(crate) envelope: Vec<Complex32>,

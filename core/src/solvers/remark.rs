@@ -41,7 +41,7 @@ pub enum Remark {
         leak: f64,
         /// The allowed value.
         quiet: f64,
-        /// Quiet points a wavelength apart that so many transducers can silence beside the targets.
+        /// Quiet points a wavelength apart that this many transducers can silence beside the targets.
         able: usize,
     },
     /// The second harmonic, which the linear model leaves out, is a large part of the loudest point.
@@ -109,25 +109,25 @@ impl fmt::Display for Remark {
 const HARMONIC: f64 = 0.25;
 
 impl Remark {
-    /// That targets are weak, where a solver takes them as they stand.
+    /// Targets are weak, where a solver takes them as they stand.
     #[must_use]
     pub fn weak(problem: &Problem, solver: &dyn Solve, balance: bool) -> Option<Self> {
         weak_part(problem, solver, balance).map(Self::Weak)
     }
 
-    /// That the targets are missed by more than 1 %, where a solver goes on until they are met.
+    /// The targets are missed by more than 1 %, where a solver goes on until they are met.
     #[must_use]
     pub fn missed(problem: &Problem, solver: &dyn Solve, solution: &Solution) -> Option<Self> {
         problem.missed(solver.meets_targets(), solver.quiet(), solution).map(Self::Missed)
     }
 
-    /// That the targets have phases which the solver does not use.
+    /// The targets have phases which the solver does not use.
     #[must_use]
     pub fn phases_unused(problem: &Problem, solver: &dyn Solve) -> Option<Self> {
         (problem.target_phases().is_some() && !solver.uses_phases()).then_some(Self::PhasesUnused)
     }
 
-    /// That quiet points leak much more than the solver was to allow.
+    /// Quiet points leak much more than the solver was to allow.
     #[must_use]
     pub fn leak(problem: &Problem, solver: &dyn Solve, solution: &Solution) -> Option<Self> {
         let quiet = solver.quiet()?;
@@ -136,25 +136,25 @@ impl Remark {
         Some(Self::Leak { leak, quiet, able })
     }
 
-    /// That the second harmonic is a large part of the loudest point.
+    /// The second harmonic is a large part of the loudest point.
     #[must_use]
     pub fn harmonic(problem: &Problem, solution: &Solution) -> Option<Self> {
         harmonic(problem, solution).map(|(share, pressure)| Self::Harmonic { share, pressure })
     }
 
-    /// That the board's phases are too coarse for the bound on their changes; one of 0 asks for that.
+    /// The board's phases are too coarse for the bound on their changes; a bound of 0 requests that.
     #[must_use]
     pub fn still(problem: &Problem, solver: &dyn Solve) -> Option<Self> {
         Self::still_on(solver.bound()?, problem.quantization()?.phases()?)
     }
 
-    /// That so many phases are too coarse for a bound on their changes in rad.
+    /// The board has too few phases for a bound on their changes in rad.
     #[must_use]
     pub fn still_on(change: f64, phases: u32) -> Option<Self> {
         (change > 0.0 && steps_within(change, phases) < 1.0).then_some(Self::Still { change, phases })
     }
 
-    /// That something is left to supply or modulation.
+    /// A factor is left to supply or modulation.
     #[must_use]
     pub fn scaled(solution: &Solution) -> Option<Self> {
         (solution.scale < 1.0).then_some(Self::Scaled(solution.scale))

@@ -1,6 +1,6 @@
 //! Boards: codes to bytes and back, rounding, off, refusals, and golden bytes, also for other languages.
 //!
-//! `make golden` writes `golden/boards/` anew, which is a breaking change: boards in the field read these bytes.
+//! `make golden` writes `golden/boards/` again, which is a breaking change: boards in the field read these bytes.
 
 use std::f32::consts::TAU;
 

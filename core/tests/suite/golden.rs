@@ -1,6 +1,6 @@
 //! Golden vectors: scenes and the very bits of their answers, read by every language's tests.
 //!
-//! `make golden` writes `golden/` anew from the scenes below, which is a breaking change.
+//! `make golden` writes `golden/` again from the scenes below, which is a breaking change.
 
 use std::fmt::Write;
 use std::fs;

@@ -184,7 +184,7 @@ fn a_balanced_answer_is_carried_on_at_its_own_level() {
     for frame in 1..20 {
         let found = balanced(frame, Some(&last));
         let Metrics { accuracy, uniformity, .. } = found.metrics();
-        // Taken for the field of the balanced level, the weak drives would be next to none, and all be turned anew.
+        // Taken for the field of the balanced level, the weak drives would be next to none, and all be turned again.
         assert!((accuracy - 1.0).abs() < 2e-3 && uniformity > 0.98, "frame {frame}: {accuracy}, {uniformity}");
         assert!(largest_step(&found.drive, &last) <= 8, "frame {frame}");
         last = found.drive;

@@ -214,7 +214,7 @@ fn balancing_keeps_weak_foci_as_good_as_strong_ones() {
     assert!(problem(&weak).is_weak() && !problem(&strong).is_weak());
     for entry in SOLVERS {
         let (strong, weak) = (raw(entry, &strong).metrics(), solved(entry, &problem(&weak), true).metrics());
-        // The same drive brought down to the targets: a rounded target may turn a tie, and f32 rounds.
+        // The drive, reduced to the targets: a rounded target may turn a tie, and f32 rounds.
         assert!((1.0 - weak.accuracy).abs() < 0.02, "{}: {strong:?} {weak:?}", entry.info.name);
         assert!(weak.sigma < strong.sigma + 0.02, "{}: {strong:?} {weak:?}", entry.info.name);
     }

@@ -1,4 +1,4 @@
-//! docs/map.md: every source file with its first line. `make map` writes it anew.
+//! docs/map.md: every source file with its first line. `make map` writes it again.
 
 use std::fmt::Write;
 use std::fs;

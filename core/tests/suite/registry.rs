@@ -35,7 +35,7 @@ fn every_option_is_documented_and_its_default_is_what_is_used() {
         let made = entry.configure(&Options::new()).expect("defaults");
         let listed: Options = entry.options().into_iter().map(|o| (o.name.to_owned(), o.default)).collect();
         assert_eq!(made.options, listed, "{name}");
-        // Each default may be given in so many words, and one by one.
+        // Each default may be given in this many words, and one by one.
         for (key, value) in &listed {
             let alone = entry.configure(&[(key.clone(), value.clone())].into());
             assert_eq!(alone.map(|made| made.options).ok().as_ref(), Some(&listed), "{name}.{key}");

@@ -1,4 +1,4 @@
-//! The makers' emulators of AUTD3 devices: `autd3-emulators 0.12|0.13 COUNT` prints the UDP address of so many devices.
+//! The makers' emulators of AUTD3 devices: `autd3-emulators 0.12|0.13 COUNT` prints the UDP address of this many devices.
 //! Each line of its input is a command: "state" prints a line of JSON with what every device has, a number reboots that
 //! device. It ends with its input.
 

@@ -189,7 +189,7 @@ class Doors:
                 self._udp.sendto(built.build().dgram, sender)
 
     def _by_osc(self, name: str, values: list[Any]) -> dict[str, Any]:
-        """The same messages as by WebSocket: points x y z ..., rows x y z pressure ..., modulation hz, ..."""
+        """The same messages as OSC: points x y z ..., rows x y z pressure ..., modulation hz, ..."""
         if name in ("points", "rows"):
             numbers = real(name, values, "give numbers")
             width = 3 if name == "points" else ROW

@@ -67,7 +67,8 @@ def play(solution: Solution, address: str, *, seconds: float | None = None, **op
         keep(connection, solution, duration)
 
 
-#: Points that are taken at once, and s without a sign of life of who gives them after which the board is off.
+#: The most points at once, and the time in s without a sign of life from the sender after which the board is
+#: off.
 MOST_POINTS, SILENCE = 256, 0.2
 
 #: Times of a path that are looked at before it is played.

@@ -184,7 +184,8 @@ def _silence(transport: dict[str, Any], node: tuple[int, ...] | None, owner: int
         if _node(transport) != node:
             return
         if transport["kind"] == "serial" and is_stopped(owner):
-            # It may have been stopped while it turned the device off itself, and then keeps the port.
+            # The process may have been stopped while it turned the device off itself, and then keeps the
+            # port.
             transport = {**transport, "exclusive": False}
         with suppress(Exception):
             device = open_transport(transport)

@@ -27,7 +27,7 @@ def reproduce_command(
     output_folder: Annotated[Path, Parameter(name=["--output", "-o"])] = Path("reproduced"),
     scheduler: str | None = None,
 ) -> int:
-    """Make the figures of Suzuki et al. 2021 anew, with the numbers behind them, and judge its statements.
+    """Make the figures of Suzuki et al. 2021 again, with the numbers behind them, and judge its statements.
 
     Stopped and started again, it goes on where it was.
 

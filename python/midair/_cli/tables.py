@@ -178,7 +178,7 @@ def print_field(field: Field) -> None:
 
 
 def _spread(size: int, count: int) -> NDArray[np.intp]:
-    """So many samples from the first to the last of a side."""
+    """Evenly spaced samples from the first to the last of a side."""
     return np.linspace(0, size - 1, count).round().astype(np.intp)
 
 

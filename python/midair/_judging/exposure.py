@@ -1,4 +1,4 @@
-"""`midair.exposure`: sound pressure levels at named places, beside a limit and who named it."""
+"""`midair.exposure`: sound pressure levels at named places, beside a limit and its source."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ from ..path import Path
 from .exposure import Exposure, exposure
 from .schedule import Foci
 
-#: Places of a focus along the shape: so far apart in m, and at most so many.
+#: Places of a focus along the shape: so far apart in m, and at most this many.
 STEP, MOST = 2e-3, 200
 
 #: Places of the skin along each side, and how much of it is around the shape, in m.
@@ -201,7 +201,7 @@ def _spared(played: Sequence, ears: Mapping[str, Any], limit: str | float) -> tu
 
 @dataclass(frozen=True)
 class _Curve:
-    """Places (P, 3) in m, evenly along a shape of so many m, closed or not."""
+    """Places (P, 3) in m, evenly along a shape of this many m, closed or not."""
 
     places: NDArray[np.float64]
     length: float

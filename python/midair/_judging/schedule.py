@@ -19,7 +19,7 @@ from .._motion.felt import FAST, threshold
 from .._motion.sheet import Sheet
 from .._motion.skin import HIGHEST, squares
 
-#: Foci beside a curve: so far apart at least, in m, and at most about so many.
+#: Foci beside a curve: so far apart at least, in m, and at most about this many.
 APART, BESIDE = 4e-3, 250
 
 #: Places of the curve that count, and lines at most: slow frames have many by their steps.

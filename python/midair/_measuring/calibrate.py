@@ -62,7 +62,7 @@ def calibration_drives(
 
 
 #: A transducer is reported as dead above this probability, or if it is more probably dead than not and
-#: its gain is below QUIET times the median by so many standard deviations.
+#: its gain is below QUIET times the median by this many standard deviations.
 DEAD, QUIET, SURELY = 0.99, 0.5, 4
 #: A phase off by more than this, in rad, means a transducer connected the wrong way round.
 REVERSED = np.radians(115)

@@ -33,11 +33,11 @@ MOST_BOARDS = 12
 SAME = 1e-3
 #: The least spread of living transducers' responses, relative to their middle.
 LEAST_SPREAD = 0.05
-#: A transducer is suspected if its response is so many spreads off, or if the residuals of one
-#: microphone point to it by so many deviations; at most so many are suspected.
+#: A transducer is suspected if its response is this many spreads off, or if the residuals of one
+#: microphone point to it by this many deviations; at most this many are suspected.
 SUSPECT, LEFT_OVER, MOST_SUSPECTS = 3.5, 5.0, 80
-#: Costs to report a transducer as reversed, dead, weak, or of any phase, or two as
-#: exchanged: -2 log of the frequency of such a fault.
+#: Penalties for reporting a transducer as reversed, dead, weak, of another phase, or two as exchanged: -2
+#: log of the frequency of such a fault.
 REVERSED, DEAD, WEAK, ODD, EXCHANGED = 10.0, 8.0, 8.0, 10.0, 31.0
 #: A weak transducer has at least this part of the usual gain, and at most that.
 WEAKEST, STRONG = 0.1, 0.75

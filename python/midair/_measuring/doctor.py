@@ -26,13 +26,13 @@ from .diagnosis import Diagnosis, Indices, diagnose
 PLENTY, LEAST = 4.0, 2.2
 #: Seconds until the air is steady after a frame, and for a reading.
 SETTLE, LISTEN = 5e-3, 10e-3
-#: A gain below this part of its board's, by so many deviations, is weak, one below the other is dead.
+#: A gain below this part of its board's, by this many deviations, is weak, one below the other is dead.
 WEAK, DEAD, SURELY = 0.75, 0.15, 4.0
 #: A phase further off than this, in degrees, is a fault; beyond the second value the transducer is reversed.
 ODD, REVERSED = 50.0, 130.0
-#: A board is late from so many degrees on, a level is wrong by this part, a sound speed by so many m/s.
+#: A board is late from this many degrees on, a level is wrong by this part, a sound speed by this many m/s.
 LATE, LEVEL, SPEED = 20.0, 0.1, 1.5
-#: Faults of the whole board need at least so many standard deviations.
+#: Faults of the whole board need at least this many standard deviations.
 SURE = 4.0
 #: A board with this part dead is dead as a whole.
 WHOLE = 0.9

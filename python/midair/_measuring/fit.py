@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from .._support.ctrl_c import interruptibly
 from .model import AIR, CLOCK, LOUDNESS, SPEED, Belief, Complex, Model, Real
 
-#: Readings are first trusted to this part of their root mean square, then at most so many times tighter or
+#: Readings are first trusted to this part of their root mean square, then at most this many times tighter or
 #: looser a step. Without it the fit ends in false minima where noise is small and readings are few.
 FIRST_TRUST, TIGHTER = 0.3, 0.6
-#: A reading so many standard deviations of all off the model is outlying; a normal one is so in 10^9. Scatter
-#: below this part of the median reading is none that matters.
+#: A reading this many standard deviations off the model is an outlier: one normal reading in 10^9 is so.
+#: Scatter below this part of the median reading does not matter.
 OUTLYING, LEAST_SCATTER = 6.0, 1e-3
 #: Above this part of outlying readings it is the model that is wrong; rounds of leaving out at most.
 MOST_OUTLYING, ROUNDS = 0.2, 8

@@ -35,7 +35,7 @@ SPREAD = 0.3
 OFF, OFF_PLACE = 0.2, 0.1e-3
 #: No response is known to less than this part of the mean modulus, a dead one's 0 neither.
 LEAST = 0.02
-#: Steps of learning are so many times those of expectation and maximisation, safe below 2, and change a
+#: Steps of learning are this many times those of expectation and maximisation, safe below 2, and change a
 #: standard deviation at most by the factor.
 OVER_RELAXED, FACTOR = 1.7, 1.5
 #: Where a state has what.

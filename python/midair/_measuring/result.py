@@ -54,7 +54,7 @@ def draw(
             _over_array(calibration, one, calibration.gain, colours, (0.0, float(calibration.gain.max())))
             one.set_title("gain", fontsize="medium")
         else:
-            # The caller's map is of the gains; phases go round.
+            # The caller's colour map is for the gains; phases have a cyclic one.
             degrees = np.degrees(calibration.phase)
             _over_array(calibration, one, degrees, MAPS["phase"], (-180.0, 180.0))
             one.set_title("phase / degrees", fontsize="medium")

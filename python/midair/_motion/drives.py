@@ -133,7 +133,7 @@ def read(given: Any, array: Array, phases: int | None) -> Drives:
 
 
 def _check(block: NDArray[Any], first: int, phases: int | None) -> None:
-    """Refuse codes that are none of so many phases, or drives above 1; `first` is the block's first frame."""
+    """Refuse codes of other phases, or drives above 1; `first` is the block's first frame."""
     if phases is not None:
         least, most = block.min(), block.max()
         if least < 0 or most >= phases:

@@ -22,7 +22,7 @@ from .._support.arguments import path_of
 from .._support.text import arrays
 from .drives import Stored
 
-#: Drives of so many bytes are read where they lie, a block at a time.
+#: Drives of this many bytes are read where they lie, a block at a time.
 LARGE = 1 << 28
 
 #: The arrays that a file must have.

@@ -1,4 +1,4 @@
-"""`midair.fly`: beads in the traps of a sequence, step by step; who is lost and when, drawn and listed."""
+"""`midair.fly`: beads in the traps of a sequence, step by step; which are lost and when, drawn and listed."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def fly(
     sound_speed: float | None = None,
     gravity: ArrayLike | None = None,
 ) -> Flight:
-    """How beads move in the traps of a sequence: who stays, how far each strays, who is lost and when.
+    """Motion of beads in the traps of a sequence: which stay, how far each strays, which are lost and when.
 
     sequence : of traps: signature="trap"
     beads : places (B, 3) in m to begin at; left out, one at each point that is there in the first frame,

@@ -205,7 +205,7 @@ class Horizon:
 
 
 def _table(frames: list[Frame]) -> Frame:
-    """Points (T, M, 3) and targets (T, M) of frames of M points at most; 0 for who is not there."""
+    """Points (T, M, 3) and targets (T, M) of frames of M points at most; 0 for absent points."""
     count = max(len(points) for points, _ in frames)
     points, targets = np.zeros((len(frames), count, 3)), np.zeros((len(frames), count))
     for frame, (places, requested) in enumerate(frames):

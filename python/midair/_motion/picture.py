@@ -80,7 +80,7 @@ def _draw(sequence: JudgedFrames, panel: Panel, ax: Axes, colours: Map) -> None:
 
 
 def _edges(count: int, most: int) -> NDArray[np.intp]:
-    """Ends of at most so many groups of neighbours."""
+    """Ends of at most this many groups of neighbours."""
     return np.linspace(0, count, min(count, most) + 1).astype(np.intp)
 
 

@@ -111,7 +111,7 @@ def between(
 #: knots, traps then stray by less than a thousandth from the straight line.
 LONGEST, WAY = 1e-3, 1 / 16
 
-#: Where frames last longer, so many seconds: shorter than what transducers take to settle.
+#: Where frames last longer, this many seconds: shorter than what transducers take to settle.
 SETTLED = 0.25e-3
 
 

@@ -130,7 +130,7 @@ def modulated(
 ) -> Sequence:
     """A solution's drive, its amplitude modulated as `path.modulated` says, as a closed sequence.
 
-    frequency, shape, depth, samples_rate : in Hz; or samples (S,) from 0 to 1, so many a second
+    frequency, shape, depth, samples_rate : in Hz; or samples (S,) from 0 to 1, this many a second
     rate : frames a second; at least twice the frequency, or as many as there are samples
 
     Raises SceneError for a solution without a scene, a modulation that is not in order, and a rate of which
@@ -146,7 +146,7 @@ def modulated(
     by, frames = wave(frequency, shape, depth, samples_rate), number("rate", rate, above=0)
     if frames < 2 * by.finest * (1 - ROUNDING):
         raise refused("rate", rate, f"the modulation needs {2 * by.finest:g} frames a second at least")
-    # So many frames hold so many periods.
+    # This many frames hold this many periods.
     ratio = Fraction(frames / by.frequency).limit_denominator(1024)
     if ratio.numerator > MOST_KEPT or abs(float(ratio) * by.frequency / frames - 1) > ROUNDING:
         near = frames / max(round(frames / by.frequency), 2)
@@ -189,7 +189,7 @@ def stream(
     aim: str | None = None,
     **options: Any,
 ) -> Iterator[NDArray[np.complex64]]:
-    """The drive (N,) of each of endless frames, as it comes; with `ahead`, so many frames later.
+    """The drive (N,) of each of endless frames, as it comes; with `ahead`, this many frames later.
 
     A frame is points (M, 3), or a pair of points and pressures (M,). The arguments are those of
     `midair.sequence`. M may change: what appears or vanishes at once makes a jolt as large as the bound lets

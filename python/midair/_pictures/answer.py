@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from .colours import Map
     from .sheet import Size
 
-#: Of so many points the distance to the nearest is looked for.
+#: Of this many points the distance to the nearest is looked for.
 SAMPLE = 200
 
 #: How many times as fine as the field the points are drawn.

@@ -24,13 +24,13 @@ SIDE = 1000
 #: The most points and corners of trails that are drawn; of more of them every second, third, ...
 MOST_POINTS, MOST_CORNERS = 200, 400
 
-#: The most transducers that are drawn; of more of them one in each square of so many units.
+#: The most transducers that are drawn; of more of them one in each square of this many units.
 MOST_DOTS, SQUARE = 1500, 25
 
 #: Colours that are visible on a light and on a dark page.
 POINT, QUIET = "#e0662e", "#3b8fd4"
 
-#: Radius of the rings of up to so many points, in units; of more the rings cover as much together.
+#: Radius of the rings of up to this many points, in units; of more the rings cover as much together.
 RING, LARGE = 22, 12
 
 
@@ -80,7 +80,7 @@ def trails(array: Array, points: NDArray[np.float64], closed: bool) -> str:
 
 
 def radius(count: int) -> int:
-    """Of the rings of so many points, in units."""
+    """Of the rings of this many points, in units."""
     return round(RING * min(1.0, math.sqrt(LARGE / max(count, 1))))
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 #: Sines of the angle between a wall and a plane below which they count as parallel.
 PARALLEL = 1e-9
 
-#: Arrows of the force around a trap: so far to each side, in wavelengths, and so many.
+#: Arrows of the force around a trap: so far to each side, in wavelengths, and this many.
 ARROWS, ACROSS = 0.6, 9
 
 #: Edges of points.

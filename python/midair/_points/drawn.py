@@ -58,7 +58,7 @@ def read(
             raise SceneError(f'path is "{file}": it has no faces, give a surface')
         if not np.isfinite(found.vertices).all():
             raise SceneError(f'path is "{file}": it has vertices that are no finite numbers, export it again')
-        # .stl lists the corners of each face anew, .obj and .glb those with a texture's or normal's seam.
+        # .stl lists the corners of each face again, .obj and .glb those with a texture's or normal's seam.
         found.merge_vertices(merge_tex=True, merge_norm=True)
     except (KeyboardInterrupt, SceneError):
         raise

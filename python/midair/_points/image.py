@@ -93,7 +93,7 @@ def image(
 
 
 def _brightness(path: str | PathLike[str], pixels: int) -> NDArray[np.float64]:
-    """Brightness, 0 to 1, of pixels (rows, columns), the longer side so many; each a mean over its square."""
+    """Brightness, 0 to 1, of squares (rows, columns), `pixels` of them on the longer side."""
     file = existing("path", path, "give a picture such as a .png")
     try:
         from PIL import Image, ImageOps

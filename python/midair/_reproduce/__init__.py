@@ -1,4 +1,4 @@
-"""The figures of Suzuki et al. 2021 made anew: pictures, tables, and verdicts on its statements."""
+"""The figures of Suzuki et al. 2021, repeated: pictures, tables, and verdicts on its statements."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ def draw(found: Found) -> Figure:
 
 
 def judge(rows: tables.Rows) -> list[Verdict]:
-    """Greedy is linear in M; who is faster than whom."""
+    """Greedy is linear in M; which method is faster than which."""
     median = tables.by_method(rows, "median")
     counts = [row["M"] for row in tables.pick(rows, method="greedy")]
     slow = [method.key for method in PAPER if method.key not in ("greedy", "gspat")]

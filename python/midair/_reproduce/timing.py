@@ -19,7 +19,7 @@ from . import drawing, scenes, tables
 from .scenes import Options, timed
 from .tables import Run
 
-#: Rounds at most: the median of so many is steady to a few per cent on a quiet machine.
+#: Rounds at most: the median of this many is steady to a few per cent on a quiet machine.
 ROUNDS = 15
 
 #: A measurement takes at least this long, s, by solving again: a thousand times the clock's step.

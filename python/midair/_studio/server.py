@@ -67,7 +67,7 @@ class PagesBoard:
         self._last = 0.0
 
     def described(self) -> bytes:
-        """Its name and array, as JSON."""
+        """The board's name and array, as JSON."""
         return json.dumps({"name": self.connection.board.name, "array": self._array}).encode()
 
     @property

@@ -265,7 +265,7 @@ _FILE = re.compile(r"\d+-\d+\.npz")
 
 
 def load(path: Path, rows: int) -> Arrays | None:
-    """Load the arrays of a kept result, each of so many rows; None where there is none, or a damaged one."""
+    """Load the arrays of a kept result, each of `rows` rows; None if it is missing or damaged."""
     found = kept.load(path, identity(path))
     if found is None or not all(array.ndim and len(array) == rows for array in found.values()):
         return None

@@ -56,7 +56,7 @@ def read(source: str | PathLike[str] | Mapping[str, Any], *, drives: bool = Fals
     """A sweep file, TOML or JSON by its ending, or a mapping of the same keys, with arrays and scenes.
 
     Paths of scenes are relative to the file's folder. Raises SceneError for whatever is not in order, with
-    its place in the file, and warns of what is hardly meant.
+    its place in the file, and warns of what is probably a mistake.
     """
     if isinstance(source, Mapping):
         return _read(source, None, drives)

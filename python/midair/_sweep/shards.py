@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 #: Trials of a file and of the one held out beside it: seconds of work, megabytes of drives.
 SHARD = 4096
 
-#: Every so many trials one is held out, whatever the size of the set.
+#: Every this many trials one is held out, whatever the size of the set.
 EVERY = 10
 
 #: The file that describes a data set, and the parts that it has.
@@ -230,7 +230,7 @@ def _file(folder: Path, split: str, job: Job) -> Path:
 
 
 def _identity(job: Job) -> str:
-    """The settings, the version and the build, and the trials: a file of others is made anew."""
+    """The settings, the version and the build, and the trials: a file of others is made again."""
     return job.path.with_suffix("").as_posix()
 
 

@@ -258,7 +258,7 @@ def open_drives(path: Path, request: Request) -> Iterator[Callable[[Arrays, int]
             )
             for name, (dtype, shape, fill) in layout.items()
         }
-        # A chunk of the file is written once, not anew with each result.
+        # A chunk of the file is written once, not again with each result.
         memory = {name: np.full((ROWS, *shape), fill, dtype) for name, (dtype, shape, fill) in layout.items()}
         filled = written = 0
 

@@ -275,7 +275,7 @@ def _timed(step: float, squares: Numbers, loop: bool) -> Numbers:
     times = np.concatenate([[0], np.cumsum(2 * step / (speeds[1:] + speeds[:-1]))])
     count = int(np.ceil(times[-1] / TICK))
     lap, length = times[-1], step * (len(speeds) - 1)
-    # So many ticks on each side are averaged, twice; a run from rest to rest takes as much longer.
+    # This many ticks on each side are averaged, twice; a run from rest to rest takes as much longer.
     side = int(SMOOTH / TICK) // 2
     ends = (2 if loop else 4) * side
     ticks = np.arange(-ends, count + ends + (not loop)) * (lap / count)

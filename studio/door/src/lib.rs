@@ -26,14 +26,14 @@ pub extern "C" fn studio_free(studio: Box<Studio>) {
     drop(studio);
 }
 
-/// Room for so many bytes of text.
+/// Room for this many bytes of text.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_text_in(studio: &mut Studio, size: usize) -> *mut u8 {
     studio.text_in.resize(size, 0);
     studio.text_in.as_mut_ptr()
 }
 
-/// Room for so many numbers.
+/// Room for this many numbers.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_numbers_in(studio: &mut Studio, count: usize) -> *mut f64 {
     studio.numbers_in.resize(count, 0.0);
@@ -168,7 +168,8 @@ pub extern "C" fn studio_field(studio: &mut Studio) -> u32 {
     studio.work(Studio::field)
 }
 
-/// The same; the numbers are, of each place, re and im in Pa, the level in dB SPL, the radiation pressure on a wall in Pa.
+/// Like `studio_field`; the numbers of each place are re and im in Pa, the level in dB SPL, the radiation pressure on
+/// a wall in Pa.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_probe(studio: &mut Studio) -> u32 {
     studio.work(Studio::probe)

@@ -40,7 +40,7 @@ vec2 pressure(vec2 st) {
   return sum;
 }`;
 
-/** The same from a lattice that was spread: its places are so near to one another that straight lines between them do. */
+/** The field from a spread lattice: its places are so near to one another that straight lines between them do. */
 const SPREAD = `
 uniform sampler2D field;
 vec2 pressure(vec2 st) {
@@ -75,7 +75,7 @@ in vec2 st;
 out vec4 colour;
 void main() { colour = vec4(pressure((gl_FragCoord.xy - .5) / (size - 1.)), 0, 1); }`;
 
-/** So many places of a spread lattice lie along a side of a cell, in a lattice of at most so many along its own side. */
+/** This many places of a spread lattice lie along a side of a cell, in a lattice of at most this many along its own side. */
 const FINER = 6;
 const LARGEST = 160;
 

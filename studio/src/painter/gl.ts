@@ -67,7 +67,7 @@ export const LOOK_UP = `
 vec4 vectorOf(sampler2D vectors, int index) { return texelFetch(vectors, ivec2(index % ${ROW}, index / ${ROW}), 0); }
 int corner() { return int[6](0, 1, 2, 2, 1, 3)[gl_VertexID % 6]; }`;
 
-/** Vectors of so many numbers. */
+/** Vectors of this many numbers. */
 export function vectors(gl: Gl, size: 2 | 3 | 4): Vectors {
   const made = texture(gl, gl.TEXTURE_2D, gl.NEAREST);
   const [kept, given] = { 2: [gl.RG32F, gl.RG], 3: [gl.RGB32F, gl.RGB], 4: [gl.RGBA32F, gl.RGBA] }[size];

@@ -43,7 +43,7 @@ void main() {
   colour = vec4(paint.rgb * cover, cover);
 }`;
 
-/** Paints labels of 11 CSS px or more; each text is a row of one texture, made anew when the texts change. */
+/** Paints labels of 11 CSS px or more; each text is a row of one texture, made again when the texts change. */
 export function createLabels(gl: Gl): (view: View, labels: Label[]) => void {
   const letters = program(gl, VERTEX, FRAGMENT);
   const signs = vectors(gl, 4);

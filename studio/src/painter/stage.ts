@@ -71,7 +71,7 @@ export function axes(camera: Camera, bounds: Bounds, floor: number, theme: Pictu
         ink: text,
       });
     }
-    // Its name stands between two marks of the floor's axes, or on top of the upright one.
+    // The name of an axis stands between two marks of the floor's axes, or on top of the upright one.
     const between = (Math.floor((low[axis] + high[axis]) / 2 / step) + 0.5) * step;
     const name = axis === 2 ? { place: place(high[2] + 1.2 * room), away: [0, 1] } : { place: place(between, 0.5 * room), away };
     labels.push({ ...(name as Label), text: `${"xyz"[axis]} mm`, ink: text });

@@ -1,4 +1,4 @@
-// A board of `midair studio --on`: Python's own server and page, the drive that it plays, and who is refused.
+// A board of `midair studio --on`: Python's own server and page, the drive that it plays, and rejected clients.
 import { type ChildProcess, spawn } from "node:child_process";
 import { mkdtemp, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
@@ -60,7 +60,7 @@ test("the page plays the board through Python, and it is off by Escape, blur, si
   await button.click();
   await expect.poll(state).toBe("playing");
   await expect.poll(() => button.innerText()).toBe("Playing: turn off");
-  // It plays on for as long as it is said again.
+  // The board plays on for as long as the message is repeated.
   await page.waitForTimeout(2500);
   expect(state()).toBe("playing");
   const before = states.at(-1);

@@ -37,7 +37,7 @@ pub(crate) const FORMAT: Format = Format {
     silence,
 };
 
-/// The multiplexer samples every eighth channel a tick late. The secondary's counter begins anew where the primary's is at half
+/// The multiplexer samples every eighth channel a tick late. The secondary's counter begins again where the primary's is at half
 /// a period, behind a filter: of five taps, as in its diagram, 186.3 degrees late, of eight, as in the primary's, 189.0. Which
 /// its published binary has cannot be seen. The middle is 17 steps less .32.
 fn late(channel: usize) -> (u16, f64) {

@@ -35,7 +35,7 @@ pub(crate) struct Candidates {
     /// cos and sin of the phases, and the first ones again up to [`table`]: a copy never wins against its original.
     cos: Vec<f32>,
     sin: Vec<f32>,
-    /// The same of the even and of the odd thirty-seconds of a turn.
+    /// The same values for the even and the odd thirty-seconds of a turn.
     coarse: [[Lanes; 2]; 2],
     /// The amplitudes.
     amplitude_table: Vec<f32>,

@@ -217,7 +217,7 @@ pub(crate) fn list<S: Doubles, const N: usize>(s: S, of: impl Fn(usize) -> V<S>)
     all
 }
 
-/// Those of some lists.
+/// The vectors of some lists.
 #[inline(always)]
 pub(crate) fn loaded<S: Doubles, const N: usize>(s: S, lists: &[Eight; N], at: usize) -> [V<S>; N] {
     list(s, |k| V::of(s, &lists[k][at..]))

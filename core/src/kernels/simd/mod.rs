@@ -51,7 +51,7 @@ pub(crate) trait Elementwise: Copy {
     /// find out at each element it is not compiled for.
     const SHORT: bool = false;
 
-    /// The same of a token.
+    /// Whether a token is short.
     #[inline(always)]
     fn is_short(self) -> bool {
         Self::SHORT

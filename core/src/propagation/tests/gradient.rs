@@ -155,7 +155,7 @@ fn worst(quantity: Quantity, seeds: core::ops::Range<usize>) -> [f64; 5] {
         let found = by.drive.iter().flat_map(|q| [q.re, q.im]).collect::<Vec<_>>();
         let points = each(setting.points.len(), length, |setting, j, axis, by| setting.points[j][axis] += by);
         let positions = each(count, length, |setting, i, axis, by| setting.positions[i][axis] += by);
-        // Those of the unit normals, which the array makes of what it is given.
+        // The gradient by the unit normals, which the array makes of the given ones.
         let mut unit = setting.clone();
         unit.normals = setting.model().array().normals().to_vec();
         let turned = |i: usize, axis: usize| {

@@ -114,7 +114,7 @@ impl Directivity {
         }
     }
 
-    /// The same as the kernels find it for many transducers.
+    /// The directivity as the kernels find it for many transducers.
     pub(crate) fn slopes(self, k: f64) -> Slopes {
         let each = Slopes::Each(Box::new(move |c| self.taylor(c, k)));
         match (&self.law.shape, &self.law.taylor) {

@@ -65,7 +65,7 @@ const MOST_FREE: usize = 1500;
 /// Ten steps by phases and amplitudes lower the error by this part of it, or are the last.
 const FREE_TOLERANCE: f64 = 3e-4;
 
-/// One of so many steps lowers the error of the powers.
+/// One of this many steps lowers the error of the powers.
 const POWER_STEPS: usize = 5;
 
 /// Steps over which progress is measured.

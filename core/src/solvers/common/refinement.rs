@@ -21,7 +21,7 @@ const WIDTH: usize = 16;
 const ROUNDS: usize = 4;
 
 /// Brings `drive` (N,) to the device's quantization and rotates one transducer after another to the phase of the grid that
-/// lowers `sum w (s t - |P|)^2` most, the common level s estimated anew each round. Without phase quantization it rounds
+/// lowers `sum w (s t - |P|)^2` most, the common level s estimated again each round. Without phase quantization it rounds
 /// (or, without any, does nothing). A drive of 0 stays 0, amplitudes stay.
 ///
 /// Time O(16 N M) a round and at most four rounds, memory O(M). A stop leaves the drive on the grid as it is.

@@ -198,7 +198,7 @@ impl<'w> Wave<'w> {
         tiles::unit::scaled(rows.set, list, factor, self.drive.each_mut().map(|plane| &mut plane[..]));
     }
 
-    /// The same of a list times the conjugates of another.
+    /// Relates a list to the conjugates of another.
     pub(crate) fn relate(&mut self, rows: &Rows, list: &[Complex32], to: &[Complex32]) {
         tiles::unit::relative(rows.set, [list, to], self.drive.each_mut().map(|plane| &mut plane[..]));
     }

@@ -26,7 +26,7 @@ const CROWDED_DAMPING: f32 = 1e-3;
 /// Targets amid crowded quiet points are even where none is off by more than this part of the level.
 const SILENT: f32 = 1e-4;
 
-/// Between crowded points so many steps in a row may leave more than half of the squares: the next ones would, too.
+/// Between crowded points this many steps in a row may leave more than half of the squares: the next ones would, too.
 const PATIENCE: usize = 6;
 
 /// Derivatives serve once more while a step leaves less than this part of the squares: most of a step's time goes into

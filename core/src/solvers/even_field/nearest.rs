@@ -48,7 +48,7 @@ fn alike(problem: &Problem) -> bool {
     problem.targets()[..problem.propagation().points()].windows(2).all(|pair| pair[0] == pair[1])
 }
 
-/// Whether a problem is a picture, with targets to be met: of so many points no even field is looked for.
+/// Whether a problem is a picture, with targets to be met: of this many points no even field is looked for.
 pub(super) fn is_picture(problem: &Problem) -> bool {
     let points = problem.propagation().points();
     let lit = problem.targets().iter().filter(|&&target| target > 0.0).count();

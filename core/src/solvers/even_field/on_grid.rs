@@ -11,7 +11,7 @@ use crate::solvers::even_field::run::Run;
 pub(super) const FEWEST: u32 = 8;
 
 /// Brings `wave` to the board's grid, if it has one and the run was not stopped, and leaves the points as even as the
-/// grid allows, and its field anew. A field that is not `even` has errors too large to be taken back by the next
+/// grid allows, and its field again. A field that is not `even` has errors too large to be taken back by the next
 /// transducers: it is searched, too. After a stop the drive is partly where it was.
 pub(super) fn bring(run: &mut Run, even: bool, wave: &mut Wave<'_>) {
     if let Some(quantization) = run.problem.quantization()

@@ -35,7 +35,7 @@ const APART: f64 = 2.7e-4;
 const SHARPNESS: f64 = 48.0;
 
 /// Rounds drives of modulus 1 to a grid, a pass after the other. K counts in parts of `unit`. With a bound each drive stays
-/// within so many codes of another.
+/// within this many codes of another.
 pub(super) fn bring(
     set: InstructionSet,
     (traps, unit): (&Stiffness, f64),

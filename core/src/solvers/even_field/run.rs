@@ -43,7 +43,7 @@ pub(super) const FEW_ENOUGH: usize = 128;
 /// Targets are unequal where one is this part of another, ...
 const UNEQUAL: f32 = 3.0;
 
-/// ... which counts from so many on.
+/// ... which counts from this many on.
 const MANY: usize = 16;
 
 impl Plan {

@@ -52,11 +52,11 @@ pub(super) struct Search<'w> {
     leaders: Leaders<'w>,
 }
 
-/// One of so many starts is followed to its end: with one of four the level of a letter of 160 points is 2 to 4 % lower.
+/// One of this many starts is followed to its end: with one of four the level of a letter of 160 points is 2 to 4 % lower.
 const RACERS: usize = 3;
 
 impl<'w> Search<'w> {
-    /// Nothing yet; so many fields are to be raised on.
+    /// Nothing yet; this many fields are to be raised on.
     pub(super) fn new(rows: &Rows, raised: usize, work: &'w Workspace) -> Self {
         let [best, trial] = [(); 2].map(|()| Wave::new(rows, work));
         Self { best, even: false, lowest: -1.0, trial, raised, leaders: Leaders::new(raised) }

@@ -29,7 +29,7 @@ const MOST: f32 = 0.8;
 /// So few quiet points are made silent one by one, crowded or not.
 const FEW: usize = 8;
 
-/// How many independent quiet points so many transducers can silence beside some targets.
+/// How many independent quiet points this many transducers can silence beside some targets.
 pub(crate) fn silenceable(transducers: usize, targets: usize) -> usize {
     ((MOST * transducers as f32 - targets as f32) / 2.0).max(0.0) as usize
 }
@@ -45,7 +45,7 @@ pub(super) struct Silence<'w> {
 }
 
 impl<'w> Silence<'w> {
-    /// Those that speak for all where each may leak `quiet` of the largest target.
+    /// The quiet points that stand for all, where each may leak `quiet` of the largest target.
     ///
     /// # Errors
     /// More memory than allowed; a stop.

@@ -152,7 +152,7 @@ pub(crate) fn keep(
     turned
 }
 
-/// Brings drives (N,) to a board's grid, within so many codes of those played last. Where these are no worse they are taken, and
+/// Brings drives (N,) to a board's grid, within this many codes of those played last. Where these are no worse they are taken, and
 /// the answer is false.
 fn bring(
     traps: &Stiffness,

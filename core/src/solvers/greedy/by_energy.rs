@@ -138,7 +138,7 @@ impl Solve for GreedyBy {
             work.floats.give(buffer);
         }
         let drive = drive.into_vec();
-        // Its steps were reported one by one.
+        // The steps of it were reported one by one.
         Ok(Solution::new(problem, drive, (status, steps), all, work, &mut Control::none())?.on_grid())
     }
 }
