@@ -14,9 +14,9 @@ export interface Context {
   /** The board of `midair studio --on`. */
   board: ServedBoard | null;
   say(word: Word, put?: Record<string, string | number>): string;
-  /** Says a text to users of screen readers. */
   /** A line of the core on a scene of the page. */
   plain(line: string): string;
+  /** Says a text to users of screen readers. */
   announce(text: string): void;
   /** Shows one line of what went wrong. */
   alarm(text: string): void;

@@ -9,10 +9,11 @@ import { createHook, type Hook } from "./hook.ts";
 import { first, initial } from "./initial.ts";
 import { readLink } from "./link.ts";
 import { createPage, type Manner, type Page } from "./page.ts";
+import { report } from "./refusals.ts";
 import SolveWorker from "./solve.worker.ts?worker&inline";
 import { createStudio } from "./studio.ts";
 import type { State } from "./types.ts";
-import { type Language, say } from "./words.ts";
+import type { Language } from "./words.ts";
 import wasmUrl from "../built/midair.wasm?url";
 
 declare global {
@@ -66,7 +67,7 @@ async function start() {
       buttons()[focused]?.focus();
     },
   };
-  const unread = (line: string) => say(manner.language, "unread", { line });
+  const unread = (line: string) => report(manner.language, "unread", { line });
   let page: Page = createPage(root, engine, studio, manner);
   window.midair = createHook(engine, studio, () => page);
   window.addEventListener("hashchange", () => {
@@ -80,6 +81,6 @@ async function start() {
 }
 
 start().catch((error: Error) => {
-  root.textContent = say(language, "failed", { line: error.message });
+  root.textContent = report(language, "failed", { line: error.message });
   root.setAttribute("role", "alert");
 });

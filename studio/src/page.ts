@@ -16,7 +16,7 @@ import { createPainter } from "./painter/painter.ts";
 import type { Painter } from "./painter/picture.ts";
 import { createPanels } from "./panels.ts";
 import { createPlayer } from "./player.ts";
-import { plain } from "./refusals.ts";
+import { plain, report } from "./refusals.ts";
 import { createSentence } from "./sentence.ts";
 import type { ServedBoard } from "./served.ts";
 import { sheet } from "./sheet.ts";
@@ -24,7 +24,7 @@ import { createStage } from "./stage.ts";
 import { shownOf, type Studio } from "./studio.ts";
 import { createTips } from "./tips.ts";
 import { type Lattice, LEVELS, type Level, QUANTITIES, type Quantity, type Vec3 } from "./types.ts";
-import { type Language, say } from "./words.ts";
+import type { Language } from "./words.ts";
 
 /** A page that is shown. */
 export interface Page {
@@ -75,7 +75,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     language,
     theme,
     board: manner.board ?? null,
-    say: (word, put) => say(language, word, put),
+    say: (word, put) => report(language, word, put),
     plain: (line) => plain(language, line),
     announce: announcer(status),
     listen: (listener) => void endings.push(studio.listen(listener)),

@@ -1,7 +1,14 @@
-// Words: none is missing in either language, and both put in the same.
+// Words: none is missing in either language, and both put in the same; Japanese has the glossary's terms.
+// That none is cut on the page: browser/looks.test.ts.
+import { readFileSync, readdirSync } from "node:fs";
+
 import { expect, test } from "vitest";
 
+import { gallery } from "../src/gallery.ts";
 import { WORDS, say } from "../src/words.ts";
+
+const SOURCES = `${import.meta.dirname}/../src`;
+const read = (name: string) => readFileSync(`${SOURCES}/${name}`, "utf8");
 
 test.each(Object.entries(WORDS))("%s", (_, [english, japanese]) => {
   const names = (text: string) => [...text.matchAll(/\{\w+\}/g)].map(String).sort();
@@ -12,4 +19,22 @@ test.each(Object.entries(WORDS))("%s", (_, [english, japanese]) => {
 
 test("what is put in stands there", () => {
   expect(say("ja", "point", { n: 2, x: 1, y: 2, z: 3 })).toBe("点 2: x 1、y 2、z 3 mm");
+});
+
+test("no key is there twice, and each is used", () => {
+  const keys = [...read("words.json").matchAll(/^ {2}"(\w+)":/gm)].map((found) => found[1]);
+  expect(keys).toEqual([...new Set(keys)]);
+  const files = readdirSync(SOURCES, { recursive: true }).map(String);
+  const sources = files.filter((name) => name.endsWith(".ts")).map(read).join("\n");
+  const spoken = new Set([...sources.matchAll(/["`](\w+)["`]|\b(\w+):/g)].map((found) => found[1] ?? found[2]));
+  expect(keys.filter((key) => !spoken.has(key) && !spoken.has(key.replace(/Tip$/, "")))).toEqual([]);
+});
+
+/** What the glossary (docs/ja/glossary.md) calls by another name. */
+const OTHERS = /解法|一様性|均一さ|基板|ばらつき σ|トランスデューサ|ユーザー|スピーカー|駆動(?!信号)/;
+
+test("the glossary's terms, with a space between Japanese and Latin letters", () => {
+  const texts = [...Object.values(WORDS), ...gallery.flatMap(({ name, line }) => [name, line])].map(([, japanese]) => japanese);
+  expect(texts.filter((text) => OTHERS.test(text))).toEqual([]);
+  expect(texts.filter((text) => /[ぁ-んァ-ヶ一-龠][A-Za-z]|[A-Za-z][ぁ-んァ-ヶ一-龠]/.test(text))).toEqual([]);
 });
