@@ -41,8 +41,8 @@ const JAPANESE: [RegExp, string][] = [
   [/this browser cannot run midair .*/, "このブラウザでは midair を使えません: SIMD に対応した WebAssembly が必要です"],
   [/the port of (\S+) cannot be opened \((.*)\): .*/, "$1 のポートを開けません ($2): ボードをつなぎ、ポートを使っているほかのプログラムを終了してください"],
   [/the port of (\S+) is gone \((.*)\): the board was turned off.*/, "$1 との接続が切れました ($2): ボードは停止しました。接続し直してください"],
-  [/the port of (\S+) is gone \((.*)\): the board may still play.*/, "$1 との接続が切れました ($2): 再生が続いているかもしれません。電源を切り、接続し直してください"],
-  [/(\S+) cannot play this \((.*)\): it is off/, "$1 では再生できません ($2): ボードを停止しました"],
+  [/the port of (\S+) is gone \((.*)\): the board may still play.*/, "$1 との接続が切れました ($2): 出力が続いているかもしれません。電源を切り、接続し直してください"],
+  [/(\S+) cannot play this \((.*)\): it is off/, "$1 では出力できません ($2): ボードを停止しました"],
   [/it was unplugged/, "取り外されました"],
   [/it takes nothing/, "応答がありません"],
 ];

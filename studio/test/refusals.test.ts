@@ -69,8 +69,8 @@ test.each([
   ["door.ts", "this browser cannot run midair (", "this browser cannot run midair (x): WebAssembly with SIMD is needed", "このブラウザでは midair を"],
   ["serial.ts", "cannot be opened (", "the port of sonicsurface cannot be opened (x): plug the board in", "sonicsurface のポートを開けません (x): "],
   ["serial.ts", "it was unplugged", "the port of sonicsurface is gone (it was unplugged): the board was turned off, connect again", "sonicsurface との接続が切れました (取り外されました): ボードは停止しました"],
-  ["serial.ts", "it takes nothing", "the port of sonicsurface is gone (it takes nothing): the board may still play, switch", "sonicsurface との接続が切れました (応答がありません): 再生が続いて"],
-  ["serial.ts", "cannot play this (", "sonicsurface cannot play this (x): it is off", "sonicsurface では再生できません (x): "],
+  ["serial.ts", "it takes nothing", "the port of sonicsurface is gone (it takes nothing): the board may still play, switch", "sonicsurface との接続が切れました (応答がありません): 出力が続いて"],
+  ["serial.ts", "cannot play this (", "sonicsurface cannot play this (x): it is off", "sonicsurface では出力できません (x): "],
 ])("%s: %s", (file, words, line, japanese) => {
   expect(readFileSync(`${MESSAGES}/${file}`, "utf8")).toContain(words);
   const shown = report("ja", "failed", { line });
