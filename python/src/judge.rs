@@ -46,7 +46,7 @@ pub(crate) fn bound(
     mask: Argument<'_, '_>,
 ) -> PyResult<f64> {
     let subject = Subject::read(scene, Beside { pressures, weights, mask, ..Beside::default() })?;
-    attend(py, None, |mut control| midair::bound(&subject.problem(&mut control)?, &mut control))
+    attend(py, None, |mut control| midair::bound(&subject.problem(false, &mut control)?, &mut control))
 }
 
 /// The metrics of a drive (N,), or of a Solution times its scale; for many drives a table.
@@ -101,7 +101,7 @@ pub(crate) fn judge<'py>(
         (Err(_), Some(drive)) => (Subject::read(scene, beside)?, played(drive)?),
         (Err(_), None) => return Err(invalid("drive", "None", "give one (N,), or a Solution alone")),
     };
-    let judge = |mut control: Control<'_>| subject.problem(&mut control)?.judge(&drive, precision, &mut control);
+    let judge = |mut control: Control<'_>| subject.problem(false, &mut control)?.judge(&drive, precision, &mut control);
     Ok(Bound::new(py, Metrics::from(attend(py, None, judge)?))?.into_any())
 }
 

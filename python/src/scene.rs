@@ -104,8 +104,9 @@ impl Scene {
         Ok(self)
     }
 
-    pub(crate) fn problem(&self, control: &mut Control) -> Result<midair::Problem, midair::Error> {
-        midair::Problem::of_model(&self.model(), self.inner.points(), self.inner.request(), control)
+    pub(crate) fn problem(&self, rows_follow: bool, control: &mut Control) -> Result<midair::Problem, midair::Error> {
+        let model = self.model().for_rows(rows_follow);
+        midair::Problem::of_model(&model, self.inner.points(), self.inner.request(), control)
     }
 
     /// Its array and medium with the obstacles and the signature, for solving.
@@ -221,7 +222,7 @@ impl Scene {
     ///
     /// Raises SceneError for a point nearer than lambda/100 to a transducer.
     fn reach(&self, py: Python<'_>) -> PyResult<Reach> {
-        let reach = |mut control: Control<'_>| self.problem(&mut control)?.reach(&mut control);
+        let reach = |mut control: Control<'_>| self.problem(false, &mut control)?.reach(&mut control);
         let midair::Reach { alone, level, .. } = attend(py, None, reach)?;
         Ok(Reach { alone, level })
     }

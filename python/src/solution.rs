@@ -111,7 +111,7 @@ impl Solution {
         let received = read::drive("pressures", &part("pressures")?)?;
         let targets = read::reals("targets", &part("targets")?)?;
         let inner = attend(record.py(), None, |mut control| {
-            let problem = subject.problem(&mut control)?;
+            let problem = subject.problem(false, &mut control)?;
             midair::Solution::restored(&problem, drive, received, outcome, Some(targets), &mut control)
         })?;
         let choice = read::choice(part("solver")?.extract()?, part("options")?.cast()?)?;

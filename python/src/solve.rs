@@ -101,8 +101,8 @@ pub(crate) fn solve(
     let clock = Instant::now();
     let start = start.map(begin).transpose()?;
     let mut problem = attend(py, None, |mut control| match start {
-        None => subject.problem(&mut control),
-        Some(start) => subject.problem(&mut control)?.with_start(start),
+        None => subject.problem(configured.solver.computes_rows(), &mut control),
+        Some(start) => subject.problem(configured.solver.computes_rows(), &mut control)?.with_start(start),
     })?;
     if let Some(aim) = choice.aim {
         problem = problem.with_aim(aim);

@@ -94,9 +94,9 @@ impl Subject {
         Err(PyTypeError::new_err(format!("expected a midair.Scene or midair.Propagation first, not {kind}")))
     }
 
-    pub(crate) fn problem(&self, control: &mut Control) -> Result<Problem, midair::Error> {
+    pub(crate) fn problem(&self, rows_follow: bool, control: &mut Control) -> Result<Problem, midair::Error> {
         match self {
-            Self::Scene(scene) => scene.problem(control),
+            Self::Scene(scene) => scene.problem(rows_follow, control),
             Self::Given(propagation, setup, request) => {
                 Problem::watched(propagation.clone(), Arc::clone(setup), request, control)
             }

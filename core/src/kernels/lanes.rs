@@ -6,6 +6,11 @@ pub(crate) const LANES: usize = 16;
 /// One lane group.
 pub(crate) type Lanes = [f32; LANES];
 
+/// One that begins on a cache line.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub(crate) struct Line(pub(crate) Lanes);
+
 /// Rows of tiles that lie together.
 pub(crate) const BLOCK: usize = 4;
 

@@ -58,7 +58,7 @@ pub(crate) fn add_waves(
     control: &mut Control,
 ) -> Result<(), Error> {
     let [all_re, all_im] = match rows {
-        Rows::Computed { radiation, sources, control_points } => {
+        Rows::Computed { radiation, sources, control_points, .. } => {
             return add_field(set, radiation, sources, drive, control_points, [re, im], control);
         }
         Rows::Stored { re, im } => [re, im],

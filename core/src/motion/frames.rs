@@ -87,7 +87,7 @@ impl<'a> Frames<'a> {
         for begin in (0..points.len()).step_by(TOGETHER * each) {
             let end = points.len().min(begin + TOGETHER * each);
             let propagation = model.driven(&(begin..end).map(place).collect::<Vec<_>>())?;
-            propagation.reach(&mut reach, control).map_err(|error| match error {
+            propagation.reach(&mut reach, None, control).map_err(|error| match error {
                 Error::TooNear { point, transducer, distance, least } => {
                     let value = format!("{distance:.3e} m from transducer {transducer}");
                     let cure = format!("move it at least {least:.3e} m (a hundredth of the wavelength) away");

@@ -32,8 +32,9 @@ use num_complex::Complex32;
 use crate::control::Control;
 use crate::device::quantization::Quantization;
 use crate::error::{Error, one_each};
-use crate::kernels::InstructionSet;
+use crate::kernels::{InstructionSet, Rows};
 use crate::problem::array_request::ArrayRequest;
+use crate::propagation::reach::Amplitudes;
 use crate::propagation::{Model, Propagation};
 use crate::scene::{Aim, Request, Scene, Start};
 use crate::workspace::Workspace;
@@ -57,6 +58,8 @@ pub struct Problem {
     scaled: Vec<f32>,
     /// p1_j of the points of weight above 0 in units of the reference.
     pub(crate) reach: Vec<f64>,
+    /// What these sums have found of the rows of G, where it is kept.
+    amplitudes: Amplitudes,
 }
 
 impl Problem {
@@ -168,6 +171,7 @@ impl Problem {
             factor: 1.0,
             scaled: Vec::new(),
             reach: Vec::new(),
+            amplitudes: Amplitudes::default(),
         }
     }
 
@@ -191,7 +195,7 @@ impl Problem {
     /// Sums |G| at the points of weight above 0.
     pub(crate) fn sum_moduli(&mut self, control: &mut Control) -> Result<(), Error> {
         let propagation = self.selected.as_ref().unwrap_or(&self.targets.propagation);
-        propagation.reach(&mut self.reach, control).map_err(|error| match error {
+        propagation.reach(&mut self.reach, Some(&mut self.amplitudes), control).map_err(|error| match error {
             // The selection renumbered the points.
             Error::TooNear { point, transducer, distance, least } => {
                 Error::TooNear { point: self.targets.active[point], transducer, distance, least }
@@ -202,6 +206,7 @@ impl Problem {
 
     /// Sets the sums of |G| to 0.
     pub(crate) fn clear_reach(&mut self) {
+        self.amplitudes.clear();
         self.reach.clear();
         self.reach.resize(self.propagation().points(), 0.0);
     }
@@ -294,6 +299,11 @@ impl Problem {
     #[must_use]
     pub fn propagation(&self) -> &Propagation {
         self.selected.as_ref().unwrap_or(&self.targets.propagation)
+    }
+
+    /// The same as the kernels of a sweep read them.
+    pub(crate) fn rows(&self) -> Rows<'_> {
+        self.propagation().rows_of(&self.amplitudes)
     }
 
     /// Rows of G over the points of weight above 0, none of them multiplied by a power of two for f32's sake.

@@ -20,7 +20,7 @@ impl Propagation {
     pub fn matrix(&self, control: &mut Control) -> Result<Vec<Complex32>, Error> {
         let n = self.transducers();
         control.room("the matrix G", [n, self.count], bytes(8, &[n, self.count]))?;
-        self.reach(&mut Vec::new(), control)?;
+        self.reach(&mut Vec::new(), None, control)?;
         let mut matrix = Vec::with_capacity(n * self.count);
         let all: Vec<usize> = (0..self.count).collect();
         for chosen in all.chunks((ENTRIES_A_BLOCK / n).clamp(16, 256)) {

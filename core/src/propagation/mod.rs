@@ -15,6 +15,7 @@ pub(crate) mod model;
 mod momentum;
 pub(crate) mod particle;
 pub(crate) mod quantity;
+pub(crate) mod reach;
 pub(crate) mod reflection;
 pub(crate) mod rest;
 pub(crate) mod scattering;
@@ -35,17 +36,13 @@ use alloc::{format, sync::Arc, vec, vec::Vec};
 
 use num_complex::Complex64;
 
-use crate::control::Control;
 use crate::device::channels::Channels;
 use crate::error::{Error, one_each};
 use crate::kernels::propagate::rows;
-use crate::kernels::{self, ControlPoints, InstructionSet, Row, Run, padded};
+use crate::kernels::{self, ControlPoints, InstructionSet, Row, padded};
 use crate::math;
 use crate::propagation::kept::{Kept, Known};
 use crate::scene::{Array, Bead, Scene, UNITS};
-
-/// Square wavelengths, a little more than a hundredth squared: f32 decides where f64 is to look.
-pub(crate) const NEAR: f32 = 1.01e-4;
 
 /// A source of rows of G, one row a transducer: computed from positions on request, or a matrix of the user's
 /// own (measured, scattered by obstacles). A solver cannot tell which.
@@ -56,6 +53,8 @@ pub struct Propagation {
     rows: Rows,
     count: usize,
     set: InstructionSet,
+    /// Whether its rows are computed after the sums of |G|.
+    rows_follow: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -104,7 +103,7 @@ impl Propagation {
     pub(crate) fn at(sources: Arc<Sources>, points: Arc<[[f64; 3]]>, set: InstructionSet) -> Self {
         let frame = Arc::new(sources.frame(&points));
         let count = points.len();
-        Self { count, rows: Rows::Computed { sources, frame, points }, set }
+        Self { count, rows: Rows::Computed { sources, frame, points }, set, rows_follow: false }
     }
 
     /// G that is kept, at points that have been checked; what is `known` of it is not made again.
@@ -189,7 +188,12 @@ impl Propagation {
                 planar[1][i * lanes + j] = (g.im * unit) as f32;
             }
         }
-        Self { count, rows: Rows::Stored { matrix, planar: Arc::new(planar), reference, kept }, set }
+        Self {
+            count,
+            rows: Rows::Stored { matrix, planar: Arc::new(planar), reference, kept },
+            set,
+            rows_follow: false,
+        }
     }
 
     /// The same with some transducers of a given matrix switched off: where the mask (N,) is false, G is 0, and so is then
@@ -299,6 +303,7 @@ impl Propagation {
                 radiation: &sources.radiation,
                 sources: &sources.transducers,
                 control_points: self.padded_points(frame),
+                amplitudes: &[],
             },
             Rows::Stored { planar, .. } => rows::Rows::Stored { re: &planar[0], im: &planar[1] },
         }
@@ -310,33 +315,6 @@ impl Propagation {
             Rows::Computed { sources, frame, .. } => Some((sources, self.padded_points(frame))),
             Rows::Stored { .. } => None,
         }
-    }
-
-    /// p1_j = `sum_i |G_ji|` in units of the reference, refusing a point on a transducer.
-    pub(crate) fn reach(&self, reach: &mut Vec<f64>, control: &mut Control) -> Result<(), Error> {
-        reach.clear();
-        reach.resize(self.count, 0.0);
-        match &self.rows {
-            Rows::Computed { sources, frame, points } => {
-                for run in Run::all(&sources.radiation, &sources.transducers) {
-                    if kernels::add_moduli(self.set, &run, self.padded_points(frame), NEAR, reach, control)? {
-                        run.members.into_iter().try_for_each(|i| sources.check_distances(i, points))?;
-                    }
-                }
-            }
-            Rows::Stored { matrix, reference, kept, .. } => {
-                if let Some(kept) = kept {
-                    (0..kept.sources.array.len()).try_for_each(|i| kept.sources.check_distances(i, &kept.points))?;
-                }
-                for row in matrix.chunks(self.count) {
-                    control.pulse()?;
-                    for (reach, g) in reach.iter_mut().zip(row) {
-                        *reach += math::hypot(g.re, g.im) / reference;
-                    }
-                }
-            }
-        }
-        Ok(())
     }
 
     /// The same transducers at other points, in the same memory if it has no other owner.
@@ -356,7 +334,10 @@ impl Propagation {
                 sources.write_frame(points, frame);
                 old.copy_from_slice(points);
             }
-            _ => *self = Self::at(Arc::clone(sources), points.into(), self.set),
+            _ => {
+                let moved = Self::at(Arc::clone(sources), points.into(), self.set);
+                *self = Self { rows_follow: self.rows_follow, ..moved };
+            }
         }
         Ok(())
     }
@@ -375,7 +356,7 @@ impl Propagation {
         match &self.rows {
             Rows::Computed { sources, points, .. } => {
                 let points = chosen.iter().map(|&j| points[j]).collect();
-                Self::at(Arc::clone(sources), points, self.set)
+                Self { rows_follow: self.rows_follow, ..Self::at(Arc::clone(sources), points, self.set) }
             }
             Rows::Stored { matrix, reference, kept, .. } => {
                 let rows = matrix.chunks(self.count);

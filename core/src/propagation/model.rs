@@ -34,6 +34,8 @@ pub struct Model {
     pub(crate) scattering: Option<Arc<Scattering>>,
     signature: Option<Signature>,
     bead: Bead,
+    /// Whether rows of G follow the sums of |G|.
+    rows_follow: bool,
     /// The maker of G behind obstacles or under a signature; none where there are neither.
     make: Option<Make>,
 }
@@ -46,14 +48,15 @@ impl Model {
     pub fn new(array: &Array, medium: Medium, set: InstructionSet) -> Result<Self, Error> {
         check_array(array, medium)?;
         let (sources, bead) = (Arc::new(Sources::new(array, medium)), Bead::default());
-        Ok(Self { sources, set, scattering: None, signature: None, bead, make: None })
+        Ok(Self { sources, set, scattering: None, signature: None, bead, rows_follow: false, make: None })
     }
 
     /// The model of a scene that has been checked.
     #[must_use]
     pub fn of(scene: &Scene, set: InstructionSet) -> Self {
         let sources = Arc::new(Sources::new(scene.array(), scene.medium()));
-        let bare = Self { sources, set, scattering: None, signature: None, bead: scene.bead(), make: None };
+        let bead = scene.bead();
+        let bare = Self { sources, set, scattering: None, signature: None, bead, rows_follow: false, make: None };
         bare.with_signature(scene.signature().cloned())
             .scattered(scene.checked_obstacles(), &mut Control::none())
             .unwrap_or_else(|_| unreachable!("it is not stopped"))
@@ -132,6 +135,14 @@ impl Model {
         Self { signature, make: kept.then_some(Kept::MAKE), ..self }
     }
 
+    /// The same for a method that computes rows of G one after the other, or for one that does not: what such rows and the
+    /// sums of |G| before them have in common is then computed once. No bit depends on it.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn for_rows(self, rows_follow: bool) -> Self {
+        Self { rows_follow, ..self }
+    }
+
     /// The same with traps for another bead.
     #[must_use]
     pub fn with_bead(self, bead: Bead) -> Self {
@@ -165,7 +176,10 @@ impl Model {
         self.sources.check_points(points)?;
         let sources = Arc::clone(&self.sources);
         let Some(make) = self.make.or(channels.as_ref().map(|_| Kept::BARE)) else {
-            return Ok(Propagation::at(sources, points.into(), self.set));
+            return Ok(Propagation {
+                rows_follow: self.rows_follow,
+                ..Propagation::at(sources, points.into(), self.set)
+            });
         };
         let (scattering, signature) = (self.scattering.clone(), self.signature.clone());
         let (points, bead) = (points.into(), self.bead);

@@ -76,8 +76,9 @@ impl Session {
     pub fn new(model: Model, solver: impl Into<Arc<dyn Solve + Send + Sync>>, balance: bool) -> Self {
         let setup = Arc::new(Setup::of(model.array(), model.medium()));
         let vicinity = Some(Vicinity::of(model.array()));
-        let transducers = Transducers::Model(model);
-        Self::of(Task { transducers, setup, solver: solver.into(), balance }, vicinity)
+        let solver = solver.into();
+        let transducers = Transducers::Model(model.for_rows(solver.computes_rows()));
+        Self::of(Task { transducers, setup, solver, balance }, vicinity)
     }
 
     /// A session of a given G, the array behind it, and a solver: its requests have no points.

@@ -70,6 +70,10 @@ impl Method for Fast {
 }
 
 impl Solve for Fast {
+    fn computes_rows(&self) -> bool {
+        true
+    }
+
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         self.check()?;
         let propagation = problem.propagation();
@@ -84,7 +88,7 @@ impl Solve for Fast {
         let (mut status, mut step) = (Status::Done, 0);
         for sweep in 0..sweeps {
             let task = Sweep {
-                rows: propagation.rows(),
+                rows: problem.rows(),
                 target: problem.targets(),
                 weight: problem.weights(),
                 count: propagation.points(),

@@ -40,6 +40,12 @@ pub trait Solve {
         true
     }
 
+    /// Whether it computes rows of G one after the other: [`crate::Model::for_rows`].
+    #[doc(hidden)]
+    fn computes_rows(&self) -> bool {
+        false
+    }
+
     /// Solves the frame after the last, where it remembers that.
     ///
     /// # Errors

@@ -17,16 +17,12 @@ use num_complex::Complex32;
 
 use crate::kernels::closed_form;
 use crate::kernels::closed_form::{Block, Layout, Look, MOST, Memory, QUAD, ROWS, Sweep, directions, own_power};
-use crate::kernels::lanes::{LANES, Lanes, Octet, groups};
+use crate::kernels::lanes::{LANES, Lanes, Line, Octet, groups};
 use crate::kernels::propagate::octets::write_segments;
 use crate::kernels::propagate::row::ControlPoints;
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-
-/// One lane group, on a line of the cache.
-#[repr(align(64))]
-struct Line(Lanes);
 
 /// The rows of a sweep over one lane group, likewise.
 #[repr(align(64))]
@@ -47,11 +43,11 @@ pub(super) fn sweep<const N: usize>(
     let (mut real, mut imag) = (repeated(re), repeated(im));
     let coordinates;
     let rows = match sweep.rows {
-        Rows::Computed { radiation, sources, control_points } => {
+        Rows::Computed { radiation, sources, control_points, .. } => {
             coordinates = control_points.coordinates.map(repeated);
             let [x, y, z] = &coordinates;
             let control_points = ControlPoints { coordinates: [&x.0, &y.0, &z.0], count: LANES };
-            Rows::Computed { radiation, sources, control_points }
+            Rows::Computed { radiation, sources, control_points, amplitudes: &[] }
         }
         stored @ Rows::Stored { .. } => stored,
     };

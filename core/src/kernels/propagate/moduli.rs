@@ -4,18 +4,19 @@
 //! for each run of 32 source groups, each point:
 //!     lane l = |G| of source l of the first group, + of the second, and so on         # f32
 //!     sum    = the lanes in the tree of Simd::reduce_add                              # added up in f64
-//! an interleaved batch: the same sums, one lane's after another, the tree's deepest terms first
+//! an interleaved batch, or many points: the same sums, one lane's after another, the tree's deepest terms first
 //! ```
 //!
 //! Sixteen transducers in the lanes leave none to padding, however few points there are: at M = 4 the sums take a
-//! quarter of the time that they take with the points in the lanes.
+//! quarter of the time that they take with the points in the lanes. Points that fill lane groups lie in the lanes where
+//! the amplitudes of all elements are kept for the rows that follow.
 
 use core::ops::Range;
 
 use crate::control::Control;
 use crate::error::Error;
 use crate::kernels::lanes::Lanes;
-use crate::kernels::lanes::{LANES, groups, groups_mut};
+use crate::kernels::lanes::{LANES, Line, groups, groups_mut};
 use crate::kernels::propagate::form::{Form, Radiation, formed};
 use crate::kernels::propagate::row::{ControlPoints, spread};
 use crate::kernels::propagate::source::{SourceGroup, SourceLanes, SourceList};
@@ -46,7 +47,7 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// The least square distance so far, and `sum` + |G|.
+    /// The least square distance so far, `sum` + |G|, and the amplitude, |G| but for the sign.
     #[inline(always)]
     fn add<S: Elementwise, F: Form>(
         &self,
@@ -54,12 +55,12 @@ impl<'a> Run<'a> {
         form: F,
         from: &SourceLanes<S::V>,
         point: [S::V; 3],
-        [closest, sum]: [S::V; 2],
-    ) -> [S::V; 2] {
+        [closest, sum, _]: [S::V; 3],
+    ) -> [S::V; 3] {
         let [square, _, amplitude] = spread(s, form, self.radiation, from, point);
         // A piston's side lobes have D < 0.
         let modulus = if F::PLAIN { amplitude } else { s.abs(amplitude) };
-        [s.min(square, closest), s.add(sum, modulus)]
+        [s.min(square, closest), s.add(sum, modulus), amplitude]
     }
 }
 
@@ -118,7 +119,7 @@ impl<F: Form> Apart for Sums<'_, F> {
     fn run<S: Elementwise>(&mut self, s: S) {
         let [x, y, z] = self.point;
         let place = [s.splat(x), s.splat(y), s.splat(z)];
-        let mut state = [s.splat(f32::INFINITY), s.splat(0.0)];
+        let mut state = [s.splat(f32::INFINITY), s.splat(0.0), s.splat(0.0)];
         for group in self.run.groups {
             state = self.run.add(s, self.form, &group.all(s), place, state);
         }
@@ -136,30 +137,51 @@ pub(crate) fn interleaved_moduli(
     nearest: f32,
     out: &mut [f32],
 ) -> bool {
-    dispatch!(set, s => formed!(s, run.radiation, true, form => interleaved_form(s, form, run, points, nearest, out)))
+    dispatch!(set, s => formed!(s, run.radiation, true, form => {
+        in_lanes::<_, _, false>(s, form, run, points, nearest, (out, &mut []))
+    }))
 }
 
-#[inline(always)]
-fn interleaved_form<S: Simd>(
-    s: S,
-    form: impl Form,
+/// As [`add_moduli`], the points in the lanes: each sum bit for bit what that adds, written to `out`, and the amplitudes of
+/// the run's rows to `kept`, row after row.
+pub(crate) fn keep_moduli(
+    set: InstructionSet,
     run: &Run<'_>,
     points: ControlPoints<'_>,
     nearest: f32,
     out: &mut [f32],
+    kept: &mut [Line],
+) -> bool {
+    dispatch!(set, s => formed!(s, run.radiation, true, form => {
+        in_lanes::<_, _, true>(s, form, run, points, nearest, (out, kept))
+    }))
+}
+
+#[inline(always)]
+fn in_lanes<S: Simd, F: Form, const KEEP: bool>(
+    s: S,
+    form: F,
+    run: &Run<'_>,
+    points: ControlPoints<'_>,
+    nearest: f32,
+    (out, kept): (&mut [f32], &mut [Line]),
 ) -> bool {
     let [x, y, z] = points.coordinates.map(groups);
+    let wide = x.len();
     let mut closest = s.splat(f32::INFINITY);
-    for (((x, y), z), out) in x.iter().zip(y).zip(z).zip(groups_mut(out)) {
+    for (g, (((x, y), z), out)) in x.iter().zip(y).zip(z).zip(groups_mut(out)).enumerate() {
         let place = [s.load(x), s.load(y), s.load(z)];
         // Sums over 1, 2, 4 and 8 lanes that wait for as many others.
         let mut waiting = [s.splat(0.0); 5];
         for k in 0..LANES {
             // Lanes in the order of their reversed bits: 0, 8, 4, 12 and so on.
             let lane = k.reverse_bits() >> (usize::BITS - LANES.ilog2());
-            let mut state = [closest, s.splat(0.0)];
-            for group in run.groups {
+            let mut state = [closest, s.splat(0.0), s.splat(0.0)];
+            for (n, group) in run.groups.iter().enumerate() {
                 state = run.add(s, form, &group.one(s, lane), place, state);
+                if KEEP && let Some(kept) = kept.get_mut((n * LANES + lane) * wide + g) {
+                    s.store(state[2], &mut kept.0);
+                }
             }
             let mut sum = state[1];
             closest = state[0];

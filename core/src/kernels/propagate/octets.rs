@@ -3,9 +3,9 @@
 //! A function of its own, with its form chosen before its loops: around it a kernel keeps its registers. Padding is not
 //! silenced.
 
-use crate::kernels::lanes::{LANES, Octet, groups};
+use crate::kernels::lanes::{LANES, Line, Octet, groups};
 use crate::kernels::propagate::form::{Form, Radiation, formed};
-use crate::kernels::propagate::row::{ControlPoints, element, silence};
+use crate::kernels::propagate::row::{ControlPoints, element, known, silence};
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::propagate::source::SourceList;
 use crate::kernels::simd::{Apart, Elementwise, Simd};
@@ -14,7 +14,11 @@ use crate::kernels::simd::{Apart, Elementwise, Simd};
 #[inline(always)]
 pub(crate) fn write_rows<S: Simd>(s: S, rows: Rows<'_>, members: &[usize], first: usize, out: &mut [Octet]) {
     match rows {
-        Rows::Computed { radiation, sources, control_points } => s.vectorize(
+        Rows::Computed { sources, control_points, amplitudes, .. } if !amplitudes.is_empty() => s.vectorize(
+            #[inline(always)]
+            || s.apart(control_points.count, &mut Known { sources, control_points, amplitudes, members, first, out }),
+        ),
+        Rows::Computed { radiation, sources, control_points, .. } => s.vectorize(
             #[inline(always)]
             || {
                 formed!(s, radiation, sources.in_phase, form => {
@@ -58,6 +62,32 @@ impl<F: Form> Apart for Columns<'_, F> {
     }
 }
 
+/// The same of known amplitudes.
+struct Known<'a> {
+    sources: &'a SourceList,
+    control_points: ControlPoints<'a>,
+    amplitudes: &'a [Line],
+    members: &'a [usize],
+    first: usize,
+    out: &'a mut [Octet],
+}
+
+impl Apart for Known<'_> {
+    #[inline(always)]
+    fn run<S: Elementwise>(&mut self, s: S) {
+        let [x, y, z] = self.control_points.coordinates.map(groups);
+        for (column, &i) in (self.first..).zip(self.members) {
+            let from = &self.sources.one(s, i);
+            let amplitudes = &self.amplitudes[i * x.len()..];
+            for ((((x, y), z), amplitude), octet) in x.iter().zip(y).zip(z).zip(amplitudes).zip(&mut *self.out) {
+                let [re, im] = known(s, from, [s.load(x), s.load(y), s.load(z)], s.load(&amplitude.0));
+                s.store(re, &mut octet[column][0]);
+                s.store(im, &mut octet[column][1]);
+            }
+        }
+    }
+}
+
 /// Writes the rows of `members` over up to 16/N points, N of them to a column: the k-th in the lanes from 16 k/N on.
 /// Coordinates are repeated likewise. Lanes without a member are silent.
 #[inline(always)]
@@ -69,7 +99,7 @@ pub(crate) fn write_segments<S: Simd, const N: usize>(
     out: &mut Octet,
 ) {
     match rows {
-        Rows::Computed { radiation, sources, control_points } => s.vectorize(
+        Rows::Computed { radiation, sources, control_points, .. } => s.vectorize(
             #[inline(always)]
             || {
                 let [x, y, z] = control_points.coordinates.map(|list| &groups(list)[0]);

@@ -1,7 +1,7 @@
 //! Elements of G, eq. (5), in f32: one source against every control point, or 16 sources at a point.
 
 use crate::kernels::lanes::{BLOCK, Block};
-use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
+use crate::kernels::lanes::{LANES, Lanes, Line, groups, groups_mut};
 use crate::kernels::phasor::{power_of_two, wave};
 use crate::kernels::propagate::form::{Form, Plain, Radiation, formed};
 use crate::kernels::propagate::source::{SourceLanes, SourceList};
@@ -35,12 +35,8 @@ pub(crate) fn spread<S: Elementwise, F: Form>(
     from: &SourceLanes<S::V>,
     point: [S::V; 3],
 ) -> [S::V; 3] {
-    let [x, y, z] = from.position;
-    let (dx, dy, dz) = (s.sub(point[0], x), s.sub(point[1], y), s.sub(point[2], z));
-    let square = s.fma(dx, dx, s.fma(dy, dy, s.mul(dz, dz)));
-    let clamped = s.max(square, s.splat(NEAREST * NEAREST));
-    // The distance is the phase: an error in its last place is one of 2e-5 rad at a metre's tenth.
-    let (distance, inverse) = s.sqrt_rsqrt(clamped);
+    let (ray, square) = away(s, from, point);
+    let (distance, inverse) = length(s, square);
     let mut amplitude = s.mul(from.amplitude, inverse);
     if !F::PLAIN
         && let Some(decay) = radiation.decay
@@ -51,7 +47,7 @@ pub(crate) fn spread<S: Elementwise, F: Form>(
         s,
         amplitude,
         #[inline(always)]
-        || from.along(s, [dx, dy, dz]),
+        || from.along(s, ray),
         inverse,
     );
     [square, distance, directed]
@@ -68,6 +64,28 @@ pub(crate) fn element<S: Elementwise, F: Form>(
 ) -> [S::V; 2] {
     let [_, distance, amplitude] = spread(s, form, radiation, from, point);
     wave(s, if F::PLAIN || from.in_phase { distance } else { s.add(distance, from.turns) }, amplitude)
+}
+
+/// From a source to a point, and the square of the distance.
+#[inline(always)]
+fn away<S: Elementwise>(s: S, from: &SourceLanes<S::V>, point: [S::V; 3]) -> ([S::V; 3], S::V) {
+    let [x, y, z] = from.position;
+    let [dx, dy, dz] = [s.sub(point[0], x), s.sub(point[1], y), s.sub(point[2], z)];
+    ([dx, dy, dz], s.fma(dx, dx, s.fma(dy, dy, s.mul(dz, dz))))
+}
+
+/// A distance, at least [`NEAREST`], and its inverse.
+#[inline(always)]
+fn length<S: Elementwise>(s: S, square: S::V) -> (S::V, S::V) {
+    // The distance is the phase: an error in its last place is one of 2e-5 rad at a metre's tenth.
+    s.sqrt_rsqrt(s.max(square, s.splat(NEAREST * NEAREST)))
+}
+
+/// Element of G whose amplitude is known: bit for bit that of [`element`].
+#[inline(always)]
+pub(crate) fn known<S: Elementwise>(s: S, from: &SourceLanes<S::V>, point: [S::V; 3], amplitude: S::V) -> [S::V; 2] {
+    let (distance, _) = length(s, away(s, from, point).1);
+    wave(s, if from.in_phase { distance } else { s.add(distance, from.turns) }, amplitude)
 }
 
 /// Writes a group of sources against the points of `order`: row k of [`crate::kernels::tiles`] in the blocks from `first`
@@ -164,6 +182,46 @@ impl<F: Form> Apart for Written<'_, F> {
         let points = groups(x).iter().zip(groups(y)).zip(groups(z));
         for (((x, y), z), (re, im)) in points.zip(groups_mut(re).iter_mut().zip(groups_mut(im))) {
             let [real, imaginary] = element(s, self.form, self.radiation, from, [s.load(x), s.load(y), s.load(z)]);
+            s.store(real, re);
+            s.store(imaginary, im);
+        }
+    }
+}
+
+/// As [`write_row`] where the row's amplitudes are known.
+#[inline(always)]
+pub(crate) fn write_known_row<S: Simd>(
+    s: S,
+    (sources, i): (&SourceList, usize),
+    control_points: ControlPoints<'_>,
+    amplitudes: &[Line],
+    re: &mut [f32],
+    im: &mut [f32],
+) {
+    let out = [&mut *re, &mut *im];
+    s.apart(control_points.count, &mut Known { sources, i, control_points, amplitudes, out });
+    silence(s, re, control_points.count);
+    silence(s, im, control_points.count);
+}
+
+/// See [`write_known_row`].
+struct Known<'a> {
+    sources: &'a SourceList,
+    i: usize,
+    control_points: ControlPoints<'a>,
+    amplitudes: &'a [Line],
+    out: [&'a mut [f32]; 2],
+}
+
+impl Apart for Known<'_> {
+    #[inline(always)]
+    fn run<S: Elementwise>(&mut self, s: S) {
+        let from = &self.sources.one(s, self.i);
+        let [x, y, z] = self.control_points.coordinates.map(groups);
+        let [re, im] = &mut self.out;
+        let points = x.iter().zip(y).zip(z).zip(self.amplitudes);
+        for ((((x, y), z), amplitude), (re, im)) in points.zip(groups_mut(re).iter_mut().zip(groups_mut(im))) {
+            let [real, imaginary] = known(s, from, [s.load(x), s.load(y), s.load(z)], s.load(&amplitude.0));
             s.store(real, re);
             s.store(imaginary, im);
         }

@@ -3,17 +3,22 @@
 use core::ops::Range;
 
 use crate::kernels::lanes::{BLOCK, Block};
-use crate::kernels::lanes::{LANES, padded};
+use crate::kernels::lanes::{LANES, Line, padded};
 use crate::kernels::propagate::form::Radiation;
-use crate::kernels::propagate::row::{ControlPoints, write_row, write_tile};
+use crate::kernels::propagate::row::{ControlPoints, write_known_row, write_row, write_tile};
 use crate::kernels::propagate::source::SourceList;
 use crate::kernels::simd::Simd;
 
 /// Rows of G, one a transducer, each a whole number of lane groups long.
 #[derive(Clone, Copy)]
 pub(crate) enum Rows<'a> {
-    /// Made from positions on request.
-    Computed { radiation: &'a Radiation, sources: &'a SourceList, control_points: ControlPoints<'a> },
+    /// Made from positions on request; `amplitudes` |c| D e^{-alpha r}/r where they are known, row after row, else none.
+    Computed {
+        radiation: &'a Radiation,
+        sources: &'a SourceList,
+        control_points: ControlPoints<'a>,
+        amplitudes: &'a [Line],
+    },
     /// Kept: re and im, row after row.
     Stored { re: &'a [f32], im: &'a [f32] },
 }
@@ -23,7 +28,12 @@ impl Rows<'_> {
     #[inline(always)]
     pub(crate) fn write<S: Simd>(&self, s: S, i: usize, re: &mut [f32], im: &mut [f32]) {
         match *self {
-            Self::Computed { radiation, sources, control_points } => {
+            Self::Computed { sources, control_points, amplitudes, .. } if !amplitudes.is_empty() => {
+                let wide = re.len() / LANES;
+                let amplitudes = &amplitudes[i * wide..(i + 1) * wide];
+                write_known_row(s, (sources, i), control_points, amplitudes, re, im);
+            }
+            Self::Computed { radiation, sources, control_points, .. } => {
                 write_row(s, radiation, (sources, i), control_points, re, im);
             }
             Self::Stored { re: all_re, im: all_im } => {
@@ -47,7 +57,7 @@ impl Rows<'_> {
         out: [&mut [Block]; 2],
     ) {
         match *self {
-            Self::Computed { radiation, sources, control_points } if !members.is_empty() => {
+            Self::Computed { radiation, sources, control_points, .. } if !members.is_empty() => {
                 debug_assert!(
                     members.start.is_multiple_of(LANES) && members.len() == LANES.min(sources.len() - members.start)
                 );

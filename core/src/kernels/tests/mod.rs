@@ -198,8 +198,12 @@ impl Shot {
         let order: Vec<u32> = (0..self.count as u32).collect();
         let whole = size(height(self.count), lanes(2));
         let [mut re, mut im] = [(); 2].map(|()| vec![f32::NAN; whole]);
-        let rows =
-            Rows::Computed { radiation: &self.radiation, sources: &sources, control_points: self.control_points() };
+        let rows = Rows::Computed {
+            radiation: &self.radiation,
+            sources: &sources,
+            control_points: self.control_points(),
+            amplitudes: &[],
+        };
         pack(set, rows, 0..2, &order, [&mut re, &mut im], &mut Control::none()).expect("it is not stopped");
         // Two tiles and a spare one to four points.
         for (plane, row) in [re, im].iter().zip(row) {

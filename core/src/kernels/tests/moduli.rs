@@ -4,11 +4,12 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use crate::control::Control;
-use crate::kernels::lanes::LANES;
-use crate::kernels::propagate::moduli::{Run, add_moduli, interleaved_moduli};
+use crate::kernels::lanes::{LANES, Line};
+use crate::kernels::propagate::moduli::{Run, add_moduli, interleaved_moduli, keep_moduli};
 use crate::kernels::propagate::row::ControlPoints;
+use crate::kernels::propagate::rows::Rows;
 use crate::kernels::propagate::source::SourceList;
-use crate::kernels::simd::instruction_set::InstructionSet;
+use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::tests::{LENGTHS, Shot, wide};
 use crate::rng::Rng;
 use crate::scene::Directivity;
@@ -83,6 +84,36 @@ fn an_interleaved_batch_has_the_bits_of_its_problems() {
                 let alone = sums(set, own, &sources);
                 let together: Vec<f64> = (0..alone.len()).map(|j| total[j * LANES + lane]).collect();
                 assert_eq!(alone, together, "{set}: {pattern}, problem {lane}");
+            }
+        }
+    }
+}
+
+#[test]
+fn kept_amplitudes_change_no_bit_of_sums_or_rows() {
+    for set in InstructionSet::all() {
+        for (pattern, transducers, count) in [("t4010a1", 40, 16), ("cos", 700, 29), ("piston", 17, 64)] {
+            let shots = volley(pattern, transducers, count);
+            let (sources, points) = (list(&shots), shots[0].control_points());
+            let lanes = points.coordinates[0].len();
+            let (mut total, mut sums) = (vec![0.0; count], vec![f32::NAN; lanes]);
+            let mut kept = vec![Line([f32::NAN; LANES]); transducers * lanes / LANES];
+            for run in Run::all(&shots[0].radiation, &sources) {
+                let own = &mut kept[run.members.start * lanes / LANES..run.members.end * lanes / LANES];
+                assert!(!keep_moduli(set, &run, points, 1e-4, &mut sums, own), "{set}: no point is that near");
+                total.iter_mut().zip(&sums).for_each(|(total, &sum)| *total += wide(sum));
+            }
+            assert_eq!(total, self::sums(set, &shots, &sources), "{set}: {pattern}");
+            let radiation = &shots[0].radiation;
+            let of = |amplitudes| Rows::Computed { radiation, sources: &sources, control_points: points, amplitudes };
+            let row = |rows: Rows<'_>, i: usize| {
+                let mut row = [(); 2].map(|()| vec![f32::NAN; lanes]);
+                let [re, im] = &mut row;
+                dispatch!(set, s => rows.write(s, i, re, im));
+                row
+            };
+            for i in 0..transducers {
+                assert_eq!(row(of(&kept), i), row(of(&[]), i), "{set}: {pattern}, row {i}");
             }
         }
     }

@@ -12,8 +12,8 @@ use crate::kernels::propagate::field::interleaved_field;
 use crate::kernels::{ControlPoints, InstructionSet, LANES, Rows, Run, interleaved_moduli};
 use crate::linalg::Planar;
 use crate::problem::{Problem, Solution, Status};
-use crate::propagation::NEAR;
 use crate::propagation::Sources;
+use crate::propagation::reach::NEAR;
 use crate::workspace::{Buffer, Workspace};
 
 /// The control points of up to 16 problems of one model, point after point.
@@ -50,7 +50,7 @@ impl<'w> InterleavedPoints<'w> {
     /// Rows of G at these points.
     pub(crate) fn rows(&self) -> Rows<'_> {
         let Sources { radiation, transducers, .. } = &*self.prepared;
-        Rows::Computed { radiation, sources: transducers, control_points: self.control_points() }
+        Rows::Computed { radiation, sources: transducers, control_points: self.control_points(), amplitudes: &[] }
     }
 
     fn control_points(&self) -> ControlPoints<'_> {

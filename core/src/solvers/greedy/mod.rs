@@ -226,6 +226,10 @@ impl Greedy {
 }
 
 impl Solve for Greedy {
+    fn computes_rows(&self) -> bool {
+        true
+    }
+
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         self.check()?;
         if problem.start_phases().is_some() {
@@ -262,7 +266,7 @@ impl Solve for Greedy {
         let mut drive = work.complexes.take(count);
         let mut field = Planar::zeros(1, lanes, work);
         let pass = Pass {
-            rows: propagation.rows(),
+            rows: problem.rows(),
             target: problem.targets(),
             weight: problem.weights(),
             count: propagation.points(),
