@@ -46,7 +46,7 @@ class Parts(TypedDict, total=False):
     channels: ArrayLike | None
     """The driven channel of each transducer, where several are wired to one; left out the preset's, or each its own."""
     quantization: _Quantization | None
-    """What the board can play; left out the preset's, {} any drive."""
+    """The board's grid; left out the preset's, {} any drive."""
 
 class Keys(Air, Parts, total=False): ...
 
