@@ -18,7 +18,7 @@
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::kernels::phasor::{CLOSE, phasor};
+use crate::kernels::phasor::close_phasor;
 use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, list, loaded, ray, runs, scaled, total};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::waves::{Emitters, Slopes, Waves, against, decay, even};
@@ -106,9 +106,9 @@ fn send<S: Doubles>(
 ) -> [V<S>; 2] {
     let d = ray(s, point, (&block.position, at));
     let square = dot(d, d);
-    let near = square.inverse_root();
-    let r = square * near;
-    let (cos, sin) = phasor::<_, CLOSE>(s, r * (waves.wavenumber * (1.0 / core::f64::consts::TAU)));
+    // The phase waits for r alone.
+    let (r, near) = (square.sqrt(), square.inverse_root());
+    let (cos, sin) = close_phasor(s, r * (waves.wavenumber * (1.0 / core::f64::consts::TAU)));
     let amplitude = if waves.absorption > 0.0 { near * decay(s, r * waves.absorption) } else { near };
     let [re, im] = loaded(s, &block.factor, at);
     let (cos, sin) = (amplitude * cos, amplitude * sin);

@@ -17,7 +17,7 @@
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::kernels::phasor::{EXACT, phasor};
+use crate::kernels::phasor::phasor;
 use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, loaded, ray, runs, scaled, total};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::waves::{C, Emitters, Slopes, Waves, even};
@@ -122,7 +122,7 @@ fn value<S: Doubles>(s: S, waves: &Waves, (block, at): (&Emitters, usize), (poin
 /// e^{ur}/r of distances and their inverses.
 #[inline(always)]
 fn spread<S: Doubles>(s: S, waves: &Waves, r: V<S>, near: V<S>) -> C<S> {
-    let (cos, sin) = phasor::<_, EXACT>(s, r * (waves.wavenumber / core::f64::consts::TAU));
+    let (cos, sin) = phasor(s, r * (waves.wavenumber / core::f64::consts::TAU));
     let amplitude = if waves.absorption > 0.0 { near * r.each(|r| [exp(-waves.absorption * r)])[0] } else { near };
     [amplitude * cos, amplitude * sin]
 }

@@ -11,7 +11,7 @@
 use core::f64::consts::TAU;
 
 use crate::kernels::lanes::{groups, groups_mut};
-use crate::kernels::phasor::{EXACT, phasor};
+use crate::kernels::phasor::phasor;
 use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, loaded, ray, runs};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::math::exp;
@@ -94,7 +94,7 @@ fn eight<S: Doubles>(
             let x = (r - away) * -absorption;
             g = g * grown * (x * (x * (x * (x * (1.0 / 24.0) + 1.0 / 6.0) + 0.5) + 1.0) + 1.0);
         }
-        let (cos, sin) = phasor::<_, EXACT>(s, r * (wavenumber / TAU));
+        let (cos, sin) = phasor(s, r * (wavenumber / TAU));
         let across = dot(d, normal) * near * along;
         let factor = [across * (near + absorption) + beside, across * -wavenumber];
         sums[0] = sums[0] + g * (cos * factor[0] - sin * factor[1]);

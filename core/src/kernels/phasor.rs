@@ -1,5 +1,7 @@
 //! Sine and cosine of phases in turns, powers of two and logarithms, as polynomials without branches.
 
+use core::f64::consts::{PI, SQRT_2};
+
 use crate::kernels::simd::Elementwise;
 use crate::kernels::simd::doubles::{Doubles, V};
 
@@ -62,27 +64,47 @@ pub(crate) fn log2<S: Elementwise>(s: S, x: S::V) -> S::V {
     s.fma(polynomial(s, &LOGARITHM, rest), rest, whole)
 }
 
-/// Terms of [`phasor`] that are good to 3e-16, and to 7e-11.
-pub(crate) const EXACT: usize = 11;
-pub(crate) const CLOSE: usize = 8;
+/// Terms of [`phasor`].
+const TERMS: usize = 11;
 
-/// Cosine and sine of an angle in turns below 2^40, by Taylor's polynomials of this many terms within a quarter turn of half turns:
-/// to 3e-16 of [`EXACT`] terms, to 7e-11 of [`CLOSE`].
+/// Cosine and sine of an angle in turns below 2^40, by Taylor's polynomials within a quarter turn of half turns: to 3e-16.
 #[inline(always)]
-pub(crate) fn phasor<S: Doubles, const COUNT: usize>(s: S, turns: V<S>) -> (V<S>, V<S>) {
+pub(crate) fn phasor<S: Doubles>(s: S, turns: V<S>) -> (V<S>, V<S>) {
     let halves = turns * 2.0;
     let whole = halves.round();
     // Of an even number of half turns 1, else -1.
     let odd = whole - (whole * 0.5).round() * 2.0;
     let sign = V::all(s, 1.0) - odd * odd * 2.0;
-    let angle = (halves - whole) * core::f64::consts::PI;
+    let angle = (halves - whole) * PI;
     let square = angle * angle;
-    let [mut cos, mut sin] = [V::all(s, TAYLOR[2 * COUNT - 2]), V::all(s, TAYLOR[2 * COUNT - 1])];
-    for n in (0..COUNT - 1).rev() {
+    let [mut cos, mut sin] = [V::all(s, TAYLOR[2 * TERMS - 2]), V::all(s, TAYLOR[2 * TERMS - 1])];
+    for n in (0..TERMS - 1).rev() {
         cos = cos * square + TAYLOR[2 * n];
         sin = sin * square + TAYLOR[2 * n + 1];
     }
     (cos * sign, sin * angle * sign)
+}
+
+/// The same to 2e-10, in half the time: by the half angle as [`wave`], of eight terms.
+#[inline(always)]
+pub(crate) fn close_phasor<S: Doubles>(s: S, turns: V<S>) -> (V<S>, V<S>) {
+    let half = (turns - turns.round()) * PI;
+    let square = half * half;
+    let sin = eight_terms(square, 1) * (half * SQRT_2);
+    let cos = eight_terms(square, 0) * SQRT_2;
+    (V::all(s, 1.0) - sin * sin, sin * cos)
+}
+
+/// Eight of [`TAYLOR`]'s terms, every second from the first on, times powers of a square; pairs of them first: half as long to
+/// wait for.
+#[inline(always)]
+fn eight_terms<S: Doubles>(square: V<S>, first: usize) -> V<S> {
+    let pair = |n: usize| square * TAYLOR[2 * n + 2 + first] + TAYLOR[2 * n + first];
+    let (power, mut sum) = (square * square, pair(6));
+    for n in [4, 2, 0] {
+        sum = sum * power + pair(n);
+    }
+    sum
 }
 
 /// 1/n! with the signs of cosine and, between them, of sine.

@@ -28,7 +28,7 @@ use crate::scene::Particle;
 use crate::scene::{Medium, Obstacle, check_places};
 
 /// Points whose gradients by transducers are one sum: such sums are added in the points' order, whatever the threads.
-const BLOCK: usize = 16;
+const BLOCK: usize = 32;
 
 /// Sums of each thread that wait to be added.
 const WAITING: usize = 4;
