@@ -25,7 +25,7 @@ RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml $(shell find cor
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards gateware test-studio npm test-npm unity test-unity lint fuzz sanitize bench bench-capi bench-peers gallery figures motion touch exposure measuring obstacles paper docs schema golden map header stubs pins wheels release clean
+.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards gateware test-studio npm test-npm unity test-unity lint fuzz sanitize bench bench-capi bench-peers gallery figures motion touch exposure measuring obstacles pictures look paper docs schema golden map header stubs pins wheels release clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -221,6 +221,12 @@ obstacles: setup ## Foci beside walls and bodies, and the pictures of docs/obsta
 
 measuring: setup ## Print the tables of docs/measuring.md and draw docs/measuring.png
 	OPENBLAS_NUM_THREADS=1 $(PYTHON) bench/measuring.py
+
+pictures: setup ## Draw the pictures of docs/traps.md, boards.md, embedded.md, sweeps.md and why.md, and the card of links
+	$(PYTHON) book/pictures.py
+
+look: docs studio ## Look at the book in a browser: axe, requests, widths, live cells (Node 20+, Debian's chromium; 3 min)
+	$(call step,book: in a browser (3 min),node book/look.mjs out/site out/look)
 
 paper: setup ## Make the paper's figures anew (TRIALS=1000) and docs/paper.md from their tables
 	OPENBLAS_NUM_THREADS=1 $(BIN)/midair reproduce all --trials $(TRIALS) --output out/paper

@@ -29,9 +29,21 @@ ORDER = {
 INTRODUCTION = """\
 # Gallery
 
-These short programs are in the folder [examples](../examples), each with its picture. The tests run all of
-them. Eight begin with a scene of the [studio's](studio.md) gallery;
-`midair studio docs/scenes/gallery/smiley.json` opens one.
+Each picture is the output of a short program in the folder [examples](../examples). The tests run all.
+Eight programs begin with a scene of the [studio's](studio.md) gallery.
+`midair studio docs/scenes/gallery/smiley.json` opens such a scene.
+"""
+#: A card: picture, title, first sentence, and the program.
+CARD = """\
+<div class="card" markdown>
+
+[![{title}](gallery/{stem}.webp)](../examples/{name})
+
+**{title}.** {line}
+
+[{name}](../examples/{name})
+
+</div>
 """
 #: Pixels across, at most.
 WIDTH = 1000
@@ -65,18 +77,85 @@ def reported(path: Path) -> tuple[str, str]:
 
 
 def page() -> str:
-    """The page, of what the examples say of themselves."""
+    """The page: a grid of cards for each theme, made from the examples' own texts."""
 
     def parts() -> Iterator[str]:
         yield INTRODUCTION
         for theme, names in ORDER.items():
-            yield f"## {theme}\n"
+            yield f'## {theme}\n\n<div class="cards" markdown>\n'
             for name in names:
                 title, text = reported(EXAMPLES / name)
-                picture = f"![{title}](gallery/{Path(name).stem}.webp)"
-                yield f"### {title}\n\n{text}\n\n{picture}\n\n[{name}](../examples/{name})\n"
+                line = text.split("\n\n")[0]
+                yield CARD.format(title=title, stem=Path(name).stem, line=line, name=name)
+            yield "</div>\n"
 
     return "\n".join(parts())
+
+
+def scene(name: str) -> str | None:
+    """The scene of the studio's gallery that an example begins with, such as "smiley"."""
+    found = re.search(r'SCENES / \\?"(\w+)\.json', (EXAMPLES / name).read_text())
+    return found[1] if found else None
+
+
+def links(name: str, folder: str, studio: bool) -> str:
+    """Links to an example's files in `folder`, "gallery/" or "", and to its scene in the studio."""
+    stem, up = folder + Path(name).stem, "" if folder else "../"
+    found = [f'<a href="{stem}.py" download>program</a>'] if name.endswith(".py") else []
+    found.append(f'<a href="{stem}.ipynb" download>notebook</a>')
+    if studio and (shown := scene(name)):
+        found.append(f'<a href="{up}studio/index.html?scene={shown}">try it</a>')
+    return " · ".join(found)
+
+
+def own_page(name: str, studio: bool) -> str:
+    """The site's page of an example: text, picture or live cell, downloads and program."""
+    title, text = reported(EXAMPLES / name)
+    stem = Path(name).stem
+    picture = f"![{title}]({stem}.webp)"
+    if studio and (shown := scene(name)):
+        picture = (
+            f'<div class="live" data-scene="../scenes/gallery/{shown}.json" markdown>\n\n{picture}\n\n'
+            '<button class="try" type="button">Try it here</button>\n\n</div>'
+        )
+    if name.endswith(".ipynb"):
+        text, code = "", notebook_page(EXAMPLES / name).split("\n", 1)[1]
+    else:
+        code = f"```python\n{program(name)}\n```\n"
+    return f"# {title}\n\n{text}\n\n{picture}\n\n{links(name, '', studio)}\n\n{code}"
+
+
+def program(name: str) -> str:
+    """The program of a script, below its description."""
+    source = (EXAMPLES / name).read_text()
+    return source[source.index('"""', 3) + 3 :].strip()
+
+
+def notebook_page(path: Path) -> str:
+    """A notebook's cells as Markdown."""
+    kinds = {"markdown": "{}\n", "code": "```python\n{}\n```\n"}
+    found = json.loads(path.read_text())["cells"]
+    return "\n".join(kinds[cell["cell_type"]].format("".join(cell["source"])) for cell in found)
+
+
+def notebook(name: str) -> str:
+    """An example as a notebook; a program becomes one cell below its description."""
+    if name.endswith(".ipynb"):
+        return (EXAMPLES / name).read_text()
+    title, text = reported(EXAMPLES / name)
+    code = program(name).replace("Path(__file__).parents[1]", "Path.cwd().parent")
+    cell = {"metadata": {}, "outputs": [], "execution_count": None}
+    return json.dumps(
+        {
+            "cells": [
+                {"cell_type": "markdown", "id": "about", "metadata": {}, "source": f"# {title}\n\n{text}"},
+                {"cell_type": "code", "id": "program", "source": code, **cell},
+            ],
+            "metadata": {"language_info": {"name": "python"}},
+            "nbformat": 4,
+            "nbformat_minor": 5,
+        }
+    )
 
 
 def keep(picture: Path) -> None:

@@ -6,10 +6,10 @@ file is a page under `repository/`, with those that it links to.
 
 from __future__ import annotations
 
-import json
 import posixpath
 import re
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +17,23 @@ from mkdocs.structure.files import File
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+from latex2mathml.converter import convert
+from PIL import Image
+
+import gallery
 import reference
 
 ROOT = Path(__file__).parents[1]
+#: The studio as `make studio` builds it; without it the book has pictures in place of live cells.
+STUDIO = ROOT / "studio" / "built"
+EXAMPLES = {f"examples/{name}": name for names in gallery.ORDER.values() for name in names}
+#: A card's link to its program; on the site there are more.
+PROGRAM = re.compile(r"^\[(\w+\.\w+)\]\(\.\./examples/\1\)$", re.MULTILINE)
+#: A paragraph that is one picture, and the most pixels across of those that a phone shows whole.
+PICTURE = re.compile(r'<p>(<img [^>]*src="([^"]+)"[^>]*>)</p>')
+NARROW = 800
+#: Formulas as GitHub writes them: in a line, and in a block.
+FORMULA = re.compile(r"\$`([^`\n]+)`\$|^```math\n(.*?)\n```$", re.MULTILINE | re.DOTALL)
 #: Pages of the navigation that no page of docs/ may happen to link to.
 ALWAYS = ("CHANGELOG.md", "CONTRIBUTING.md")
 #: The target of a Markdown link to a file: no address of the web, no bare anchor.
@@ -28,8 +42,9 @@ TARGET = re.compile(r"(?<=\]\()([^)#:\s]+)")
 
 def home(page: str) -> str:
     """Where in the repository a page of the site comes from."""
-    if not page.startswith("repository/"):
-        return f"docs/{page}"
+    own = next((path for path in EXAMPLES if place(path) == page), None)
+    if own or not page.startswith("repository/"):
+        return own or f"docs/{page}"
     own = page.removeprefix("repository/")
     return own if (ROOT / own).is_file() else own.removesuffix(".md")
 
@@ -38,6 +53,8 @@ def place(path: str) -> str:
     """Where on the site a file or folder of the repository is."""
     if (ROOT / path).is_dir():
         return f"repository/{path}/index.md"
+    if path in EXAMPLES:
+        return f"gallery/{Path(path).stem}.md"
     if path.startswith("docs/"):
         return path.removeprefix("docs/")
     return f"repository/{path}" + ("" if path.endswith(".md") else ".md")
@@ -46,7 +63,8 @@ def place(path: str) -> str:
 def outside(target: str, page: str) -> str | None:
     """The file or folder of the repository that a link leads to, if mkdocs does not find it by itself."""
     path = posixpath.normpath(posixpath.join(posixpath.dirname(home(page)), target))
-    at_home = not page.startswith("repository/") and path.startswith("docs/") and (ROOT / path).is_file()
+    of_docs = not page.startswith("repository/") and home(page).startswith("docs/")
+    at_home = of_docs and path.startswith("docs/") and (ROOT / path).is_file()
     return path if (ROOT / path).exists() and not at_home else None
 
 
@@ -55,16 +73,39 @@ def shown(path: str) -> str:
     if (ROOT / path).is_dir():
         names = sorted(file.name for file in (ROOT / path).iterdir())
         return f"# {path}\n\n" + "".join(f"- [{name}]({name})\n" for name in names)
-    if path.endswith(".ipynb"):
-        kinds = {"markdown": "{}\n", "code": "```python\n{}\n```\n"}
-        cells = json.loads((ROOT / path).read_text())["cells"]
-        return "\n".join(kinds[cell["cell_type"]].format("".join(cell["source"])) for cell in cells)
+    if path in EXAMPLES:
+        return gallery.own_page(EXAMPLES[path], STUDIO.is_dir())
     text = (ROOT / path).read_text()
     return text if path.endswith(".md") else f"# {path}\n\n```{Path(path).suffix[1:]}\n{text}```\n"
 
 
+def on_config(config: Any) -> None:
+    """Leaves the script of live cells out where the studio is not built."""
+    if not STUDIO.is_dir():
+        config.extra_javascript = [each for each in config.extra_javascript if "live" not in str(each)]
+
+
+def assets() -> Iterator[tuple[str, Path | str]]:
+    """Files of the site that are in no folder of its sources: their place, and their path or content."""
+    for path, name in EXAMPLES.items():
+        stem = f"gallery/{Path(name).stem}"
+        yield f"{stem}.ipynb", gallery.notebook(name)
+        if name.endswith(".py"):
+            yield f"{stem}.py", ROOT / path
+    if STUDIO.is_dir():
+        yield "studio/widget.mjs", STUDIO / "widget.mjs"
+        for path in (STUDIO / "site").rglob("*"):
+            if path.is_file():
+                yield f"studio/{path.relative_to(STUDIO / 'site').as_posix()}", path
+        for path in (ROOT / "docs" / "scenes" / "gallery").iterdir():
+            yield f"studio/scenes/{path.name}", path
+
+
 def on_files(files: Any, config: Any) -> None:
     """Adds the pages that are written now, and those of the repository that are linked to."""
+    for place_, found in assets():
+        given = {"abs_src_path": str(found)} if isinstance(found, Path) else {"content": found}
+        files.append(File.generated(config, place_, **given))
     for page, text in reference.pages():
         files.append(File.generated(config, page, content=text))
     waiting = [(file.src_uri, file.content_string) for file in files.documentation_pages()]
@@ -77,9 +118,21 @@ def on_files(files: Any, config: Any) -> None:
                 files.append(File.generated(config, place(path), content=shown(path)))
 
 
+def formula(found: re.Match[str]) -> str:
+    """A formula as MathML, which browsers draw without a script."""
+    line, block = found.groups()
+    if line:
+        return convert(line)
+    drawn = convert(" ".join(block.split()), display="block")
+    return f'\n<div class="formula" role="region" aria-label="Formula" tabindex="0">{drawn}</div>\n'
+
+
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     """Links as they are on the site. A search finds the pages of docs/ before files of the repository."""
     here = page.file.src_uri
+    markdown = FORMULA.sub(formula, markdown)
+    if here == "gallery.md":
+        markdown = PROGRAM.sub(lambda found: gallery.links(found[1], "gallery/", STUDIO.is_dir()), markdown)
     if here.startswith("repository/"):
         page.meta["search"] = {"boost": 0.2}
 
@@ -96,7 +149,16 @@ def on_page_context(context: dict[str, Any], page: Any, config: Any, **_: Any) -
     return context
 
 
-def on_post_page(output: str, **_: Any) -> str:
-    """Names the search, to which the theme gives no name."""
+def scrolled(found: re.Match[str], page: str) -> str:
+    """A picture; a wide one in a box that a phone scrolls, so that its letters stay readable."""
+    path = ROOT / "docs" / posixpath.normpath(posixpath.join(posixpath.dirname(page), found[2]))
+    if not path.is_file() or path.suffix == ".svg" or Image.open(path).width <= NARROW:
+        return found[0]
+    return f'<div class="wide" role="region" aria-label="Picture" tabindex="0">{found[1]}</div>'
+
+
+def on_post_page(output: str, page: Any, **_: Any) -> str:
+    """Names the search, to which the theme gives no name; lets wide pictures scroll."""
+    output = PICTURE.sub(lambda found: scrolled(found, page.url), output)
     search = 'data-md-component="search" role="dialog"'
     return output.replace(search, f'{search} aria-label="Search"')

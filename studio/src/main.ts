@@ -46,7 +46,8 @@ async function start() {
   const served = new URLSearchParams(location.search);
   if (served.has("scene")) {
     try {
-      const text = await (await fetch("scene.json")).text();
+      const name = served.get("scene");
+      const text = await (await fetch(name ? `scenes/${encodeURIComponent(name)}.json` : "scene.json")).text();
       begun = stateOf(JSON.parse(await engine.slow.read(text, false)), initial);
     } catch (error) {
       wrong.push((error as Error).message);

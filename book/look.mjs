@@ -1,0 +1,69 @@
+// The built book in a browser: node book/look.mjs SITE [FOLDER for pictures]. Fails on serious faults of axe, requests to other
+// hosts, missing files, and pages that are wider than a phone.
+import { mkdir, readFile } from "node:fs/promises";
+import { createServer } from "node:http";
+import { createRequire } from "node:module";
+import { extname, join, normalize, resolve } from "node:path";
+
+const { resolve: of } = createRequire(new URL("../studio/package.json", import.meta.url));
+const { chromium } = await import(of("playwright-core")).then((found) => found.default ?? found);
+const axe = await readFile(of("axe-core/axe.min.js"), "utf8");
+const site = resolve(process.argv[2]);
+const pictures = process.argv[3];
+const TYPES = { ".html": "text/html", ".js": "text/javascript", ".mjs": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml", ".wasm": "application/wasm", ".webp": "image/webp", ".png": "image/png", ".json": "application/json" };
+const PAGES = process.env.PAGES?.split(",") ?? [
+  "index", "gallery", "gallery/smiley", "conventions", "requests", "columns", "performance", "paper", "traps", "boards", "embedded", "sweeps", "why",
+  "how-to-choose", "tutorials/first-focus", "reference/python/solving", "reference/command-line", "ja/index",
+];
+const VIEWS = [
+  { colorScheme: "light", viewport: { width: 390, height: 844 } },
+  { colorScheme: "dark", viewport: { width: 1280, height: 800 } },
+];
+
+const server = createServer(async (request, answer) => {
+  const path = normalize(decodeURIComponent(new URL(request.url, "http://x").pathname));
+  try {
+    const body = await readFile(join(site, path.endsWith("/") ? `${path}index.html` : path));
+    answer.writeHead(200, { "content-type": TYPES[extname(path)] ?? "application/octet-stream" }).end(body);
+  } catch {
+    answer.writeHead(404).end();
+  }
+});
+await new Promise((ready) => server.listen(0, "127.0.0.1", ready));
+const home = `http://127.0.0.1:${server.address().port}`;
+const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
+if (pictures) await mkdir(pictures, { recursive: true });
+let faults = 0;
+const fault = (line) => console.log(line, (faults += 1) ? "" : "");
+
+for (const view of VIEWS) {
+  const context = await browser.newContext(view);
+  for (const name of PAGES) {
+    const page = await context.newPage();
+    const where = `${name} ${view.viewport.width} ${view.colorScheme}`;
+    page.on("request", (request) => /^(data|blob):/.test(request.url()) || request.url().startsWith(home) || fault(`${where}: asks ${request.url()}`));
+    page.on("response", (response) => response.status() >= 400 && fault(`${where}: ${response.status()} ${response.url()}`));
+    page.on("pageerror", (error) => fault(`${where}: ${error.message}`));
+    await page.goto(`${home}/${name}.html`);
+    if (await page.locator(".live").count()) {
+      await page.locator(".live").scrollIntoViewIfNeeded();
+      if (await page.locator(".try").count()) await page.locator(".try").click();
+      await page.locator(".live-on").waitFor({ timeout: 60_000 }).catch(() => fault(`${where}: no live cell`));
+    }
+    await page.waitForTimeout(500);
+    await page.evaluate(axe);
+    const { violations } = await page.evaluate(() => window.axe.run());
+    for (const { id, impact, nodes } of violations) {
+      if (impact === "serious" || impact === "critical") fault(`${where}: ${id}: ${nodes.slice(0, 3).map(({ html }) => html.slice(0, 160)).join(" | ")}`);
+    }
+    const over = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+    if (over > 0) fault(`${where}: ${over} px wider than the window`);
+    if (pictures) await page.screenshot({ path: `${pictures}/${name.replaceAll("/", "-")}-${view.viewport.width}.png`, fullPage: name !== "paper" && !name.startsWith("reference") });
+    await page.close();
+  }
+  await context.close();
+}
+await browser.close();
+server.close();
+console.log(faults ? `${faults} faults` : `${PAGES.length} pages, no fault`);
+process.exit(faults ? 1 : 0);
