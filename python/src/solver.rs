@@ -223,29 +223,34 @@ impl Solver {
 
     /// Drives (T, N), complex64, of T frames one after another: points (T, M, 3) in m, pressures (T, M) in Pa, 0 where a
     /// point is absent; by default all points have the balanced level. `glide` continues from its last frame, from call
-    /// to call; a solver with a start gets the last drive of this call. A frame without points is silent.
+    /// to call; a solver with a start gets the last drive of this call. A frame without points is silent. With a `margin`,
+    /// points (T + 2 margin, M, 3) have so many frames more on both sides, from which traps know the acceleration of points.
     ///
     /// Raises SceneError for wrong points and pressures, naming the frame.
-    #[pyo3(signature = (points, pressures=None))]
+    #[pyo3(signature = (points, pressures=None, margin=0))]
     fn follow<'py>(
         &self,
         py: Python<'py>,
         points: &Bound<'py, PyAny>,
         pressures: Argument<'_, 'py>,
+        margin: usize,
     ) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
         let mut state = self.state()?;
         let State { session, ask, .. } = &mut *state;
         if session.given_points().is_some() {
             return Err(invalid("points", "given", "a matrix has its own points, which do not move"));
         }
-        let (points, [frames, count]) = read::batch_of_points("points", points)?;
+        let (points, [given, count]) = read::batch_of_points("points", points)?;
+        let Some(frames @ 1..) = margin.checked_mul(2).and_then(|sides| given.checked_sub(sides)) else {
+            return Err(invalid("margin", &margin.to_string(), "give more frames of points than on both sides"));
+        };
         let targets = pressures.map(|value| read::batch_of_pressures(value, [frames, count])).transpose()?;
         let targets = targets.as_ref().and_then(|request| request.pressures.as_deref());
         let transducers = session.transducers();
         let mut drives = vec![Complex32::ZERO; frames * transducers];
         let starts = self.info.uses_start && self.info.name != "glide";
         ask.request = Request::default();
-        let path = Frames { points: &points, targets, count };
+        let path = Frames { points: &points, targets, count, margin };
         attend(py, None, |mut control| session.follow(path, starts, ask, &mut drives, &mut control))?;
         ask.start = None;
         let remarks = session.remarks();

@@ -57,10 +57,12 @@ class Air:
         reynolds = 2 * self.radius * traps.DENSITY * modulus / VISCOSITY
         return -6 * np.pi * VISCOSITY * self.radius * (1 + 0.15 * reynolds**0.687) * speed
 
-    def stray(self, drives: Complex, points: Real, begin: Real, rate: float) -> Real:
+    def stray(
+        self, drives: Complex, points: Real, begin: Real, rate: float, speed: Real | float = 0.0
+    ) -> Real:
         """Distances (T, M) in m of beads from points (T, M, 3) at each frame's end, from places (M, 3)."""
         step, apart = 1 / (rate * STEPS), np.zeros(points.shape[:2])
-        state = np.stack([begin, np.zeros_like(begin)])
+        state = np.stack([begin, np.broadcast_to(speed, begin.shape)])
 
         def change(state: Real, drive: Complex) -> Real:
             place, speed = state

@@ -9,6 +9,7 @@ import pytest
 import beads
 import midair
 import traps
+from midair._midair import Bead
 
 
 @pytest.mark.slow
@@ -35,6 +36,36 @@ def test_traps_that_stand_still_keep_their_codes() -> None:
     points = np.broadcast_to([[0.0, 0, 0.002], [0.005, 0, -0.01]], (12, 2, 3))
     moved = midair.sequence(array, points, rate=1e3, signature="trap", change=np.pi / 4)
     assert moved.changes[-3:].max() == 0
+
+
+def test_the_first_frame_of_a_closed_sequence_carries_its_bead_as_the_others_do() -> None:
+    array = midair.Array.preset("openmpd_pair", quantization={})
+    # Of 625 whole frames a lap.
+    radius, frequency = 0.01, 16
+    speed = 2 * np.pi * frequency * radius
+    ring = midair.path.circle([0, 0, 0], radius, frequency=frequency)
+    moved = midair.sequence(array, ring, rate=10e3, signature="trap", change=np.pi / 4)
+    for t in (0, 1, len(moved) // 3, len(moved) - 1):
+        place = moved.points[t]
+        felt = midair.gorkov(moved.scene(t), moved.drives[t], place)
+        bead = Bead(moved.scene(t))
+        inwards = -place[0] / np.linalg.norm(place[0])
+        pulled = speed**2 / radius * bead.mass
+        # With the drag along the way at right angles.
+        assert felt.net[0] @ inwards == pytest.approx(pulled, rel=0.02)
+        along = np.cross([0, 0, 1.0], -inwards)
+        drag = np.linalg.norm(bead.needed(np.array([[speed, 0, 0]]), np.zeros((1, 3))))
+        assert felt.net[0] @ along == pytest.approx(drag, rel=0.02)
+
+
+def test_frames_around_a_stretch_do_not_change_foci() -> None:
+    array = midair.Array(*traps.tinylev())
+    ring = midair.path.circle([0, 0, 0], 0.003, speed=0.2)
+    points = ring.frames(4e3)[0][:12]
+    plain, around = (midair.Solver(array, "glide", rate=4e3) for _ in range(2))
+    assert np.array_equal(plain.follow(points[2:10]), around.follow(points, margin=2))
+    with pytest.raises(midair.SceneError, match="margin is 6: give more frames"):
+        around.follow(points, margin=6)
 
 
 def test_a_sequence_of_traps_that_was_cut_off_goes_on_to_the_same_bits() -> None:

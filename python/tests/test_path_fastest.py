@@ -11,7 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+import beads
 import midair
+import traps
 from midair._midair import Bead
 from oracle import Real
 
@@ -42,8 +44,9 @@ def test_on_a_circle_the_speed_is_where_the_pull_inwards_and_the_drag_are_all_th
     speed = speeds[np.searchsorted(taken, margin * most)]
     assert path.closed
     assert abs(2 * np.pi * radius / speed / path.duration - 1) < 0.03
-    # The trap is ahead of the bead: within the circle, by what its spring gives.
-    assert (np.linalg.norm(path.at(np.linspace(0, 1, 50))[:, 0], axis=1) < radius).all()
+    # The path is the bead's own: the traps of a sequence count in what its acceleration takes.
+    apart = np.linalg.norm(path.at(np.linspace(0, 1, 50))[:, 0], axis=1) - radius
+    assert abs(apart).max() < 0.02 * radius
 
 
 def test_from_rest_to_rest_half_of_the_way_is_gaining_and_half_losing_speed() -> None:
@@ -60,24 +63,32 @@ def test_from_rest_to_rest_half_of_the_way_is_gaining_and_half_losing_speed() ->
 
 
 @pytest.mark.slow
-def test_a_bead_on_the_fastest_run_stays() -> None:
-    path = midair.path.fastest(clover(), BOARDS, margin=0.3)
-    sequence = midair.sequence(BOARDS, path, rate=10e3, signature="trap", change=np.pi / 4)
-    assert midair.fly(sequence, duration=0.5).held.all()
-    assert path.duration < midair.path.fastest(clover(), BOARDS, margin=0.2).duration
-
-
-@pytest.mark.slow
-@pytest.mark.xfail(
-    reason="a sequence counts inertia in, too: the bead is led twice and strays by up to 1.6 mm"
-)
 def test_a_bead_on_the_fastest_run_stays_on_its_curve() -> None:
     path = midair.path.fastest(clover(), BOARDS, margin=0.3)
     sequence = midair.sequence(BOARDS, path, rate=10e3, signature="trap", change=np.pi / 4)
     flight = midair.fly(sequence, duration=0.5)
+    assert flight.held.all()
     # The bead is on the curve, whatever its trap does.
     apart = np.linalg.norm(flight.places[::5, 0, None] - dense(clover()), axis=2).min(axis=1)
     assert apart.max() < 0.3e-3
+    assert path.duration < midair.path.fastest(clover(), BOARDS, margin=0.2).duration
+
+
+@pytest.mark.slow
+def test_a_bead_in_a_flight_of_our_own_stays_on_the_curve_too() -> None:
+    positions, normals = traps.openmpd()
+    boards = midair.Array(positions, normals, source_pressure=2.3)
+    path = midair.path.fastest(clover(), boards, margin=0.3)
+    sequence = midair.sequence(boards, path, rate=10e3, signature="trap", change=np.pi / 4)
+    # Three laps, from the path's own speed.
+    points = np.concatenate([sequence.points] * 3)
+    drives = np.concatenate([sequence.drives] * 3)
+    speed = (points[1] - points[-1]) * 10e3 / 2
+    air = beads.Air(positions, 2.3)
+    # A frame's point is where the trap is in the middle of the frame: at its end it is halfway to the next.
+    halfway = (points + np.roll(points, 1, axis=0)) / 2
+    begin = (points[0] + points[-1]) / 2
+    assert air.stray(drives, halfway, begin, 10e3, speed)[:-1].max() < 0.3e-3
 
 
 def clover() -> Real:

@@ -26,7 +26,7 @@ use crate::propagation::particle::potential;
 use crate::propagation::scattering::Scattering;
 use crate::propagation::sources::Sources;
 use crate::propagation::taylor::Taylor;
-use crate::scene::{Bead, Medium};
+use crate::scene::{Bead, Medium, Particle};
 
 /// The entries of H.
 const ENTRIES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]];
@@ -45,10 +45,10 @@ pub(crate) struct Stiffness {
     points: usize,
     /// F in N/m and S in N, in those units.
     forms: Forms,
-    /// What the force of each point is to carry in N, turned round: weight less buoyancy of the particle, and its inertia.
+    /// What the force of each point is to carry in N, turned round: weight less buoyancy of the particle, inertia and drag.
     load: Vec<[f64; 3]>,
-    /// In kg.
-    mass: f64,
+    particle: Particle,
+    medium: Medium,
 }
 
 impl Stiffness {
@@ -102,21 +102,22 @@ impl Stiffness {
             points: points.len(),
             forms: forms(particle.factors(sources.medium), &units),
             load: vec![particle.weight(sources.medium, gravity); points.len()],
-            mass: particle.mass(sources.medium),
+            particle,
+            medium: sources.medium,
         };
         Ok(finite.then_some(made))
     }
 
-    /// Has the particles accelerate by this much (M, 3) in m/s^2: their net force is then 0 where the field moves them so.
-    pub(crate) fn accelerate(&mut self, accelerations: &[[f64; 3]]) {
-        for (load, acceleration) in self.load.iter_mut().zip(accelerations) {
-            load.iter_mut().zip(acceleration).for_each(|(load, x)| *load -= self.mass * x);
+    /// Has the particles be pulled by forces (M, 3) in N: their net force is then 0 where the field gives them.
+    pub(crate) fn pull_by(&mut self, forces: &[[f64; 3]]) {
+        for (load, force) in self.load.iter_mut().zip(forces) {
+            load.iter_mut().zip(force).for_each(|(load, x)| *load -= x);
         }
     }
 
-    /// Mass of the particle in kg, and of the air that moves with it.
-    pub(crate) fn mass(&self) -> f64 {
-        self.mass
+    /// The force in N that a particle of a velocity in m/s needs to accelerate, against the drag of the air.
+    pub(crate) fn needed(&self, velocity: [f64; 3], acceleration: [f64; 3]) -> [f64; 3] {
+        self.particle.needed(self.medium, velocity, acceleration)
     }
 
     /// C as the kernels read it.

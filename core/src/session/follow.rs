@@ -12,15 +12,18 @@ use crate::scene::Start;
 use crate::session::{Session, SolveRequest};
 
 /// Points that move: T frames of M points.
-#[derive(Clone, Copy, Debug)]
-#[allow(clippy::exhaustive_structs, reason = "three lists, checked where they are used")]
+#[derive(Clone, Copy, Debug, Default)]
+#[allow(clippy::exhaustive_structs, reason = "lists and their lengths, checked where they are used")]
 pub struct Frames<'a> {
-    /// Points (T, M, 3) in m.
+    /// Points (T + 2 margin, M, 3) in m.
     pub points: &'a [[f64; 3]],
     /// Targets (T, M) in Pa, 0 where a point is not there in that frame; left out all are there, at the balanced level.
     pub targets: Option<&'a [f64]>,
     /// M.
     pub count: usize,
+    /// So many frames of points come before the first and after the last. Traps then know the acceleration of their points
+    /// from frames so far on both sides; with 0 they estimate it from the frames so far.
+    pub margin: usize,
 }
 
 impl Session {
@@ -39,7 +42,7 @@ impl Session {
     /// let mut session = Session::new(model, solvers::find("glide")?.configure(&[].into())?.solver, true);
     /// let points: Vec<[f64; 3]> = (0..20).map(|t| [5e-5 * f64::from(t), 0.0, 0.15]).collect();
     /// let mut drives = vec![Complex32::ZERO; 20 * 256];
-    /// let frames = Frames { points: &points, targets: None, count: 1 };
+    /// let frames = Frames { points: &points, count: 1, ..Frames::default() };
     /// session.follow(frames, false, &mut SolveRequest::default(), &mut drives, &mut Control::none())?;
     /// let change = |t: usize, i: usize| (drives[256 * t + i] * drives[256 * (t - 1) + i].conj()).arg().abs();
     /// assert!((1..20).all(|t| (0..256).all(|i| change(t, i) < 0.2)));
@@ -53,13 +56,18 @@ impl Session {
         drives: &mut [Complex32],
         control: &mut Control,
     ) -> Result<(), Error> {
-        let (transducers, Frames { points, targets, count }) = (self.transducers(), frames);
+        let (transducers, Frames { points: all, targets, count, margin }) = (self.transducers(), frames);
         let steps = drives.len() / transducers;
-        let fits = |length: usize| length == steps * count;
-        if count == 0 || !fits(points.len()) || targets.is_some_and(|targets| !fits(targets.len())) {
-            let cure = format!("give {steps} frames of {count} points and as many targets");
-            return Err(Error::invalid("points", format!("{} of them", points.len()), cure));
+        let fits = |length: usize, frames: usize| length == frames * count;
+        if count == 0
+            || !fits(all.len(), steps + 2 * margin)
+            || targets.is_some_and(|targets| !fits(targets.len(), steps))
+        {
+            let cure =
+                format!("give {steps} frames of {count} points, as many targets, and {margin} frames on both sides");
+            return Err(Error::invalid("points", format!("{} of them", all.len()), cure));
         }
+        let points = &all[margin * count..];
         let mut before: Option<usize> = None;
         for t in 0..steps {
             let frame = t * count..(t + 1) * count;
@@ -82,6 +90,14 @@ impl Session {
                 }
             };
             ask.request.pressures = pressures;
+            let there = |j: &usize| targets.is_none_or(|targets| targets[t * count + j] != 0.0);
+            let (around, apart) = &mut self.last.around;
+            around.clear();
+            *apart = margin;
+            if margin > 0 {
+                let places = [t, t + 2 * margin].map(|t| &all[t * count..]);
+                around.extend(places.iter().flat_map(|places| (0..count).filter(there).map(|j| places[j])));
+            }
             let row = t * transducers..(t + 1) * transducers;
             if ask.points.is_empty() {
                 drives[row].fill(Complex32::ZERO);
@@ -91,14 +107,18 @@ impl Session {
                 Some(before) if starts => Some(Start::Drive(drives[before..before + transducers].to_vec())),
                 _ => None,
             };
-            let solution = self.solve(ask, &mut control.part()).map_err(|error| match error {
+            let status = self.solve(ask, &mut control.part()).map(|solution| {
+                drives[row.clone()].copy_from_slice(&solution.drive);
+                solution.status
+            });
+            self.last.around.0.clear();
+            let status = status.map_err(|error| match error {
                 Error::Stopped => Error::Stopped,
                 error => Error::InFrame { index: t, error: Box::new(error) },
             })?;
-            if solution.status == Status::Stopped {
+            if status == Status::Stopped {
                 return Err(Error::Stopped);
             }
-            drives[row.clone()].copy_from_slice(&solution.drive);
             before = Some(row.start);
             control.pulse()?;
         }

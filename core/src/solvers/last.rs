@@ -26,6 +26,8 @@ pub struct Last {
     pub(crate) unevenness: f32,
     /// Of traps, places (M, 3) in m, and once they are known their velocities in m/s and accelerations in m/s^2.
     pub(crate) motion: Vec<[f64; 3]>,
+    /// Of the points (M, 3) of the frame to be solved, where they are known: places so many frames before, then as many after.
+    pub(crate) around: (Vec<[f64; 3]>, usize),
 }
 
 impl Last {
@@ -56,7 +58,7 @@ impl Last {
         unevenness: f32,
         motion: Vec<[f64; 3]>,
     ) -> Self {
-        Self { wave, played, envelope, weights, unevenness, motion }
+        Self { wave, played, envelope, weights, unevenness, motion, ..Self::default() }
     }
 
     /// Forgets it; the memory is kept.
@@ -67,12 +69,13 @@ impl Last {
         self.weights.clear();
         self.unevenness = 0.0;
         self.motion.clear();
+        self.around.0.clear();
     }
 
     /// One in the memory of a workspace.
     pub(crate) fn taken(work: &Workspace, transducers: usize, points: usize) -> Self {
         let [wave, played, envelope] = [(); 3].map(|()| work.complexes.empty(transducers));
-        Self { wave, played, envelope, weights: work.floats.empty(points), unevenness: 0.0, motion: Vec::new() }
+        Self { wave, played, envelope, weights: work.floats.empty(points), ..Self::default() }
     }
 
     /// Gives that back.
@@ -96,7 +99,9 @@ impl Last {
 
     /// Begins with full drives that have been played for long.
     pub(crate) fn begin(&mut self, drives: impl Iterator<Item = Complex32>) {
+        let around = core::mem::take(&mut self.around);
         self.clear();
+        self.around = around;
         self.played.extend(drives);
         self.wave.extend_from_slice(&self.played);
         self.envelope.extend_from_slice(&self.played);

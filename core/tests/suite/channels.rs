@@ -115,7 +115,7 @@ fn moving_points_keep_their_bounds_and_their_channels() {
     let model = Model::new(&array, Medium::default(), InstructionSet::best()).expect("a model");
     let solver = midair::solvers::find("glide").and_then(|entry| entry.configure(&[].into())).expect("glide").solver;
     let mut drives = vec![Complex32::ZERO; points.len() * 64];
-    let moved = Frames { points: &points, targets: None, count: 1 };
+    let moved = Frames { points: &points, count: 1, ..Frames::default() };
     let mut session = Session::new(model.clone(), solver, true);
     session.follow(moved, false, &mut SolveRequest::default(), &mut drives, &mut Control::none()).expect("drives");
     drives.chunks(64).for_each(|row| assert_eq!(of_channels(&array, row).len(), 32));

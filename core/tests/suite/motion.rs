@@ -33,7 +33,7 @@ fn session(array: &Array, glide: Glide) -> Session {
 
 fn followed(session: &mut Session, points: &[[f64; 3]]) -> Vec<Complex32> {
     let mut drives = vec![Complex32::ZERO; points.len() / COUNT * SIDE * SIDE];
-    let frames = Frames { points, targets: None, count: COUNT };
+    let frames = Frames { points, count: COUNT, ..Frames::default() };
     session.follow(frames, false, &mut SolveRequest::default(), &mut drives, &mut Control::none()).expect("drives");
     drives
 }
@@ -92,7 +92,7 @@ fn above_the_speed_limit_points_are_still_even() {
         let array = array(phases);
         let mut drives = vec![Complex32::ZERO; 60 * SIDE * SIDE];
         let mut session = session(&array, Glide { change: PI / 32.0, ..Glide::default() });
-        let frames = Frames { points: &points, targets: None, count: 16 };
+        let frames = Frames { points: &points, count: 16, ..Frames::default() };
         session.follow(frames, false, &mut SolveRequest::default(), &mut drives, &mut Control::none()).expect("drives");
         for (t, frame) in drives.chunks(SIDE * SIDE).enumerate() {
             let received = moduli(&array, &points[16 * t..16 * (t + 1)], frame);
@@ -135,7 +135,7 @@ fn points_at_rest_leave_every_code_where_it_is() {
     let many: Vec<[f64; 3]> = many.iter().enumerate().map(|(j, &point)| spread(j, point)).collect();
     let points: Vec<[f64; 3]> = many.iter().copied().cycle().take(80 * many.len()).collect();
     let mut drives = vec![Complex32::ZERO; 80 * SIDE * SIDE];
-    let frames = Frames { points: &points, targets: None, count: many.len() };
+    let frames = Frames { points: &points, count: many.len(), ..Frames::default() };
     let mut session = session(&array(Some(256)), Glide::default());
     session.follow(frames, false, &mut SolveRequest::default(), &mut drives, &mut Control::none()).expect("drives");
     let frames: Vec<&[Complex32]> = drives.chunks(SIDE * SIDE).collect();
@@ -226,7 +226,7 @@ fn frames_that_do_not_fit_and_points_that_are_not_there() {
     let points = circles(2);
     let mut drives = vec![Complex32::ONE; 2 * SIDE * SIDE];
     let mut follow = |points: &[[f64; 3]], targets: Option<&[f64]>| {
-        let frames = Frames { points, targets, count: COUNT };
+        let frames = Frames { points, targets, count: COUNT, margin: 0 };
         session
             .follow(frames, false, &mut SolveRequest::default(), &mut drives, &mut Control::none())
             .map(|()| drives.clone())

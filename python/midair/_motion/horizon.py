@@ -13,7 +13,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import chain, islice
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,9 @@ from .request import Request
 
 #: Phases where the board has any.
 PHASES = 256
+
+#: In s, so far to both sides the acceleration of points is averaged: a bead swings far slower.
+LOOK = 0.5e-3
 
 #: Rounds of tracks, point phases and weights: after ten the level grows by less than a thousandth a round.
 ROUNDS = 10
@@ -280,8 +283,15 @@ class Followed:
         self._stiff = exact and requested.stiff
 
     def block(self, frames: slice) -> NDArray[Any]:
-        targets = None if self._stiff else self._requested.targets[frames]
-        drives = self._solver.follow(self._requested.points[frames], targets)
+        requested = self._requested
+        targets = None if self._stiff else requested.targets[frames]
+        # Traps look so far to both sides; before an open sequence and after it points stand still.
+        margin = max(round(LOOK * requested.rate), 1) if self._stiff else 0
+        first, last, _ = frames.indices(len(requested.points))
+        around = np.arange(first - margin, last + margin)
+        mode: Literal["wrap", "clip"] = "wrap" if requested.closed else "clip"
+        points = np.take(requested.points, around, axis=0, mode=mode)
+        drives = self._solver.follow(points, targets, margin)
         return drives if self._phases is None else coded(drives, self._phases)
 
     def state(self) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""The fastest run along a curve: as fast as a trap can pull a bead, which its trap leads.
+"""The fastest run along a curve: as fast as a trap can pull a bead.
 
 Along a curve r(s) of length s, unit tangent t and curvature vector n, a bead of speed v that gains u a second
 needs the force
@@ -43,14 +43,14 @@ def fastest(
     array: Array | Scene,
     *,
     closed: bool = True,
-    margin: float = 0.7,
+    margin: float = 0.3,
     radius: float | None = None,
     density: float | None = None,
     sound_speed: float | None = None,
     gravity: ArrayLike | None = None,
     **air: Any,
 ) -> Path:
-    """The fastest run of a bead along a smooth curve, as the path of the trap that leads it.
+    """The fastest run of a bead along a smooth curve.
 
     points : (K, 3) in m, at least 4, that a smooth curve goes through
     array : what traps the bead; or a midair.Scene, whose array, air and obstacles count
@@ -60,9 +60,9 @@ def fastest(
     air : of an array: frequency, temperature, absorption, obstacles
 
     The trap of a single point is solved at places along the curve, and the least force that `midair.rest`
-    reports along each of its axes bounds the run, drag counted in. The path is the trap's: it runs ahead of
-    the bead by what gives the force, (R/k) asin(f/R) along each axis of stiffness k. `margin` is what is
-    left for a board's steps, other points and draught; `midair.fly` shows whether it does.
+    reports along each of its axes bounds the run, drag counted in. The path is the bead's: `midair.sequence`
+    has each trap give the force that the path takes at that place. What `margin` leaves is for a board's
+    steps, other points and draught; `midair.fly` shows whether it is enough.
 
     Raises SceneError where no trap holds the bead, and for arguments that are not in order.
 
@@ -87,8 +87,7 @@ def fastest(
     curve = _smooth(vectors("points", points), loop)
     traps = _traps(scene, curve, bead)
     speeds = _speeds(curve, traps, bead, share, loop)
-    ways = _timed(curve.step, speeds, loop)
-    places = curve.at(ways, loop)
+    places = curve.at(_timed(curve.step, speeds, loop), loop)
     return Path(
         Samples(
             points=1,
@@ -96,7 +95,7 @@ def fastest(
             closed=loop,
             pascals=False,
             rate=1 / TICK,
-            frames=_led(places, traps, ways / curve.step, bead, loop)[:, None],
+            frames=places[:, None],
             targets=np.ones((len(places), 1)),
         )
     )
@@ -190,12 +189,10 @@ class _Traps(NamedTuple):
 
     axes : (S, 3, 3), a unit vector a row
     most : (S, 3) in N, the least of both ways that it pulls back with
-    stiffness : (S, 3) in N/m
     """
 
     axes: Numbers
     most: Numbers
-    stiffness: Numbers
 
 
 def _traps(scene: Scene, curve: _Curve, bead: Bead) -> _Traps:
@@ -213,10 +210,10 @@ def _traps(scene: Scene, curve: _Curve, bead: Bead) -> _Traps:
             raise SceneError(
                 f"no trap holds the bead at ({where}) mm: move the curve to where traps are strong"
             )
-        found.append((trap.axes[0], trap.restoring[0].min(axis=1), trap.stiffness[0]))
-    axes, most, stiffness = (np.array(part) for part in zip(*found, strict=True))
+        found.append((trap.axes[0], trap.restoring[0].min(axis=1)))
+    axes, most = (np.array(part) for part in zip(*found, strict=True))
     nearest = np.abs(np.arange(last + 1)[:, None] - looked).argmin(axis=1)
-    return _Traps(axes[nearest], most[nearest], stiffness[nearest])
+    return _Traps(axes[nearest], most[nearest])
 
 
 def _speeds(curve: _Curve, traps: _Traps, bead: Bead, share: float, loop: bool) -> Numbers:
@@ -289,25 +286,6 @@ def _timed(step: float, squares: Numbers, loop: bool) -> Numbers:
     window = np.full(2 * side + 1, 1 / (2 * side + 1))
     once: Numbers = np.convolve(ways, np.convolve(window, window), "valid")
     return once
-
-
-def _led(places: Numbers, traps: _Traps, steps: Numbers, bead: Bead, loop: bool) -> Numbers:
-    """Places (T, 3) of the trap whose bead is at places (T, 3), a tick apart, at steps (T,) of the curve."""
-    around = (
-        np.concatenate([places[-2:], places, places[:2]])
-        if loop
-        else np.pad(places, ((2, 2), (0, 0)), "edge")
-    )
-    velocities = (around[3:-1] - around[1:-3]) / (2 * TICK)
-    accelerations = (around[3:-1] - 2 * around[2:-2] + around[1:-3]) / TICK**2
-    last = len(traps.most) - 1
-    near = np.rint(steps).astype(np.intp)
-    near = near % last if loop else near.clip(0, last)
-    most = traps.most[near]
-    along = np.einsum("tkx,tx->tk", traps.axes[near], bead.needed(velocities, accelerations)) / most
-    ahead = most / traps.stiffness[near] * np.arcsin(along.clip(-1, 1))
-    found: Numbers = places + np.einsum("tk,tkx->tx", ahead, traps.axes[near])
-    return found
 
 
 def poised(

@@ -17,7 +17,7 @@ impl Studio {
         let pressed = scene.request().pressures.as_ref();
         let targets = pressed.map(|each| each.repeat(frames));
         let mut drives = vec![Complex32::ZERO; frames * transducers];
-        let all = Frames { points: &places, targets: targets.as_deref(), count };
+        let all = Frames { points: &places, targets: targets.as_deref(), count, margin: 0 };
         let mut kept = SolveRequest { aim: ask.aim, ..SolveRequest::default() };
         session.last().clear();
         session.follow(all, true, &mut kept, &mut drives, &mut Control::none())?;

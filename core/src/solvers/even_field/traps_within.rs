@@ -1,14 +1,20 @@
 //! Traps in motion: as stiff as can be with every phase within an arc around the last frame's.
 //!
 //! Points move by a hundredth of a wavelength a frame, so that the stiffest traps are near the last ones: a few steps of
-//! [`PhaseDescent`] within the bound find them. A bead that is to follow its point needs the force m a: its inertia is part of
-//! what the traps carry, as its weight is. The point's acceleration a is read off the places so far,
+//! [`PhaseDescent`] within the bound find them. A bead that is to follow its point needs the force m a + drag(v): its inertia
+//! is part of what the traps carry, as its weight is. Where the points h frames before and after are known,
+//!
+//! ```text
+//! v = (x+ - x-) rate/(2 h),   a = (x+ - 2 x + x-) (rate/h)^2
+//! ```
+//!
+//! else both are estimated from the places so far, a smoothed over less than a bead's period,
 //!
 //! ```text
 //! v = (x - x') rate,   a' + (1 - e^{-1/(rate T)}) ((v - v') rate - a'),   T = 1 ms
 //! ```
 //!
-//! smoothed over less than a bead's period, and no larger than what a trap can carry.
+//! and too late by as much: a bead then strays. The force is no larger than what a trap can carry.
 
 use alloc::vec::Vec;
 
@@ -32,8 +38,8 @@ use crate::workspace::Workspace;
 /// T in s: a bead of expanded polystyrene swings in some 20 ms.
 const SMOOTHED: f64 = 1e-3;
 
-/// The inertia moves a bead no further than this part of the wavelength: it is pulled back over a quarter.
-const FURTHEST: f64 = 0.1;
+/// The force moves a bead no further than this part of the wavelength: it is pulled back over a quarter.
+const FURTHEST: f64 = 0.2;
 
 /// A point that moves further than this part of the wavelength in a frame is another one: no bead would follow.
 const JUMP: f64 = 0.25;
@@ -46,25 +52,54 @@ pub(crate) struct Turn {
     pub(crate) kept: f64,
 }
 
-/// Has the particles of traps accelerate with their points, a frame after the last; what is to be remembered of that.
+/// Has the particles of traps move with their points, a frame after the last; what is to be remembered of that.
 pub(crate) fn accelerate(traps: &mut Stiffness, problem: &Problem, rate: f64, last: &Last) -> Vec<[f64; 3]> {
     let places = problem.propagation().control_points().unwrap_or_default();
     let wavelength = problem.setup().medium.wavelength();
     let motion = moved(&last.motion, places, rate, wavelength);
-    carry(traps, motion.get(2 * places.len()..).unwrap_or_default(), &last.played, wavelength);
+    let known = known(&last.around, places, rate, wavelength);
+    let so_far = || {
+        let mut lists = motion.chunks_exact(places.len()).skip(1);
+        Some(lists.next()?.iter().copied().zip(lists.next()?.iter().copied()).collect())
+    };
+    let moving: Vec<_> = known.or_else(so_far).unwrap_or_default();
+    let forces: Vec<_> = moving.iter().map(|&(v, a)| traps.needed(v, a)).collect();
+    carry(traps, &forces, &last.played, wavelength);
     motion
 }
 
-/// Has the particles of traps accelerate (M, 3), as far as the traps of a drive (N,) can carry them.
-fn carry(traps: &mut Stiffness, accelerations: &[[f64; 3]], drive: &[Complex32], wavelength: f64) {
+/// Velocities and accelerations of points from their places `apart` frames before and after, where these are known.
+fn known(
+    (around, apart): &(Vec<[f64; 3]>, usize),
+    places: &[[f64; 3]],
+    rate: f64,
+    wavelength: f64,
+) -> Option<Vec<([f64; 3], [f64; 3])>> {
+    if around.len() != 2 * places.len() {
+        return None;
+    }
+    let (before, after) = around.split_at(places.len());
+    let rate = rate / *apart as f64;
+    let each = |(x, (before, after)): (&[f64; 3], (&[f64; 3], &[f64; 3]))| {
+        let bend = [0, 1, 2].map(|axis| after[axis] - 2.0 * x[axis] + before[axis]);
+        if dot(bend, bend) > JUMP * JUMP * wavelength * wavelength {
+            return ([0.0; 3], [0.0; 3]);
+        }
+        ([0, 1, 2].map(|axis| (after[axis] - before[axis]) * rate / 2.0), bend.map(|x| x * rate * rate))
+    };
+    Some(places.iter().zip(before.iter().zip(after)).map(each).collect())
+}
+
+/// Has the particles of traps be pulled by forces (M, 3) in N, as far as the traps of a drive (N,) can carry them.
+fn carry(traps: &mut Stiffness, forces: &[[f64; 3]], drive: &[Complex32], wavelength: f64) {
     let field = traps.field(drive);
     let (_, yielding) = traps.balance([&field[0], &field[1]]);
-    let carried = accelerations.iter().zip(&yielding).map(|(a, yielding)| {
-        let shift = yielding.map(|row| traps.mass() * dot(row, *a));
+    let carried = forces.iter().zip(&yielding).map(|(force, yielding)| {
+        let shift = yielding.map(|row| dot(row, *force));
         let part = (FURTHEST * wavelength / math::sqrt(dot(shift, shift)).max(f64::MIN_POSITIVE)).min(1.0);
-        a.map(|x| part * x)
+        force.map(|x| part * x)
     });
-    traps.accelerate(&carried.collect::<Vec<_>>());
+    traps.pull_by(&carried.collect::<Vec<_>>());
 }
 
 /// Places (M, 3), and, once they are known, their velocities and accelerations, after those of the frame before.
