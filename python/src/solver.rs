@@ -224,7 +224,7 @@ impl Solver {
     /// Drives (T, N), complex64, of T frames one after another: points (T, M, 3) in m, pressures (T, M) in Pa, 0 where a
     /// point is absent; by default all points have the balanced level. `glide` continues from its last frame, from call
     /// to call; a solver with a start gets the last drive of this call. A frame without points is silent. With a `margin`,
-    /// points (T + 2 margin, M, 3) have so many frames more on both sides, from which traps know the acceleration of points.
+    /// points (T + 2 margin, M, 3) have this many frames more on both sides, from which traps know the acceleration of points.
     ///
     /// Raises SceneError for wrong points and pressures, naming the frame.
     #[pyo3(signature = (points, pressures=None, margin=0))]

@@ -21,7 +21,7 @@ pub struct Frames<'a> {
     pub targets: Option<&'a [f64]>,
     /// M.
     pub count: usize,
-    /// So many frames of points come before the first and after the last. Traps then know the acceleration of their points
+    /// This many frames of points come before the first and after the last. Traps then know the acceleration of their points
     /// from frames so far on both sides; with 0 they estimate it from the frames so far.
     pub margin: usize,
 }

@@ -26,7 +26,7 @@ pub struct Last {
     pub(crate) unevenness: f32,
     /// Of traps, places (M, 3) in m, and once they are known their velocities in m/s and accelerations in m/s^2.
     pub(crate) motion: Vec<[f64; 3]>,
-    /// Of the points (M, 3) of the frame to be solved, where they are known: places so many frames before, then as many after.
+    /// Of the points (M, 3) of the frame to be solved, where they are known: places this many frames before, then as many after.
     pub(crate) around: (Vec<[f64; 3]>, usize),
 }
 
