@@ -1,14 +1,19 @@
-"""AcousTools' order of transducers, and its `.csv` of phases (JoshuaMukherjee/AcousTools 1.2, Export/CSV.py).
+"""Files of AcousTools 1.2 (JoshuaMukherjee/AcousTools, Export): `.csv` of phases, `.holo`; its order.
 
 Two boards of OpenMPD, 512 transducers: its own order is the top board first, x slow, then y, both from the
 lowest. In its .csv, which OpenMPD reads, the top board is reversed, and so is each run of 16 of the bottom
 board. Our drives are those of `Array.preset("openmpd_pair")`, or of an array whose transducers stand like
 these. Arrays of any other number of transducers keep their order. The first line is `frames,transducers`,
 then there are phases in rad, a line a frame; there are no amplitudes.
+
+`.holo` holds whole numbers of five bytes, packed by zlib. Of each frame: phases round(phi / (2 * 3.1415 / 32)
++ 16), 0 to 32; 63; amplitudes round(32 a), 0 to 32; 63. Its pi is 3.1415. Transducers are in AcousTools' own
+order. A phase is wrong by pi/32 at most, an amplitude by 1/64.
 """
 
 from __future__ import annotations
 
+import zlib
 from os import PathLike
 from pathlib import Path
 
@@ -17,7 +22,7 @@ from numpy.typing import NDArray
 
 from .._midair import Array, SceneError
 from .._support.arguments import warn
-from .._support.text import fault, number, numbers, rows, text
+from .._support.text import MOST_BYTES, content, fault, number, numbers, rows, text, unpacked
 from .played import Played, one_or_more
 
 #: Transducers of two boards, of one, and of a side.
@@ -25,6 +30,12 @@ PAIR, BOARD, SIDE = 512, 256, 16
 
 #: In m: transducers of a pair stand so near to their places.
 NEAR = 2e-3
+
+#: Steps of a period and of the amplitude in .holo, the phase of a step, the end of a list, bytes of a number.
+STEPS = 32
+STEP = 2 * 3.1415 / STEPS
+END = 63
+BYTES = 5
 
 #: Amplitudes below this give a warning that they are lost.
 FULL = 1 - 1e-3
@@ -98,4 +109,55 @@ def read(path: str | PathLike[str], data: bytes, array: Array | None = None) -> 
         frame += 1
     if frame < frames:
         raise fault(path, line, f"{frames} frames are stated and {frame} are there: get the file again")
+    return one_or_more(drives)
+
+
+def write_holo(path: Path, drives: Played) -> None:
+    """Write phases and amplitudes on their grid."""
+    size = drives.frames * 2 * (drives.transducers + 1) * BYTES
+    if size > MOST_BYTES:
+        reported = f"{drives.frames} frames of {drives.transducers} transducers are {size >> 20} MB unpacked"
+        raise SceneError(f"{reported}: a .holo file holds {MOST_BYTES >> 20} MB at most, write parts of it")
+    order = own_order(drives.array, drives.transducers)
+    packer = zlib.compressobj()
+    with path.open("wb") as stream:
+        for drive in drives:
+            phases = np.rint(np.angle(drive[order]) / STEP + STEPS // 2).clip(0, STEPS)
+            amplitudes = np.rint(np.abs(drive[order]) * STEPS).clip(0, STEPS)
+            codes = np.zeros((2 * drives.transducers + 2, BYTES), np.uint8)
+            codes[:, -1] = np.concatenate([phases, [END], amplitudes, [END]])
+            stream.write(packer.compress(codes.tobytes()))
+        stream.write(packer.flush())
+
+
+def read_holo(path: str | PathLike[str], array: Array | None = None) -> NDArray[np.complex64]:
+    """Read drives of an array, (N,) of one frame, else (T, N)."""
+    data = unpacked(path, content(path), "zlib")
+    if not data or len(data) % BYTES:
+        raise fault(path, None, f"{len(data)} bytes are in it: give whole numbers of {BYTES} bytes each")
+    packed = np.frombuffer(data, np.uint8).reshape(-1, BYTES)
+    codes = packed[:, -1]
+    wrong = np.flatnonzero(packed[:, :-1].any(axis=1) | ((codes > STEPS) & (codes != END)))
+    if len(wrong):
+        value = int.from_bytes(packed[wrong[0]].tobytes(), "big")
+        raise fault(
+            path, None, f"number {wrong[0]} is {value}: give 0 to {STEPS}, and {END} at the end of a list"
+        )
+    ends = np.flatnonzero(codes == END)
+    transducers = int(ends[0]) if len(ends) else 0
+    if not transducers:
+        raise fault(path, None, f"no list of phases is in it: end it with {END}")
+    frames = len(codes) // (2 * (transducers + 1))
+    expected = (np.arange(2 * frames) + 1) * (transducers + 1) - 1
+    if len(codes) != 2 * frames * (transducers + 1) or not np.array_equal(ends, expected):
+        reported = f"{len(ends)} lists are in it, and not all of {transducers} numbers"
+        raise fault(
+            path, None, f"{reported}: give phases and amplitudes of every frame, each list of one length"
+        )
+    lists = codes.reshape(frames, 2, transducers + 1)[:, :, :-1]
+    code = np.arange(STEPS + 1)
+    phase = np.exp(1j * STEP * (code - STEPS // 2)).astype(np.complex64)
+    amplitude = (code / STEPS).astype(np.float32)
+    drives = np.empty((frames, transducers), np.complex64)
+    drives[:, own_order(array, transducers)] = phase[lists[:, 0]] * amplitude[lists[:, 1]]
     return one_or_more(drives)

@@ -15,7 +15,7 @@ from .._midair import Array, SceneError, Solution, array_parts, drive_from_csv, 
 from .._motion import Sequence
 from .._support.arguments import path_of
 from .._support.text import content, fault, number, rows, text, unpacked
-from . import acoustools, autd3, control_points, handybeam, holo, pair, record, ultraino, xml
+from . import acoustools, autd3, control_points, handybeam, record, ultraino, xml
 from . import played as board_frames
 from .control_points import ControlPoints
 from .played import known
@@ -52,7 +52,7 @@ def read(
         content(path)
         return Solution.load(path)
     if ending == ".holo":
-        return holo.read(path, array)
+        return acoustools.read_holo(path, array)
     if ending == ".bin":
         return board_frames.read(path, player)
     if ending == ".csv":
@@ -71,12 +71,12 @@ def _csv(path: str | PathLike[str], array: Array | None) -> NDArray[np.complex64
     if "intensity" in names:
         return control_points.read(path, data)
     values = [number(cell) for cell in head]
-    both = pair.partners(path)
+    both = ultraino.partners(path)
     counted = len(values) == 2 and all(
         value is not None and value >= 1 and value % 1 == 0 for value in values
     )
     if both is not None and (not counted or all(one.exists() for one in both)):
-        return pair.read(*both)
+        return ultraino.read_pair(*both)
     if counted:
         return acoustools.read(path, data, array)
     if names >= {"x", "y", "z"}:

@@ -13,7 +13,7 @@ from .._motion.files import whole
 from .._support import output
 from .._support.arguments import path_of, refused, shown, word
 from ..path import Path
-from . import acoustools, control_points, holo, pair, record
+from . import acoustools, control_points, record, ultraino
 from . import played as board_frames
 from .control_points import ControlPoints
 from .played import Played, known, played
@@ -85,7 +85,7 @@ def _layout(file: File, drives: Any, layout: str | None) -> str:
     if layout is None:
         if isinstance(drives, Path | ControlPoints):
             return "points"
-        return "ultraino" if pair.NAMED in file.name else "drive"
+        return "ultraino" if ultraino.NAMED in file.name else "drive"
     found = word("layout", layout).lower().replace("-", "").replace("_", "")
     if found not in LAYOUTS:
         raise refused("layout", layout, f"give {', '.join(LAYOUTS[:-1])} or {LAYOUTS[-1]}")
@@ -94,7 +94,7 @@ def _layout(file: File, drives: Any, layout: str | None) -> str:
 
 def _write(file: File, layout: str, drives: Played, board: Board | None) -> None:
     if layout == "ultraino":
-        pair.write(file, drives)
+        ultraino.write_pair(file, drives)
         return
     if layout == ".json":
         raise SceneError(f"output {shown(file)}: .json holds a Solution of a scene, give .npz, .csv or .holo")
@@ -104,7 +104,7 @@ def _write(file: File, layout: str, drives: Played, board: Board | None) -> None
         else:
             plain = {
                 ".npz": record.write,
-                ".holo": holo.write,
+                ".holo": acoustools.write_holo,
                 "acoustools": acoustools.write,
                 "drive": _drive,
             }
