@@ -19,11 +19,12 @@ import midair
 pytest.importorskip("websockets")
 pytest.importorskip("pythonosc")
 
+from pythonosc.osc_message import OscMessage
 from pythonosc.osc_message_builder import OscMessageBuilder
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
-from midair._boards.doors import Doors
+from midair._boards.doors import Doors, Reports
 from midair._boards.playing import SILENCE, Live
 
 # A board of one amplitude warns that it plays louder than requested.
@@ -98,6 +99,31 @@ def test_a_path_goes_on_while_there_are_signs_of_life(doors: Doors) -> None:
 
 
 @pytest.mark.slow
+def test_metrics_come_once_or_again_and_again(doors: Doors) -> None:
+    with connect(doors.address) as client:
+        client.recv(timeout=5)
+        client.send(json.dumps({"points": [POINT], "pressures": [900]}))
+        until(doors, "playing")
+        client.send('{"metrics": 0.02}')
+        for _ in range(4):
+            found = json.loads(client.recv(timeout=5))
+            client.send('{"keep": true}')
+        assert found["state"] == "playing"
+        assert found["points"] == [POINT]
+        (reached,) = found["pressures"]
+        gains = midair.Scene(doors._live.connection.board.array, [POINT]).propagation()[0]
+        assert reached == pytest.approx(abs(gains @ doors._live.connection.emitting), rel=1e-3)
+        assert 0 <= found["delay"] < 500
+        client.send('{"metrics": 0}')
+        client.send('{"off": true}')
+        until(doors, "off")
+        assert doors._live.metrics()["pressures"] == []
+    for bad in ("-1", "1e999", '"often"'):
+        with pytest.raises(midair.SceneError, match="metrics"):
+            doors.obey('{"metrics": ' + bad + "}", Reports(None, doors._live))
+
+
+@pytest.mark.slow
 def test_osc_plays_with_the_token_and_not_without(doors: Doors) -> None:
     sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     sender.settimeout(5)
@@ -116,6 +142,11 @@ def test_osc_plays_with_the_token_and_not_without(doors: Doors) -> None:
     until(doors, "playing")
     osc("points", doors.token, 1.0)
     assert b"give 3 a point" in sender.recv(4096)
+    osc("metrics", doors.token)
+    measured = OscMessage(sender.recv(4096))
+    assert measured.address == "/midair/metrics"
+    assert measured.params[0] == "playing"
+    assert measured.params[-1] > 100
     osc("off", doors.token)
     until(doors, "off")
     sender.close()

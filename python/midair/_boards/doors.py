@@ -1,5 +1,7 @@
 """Doors: points of other programs for a board, by WebSocket and by OSC over UDP, of this machine alone.
 
+At /adaptics the server speaks the protocol of Adaptics Engine.
+
 A message says what is to play; docs/serve.md lists them. A client without the token is refused, and so is a
 page of another origin, unless `origins` names it. A client that is silent for 0.2 s, or gone, leaves the
 board off.
@@ -25,15 +27,19 @@ from numpy.typing import NDArray
 
 from .._midair import SceneError
 from .._motion import document
-from .._support.arguments import number, real, refused
+from .._support.arguments import json_object, number, real, refused
+from .adaptics import Client, Player
 from .errors import BoardError
 from .playing import SILENCE, Live
 
-#: The largest message, in bytes, and numbers of a point in a binary one.
-MOST_BYTES, ROW = 1 << 16, 4
+#: The largest message in bytes, the largest pattern of Adaptics, and numbers of a point in a binary message.
+MOST_BYTES, MOST_PATTERN, ROW = 1 << 16, 1 << 20, 4
 
 #: Limits of a message.
-KEYS = ("points", "path", "modulation", "off", "keep", "state")
+KEYS = ("points", "path", "modulation", "off", "keep", "state", "metrics")
+
+#: Least s between two reports of the metrics.
+LEAST_REPORT = 0.01
 
 MISSING = 'serve needs websockets and python-osc: pip install "midair[serve]"'
 
@@ -50,22 +56,24 @@ class Doors:
     def __init__(self, live: Live, port: int = 0, osc: int = 0, origins: Iterable[str] = ()) -> None:
         try:
             from pythonosc.osc_packet import OscPacket
+            from websockets.exceptions import ConnectionClosed
             from websockets.sync.server import serve
         except ImportError as error:
             raise SceneError(MISSING) from error
         self._live = live
-        self._packet = OscPacket
+        self._packet, self._closed = OscPacket, ConnectionClosed
+        self._player = Player(live)
         self.token = secrets.token_urlsafe(16)
         self._udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
             self._udp.bind(("127.0.0.1", osc))
             self._server = serve(
-                self._talk,
+                self._serve,
                 "127.0.0.1",
                 port,
                 origins=[None, *origins],  # type: ignore[list-item]
                 process_request=self._admit,
-                max_size=MOST_BYTES,
+                max_size=MOST_PATTERN,
                 compression=None,
             )
         except (OSError, OverflowError) as error:
@@ -83,6 +91,11 @@ class Doors:
         """Where a WebSocket client connects, with the token."""
         return f"ws://127.0.0.1:{self.port}/?token={self.token}"
 
+    @property
+    def adaptics(self) -> str:
+        """Where Adaptics Designer connects, with the token."""
+        return f"ws://127.0.0.1:{self.port}/adaptics?token={self.token}"
+
     def close(self) -> None:
         """Close both ports and turn the board off."""
         self._server.shutdown()
@@ -95,8 +108,8 @@ class Doors:
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.close()
 
-    def obey(self, message: str | bytes) -> dict[str, Any]:
-        """Do what a message says; returns the answer.
+    def obey(self, message: str | bytes, reports: Reports | None = None) -> dict[str, Any]:
+        """Do what a message says; returns the answer. `reports` sends the metrics again and again.
 
         Raises SceneError for a message that is not in order, BoardError where the board is gone.
         """
@@ -120,6 +133,11 @@ class Doors:
         elif "off" in wanted:
             live.off()
         live.keep()
+        if "metrics" in wanted:
+            every = wanted["metrics"]
+            if reports is not None and not isinstance(every, bool):
+                reports.every(number("metrics", every, least=0))
+            return live.metrics()
         return live.state() if "state" in wanted else {}
 
     def _rows(self, values: NDArray[np.float64]) -> dict[str, Any]:
@@ -138,19 +156,31 @@ class Doors:
             return None
         return connection.respond(HTTPStatus.FORBIDDEN, "the token that midair serve printed is missing\n")
 
+    def _serve(self, client: Any) -> None:
+        with suppress(self._closed):
+            if urlsplit(client.request.path).path == "/adaptics":
+                Client(client, self._player, self._live).talk()
+            else:
+                self._talk(client)
+
     def _talk(self, client: Any) -> None:
         board = self._live.connection.board
         greeting = {"board": board.name, "transducers": len(board.array), "rate": self._live.rate}
         client.send(json.dumps({**greeting, "silence": SILENCE}))
+        reports = Reports(client, self._live)
         try:
             for message in client:
+                if len(message) > MOST_BYTES:
+                    client.close(1009, "message is too big")
+                    return
                 try:
-                    answer = self.obey(message)
+                    answer = self.obey(message, reports)
                 except (SceneError, BoardError) as error:
                     answer = {"error": str(error)}
                 if answer:
                     client.send(json.dumps(answer))
         finally:
+            reports.every(0)
             with suppress(BoardError):
                 self._live.off()
 
@@ -177,8 +207,9 @@ class Doors:
         from pythonosc.osc_message_builder import OscMessageBuilder
 
         try:
-            answer = self._by_osc(address.removeprefix("/midair/"), values)
-            name = "state"
+            name = address.removeprefix("/midair/")
+            answer = self._by_osc(name, values)
+            name = name if name == "metrics" else "state"
         except (SceneError, BoardError) as error:
             answer, name = {"error": str(error)}, "error"
         if answer:
@@ -200,7 +231,33 @@ class Doors:
             return self._rows(rows.ravel())
         if name == "modulation":
             return self.obey(json.dumps({name: number(name, values[0], least=0) or None if values else None}))
-        return self.obey(json.dumps({name: True}))
+        answer = self.obey(json.dumps({name: True}))
+        answer.pop("points", None)
+        reached = answer.pop("pressures", [])
+        return answer | {f"pressure {k}": pressure for k, pressure in enumerate(reached)}
+
+
+class Reports:
+    """Sends the metrics to a client again and again."""
+
+    def __init__(self, client: Any, live: Live) -> None:
+        self._client = client
+        self._live = live
+        self._stop = threading.Event()
+
+    def every(self, seconds: float) -> None:
+        """Send the metrics every so many s from now on; 0 for no more."""
+        self._stop.set()
+        if seconds:
+            self._stop = threading.Event()
+            given = self._stop, max(seconds, LEAST_REPORT)
+            threading.Thread(target=self._send, args=given, daemon=True).start()
+
+    def _send(self, stop: threading.Event, seconds: float) -> None:
+        # A client that is gone, or a board.
+        with suppress(Exception):
+            while not stop.wait(seconds):
+                self._client.send(json.dumps(self._live.metrics()))
 
 
 def _whole(message: bytes) -> bytes:
@@ -211,17 +268,8 @@ def _whole(message: bytes) -> bytes:
 
 def _read(message: str) -> dict[str, Any]:
     """A JSON object of known keys, without NaN."""
-
-    def nan(name: str) -> float:
-        raise SceneError(f"message holds {name}: give finite numbers")
-
-    try:
-        wanted = json.loads(message, parse_constant=nan)
-    except SceneError:
-        raise
-    except (ValueError, RecursionError) as error:
-        raise SceneError('message is no JSON: give an object such as {"points": [[0, 0, 0.15]]}') from error
-    if not isinstance(wanted, dict) or not wanted.keys() & set(KEYS):
+    wanted = json_object("message", message, 'give an object such as {"points": [[0, 0, 0.15]]}')
+    if not wanted.keys() & set(KEYS):
         raise SceneError(f"message has none of the keys {', '.join(KEYS)}")
     for key in wanted:
         if key not in (*KEYS, "pressures"):

@@ -7,8 +7,9 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from dataclasses import dataclass
 from itertools import count
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,7 @@ from ..path import Path
 from . import connection as connections
 from .connection import Connection
 from .errors import BoardError
+from .wire import Kind
 
 #: Time in s after which a drive is sent again, well before a connection's `hold` expires.
 AGAIN = 10.0
@@ -74,7 +76,29 @@ MOST_POINTS, SILENCE = 256, 0.2
 #: Times of a path that are looked at before it is played.
 LOOKED = 16
 
-Frame = tuple[NDArray[np.float64], NDArray[np.float64] | None]
+#: Seconds between two signs of life to the board while nothing changes.
+REST = 0.05
+
+
+class Frame(NamedTuple):
+    """Points (M, 3) in m, pressures (M,) in Pa or as loud as can be, and a factor of the drive."""
+
+    points: NDArray[np.float64]
+    pressures: NDArray[np.float64] | None = None
+    loudness: float = 1.0
+
+
+@dataclass
+class Wanted:
+    """A frame by the time in s since it was given; None ends it.
+
+    constant : all frames are the same
+    change : the bound of a phase in rad a frame, where none is given
+    """
+
+    at: Callable[[float], Frame | None]
+    constant: bool = False
+    change: float | None = None
 
 
 class Live:
@@ -92,10 +116,12 @@ class Live:
         self.rate = most if rate is None else min(number("rate", rate, above=0), most)
         self._change = change
         self._news = threading.Condition()
-        self._wanted: Callable[[float], Frame] | None = None
-        self._signed = -math.inf
+        self._wanted: Wanted | None = None
+        self._begun = self._signed = -math.inf
         self._ended = False
         self._error: str | None = None
+        self._played: tuple[Frame, NDArray[np.complex64]] | None = None
+        self._delay = 0.0
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
 
@@ -107,7 +133,7 @@ class Live:
         if len(points) > MOST_POINTS:
             raise SceneError(f"points are {len(points)}: give {MOST_POINTS} at most")
         Scene(self.connection.board.array, points, 1.0 if pressures is None else pressures)
-        self._want(lambda time: (points, pressures))
+        self.play(Wanted(lambda time: Frame(points, pressures), constant=True))
 
     def follow(self, path: Path) -> None:
         """Play a path, over and over where it is closed; then its end stays.
@@ -122,27 +148,50 @@ class Live:
 
         def wanted(time: float) -> Frame:
             at = [time % path.duration if path.closed else min(time, path.duration)]
-            return path.at(at)[0], path.targets(at)[0] if path.pascals else None
+            return Frame(path.at(at)[0], path.targets(at)[0] if path.pascals else None)
 
-        self._want(wanted)
+        self.play(Wanted(wanted))
+
+    def play(self, wanted: Wanted) -> None:
+        """Play frames from now on, in place of those before."""
+        with self._news:
+            self._wanted, self._error = wanted, None
+            self._begun = self._signed = time.monotonic()
+            self._news.notify()
 
     def keep(self) -> None:
         """Note a sign of life."""
         with self._news:
             self._signed = time.monotonic()
-            self._news.notify()
 
     def off(self) -> None:
         """Turn off until the next points. Raises BoardError where the board is gone."""
         with self._news:
             self._wanted = None
+            self._news.notify()
         self.connection.off()
 
+    @property
+    def error(self) -> str | None:
+        """The error that ended the last points, if any."""
+        return self._error
+
     def state(self) -> dict[str, Any]:
-        """The board's state, its counts of frames, and the error that ended the last points, if any."""
+        """What the board does, its counts of frames, and the error that ended the last points, if any."""
         stats = self.connection.stats
         counts = {"frames": stats.frames, "late": stats.late, "lapses": stats.lapses}
         return {"state": self.connection.state, **counts, "error": self._error}
+
+    def metrics(self) -> dict[str, Any]:
+        """The state; points in m and |p| in Pa there of the last frame; its delay behind its time, in ms."""
+        points: list[list[float]] = []
+        reached: list[float] = []
+        if self._wanted is not None and (played := self._played) is not None:
+            board = self.connection.board
+            emitted = board.decode(board.encode(played[1]))
+            gains = Scene(board.array, played[0].points).propagation()
+            points, reached = played[0].points.tolist(), np.abs(gains @ emitted).tolist()
+        return {**self.state(), "points": points, "pressures": reached, "delay": 1e3 * self._delay}
 
     def close(self) -> None:
         """Stop playing; the connection stays."""
@@ -153,13 +202,6 @@ class Live:
         with suppress(BoardError):
             self.connection.off()
 
-    def _want(self, wanted: Callable[[float], Frame]) -> None:
-        begin = time.monotonic()
-        with self._news:
-            self._wanted, self._error = (lambda now: wanted(now - begin)), None
-            self._signed = begin
-            self._news.notify()
-
     def _lives(self) -> bool:
         return self._wanted is not None and time.monotonic() - self._signed < SILENCE
 
@@ -168,21 +210,12 @@ class Live:
             with self._news:
                 self._news.wait_for(lambda: self._ended or self._lives())
             try:
-                due = time.monotonic()
-                frames = stream(
-                    self.connection.board.array, self._frames(), rate=self.rate, change=self._change
-                )
-                for drive in frames:
-                    if not self._lives():
-                        break
-                    self.connection.send(drive)
-                    # A frame that came late moves the clock.
-                    due = max(due + 1 / self.rate, time.monotonic() - 1 / self.rate)
-                    time.sleep(max(0.0, due - time.monotonic()))
+                self._stream()
                 with self._news:
-                    if not self._lives():
-                        # A later sign of life does not bring them back.
-                        self._wanted = None
+                    if self._lives():
+                        continue
+                    # A later sign of life does not bring them back.
+                    self._wanted = None
                 self.connection.off()
             # Whatever ends these points, the next ones are played.
             except Exception as error:
@@ -191,7 +224,51 @@ class Live:
                 with suppress(BoardError):
                     self.connection.off()
 
-    def _frames(self) -> Iterator[Any]:
-        while (wanted := self._wanted) is not None and self._lives():
-            points, pressures = wanted(time.monotonic())
-            yield points if pressures is None else (points, pressures)
+    def _stream(self) -> None:
+        """Play frames of one bound until nothing is wanted, or something of another bound."""
+        if (wanted := self._wanted) is None:
+            return
+        board, period = self.connection.board, 1 / self.rate
+        change = wanted.change if self._change is None else self._change
+        frames: list[Frame] = []
+        due = time.monotonic()
+        last: bytes | None = None
+        for drive in stream(board.array, self._frames(wanted.change, frames), rate=self.rate, change=change):
+            if (playing := self._wanted) is None or not self._lives():
+                return
+            frame = frames.pop()
+            # Faster than drive * loudness for what is most frequent.
+            played = drive if frame.loudness == 1 else drive * np.float32(frame.loudness)
+            code = board.encode(played)
+            self._played = frame, played
+            if code == last and playing.constant:
+                self._rest(playing)
+                due = time.monotonic()
+                continue
+            self.connection.send(played)
+            last, now = code, time.monotonic()
+            self._delay = now - due
+            # A frame that came late moves the clock.
+            due = max(due + period, now - period)
+            time.sleep(max(0.0, due - now))
+
+    def _rest(self, playing: Wanted) -> None:
+        """Wait for other points while the board plays what it should; report that this program lives."""
+        while self._wanted is playing and self._lives() and not self._ended:
+            with self._news:
+                left = self._signed + SILENCE - time.monotonic()
+                other = self._news.wait_for(lambda: self._wanted is not playing, min(max(left, 0), REST))
+            if not other:
+                self.connection._call(Kind.HOLD)
+
+    def _frames(self, change: float | None, frames: list[Frame]) -> Iterator[Any]:
+        """What `midair.stream` reads, and beside it the whole frames."""
+        while (wanted := self._wanted) is not None and wanted.change == change and self._lives():
+            frame = wanted.at(time.monotonic() - self._begun)
+            if frame is None:
+                with self._news:
+                    if self._wanted is wanted:
+                        self._wanted = None
+                return
+            frames.append(frame)
+            yield frame.points if frame.pressures is None else (frame.points, frame.pressures)

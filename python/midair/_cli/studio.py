@@ -86,6 +86,7 @@ def serve_command(
     ):
         print(doors.address, flush=True)
         print(f"osc://127.0.0.1:{doors.osc} token {doors.token}", flush=True)
+        print(f"{doors.adaptics} for Adaptics Designer", flush=True)
         tell("Ctrl-C ends it")
         threading.Event().wait()
     return 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import os
 import reprlib
@@ -48,7 +49,11 @@ def number(item: str, value: Any, *, above: float | None = None, least: float | 
     bound = bound if least is None else f" of at least {least:g}"
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.integer | np.floating):
         raise refused(item, value, f"give a number{bound}")
-    if not math.isfinite(value):
+    try:
+        finite = math.isfinite(value)
+    except OverflowError:
+        finite = False
+    if not finite:
         raise refused(item, value, "give a finite number")
     if (above is not None and value <= above) or (least is not None and value < least):
         raise refused(item, value, f"give a number{bound}")
@@ -115,6 +120,23 @@ def path_of(item: str, value: Any, cure: str = "give the name of a file") -> Pat
     if not isinstance(value, str | PathLike) or "\0" in os.fsdecode(value):
         raise refused(item, value, cure)
     return Path(value)
+
+
+def json_object(item: str, text: str | bytes, cure: str) -> dict[str, Any]:
+    """A JSON object without NaN and infinity."""
+
+    def nan(name: str) -> float:
+        raise SceneError(f"{item} holds {name}: give finite numbers")
+
+    try:
+        found = json.loads(text, parse_constant=nan)
+    except SceneError:
+        raise
+    except (ValueError, RecursionError) as error:
+        raise SceneError(f"{item} is no JSON: {cure}") from error
+    if not isinstance(found, dict):
+        raise SceneError(f"{item} is no JSON object: {cure}")
+    return found
 
 
 def callback(value: Any, arguments: str) -> None:
