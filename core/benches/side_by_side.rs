@@ -1,8 +1,8 @@
 //! Speed as ratios in one run: the answer is checked first, then rounds alternate, and medians are compared.
 //!
-//! `cargo bench -p midair --features parallel --bench side_by_side`. CPU frequency and neighbours move all sides
-//! alike; the ratio is what counts. "textbook" is Algorithm 2 as one writes it down: complex f64, |P + G q| by the
-//! complex modulus, energies summed again for each candidate, G of eq. (5) computed by libm as ours computes its own.
+//! `cargo bench -p midair --features parallel --bench side_by_side`. CPU frequency and neighbours affect all sides
+//! alike, so the ratio counts. "textbook" is Algorithm 2 as one writes it down: complex f64, |P + G q| by the complex
+//! modulus, energies summed again for each candidate, G of eq. (5) computed by libm as ours computes its own.
 #![forbid(unsafe_code)]
 
 use std::hint::black_box;

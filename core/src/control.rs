@@ -8,7 +8,7 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use crate::error::Error;
 use crate::threads::Threads;
 
-/// How far a solve is.
+/// The progress of a solve.
 #[derive(Clone, Copy)]
 pub struct Progress<'a> {
     /// Steps done.
@@ -58,7 +58,8 @@ const PULSES: u32 = 8;
 /// Fewer bytes than this are taken without a check.
 const SMALL: u64 = 1 << 26;
 
-/// The caller's hand on a running computation: called once a step, it answers go or stop; and what it may use.
+/// The caller's control over a running computation: a function that is called once a step and answers go or stop; and
+/// the allowed threads and memory.
 ///
 /// ```
 /// use core::ops::ControlFlow;
@@ -76,7 +77,7 @@ const SMALL: u64 = 1 << 26;
 /// ```
 pub struct Control<'a> {
     observer: Option<&'a mut (dyn Observe + 'a)>,
-    /// Whether steps are reported, too, or pulses alone.
+    /// Whether steps are reported in addition to pulses.
     reported: bool,
     stop: Option<&'a AtomicBool>,
     /// Whether a stop was noticed: the final work is not interrupted again.
@@ -129,7 +130,7 @@ impl<'a> Control<'a> {
         self
     }
 
-    /// Refuses what would take more than this many bytes at once; 8 GB by default.
+    /// Rejects requests for more than this many bytes at once; 8 GB by default.
     #[must_use]
     pub fn with_memory(mut self, bytes: u64) -> Self {
         self.memory = bytes;
@@ -149,8 +150,8 @@ impl<'a> Control<'a> {
         }
     }
 
-    /// A solver's call after step `step` of `steps` (counted from 1); `residual` is computed only if somebody
-    /// wants it. `Break` asks the solver to end with what it has.
+    /// Called by a solver after step `step` of `steps` (counted from 1); `residual` is computed only if the caller
+    /// needs it. `Break` asks the solver to end with what it has.
     pub fn step(&mut self, step: usize, steps: usize, residual: impl Fn() -> f64) -> ControlFlow<()> {
         if let Some(trace) = &mut self.trace {
             trace.push(residual());
@@ -184,7 +185,7 @@ impl<'a> Control<'a> {
         if self.received { Err(Error::Stopped) } else { Ok(()) }
     }
 
-    /// Asks for memory before it is taken: `bytes` for `what`, of N transducers and M points.
+    /// Requests memory before it is taken: `bytes` for `what`, of N transducers and M points.
     ///
     /// # Errors
     /// [`Error::Memory`] above the limit, or if they cannot be had.
@@ -196,7 +197,7 @@ impl<'a> Control<'a> {
         Err(Error::Memory { what: what.into(), transducers, points, bytes, limit: self.memory })
     }
 
-    /// How many parts [`Control::each`] does at once.
+    /// The number of parts that [`Control::each`] does at once.
     pub(crate) fn threads(&self) -> usize {
         self.threads.count()
     }

@@ -70,7 +70,7 @@ pub enum Error {
         /// Why.
         error: Box<Error>,
     },
-    /// More memory than allowed, or than there is.
+    /// More memory than allowed, or than the machine has.
     #[error(
         "{what} of N = {transducers} transducers and M = {points} points needs {:.3} GB, the limit is {:.3} GB: give fewer points or transducers, a method without it, or a higher limit",
         *bytes as f64 * 1e-9,
@@ -118,7 +118,7 @@ impl Error {
         Self::invalid("drive", "not finite", cure)
     }
 
-    /// Points for a given G, which belongs to its own.
+    /// Points for a given G, which has its own points.
     pub(crate) fn given_points() -> Self {
         Self::invalid("points", "given", "a matrix of your own belongs to its points: leave them out")
     }
@@ -159,13 +159,13 @@ fn letters(name: &str) -> impl Iterator<Item = char> {
     name.chars().filter(|letter| !matches!(letter, '-' | '_')).map(|letter| letter.to_ascii_lowercase())
 }
 
-/// Whether two names are the same but for case, "-" and "_".
+/// Whether two names differ at most in case, "-" and "_".
 #[must_use]
 pub fn same_name(a: &str, b: &str) -> bool {
     letters(a).eq(letters(b))
 }
 
-/// Names that other packages have for what is called otherwise here.
+/// Names in other packages, and the names here.
 const ELSEWHERE: [(&str, &str); 11] = [
     ("method", "solver"),
     ("algorithm", "solver"),
@@ -180,8 +180,8 @@ const ELSEWHERE: [(&str, &str); 11] = [
     ("px", "pixels"),
 ];
 
-/// The known name that one mistyped is likely to mean: at most a third of its letters away, or begun by it; or what other
-/// packages call so.
+/// The known name that a mistyped one probably means: one with at most a third of its letters different, one that
+/// begins with it, or the name in other packages.
 pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     let called_so = |ours: &str| ELSEWHERE.iter().any(|(theirs, other)| *other == ours && same_name(theirs, name));
     if let Some(ours) = known.iter().find(|ours| called_so(ours)) {

@@ -9,7 +9,7 @@ import { shownOf } from "./studio.ts";
 /** The part of the navigator of browsers with WebSerial. */
 type WithSerial = Navigator & { serial?: { requestPort(): Promise<SerialPortLike> } };
 
-/** Makes the button: it asks for a port, plays what slot A finds, and turns the board off. */
+/** Makes the button: it requests a port, plays the drive of slot A, and turns the board off. */
 export function createBoardButton(context: Context): HTMLElement {
   const { studio, engine, say, board: served } = context;
   const away = served ? say("playOn", { name: served.name }) : say("connect");
@@ -40,7 +40,7 @@ export function createBoardButton(context: Context): HTMLElement {
     player = found.player;
     if (player.state === "gone") return forget();
     unguard = guard(player, window, document);
-    // Who left meanwhile presses the button again.
+    // A user who left meanwhile presses the button again.
     if (found.present) play();
     else show();
   }

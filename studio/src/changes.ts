@@ -1,4 +1,4 @@
-/** Changes: what is done only when something is another than before. */
+/** Changes: functions that run only if a value differs from the one before. */
 
 /** Runs `load` when `value` is another object than at the last call. */
 export function changes<T>(load: (value: T) => void): (value: T) => void {

@@ -1,4 +1,4 @@
-/** Check: whether what a script or a link asks for can be a state, said in one line. */
+/** Check: whether the values of a script or a link can be a state; the fault in one line. */
 
 import type { Catalogue } from "./door.ts";
 import { MOST_POINTS } from "./initial.ts";

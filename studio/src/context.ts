@@ -1,4 +1,4 @@
-/** Context: what every part of the page has at hand. */
+/** Context: the functions that every part of the page uses. */
 
 import type { Engine } from "./engine.ts";
 import type { ServedBoard } from "./served.ts";
@@ -18,7 +18,7 @@ export interface Context {
   plain(line: string): string;
   /** Says a text to users of screen readers. */
   announce(text: string): void;
-  /** Shows one line of what went wrong. */
+  /** Shows one line about a fault. */
   alarm(text: string): void;
   /** Asks for a new picture. */
   repaint(): void;

@@ -30,14 +30,14 @@ export function explained<Made extends HTMLElement>(made: Made, line: string): M
   return made;
 }
 
-/** A titled group of controls that folds; its second element states what it holds. */
+/** A titled group of controls that folds; its second element names the group's content. */
 export function group(title: string, ...children: (Node | null)[]): { root: HTMLDetailsElement; holds: HTMLElement } {
   const holds = element("span");
   const summary = element("summary", {}, element("h2", {}, title), holds);
   return { root: element("details", { className: "group" }, summary, ...children), holds };
 }
 
-/** A control with its name, and what it says beside; `tip` explains its number. */
+/** A control with its name and a value beside it; `tip` explains its number. */
 export function labelled(name: string, control: HTMLElement, aside?: HTMLElement | null, tip?: string): HTMLElement {
   const made = element("label", { className: aside ? "field wide" : "field" }, element("span", {}, name), aside, control);
   return tip ? explained(made, tip) : made;

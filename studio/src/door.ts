@@ -22,7 +22,7 @@ export interface Answer {
   scale: number;
   status: "done" | "out_of_steps" | "stopped" | "missed";
   steps: number;
-  /** Of each point, in Pa. */
+  /** Pressures of the points, in Pa. */
   targets: number[];
   /** re and im of each point, in Pa. */
   pressures: [number, number][];
@@ -82,7 +82,7 @@ export interface Frame {
 /** A scene that can be solved, looked at and played. */
 export interface Door {
   catalogue(): Catalogue;
-  /** Opens a scene file's text; what is probably a mistake, a line each. */
+  /** Opens a scene file's text; returns its probable mistakes, a line each. */
   open(text: string, toml?: boolean, scalar?: boolean): string[];
   /** The scene as the command line writes it. */
   save(toml: boolean): string;
@@ -92,7 +92,7 @@ export interface Door {
   move(points: readonly (readonly number[])[], pressures?: readonly number[]): void;
   solve(): Answer;
   judge(): Metrics;
-  /** Takes a drive, and what supply or modulation multiply it by. */
+  /** Takes a drive, and the factor that supply or modulation must apply. */
   load(drive: ArrayLike<number>, scale?: number): void;
   /** The array of a CSV. */
   readArray(text: string, name: string): OwnArray;

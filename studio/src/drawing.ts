@@ -34,7 +34,7 @@ function parse(text: string): Element {
   return root;
 }
 
-/** A copy of what is geometry: known elements, their shapes' attributes and transforms. */
+/** A copy of the drawing's geometry: known elements, their shapes' attributes and transforms. */
 function copied(element: Element): SVGElement | null {
   if (!Object.hasOwn(GEOMETRY, element.localName)) return null;
   const nested = element.localName === "svg" ? "g" : element.localName;
@@ -52,7 +52,7 @@ function walked(shape: SVGGeometryElement, pieces: number): Contour[] {
   const length = shape.getTotalLength();
   const matrix = shape.getCTM();
   if (!(length > 0) || !matrix) return [];
-  // No piece of the line is longer than that in the drawing: what is, is a move to the next part.
+  // No piece of the line is longer than that in the drawing: a longer one is a move to the next part.
   const longest = 1.01 * (length / pieces) * Math.hypot(matrix.a, matrix.b, matrix.c, matrix.d);
   const contours: Contour[] = [];
   let last: Vec3 | null = null;

@@ -1,4 +1,4 @@
-/** The engine: three workers, one a slot that solves and draws its slice, one for what takes long. */
+/** The engine: three workers, one a slot that solves and draws its slice, and one for slow work. */
 
 import type { Catalogue } from "./door.ts";
 import type { Jobs } from "./solve.worker.ts";
@@ -8,11 +8,11 @@ export type Hand = {
   [Job in keyof Jobs]: (...given: Parameters<Jobs[Job]>) => Promise<Awaited<ReturnType<Jobs[Job]>>>;
 };
 
-/** The workers, and what the core offers. */
+/** The workers, and the core's methods, presets and boards. */
 export interface Engine {
   catalogue: Catalogue;
   slots: [Hand, Hand];
-  /** For bounds, volumes and sequences. */
+  /** The worker for bounds, volumes and sequences. */
   slow: Hand;
   dispose(): void;
 }

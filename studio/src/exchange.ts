@@ -1,4 +1,4 @@
-/** Exchange: scenes, drives, arrays and drawings that come in by file, and go out. */
+/** Exchange: scenes, drives, arrays and drawings as files, in and out. */
 
 import type { Context } from "./context.ts";
 import { drawing } from "./drawing.ts";
@@ -13,7 +13,7 @@ import type { Slot } from "./types.ts";
 /** The longer side of a drawing that is dropped in, in m. */
 const SIZE = 0.08;
 
-/** Endings of what is read as pixels. */
+/** Endings of files that are read as pixels. */
 const PICTURES = ["png", "jpg", "jpeg", "webp"];
 
 /** Opens a file by its ending. */
@@ -81,7 +81,7 @@ export async function exportDrive({ studio, engine, alarm, say, plain }: Context
   else alarm(say("unsolved", { line: plain(refused) }));
 }
 
-/** Saves the sheet of what is shown, as SVG or as PNG of double size. */
+/** Saves the sheet of the current view, as SVG or as PNG of double size. */
 export async function exportSheet(svg: string, ending: "png" | "svg"): Promise<void> {
   if (ending === "svg") return save("field.svg", svg, "image/svg+xml");
   const drawn = new Image();

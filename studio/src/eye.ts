@@ -1,4 +1,4 @@
-/** Eye: the camera of the 3-D view, fitted to what is shown until somebody turns it. */
+/** Eye: the camera of the 3-D view, fitted to the scene until a user turns it. */
 
 import { along, type Camera, fit, FOCAL, frame, project } from "./painter/camera.ts";
 import { placeOn, planesOf } from "./plane.ts";
@@ -7,25 +7,25 @@ import type { State, Vec3 } from "./types.ts";
 
 /** A camera that outlives the page's themes and languages. */
 export interface Eye {
-  /** For a view of this many CSS px. */
+  /** The camera for a view of this many CSS px. */
   camera(size: [number, number]): Camera;
-  /** By pixels. */
+  /** Moves by pixels. */
   turn(dx: number, dy: number): void;
   /** Nearer (below 1) or further. */
   zoom(factor: number): void;
   /** Shifted by pixels. */
   pan(dx: number, dy: number): void;
-  /** From above, from ahead of the slice, or as at first. */
+  /** The view from above, from ahead of the slice, or the first one. */
   look(from: "fromAbove" | "fromAhead" | "asFirst"): void;
 }
 
 /** Turning by a pixel, in rad. */
 const TURN = 0.008;
 
-/** From below the ground to the zenith, in rad. */
+/** The elevation from below the ground to the zenith, in rad. */
 const PITCH = [-0.3, 1.57];
 
-/** In m. */
+/** The distance in m. */
 const DISTANCE = [0.05, 5];
 
 /** The glow about a point is so much higher, in m. */
@@ -51,7 +51,7 @@ export function createEye({ view }: Studio): Eye {
     return planesOf(view.state).flatMap((plane) => [0, 1].flatMap((a) => [0, 1].map((b) => placeOn(plane, a, b))));
   }
 
-  /** All that is to be seen, the glow about the points too. */
+  /** The whole content of the view, the glow about the points too. */
   const all = () => [...view.state.points.map(([x, y, z]): Vec3 => [x, y, z + GLOW]), ...corners()];
 
   function hold(changes: Partial<Camera>) {

@@ -15,14 +15,14 @@ import type { State } from "./types.ts";
 /** English and Japanese. */
 export type Texts = [string, string];
 
-/** A scene: its state, its name, and one line of what there is to see. */
+/** A scene: its state, its name, and one line about it. */
 export interface Example {
   name: Texts;
   line: Texts;
   state: State;
 }
 
-/** The state of a scene file, which names method A, and what such a file has no place for: method B, the view. */
+/** The state of a scene file, which names method A, and the values that such a file lacks: method B, the view. */
 function shown(file: object, b: string, more: Partial<State> = {}): State {
   const state = stateOf(file as SceneFile, initial);
   return { ...state, methods: [state.methods[0], b], ...more };

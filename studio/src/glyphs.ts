@@ -3,7 +3,7 @@
 /** Pixels along the side of a character's square. */
 const FINE = 72;
 
-/** Strokes shorter than this, in pixels, are left by the thinning, unless they stand alone. */
+/** Strokes shorter than this, in pixels, are remains of the thinning, unless they stand alone. */
 const SPUR = 6;
 
 /** A stroke's vertices are this many pixels apart. */
@@ -12,7 +12,7 @@ const STEP = 3;
 /** A row of pixels with a clear border on both sides. */
 const ROW = FINE + 2;
 
-/** To the pixels around one, clockwise from above. */
+/** The steps to the pixels around one, clockwise from above. */
 const AROUND = [-ROW, 1 - ROW, 1, 1 + ROW, ROW, ROW - 1, -1, -1 - ROW];
 
 /** Characters that have no glyph in any font. */

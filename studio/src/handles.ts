@@ -12,10 +12,10 @@ const STEPS = [1e-3, 1e-2];
 
 const WAYS: Record<string, number> = { ArrowUp: 1, ArrowRight: 1, ArrowDown: -1, ArrowLeft: -1 };
 
-/** How far a slice goes, in m. */
+/** The range of a slice, in m. */
 const REACH = 0.4;
 
-/** Makes the handles in a view; what puts them where the slices are. */
+/** Makes the handles in a view; returns the function that moves them to the slices. */
 export function createHandles(context: Context, view: HTMLElement, camera: () => Camera, local: (event: MouseEvent) => Spot, seen: (place: Vec3) => Vec3) {
   const { studio, say } = context;
   const state = () => studio.view.state;

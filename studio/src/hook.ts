@@ -69,7 +69,7 @@ export function createHook(engine: Engine, studio: Studio, page: () => Page): Ho
       const next = structuredClone({ ...state, ...("pressures" in partial && { filled: [] }), ...partial, plane });
       const fault = faultOf(next, engine.catalogue);
       if (fault) throw new Error(fault);
-      // As a link has it, so that the link brings it back; but arrays of one's own are in none.
+      // The state as a link has it, so that the link restores it; but no link has arrays of one's own.
       const read = readLink(writeLink({ ...next, array: initial.array }));
       if (typeof read === "string") throw new Error(read);
       studio.change({ ...read, array: next.array });

@@ -2,11 +2,11 @@
 
 import type { State, Vec3 } from "./types.ts";
 
-/** More points than this the page does not take. */
+/** The most points that the page takes. */
 export const MOST_POINTS = 64;
 
 const RING = 0.04;
-/** Of the points above an array, in m. */
+/** The height of the points above an array, in m. */
 export const HEIGHT = 0.18;
 
 function ring(count: number): Vec3[] {

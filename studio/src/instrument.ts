@@ -1,4 +1,4 @@
-/** Instrument: what makes a picture of a slice readable: axes in mm, a bar of one wavelength, a cross-hair with the values under it. */
+/** Instrument: axes in mm, a bar of one wavelength and a cross-hair with its values make the picture of a slice readable. */
 
 import { changes } from "./changes.ts";
 import type { Context } from "./context.ts";
@@ -42,7 +42,7 @@ export function createInstrument(context: Context, picture: HTMLElement, slotAt:
     for (const line of hair) line.hidden = false;
     hair[0].style.bottom = `${100 * at[1]}%`;
     hair[1].style.left = `${100 * at[0]}%`;
-    // The values stand where they cover nothing that is pointed at.
+    // The values stand where they do not cover the pointer's place.
     readout.root.classList.toggle("low", at[1] < 0.5);
     readout.show(slotAt(at[0]), placeOn(state().plane, ...at));
   }

@@ -147,7 +147,7 @@ const READERS: Record<string, (text: string, state: State) => Partial<State>> = 
   h: (text) => ({ level: word("h", text, LEVELS) }),
   w: (text) => ({ view: word("w", text, VIEWS) }),
   d: (text) => ({ quantity: word("d", text, QUANTITIES) }),
-  // Of earlier pages, which had three maps of |p|.
+  // Values of earlier pages, which had three maps of |p|.
   c: (text) => (word("c", text, ["viridis", "cividis", "magma"]), {}),
   k: (text) => ({ scale: word("k", text, SCALES) }),
   s: (text) => ({ slot: word("s", text, SLOTS) === "a" ? 0 : 1 }),
@@ -172,7 +172,7 @@ function read(fragment: string): State {
   return state;
 }
 
-/** The state that a fragment (with or without #) tells of, or one line that says what is wrong with it. */
+/** The state of a fragment (with or without #), or one line about its fault. */
 export function readLink(fragment: string): State | string {
   try {
     return read(decodeURIComponent(fragment));

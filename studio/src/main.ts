@@ -27,7 +27,7 @@ const language: Language = navigator.language.startsWith("ja") ? "ja" : "en";
 const warm = () =>
   JSON.stringify(sceneOf({ ...initial, array: { preset: "paper20", tiles: [1, 1] }, points: [[0, 0, 0.15]] }, 0));
 
-/** The state of the address, or what is wrong with it. */
+/** The state of the address, or its fault. */
 function linked({ catalogue }: Engine): State | string {
   const read = readLink(location.hash);
   return typeof read === "string" ? read : faultOf(read, catalogue) || read;

@@ -1,4 +1,4 @@
-/** Motion: the path that points are carried along, and what plays it. */
+/** Motion: the path of the points, and its player. */
 
 import type { Context } from "./context.ts";
 import { choice, element, labelled, write } from "./dom.ts";

@@ -1,6 +1,6 @@
-/** Numbering: where the numbers of rings stand, so that they cover no ring and not one another. */
+/** Numbering: the places of the rings' numbers, so that they cover neither a ring nor one another. */
 
-/** From a ring to its number, right and down; the first way that is free is taken. */
+/** The shift from a ring to its number, right and down; the first free one is taken. */
 const WAYS = [[0.7, -0.7], [0.7, 0.7], [-0.7, -0.7], [-0.7, 0.7], [1, 0], [-1, 0], [0, -1], [0, 1]];
 
 /** A number's box is so high for its width. */

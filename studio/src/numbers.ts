@@ -7,7 +7,7 @@ import type { Word } from "./words.ts";
 /** The metrics of a row. */
 export type Metric = "accuracy" | "sigma" | "uniformity" | "level" | "leak" | "bound" | "weakest" | "loudest" | "changes" | "heard" | "time";
 
-/** A row: its word, a text a slot or one for both, and whose is better. */
+/** A row: its word, a text a slot or one for both, and the slot with the better value. */
 export interface Row {
   word: Metric;
   values: [string, string] | [string];
@@ -55,7 +55,7 @@ export function numberRows({ results, bound, state, frame }: View): Row[] {
     metric("sigma", -1),
     metric("uniformity", 1),
     metric("level", 1),
-    // Of the points at rest.
+    // Metrics of the points at rest.
     ...(frame ? [] : [{ word: "bound" as const, values: [limit] as [string], better: null }]),
     row("weakest", weakest, pressure, 1),
   ];
@@ -66,7 +66,7 @@ export function numberRows({ results, bound, state, frame }: View): Row[] {
   return rows;
 }
 
-/** The sentence on what A does: its word, and what is put in; null where nothing can be said. */
+/** The sentence about A's result: its word and the values in it; null where there is no result. */
 export function sentenceOf(view: View): { word: Word; put: Record<string, string | number> } | null {
   const { frame, state } = view;
   const [a] = shownOf(view);

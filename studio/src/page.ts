@@ -34,7 +34,7 @@ export interface Page {
   dispose(): void;
 }
 
-/** How the page is to be. */
+/** The settings of the page. */
 export interface Manner {
   language: Language;
   theme: "dark" | "light";
@@ -65,7 +65,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   const calm = matchMedia("(prefers-reduced-motion: reduce)");
   let turn = 0;
   let frame = 0;
-  /** Whether more than the wave is another than in the picture before. */
+  /** Whether more than the wave differs from the picture before. */
   let fresh = true;
   let gone = false;
   const endings: (() => void)[] = [];
@@ -120,7 +120,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     language: () => manner.again({ language: language === "en" ? "ja" : "en" }),
     theme: () => manner.again({ theme: theme === "dark" ? "light" : "dark" }),
     picture(ending) {
-      // As fine as the PNG is.
+      // As fine as the PNG.
       const ratio = paint(2);
       const drawn = sheet(context, look(), root, canvas, within(ratio));
       context.repaint();
@@ -162,7 +162,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     return made;
   }
 
-  /** Whether a wave runs; where less motion is wanted it stands. */
+  /** Whether a wave runs; it stands still if the user prefers less motion. */
   const runs = () => !gone && !painter.lost && painter.runs && studio.view.state.quantity === "wave" && !calm.matches;
   const look = () => lookOf(studio.view, theme, turn);
 

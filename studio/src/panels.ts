@@ -16,7 +16,7 @@ import type { Word } from "./words.ts";
 /** The groups. */
 export interface Panels {
   root: HTMLElement;
-  /** Where the slice stands that has no stage of its own. */
+  /** The place of the slice that has no stage of its own. */
   dock: HTMLElement;
   place(): void;
 }

@@ -2,7 +2,7 @@
 
 import type { Path, Vec3 } from "./types.ts";
 
-/** How far the points are from their places at a time, in m and s. */
+/** The shift of the points from their places at a time, in m and s. */
 function offset(path: Path, time: number): Vec3 {
   const angle = 2 * Math.PI * path.frequency * time;
   if (path.kind === "line") return [(path.length / 2) * Math.cos(angle), 0, 0];

@@ -12,7 +12,7 @@ const WHITE = 1000;
 /** Pixels along a side that are looked at. */
 const FINE = 1024;
 
-/** Mean brightness, 0 to 1, of cells, rows from the top; what is transparent is black. */
+/** Mean brightness, 0 to 1, of cells, rows from the top; transparent pixels are black. */
 function brightness(bitmap: ImageBitmap): (columns: number, rows: number) => number[] {
   const scale = Math.min(1, FINE / Math.max(bitmap.width, bitmap.height));
   const [width, height] = [bitmap.width, bitmap.height].map((side) => Math.max(1, Math.round(side * scale)));

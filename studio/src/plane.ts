@@ -4,7 +4,7 @@ import { AXES, type Axis, type State, type Vec3 } from "./types.ts";
 
 type Plane = State["plane"];
 
-/** By number: the axes that lead right and up along a slice, and that which it is normal to. */
+/** The axes by number: those that lead right and up along a slice, and its normal. */
 export const SIDES: Record<Axis, [number, number, number]> = { x: [1, 2, 0], y: [0, 2, 1], z: [0, 1, 2] };
 
 /** Its middle, m. */

@@ -20,13 +20,13 @@ const RATE = 1000;
 const FEWEST = 20;
 const MOST = 1000;
 
-/** Frames that a picture goes on by: a turn takes some seconds. */
+/** Frames from one picture to the next: a turn takes some seconds. */
 const STRIDE = 4;
 
 /** Places along a side of a slice that moves. */
 const COARSE = 80;
 
-/** B stands at rest where a frame of it takes longer, in ms. */
+/** B is shown at rest if a frame of it takes longer, in ms. */
 const PATIENCE = 300;
 
 /** Phases that change by less than this, in rad, do not. */
@@ -35,7 +35,7 @@ const STILL = 1e-6;
 /** Frames of a turn. */
 const countOf = (path: Path) => Math.max(FEWEST, Math.min(MOST, Math.round(RATE / path.frequency)));
 
-/** A followed path: for which state, all frames' points (T, M, 3), and what there is to say of each. */
+/** A followed path, its state: for which state, all frames' points (T, M, 3), and what there is to say of each. */
 interface Followed {
   requested: string;
   state: State;
@@ -51,7 +51,7 @@ export interface Player {
   /** The summary of all frames: in words, and as curves. */
   found: HTMLElement;
   playing(): boolean;
-  /** Begins, or ends and shows what is at rest. */
+  /** Begins, or ends and shows the scene at rest. */
   toggle(): void;
   place(): void;
 }
@@ -199,7 +199,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
   function place() {
     const now = state();
     const known = followed?.requested === requested() ? followed : null;
-    // Of another state nothing plays.
+    // A path of another state does not play.
     if (mode !== "rest" && begun !== requested()) [mode, run_] = ["rest", run_ + 1];
     root.hidden = now.path === null;
     found.hidden = !known;

@@ -2,7 +2,7 @@
 
 import type { State, Vec3 } from "./types.ts";
 
-/** To 1 um and within 10 m, as links have it. */
+/** The state rounded to 1 um and limited to 10 m, as links have it. */
 const rounded = (point: Vec3) => point.map((x) => Math.round(Math.min(Math.max(x, -10), 10) * 1e6) / 1e6) as Vec3;
 
 /** The state with a point elsewhere. */
@@ -10,12 +10,12 @@ export function moved(state: State, index: number, to: Vec3): Partial<State> {
   return { points: state.points.map((point, k) => (k === index ? rounded(to) : point)) };
 }
 
-/** With some points shifted from where they were. */
+/** The state with some points shifted. */
 export function shifted(state: State, which: number[], from: Vec3[], way: Vec3): Partial<State> {
   return { points: state.points.map((point, k) => (which.includes(k) ? rounded(from[k].map((x, axis) => x + way[axis]) as Vec3) : point)) };
 }
 
-/** With a point more; it asks for what the last one does. */
+/** The state with another point, which has the target of the last one. */
 export function added(state: State, place: Vec3): Partial<State> {
   const { points, pressures, filled } = state;
   return {
@@ -24,7 +24,7 @@ export function added(state: State, place: Vec3): Partial<State> {
   };
 }
 
-/** With some less; the last one stays. */
+/** The state with some points removed; the last one stays. */
 export function removed(state: State, ...which: number[]): Partial<State> {
   const left = state.points.map((_, k) => k).filter((k) => !which.includes(k));
   if (!left.length) return {};

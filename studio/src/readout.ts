@@ -1,4 +1,4 @@
-/** Readout: what the field is at a place that is pointed at: |p|, level, phase and radiation pressure, computed for it. */
+/** Readout: |p|, level, phase and radiation pressure at the pointer's place, computed for it. */
 
 import { type Context, millimetres } from "./context.ts";
 import { element } from "./dom.ts";

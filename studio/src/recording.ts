@@ -18,7 +18,7 @@ export type Film = (typeof FILMS)[number];
 const LAST = 100;
 const EACH = 50;
 
-/** A GIF, which is large for what it shows, is no wider, in px. */
+/** The width limit of a GIF, whose files are large, in px. */
 const WIDEST = 720;
 
 const KINDS = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"];
@@ -65,7 +65,7 @@ function gif(sheet: HTMLCanvasElement): Recorder {
   };
 }
 
-/** Films what `act` shoots of a canvas, as fast as it does, and saves it; the size is that of the first picture. */
+/** Films the pictures that `act` takes of a canvas, as fast as it does, and saves the film; its size is that of the first picture. */
 export async function record(film: Film, source: () => Part, act: (shoot: () => void) => Promise<void>): Promise<void> {
   const sheet = document.createElement("canvas");
   const { box } = source();

@@ -4,7 +4,7 @@ import { type Language, type Word, say } from "./words.ts";
 
 /** The most common messages in Japanese; other lines stay as they are. */
 const JAPANESE: [RegExp, string][] = [
-  // Of the core, on a scene.
+  // Messages of the core about a scene.
   [/point (\d+) is reached by no.*/, "点 $1 に音が届きません: アレイの前に移すか、0 Pa にしてください"],
   [/point (\d+) is .* from transducer .*/, "点 $1 が振動子に近すぎます: 離してください"],
   [/point (\d+)\.position is .*where no sound is.*/, "点 $1 は障害物の中か裏です: 動かしてください"],
@@ -21,7 +21,7 @@ const JAPANESE: [RegExp, string][] = [
   [/obstacles\[\d+\] is .*crosses the array.*/, "障害物がアレイに重なっています: 動かしてください"],
   [/obstacles\[\d+\] is a sphere among others.*/, "球はほかの障害物と一緒に使えません: 障害物を一つにしてください"],
   [/obstacles\[\d+\]\.radius is .*at most (\S+ m),.*/, "球が大きすぎます: 半径は $1 以下にしてください"],
-  // Of the page, on files and texts.
+  // Messages of the page about files and texts.
   [/give \.toml, .*/, "開けるファイルは .toml、.json、.csv、.svg、.png、.jpg です"],
   [/points is (\d+): the page has at most (\d+)/, "点が $1 個あります: このページで扱えるのは $2 個までです"],
   [/(\S+) is (.*): the page has .*/, "$1 ($2) はこのページでは扱えません: Python パッケージをお使いください"],
@@ -36,7 +36,7 @@ const JAPANESE: [RegExp, string][] = [
   [/the text has "(.*?)".*/, "「$1」は描けません: ほかの文字にしてください"],
   [/the text is empty: .*/, "文字がありません: 1 文字以上入力してください"],
   [/the link has a broken "%": .*/, "リンクが壊れています: もう一度コピーしてください"],
-  // Of the page, on browsers and boards.
+  // Messages of the page about browsers and boards.
   [/this browser records no WebM: .*/, "このブラウザでは WebM に記録できません: GIF を選ぶか、Chrome、Edge、Firefox をご利用ください"],
   [/this browser cannot run midair .*/, "このブラウザでは midair を使えません: SIMD に対応した WebAssembly が必要です"],
   [/the port of (\S+) cannot be opened \((.*)\): .*/, "$1 のポートを開けません ($2): ボードをつなぎ、ポートを使っているほかのプログラムを終了してください"],
@@ -53,7 +53,7 @@ function translated(language: Language, line: string): string {
   return JAPANESE.reduce((text, [pattern, japanese]) => text.replace(pattern, japanese), line);
 }
 
-/** A word of the page, with what is put in; a line of the core or of the page is in the language, too. */
+/** A text of the page with its values; a line of the core or of the page is in the language, too. */
 export function report(language: Language, word: Word, put: Record<string, string | number> = {}): string {
   return say(language, word, "line" in put ? { ...put, line: translated(language, `${put.line}`) } : put);
 }

@@ -4,7 +4,7 @@ import { MOST_POINTS } from "./initial.ts";
 import { middleOf, SIDES, through } from "./plane.ts";
 import type { ArrayChoice, Axis, Obstacle, Slot, State, Vec3 } from "./types.ts";
 
-/** A JSON scene; what the door writes of any scene file is one. */
+/** A JSON scene; the binding writes any scene file as one. */
 export interface SceneFile {
   medium?: Record<string, number>;
   array: {
@@ -81,7 +81,7 @@ function refuse(item: string, value: unknown, cure: string): never {
   throw new Error(`${item} is ${JSON.stringify(value)?.slice(0, 40)}: ${cure}`);
 }
 
-/** Refuses what a state has no place for and what would change the answer. */
+/** Rejects values that a state cannot store and that would change the answer. */
 function check(scene: SceneFile): void {
   const { medium = {}, array, points, obstacles = [], signature, plane = {} } = scene;
   const only = (item: string, value: unknown, one: unknown) => {
@@ -131,7 +131,7 @@ function readArray(array: SceneFile["array"]): ArrayChoice {
   return { name: `${nx} x ${ny}`, positions: places, normals: places.map(() => [0, 0, 1]) };
 }
 
-/** Of the air whose sound speed is `speed` m/s, in degrees C, to 0.001. */
+/** The temperature of the air whose sound speed is `speed` m/s, in degrees C, to 0.001. */
 function temperatureOf(speed: number): number {
   return Math.round(1e3 * ZERO_CELSIUS * ((speed / SPEED) ** 2 - 1)) / 1e3;
 }

@@ -1,4 +1,4 @@
-/** Sentence: what the page does, in plain words around one large number. */
+/** Sentence: the page's result in plain words around one large number. */
 
 import { changes } from "./changes.ts";
 import type { Context } from "./context.ts";

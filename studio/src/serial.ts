@@ -31,9 +31,9 @@ export interface Player {
 
 /** An Arduino that restarts listens to its boot loader for so long, in ms. */
 const RESTART = 2000;
-/** A port that takes nothing for so long behind what its line carries is stalled, in ms. */
+/** A port that takes no byte for this long behind the bytes in its line is stalled, in ms. */
 const STALLED = 1000;
-/** Of long frames less than one is in the line when the next one comes: so much of its time, in ms. */
+/** Of long frames less than one is in the line when the next one comes: this part of its time, in ms. */
 const MOST_AHEAD = 25;
 const BITS = 10;
 
@@ -99,7 +99,7 @@ export async function connect(
     report(state, line);
   }
 
-  /** Gives bytes to the line behind what it was given already. */
+  /** Gives bytes to the line behind the earlier ones. */
   async function give(bytes: Uint8Array): Promise<void> {
     carries = bytes.length * byte;
     free = Math.max(free, performance.now()) + carries;
@@ -107,7 +107,7 @@ export async function connect(
     await within(patience, writer.write(bytes)).catch((error) => lose(reason(error)));
   }
 
-  /** Ends with a port that failed: what it has not carried is dropped, and silence tried once more. */
+  /** Ends with a port that failed: drops the bytes that it has not sent, and tries silence once more. */
   async function lose(why: string): Promise<void> {
     if (state === "gone") return;
     state = "gone";

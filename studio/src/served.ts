@@ -1,4 +1,4 @@
-/** Served: a board of `midair studio --on`: Python on this machine plays what the page gives it. */
+/** Served: a board of `midair studio --on`: Python on this machine plays the page's drives. */
 
 import type { Player, PlayerState } from "./serial.ts";
 import type { ArrayChoice } from "./types.ts";
@@ -12,7 +12,7 @@ export interface ServedBoard {
 /** A drive is given again so often, in ms: of a page that is silent for a second the server turns the board off. */
 const AGAIN = 250;
 
-/** Whether the drives of an array are for a board. */
+/** Whether the drives of an array fit a board. */
 export function fits({ array: own }: ServedBoard, array: ArrayChoice): boolean {
   if ("preset" in own) return "preset" in array && array.preset === own.preset && array.tiles.join() === (own.tiles ?? [1, 1]).join();
   return "positions" in array && JSON.stringify(array.positions) === JSON.stringify(own.positions);
@@ -31,7 +31,7 @@ export function createServed(name: string, report: (state: PlayerState, line: st
     report(state, line);
   }
 
-  /** Gives the server a drive, or silence; the time lets it ignore what was overtaken. Returns the server's refusal. */
+  /** Gives the server a drive, or silence; the time lets it ignore overtaken ones. Returns the server's refusal. */
   async function give(content: Float32Array): Promise<string> {
     const at = (performance.timeOrigin + performance.now()).toFixed(3);
     const body = new Float32Array(content);

@@ -8,7 +8,7 @@ import { traced } from "./glyphs.ts";
 import { letters } from "./lettering.ts";
 import { placeOn } from "./plane.ts";
 
-/** Sizes of what is drawn, in m. */
+/** Sizes of drawn points, in m. */
 const SIZE = 0.06;
 
 const SHAPES = ["circle", "line", "square", "heart", "text"] as const;

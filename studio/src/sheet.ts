@@ -38,7 +38,7 @@ function canvasOf(width: number, height: number): [HTMLCanvasElement, CanvasRend
   return [canvas, canvas.getContext("2d")!];
 }
 
-/** The sheet of what is shown; `painted` is the page's canvas just painted, `box` the 3-D view in it (px of the canvas). */
+/** The sheet of the current view; `painted` is the page's canvas just painted, `box` the 3-D view in it (px of the canvas). */
 export function sheet({ studio, say, engine }: Context, look: Look, root: HTMLElement, painted: HTMLCanvasElement, box: DOMRect): string {
   const { view } = studio;
   const { state } = view;

@@ -6,7 +6,7 @@ import type { Lattice, Vec3, Volume } from "./types.ts";
 /** A lattice that is still to be filled. */
 export type Grid = Omit<Lattice, "values">;
 
-/** A drive, and what supply or modulation multiply it by. */
+/** A drive, and the factor that supply or modulation must apply. */
 export type Played = Pick<Answer, "drive" | "scale">;
 
 /** The result of a slot: its answer, its slices and |p| at the ear in Pa; or a refusal. */
@@ -22,7 +22,7 @@ const PATIENCE = 1000;
 /** The scene that is shown, and another for questions beside. */
 let door: Door;
 let beside: Door;
-/** The frames of what moves: a scene that is opened elsewhere does not end them. */
+/** The frames of a path: opening a scene elsewhere does not end them. */
 let mover: Door;
 /** The scenes that the first two have open. */
 let text = "";
@@ -87,7 +87,7 @@ const jobs = {
       return { refused: (error as Error).message };
     }
   },
-  /** How long solving a scene takes in ms: the median of five once it is warm, fewer of what takes seconds. */
+  /** The time of a solve in ms: the median of five once it is warm, of fewer if it takes seconds. */
   time(scene: string): number {
     openBeside(scene);
     beside.solve();

@@ -39,7 +39,7 @@ const KEYS: Record<string, Vec3> = {
   PageDown: [0, 0, -1],
 };
 
-/** More rings than these would hide the field: they are smaller then. */
+/** More rings than these would hide the field: then they are smaller. */
 export const MANY = 16;
 
 /** Dragged points: the one under the pointer and all of them, their start and the pointer's, and whether they leave the slice. */
@@ -50,7 +50,7 @@ interface Grip {
   at: Spot;
   from: Spot;
   lifts: boolean;
-  /** Whether the pointer has gone anywhere. */
+  /** Whether the pointer has moved. */
   gone: boolean;
 }
 

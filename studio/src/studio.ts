@@ -9,7 +9,7 @@ import { planesOf } from "./plane.ts";
 import type { Grid, Outcome } from "./solve.worker.ts";
 import type { Lattice, Slot, State, Volume } from "./types.ts";
 
-/** A slot's answer, or why there is none. */
+/** A slot's answer, or the reason why it has none. */
 export interface Result {
   answer: Answer | null;
   lattice: Lattice | null;
@@ -17,7 +17,7 @@ export interface Result {
   crossing: Lattice[];
   /** |p| at the ear in Pa. */
   atEar: number;
-  /** How long solving takes in ms, NaN until it was timed at rest. */
+  /** The time of a solve in ms, NaN until it was measured at rest. */
   milliseconds: number;
   refused: string;
   warnings: string[];
@@ -29,7 +29,7 @@ export interface Shown {
   results: [Result | null, Result | null];
   /** The name that a slot shows in place of its method; "": the method's name. */
   names: [string, string];
-  /** The largest change of a phase from the frame before, rad, of what moves. */
+  /** The largest change of a phase of a path from the frame before, rad. */
   change?: number;
 }
 
@@ -50,7 +50,7 @@ export interface View {
   moving: boolean;
 }
 
-/** The state, changed step by step, and what it leads to. */
+/** The state, changed step by step, and its results. */
 export interface Studio {
   readonly view: View;
   /** Changes the state; changes of one gesture are one step of undo. */
@@ -66,7 +66,7 @@ export interface Studio {
   show(frame: View["frame"]): void;
   /** The scene file of a slot, as JSON text. */
   scene(slot: Slot): string;
-  /** Calls at each change; answers what ends that. */
+  /** Calls at each change; returns the function that ends it. */
   listen(listener: () => void): () => void;
   stop(): void;
 }
@@ -89,7 +89,7 @@ const nothing = (): Result => ({
   warnings: [],
 });
 
-/** A slot's result from what its worker found. */
+/** A slot's result from its worker's. */
 export function resultOf(outcome: Outcome): Result {
   if ("refused" in outcome) return { ...nothing(), refused: outcome.refused };
   const { answer, lattices: [lattice, ...crossing], atEar } = outcome;
@@ -180,7 +180,7 @@ export function createStudio(engine: Engine, initial: State): Studio {
 
   function take(slot: Slot, outcome: Outcome) {
     const result = resultOf(outcome);
-    // Of another slice or ear the same solve takes as long as before.
+    // With another slice or ear the same solve takes as long as before.
     if (result.answer && timed[slot] === text(slot)) result.milliseconds = view.results[slot].milliseconds;
     view.results[slot] = result;
   }

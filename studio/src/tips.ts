@@ -1,8 +1,8 @@
-/** Tips: one line on what a number means, beside what is pointed at or has the keyboard's focus. */
+/** Tips: one line about a number, beside the pointer or the keyboard's focus. */
 
 import { element } from "./dom.ts";
 
-/** Between a tip and what it explains, and the window's edge, in px. */
+/** The distance between a tip, its number, and the window's edge, in px. */
 const GAP = 6;
 
 /** The tip of a page: the one element that explains whatever has `data-tip` in `root`, until `signal`. */
@@ -17,7 +17,7 @@ export function createTips(root: HTMLElement, signal: AbortSignal): HTMLElement 
     place = described = null;
   }
 
-  /** Puts the tip below what it explains, or above it where there is no room. */
+  /** Puts the tip below its number, or above it where there is no room. */
   function put() {
     if (!place) return;
     const [box, own] = [place.getBoundingClientRect(), tip.getBoundingClientRect()];
@@ -26,7 +26,7 @@ export function createTips(root: HTMLElement, signal: AbortSignal): HTMLElement 
     tip.style.top = `${below ? box.bottom + GAP : box.top - GAP - own.height}px`;
   }
 
-  /** Explains what stands around `target`, if something does. */
+  /** Explains the number around `target`, if there is one. */
   function show(target: Element) {
     if (tip.contains(target)) return;
     hide();

@@ -1,4 +1,4 @@
-/** Types that the studio's files share: what a scene asks for, a piece of a field, and how it is to look. */
+/** Types that the studio's files share: a scene's settings, a piece of a field, and its look. */
 
 /** Metres, unless said otherwise. */
 export type Vec3 = [number, number, number];
@@ -21,7 +21,7 @@ export const AXES = ["x", "y", "z"] as const;
 /** The slice, three that cross in its middle, the volume, or slice and volume. */
 export const VIEWS = ["slice", "planes", "volume", "both"] as const;
 export const QUANTITIES = ["modulus", "wave", "phase"] as const;
-/** How much of the page is shown: the field alone, two methods beside one another, or everything. */
+/** The levels of the page: the field alone, two methods beside one another, or everything. */
 export const LEVELS = ["play", "compare", "engineer"] as const;
 export type Level = (typeof LEVELS)[number];
 export type ScaleName = (typeof SCALES)[number];
@@ -38,7 +38,7 @@ export interface State {
   array: ArrayChoice;
   /** The board's own phases and amplitudes, or any drive. */
   quantization: "board" | "none";
-  /** Of the air, in degrees C. */
+  /** The temperature of the air, in degrees C. */
   temperature: number;
   /** Absorption of the air in Np/m; null: that of air of this temperature. */
   absorption: number | null;
@@ -53,7 +53,7 @@ export interface State {
   /** Foci turned into traps, or "". */
   signature: "" | "trap" | "twin" | "vortex";
   obstacles: Obstacle[];
-  /** Where somebody listens. */
+  /** The place of an ear. */
   ear: Vec3 | null;
   /** The slice: the axis that it is normal to, height and x, y of its middle, the length of its sides. */
   plane: { axis: Axis; z: number; size: number; center: [number, number] };
@@ -92,7 +92,7 @@ export interface Volume {
   moduli: Float32Array;
 }
 
-/** How p becomes a colour: by its quantity and the theme, |p| by a scale, too. */
+/** The colour of p: by its quantity and the theme, |p| also by a scale. */
 export interface Look {
   quantity: Quantity;
   scale: ScaleName;

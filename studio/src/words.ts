@@ -5,13 +5,13 @@ import words from "./words.json";
 /** A language of the page. */
 export type Language = "en" | "ja";
 
-/** Every word, [English, Japanese]; {name} stands for what is put in. */
+/** Every text, [English, Japanese]; {name} stands for a value. */
 export const WORDS = words;
 
-/** A word's name. */
+/** A text's name. */
 export type Word = keyof typeof WORDS;
 
-/** A word in a language, with what is put in. */
+/** A text in a language, with its values. */
 export function say(language: Language, word: Word, put: Record<string, string | number> = {}): string {
   const text: string = WORDS[word][language === "ja" ? 1 : 0];
   return text.replace(/\{(\w+)\}/g, (_, name: string) => String(put[name]));

@@ -1,4 +1,4 @@
-// Colours that everybody can tell apart: the phase map for the three kinds of colour blindness, by CIE L*a*b*.
+// Colours for every eye: the phase map for the three kinds of colour blindness, by CIE L*a*b*.
 import { expect, test } from "vitest";
 
 import { entry } from "../src/painter/maps.ts";

@@ -8,7 +8,7 @@ const SILENCE = Uint8Array.of(0, 0);
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => void vi.useRealTimers());
 
-/** A port that keeps what it is given; `fault` makes writes fail, hang or take this many ms. */
+/** A port that keeps its bytes; `fault` makes writes fail, hang or take this many ms. */
 function fakePort() {
   const port = {
     given: [] as number[][],

@@ -215,7 +215,7 @@ impl Board {
         (self.format.size)(self.boards)
     }
 
-    /// How bytes reach it.
+    /// The link over which its bytes go.
     #[must_use]
     pub fn link(&self) -> Link {
         self.format.link
@@ -253,7 +253,7 @@ impl Board {
         }
     }
 
-    /// Frames a second that it can be given and goes on to emit as at rest, at most [`Board::rate`].
+    /// The most frames a second that it takes and still emits as at rest, at most [`Board::rate`].
     #[must_use]
     pub fn steady_rate(&self) -> f64 {
         self.rate().min(self.format.steady / self.boards as f64)
@@ -347,7 +347,7 @@ impl Board {
     /// One drive of each channel driven, of drives (N,), checked.
     fn drives<'a>(&self, drive: &'a [Complex32]) -> Result<Cow<'a, [Complex32]>, Error> {
         one_each("drive", drive.len(), "of them", self.len(), "transducers")?;
-        // In f32 first, where that is sure.
+        // First in f32, where the result is certain.
         let fits = |q: &Complex32| q.norm_sqr() <= 1.0 || (q.is_finite() && math::modulus(*q) <= 1.0 + SLACK);
         if let Some(i) = drive.iter().position(|q| !fits(q)) {
             let value = format!("{} + {}j", drive[i].re, drive[i].im);

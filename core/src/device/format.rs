@@ -50,7 +50,8 @@ impl Format {
         transducer - transducer % self.channels + (self.order)(transducer % self.channels)
     }
 
-    /// What transducers at some channels radiate for a drive of 1, where that is not 1 of all: what is left of their delays.
+    /// The response of transducers at some channels for a drive of 1, if it is not 1 for all: the rest of their
+    /// delays.
     pub(crate) fn response(&self, channels: impl Iterator<Item = usize>) -> Option<Vec<Complex64>> {
         let response: Vec<_> = channels.map(|channel| math::phasor(TAU * (self.late)(channel).1)).collect();
         response.iter().any(|&c| c != Complex64::ONE).then_some(response)
@@ -59,7 +60,7 @@ impl Format {
 
 /// Where the transducers of a kind of board are until the caller gives an array.
 pub(crate) enum Layout {
-    /// As in the preset of that name.
+    /// The preset of that name has the same.
     Preset(&'static str),
     /// On a grid of columns, rows and a pitch in m: its owners wire it as they like.
     Grid(usize, usize, f64),
@@ -119,7 +120,7 @@ impl<'a> Reader<'a> {
         Ok(byte)
     }
 
-    /// The next byte, which `fits`; where it does not, `what` should have been there.
+    /// The next byte, which must satisfy `fits`; otherwise the error says that `what` was expected.
     pub(crate) fn byte(&mut self, fits: impl FnOnce(u8) -> bool, what: &str) -> Result<u8, Error> {
         let byte = self.get()?;
         if fits(byte) { Ok(byte) } else { Err(self.fault(byte, what)) }

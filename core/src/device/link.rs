@@ -1,6 +1,6 @@
 //! Link: the line to a kind of board, and the board's own behaviour.
 
-/// How bytes reach a kind of board.
+/// The link over which bytes reach a kind of board.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Link {

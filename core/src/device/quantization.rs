@@ -24,7 +24,7 @@ const MOST_AMPLITUDES: usize = 1 << 16;
 /// Above this modulus a drive is at full power but for its rounding to f32.
 const FULL: f64 = 1.0 - 1e-6;
 
-/// What is above a target by less is not too loud: half of what `level` = "target" allows.
+/// A level above the target by less than this is not too loud: half of the margin that `level` = "target" allows.
 const SLACK: f64 = 5e-5;
 
 /// The part of a pressure that an amplitude of the table has to keep to be taken for it.
@@ -33,7 +33,7 @@ const KEPT: f64 = 0.9;
 /// The part of a pressure that may be lost to the amplitudes of a table.
 const LOST: f64 = 2e-3;
 
-/// What comes out of rounding the number of steps in a change where it is a whole number.
+/// The error that rounding leaves in a number of steps that should be whole.
 const STEP_ROUNDING: f64 = 1e-9;
 
 /// The whole steps of `phases` phases that are within a change in rad.
@@ -102,7 +102,7 @@ impl Quantization {
         Ok(Self { pulses, ..Self::new(Some(count as u32), Some(amplitudes))? })
     }
 
-    /// The same, where what else is stated of its phases and amplitudes is what its pulses have.
+    /// The pulses, if all other given phases and amplitudes are those of the pulses.
     ///
     /// # Errors
     /// Others.
@@ -137,19 +137,19 @@ impl Quantization {
         self.pulses().filter(|_| self.ticks().is_some_and(|ticks| ticks.iter().any(|&tick| tick != ticks[0])))
     }
 
-    /// Number of phases L, `None` where any phase can be had.
+    /// Number of phases L, `None` if the phase is continuous.
     #[must_use]
     pub fn phases(&self) -> Option<u32> {
         self.grid.phases.as_ref().map(|phases| phases.count() as u32)
     }
 
-    /// The amplitudes, ascending, the last 1; `None` where any amplitude can be had.
+    /// The amplitudes, ascending, the last 1; `None` if the amplitude is continuous.
     #[must_use]
     pub fn amplitudes(&self) -> Option<&[f64]> {
         self.amplitudes.as_deref()
     }
 
-    /// The amplitudes above 0, empty where any amplitude can be had.
+    /// The amplitudes above 0, empty if the amplitude is continuous.
     pub(crate) fn on(&self) -> &[f64] {
         let table = self.amplitudes().unwrap_or_default();
         &table[usize::from(table.first() == Some(&0.0))..]

@@ -43,7 +43,7 @@ pub fn write_drive(positions: Option<&[[f64; 3]]>, drive: &[Complex32]) -> Strin
     text
 }
 
-/// Reads a drive (N,); `name` is what errors call the file.
+/// Reads a drive (N,); errors call the file `name`.
 ///
 /// # Errors
 /// Those of [`crate::files::read_table`]; an index that is not that of its row; an amplitude that is not 0 to 1.

@@ -74,7 +74,7 @@ fn in_document(text: &str, format: Format, item: &str) -> Option<String> {
     let tables = ["", "array.", "solver.", "medium.", "plane."];
     let paths = tables.map(|table| format!("{table}{item}"));
     let written = paths.iter().find(|path| place::whole(text, format, path).is_some());
-    // What is left out stands nowhere, but its table may.
+    // A missing key has no place of its own; its table has one.
     let known = || paths.iter().find(|path| schema::example(path, format).is_some());
     written.or_else(known).cloned()
 }

@@ -51,7 +51,7 @@ impl<'a> Item<'a> {
         self.node.real().ok_or_else(|| self.refused("give a number"))
     }
 
-    /// A whole number; what is too large is refused as any other value out of range.
+    /// A whole number; a too large one is rejected like any other value out of range.
     pub(super) fn integer(&self) -> Result<i64, Fault> {
         match *self.node {
             Node::Integer(value) => Ok(value),
@@ -60,7 +60,7 @@ impl<'a> Item<'a> {
         }
     }
 
-    /// A count; what is 0 or less is named before anything is made of it.
+    /// A count; a number of 0 or less is rejected before anything is built from it.
     pub(super) fn count(&self) -> Result<usize, Fault> {
         usize::try_from(self.integer()?).map_err(|_| self.refused("give at least 1"))
     }

@@ -41,7 +41,7 @@ pub(super) fn read(text: &str) -> Result<Node, Flaw> {
     })
 }
 
-/// How deep some steps lead into a text that was read.
+/// The depth to which some steps lead into a text that was read.
 pub(super) fn find(text: &str, steps: &[Step<'_>]) -> Place {
     let start = text.len() - text.trim_start().len();
     let (mut place, mut rest) = (Place { value: start, key: start, steps: 0 }, text);
@@ -96,7 +96,7 @@ impl<'de> Deserialize<'de> for Node {
     }
 }
 
-/// Builds a tree of what the parser reads.
+/// Builds a tree from the parser's events.
 struct Tree;
 
 impl<'de> Visitor<'de> for Tree {

@@ -164,7 +164,7 @@ pub fn references(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Ve
     Ok(named.collect())
 }
 
-/// The text of a document and what it says.
+/// The text of a document and its tables.
 fn parse<'a>(bytes: &'a [u8], format: Format, source: Source<'_>) -> Result<(&'a str, Node), Error> {
     let fault = |reason: &str| source.fault(None, reason);
     if bytes.len() > MOST_BYTES {

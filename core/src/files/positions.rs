@@ -50,7 +50,7 @@ pub(super) fn read(name: &str, source: Source<'_>) -> Result<Positions, Error> {
     positions(&bytes, &path.display().to_string())
 }
 
-/// Reads an array from a file's text; `name` is what errors call the file.
+/// Reads an array from a file's text; errors call the file `name`.
 ///
 /// # Errors
 /// Those of [`crate::files::read_table`] and of [`Array::new`].

@@ -86,7 +86,7 @@ fn request(points: &[Point], owners: &[(usize, String)]) -> Result<Request, Faul
         let cure = format!("{given} of {} points have one: give every point a pressure, or none", points.len());
         return Err(Error::invalid(format!("{item}.pressure"), "left out", cure).into());
     }
-    // Given at any point, the others' is the default.
+    // If it is given at any point, the others have the default.
     let list = |key: usize, default: f64| {
         let any = points.iter().any(|(_, numbers)| numbers[key].is_some());
         any.then(|| points.iter().map(|(_, numbers)| numbers[key].unwrap_or(default)).collect())

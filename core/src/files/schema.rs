@@ -237,7 +237,7 @@ const TABLES: &[Table] = &[
     ),
 ];
 
-/// Names that keys had before, or that hands write for them.
+/// Earlier names of keys, and usual misspellings.
 const FORMER: &[(&str, &str, &str)] = &[
     ("array", "levels", "quantization"),
     ("solver", "level", "aim"),

@@ -18,7 +18,7 @@ const KINDS: [Kind; 5] = [
     ("svg", &["file", "size", "z"], &[]),
 ];
 
-/// Points and what is requested of them.
+/// Points and their targets.
 type Made = (Vec<[f64; 3]>, Request);
 
 /// The points of a shape; none of text and drawings.

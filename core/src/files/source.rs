@@ -20,7 +20,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// By the name's ending: `.json` is JSON, anything else TOML.
+    /// The format by the name's ending: `.json` is JSON, any other ending TOML.
     #[must_use]
     pub fn of(name: &str) -> Self {
         if name.to_ascii_lowercase().ends_with(".json") { Self::Json } else { Self::Toml }
@@ -33,7 +33,7 @@ impl Format {
         if reported { Self::of(name) } else { Self::of_text(bytes) }
     }
 
-    /// By the text itself: no TOML begins with a brace, and a scene in JSON does.
+    /// The format by the text itself: no TOML begins with a brace, and a scene in JSON does.
     #[must_use]
     pub fn of_text(bytes: &[u8]) -> Self {
         let text = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);

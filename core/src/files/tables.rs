@@ -7,13 +7,13 @@ use crate::error::Error;
 use crate::files::node::Node;
 use crate::scene::{Array, Axis, Bead, Key, Obstacle, Origin, PartValue, Plane, Scene, Signature, Surface, Value};
 
-/// How a scene was solved, written beside it so that a result can be replayed.
+/// The settings of a solve, written beside the scene so that a result can be replayed.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[allow(clippy::exhaustive_structs, reason = "two remarks")]
 pub struct Provenance {
     /// The version of midair.
     pub version: Option<String>,
-    /// How the solve ended.
+    /// The status at the end of the solve.
     pub status: Option<String>,
 }
 
@@ -144,9 +144,9 @@ fn option(value: &Value) -> Result<Node, Error> {
     })
 }
 
-/// A table; what is null is not written.
+/// A table; null values are not written.
 fn table<'a>(entries: impl IntoIterator<Item = (&'a str, Node)>) -> Node {
-    // In a loop: unrolled for each table it would take kilobytes.
+    // A loop, because it would take kilobytes if it were unrolled for each table.
     let entries: Vec<_> = entries.into_iter().collect();
     Node::Table(entries.into_iter().map(|(key, node)| (key.to_string(), node)).collect())
 }

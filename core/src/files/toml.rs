@@ -21,7 +21,7 @@ pub(super) fn read(text: &str) -> Result<Node, Flaw> {
     table(root.into_inner())
 }
 
-/// How deep some steps lead into a text that was read.
+/// The depth to which some steps lead into a text that was read.
 pub(super) fn find(text: &str, steps: &[Step<'_>]) -> Place {
     let mut place = Place { value: 0, key: 0, steps: 0 };
     let Ok(root) = DeTable::parse(text) else { return place };

@@ -1,4 +1,5 @@
-//! Backward: gradients of what many transducers send to a point, in double precision, eight transducers at a time.
+//! Backward pass: gradients of the waves from many transducers at a point, in double precision, eight transducers at
+//! a time.
 //!
 //! With the ray d of length r from a transducer to the point, e = d/r and c = e . n, its wave is F = f g D(c), g = e^{ur}/r,
 //! u = jk - alpha, f its factor. The derivatives of Re(w* q F), of a cotangent w and a drive q, with S = w* q F and
@@ -61,7 +62,7 @@ impl Pull {
     }
 }
 
-/// The pressure of some drives at a point and the largest 1/r; keeps what [`back`] needs.
+/// The pressure of some drives at a point and the largest 1/r; stores the values that [`back`] needs.
 pub(crate) fn forth(
     set: InstructionSet,
     waves: &Waves,

@@ -26,19 +26,19 @@ use crate::kernels::waves::{C, Emitters, Slopes, Waves};
 /// Blocks of eight between two pulses.
 const RUN: usize = 8;
 
-/// A term, and what its coefficient is multiplied by: real and imaginary part.
+/// A term, and the factor of its coefficient: real and imaginary part.
 pub(crate) type Weight = (usize, [f64; 2]);
 
 /// The factors of the coefficients in each sum.
 #[derive(Default)]
 pub(crate) struct Weights {
-    /// Of Z.
+    /// Coefficients of Z.
     pub(crate) value: Vec<Weight>,
-    /// Of Z_a.
+    /// Coefficients of Z_a.
     pub(crate) slopes: [Vec<Weight>; 3],
-    /// Of Z'.
+    /// Coefficients of Z'.
     pub(crate) grown: Vec<Weight>,
-    /// Of L.
+    /// Coefficients of L.
     pub(crate) turned: [Vec<Weight>; 3],
 }
 

@@ -32,7 +32,7 @@ pub(crate) struct Laws {
     pub(crate) gravity: [f64; 3],
     /// Drag over mass and speed in 1/s, by speed; above the last it stays.
     pub(crate) drag: Vec<f64>,
-    /// How many of them there are in 1 m/s.
+    /// Number of steps in 1 m/s.
     pub(crate) finest: f64,
     /// The length that monomials are counted in, in m.
     pub(crate) unit: f64,
@@ -149,7 +149,7 @@ fn pull<S: Doubles>(
     }
     let monomials = monomials(V::all(s, 1.0), x);
     let [from, to] = forces;
-    // Of even and of odd terms, so that sums need not wait for one another.
+    // Sums of even and of odd terms, so that they need not wait for one another.
     let mut sums = [[V::all(s, 0.0); 3]; 2];
     for t in (0..TERMS).step_by(2) {
         for (k, sum) in sums.iter_mut().enumerate() {

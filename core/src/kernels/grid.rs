@@ -29,7 +29,7 @@ const BUCKETS: usize = 256;
 /// Where phase or amplitude can be anything, a drive that rounding moves by less than this part of it stays as it is.
 const SAME: f32 = 4e-7;
 
-/// The phases and amplitudes of a board, each of which may be left out where anything can be had.
+/// The phases and amplitudes of a board, each of which may be left out if it is continuous.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Grid {
     pub(crate) phases: Option<Phases>,
@@ -65,7 +65,7 @@ pub(crate) struct Few {
 }
 
 impl Few {
-    /// As [`Phases::phasors`].
+    /// Like [`Phases::phasors`].
     #[inline(always)]
     pub(crate) fn phasors<S: Elementwise>(&self, s: S, codes: S::V, q: [S::V; 2]) -> [S::V; 2] {
         let (large, zero, place) = (sides(s, q)[0], s.splat(0.0), s.add(s.abs(codes), s.splat(WHOLE)));
@@ -95,7 +95,7 @@ impl Phases {
     #[inline(always)]
     pub(crate) fn later<S: Elementwise>(&self, s: S, q: [S::V; 2]) -> S::V {
         let [quarters, ratio, factor] = turns(s, q);
-        // Only the factor has been waited for.
+        // Only the factor was missing.
         let count = s.splat(self.count);
         joined(s, [joined(s, [s.splat(0.5), count], quarters), s.mul(count, ratio)], factor)
     }
@@ -116,7 +116,7 @@ impl Phases {
         s.add(index, index)
     }
 
-    /// As [`Phases::nearest`] for eight q, re and im side by side.
+    /// Like [`Phases::nearest`] for eight q, re and im side by side.
     #[inline(always)]
     pub(crate) fn nearest_pairs<S: Simd>(&self, s: S, pairs: S::V) -> S::V {
         s.gather_pairs(&self.phasors, self.count as i32, self.later(s, [pairs, s.swap::<1>(pairs)]))
@@ -152,7 +152,7 @@ impl Phases {
 }
 
 impl Amplitudes {
-    /// From an ascending table that ends in 1.
+    /// The amplitudes of an ascending table that ends in 1.
     pub(crate) fn new(table: &[f64]) -> Self {
         let values: Vec<f32> = table.iter().map(|&amplitude| amplitude as f32).collect();
         let between = table.windows(2).map(|pair| (0.5 * (pair[0] + pair[1])) as f32);
@@ -219,7 +219,7 @@ fn turns<S: Elementwise>(s: S, [re, im]: [S::V; 2]) -> [S::V; 3] {
     let ratio = s.div(small, large);
     let square = s.mul(ratio, ratio);
     let fourth = s.mul(square, square);
-    // In pairs, which do not wait for one another.
+    // Pairs of sums, which do not wait for one another.
     let mut pairs = [s.splat(0.0); 4];
     for (pair, [low, high]) in pairs.iter_mut().zip(C.as_chunks().0) {
         *pair = joined(s, [s.splat(*low), s.splat(*high)], square);

@@ -1,4 +1,4 @@
-//! Panels: what flat elements of surfaces send to a point, eight at a time, and sums of them all.
+//! Panels: the waves of flat elements of surfaces at a point, eight at a time, and sums of them all.
 //!
 //! ```text
 //! h_e  = sum over the nodes of w e^{jkr - alpha r}/r (beside + along (jk - alpha - 1/r) (-ray . n)/r)

@@ -156,7 +156,7 @@ pub extern "C" fn studio_judge(studio: &mut Studio) -> u32 {
     studio.work(Studio::judge)
 }
 
-/// Takes the drive (N, 2) of the numbers handed in, and what supply or modulation multiply it by.
+/// Takes the drive (N, 2) of the numbers in the buffer, and the factor that supply or modulation must apply.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_load(studio: &mut Studio, scale: f32) -> u32 {
     studio.work(|studio| studio.load(scale))
@@ -201,13 +201,13 @@ pub extern "C" fn studio_frame(studio: &mut Studio, frame: usize) -> u32 {
     studio.work(|studio| studio.frame(frame))
 }
 
-/// Writes into the bytes what makes the board of the text play the drive; the numbers are its baud rate, or 0.
+/// Writes the bytes that make the board of the text play the drive; the numbers are its baud rate, or 0.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_encode(studio: &mut Studio) -> u32 {
     studio.work(Studio::encode)
 }
 
-/// Writes into the bytes what silences the board of the text, whatever it received before.
+/// Writes the bytes that silence the board of the text from any state.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_silence(studio: &mut Studio) -> u32 {
     studio.work(Studio::silence)

@@ -4,7 +4,7 @@ use midair::files::{self, Format, Provenance};
 use midair::solvers::{DEFAULT, configure};
 use midair::{Choice, Control, Error, InstructionSet, Model, Options, Problem, Scene, Session, SolveRequest};
 
-/// A scene and what solves it.
+/// A scene and its session.
 pub(crate) struct Opened {
     pub(crate) scene: Scene,
     pub(crate) model: Model,

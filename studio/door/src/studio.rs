@@ -1,4 +1,4 @@
-//! Studio: the buffers between the page and the core, and what a page may do with a scene.
+//! Studio: the buffers between the page and the core, and the page's operations on a scene.
 
 use midair::files::{read_array, read_drive, write_drive};
 use midair::{Array, Complex32, Control, Error, InstructionSet, Precision, Status, bound, spl};
@@ -84,7 +84,7 @@ impl Studio {
         Ok(())
     }
 
-    /// The first line of the text handed in, the name of a file, and what is in that file.
+    /// The first line of the text, the name of a file, and that file's content.
     fn named(&self) -> (String, &[u8]) {
         let end = self.text_in.iter().position(|&byte| byte == b'\n').unwrap_or(self.text_in.len());
         let text = self.text_in.get(end + 1..).unwrap_or_default();

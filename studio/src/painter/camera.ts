@@ -7,7 +7,7 @@ export interface Camera {
   target: Vec3;
   yaw: number;
   pitch: number;
-  /** From the target, m. */
+  /** The distance from the target, m. */
   distance: number;
 }
 
@@ -22,7 +22,7 @@ export const along = (a: Vec3, f: number, b: Vec3): Vec3 => [
   a[2] + f * b[2],
 ];
 
-/** The camera's own axes, of length 1, and where it stands (m). */
+/** The camera's own axes, of length 1, and its place (m). */
 export function frame({ target, yaw, pitch, distance }: Camera): {
   right: Vec3;
   up: Vec3;
@@ -96,7 +96,7 @@ export function slide(
   return a && b && along(b, -1, a);
 }
 
-/** The shift (m) along an axis of a drag of what is at `place` (m), by the plane along the axis that faces the camera. */
+/** The shift (m) along an axis for a drag of the object at `place` (m), by the plane along the axis that faces the camera. */
 export function lift(
   camera: Camera,
   from: [number, number],
@@ -124,7 +124,7 @@ function extent(positions: Float32Array, axis: number): number {
  * axis well; `way`: turned and raised so.
  */
 export function fit(positions: Float32Array, points: Vec3[], width: number, height: number, axis: Axis = "z", way?: [number, number]): Camera {
-  // From so high that points at one height lie apart, but not over a board that hangs above them.
+  // From so high that points at one height lie apart, but not from above a board that hangs over them.
   const roofed = positions.some((z, i) => i % 3 === 2 && points.every((point) => point[2] < z));
   const [yaw, pitch] = way ?? [axis === "x" ? Math.PI / 2 - 0.5 : 0.5, axis !== "z" ? 0.3 : roofed ? 0.45 : 0.72];
   const camera: Camera = { target: [0, 0, 0], yaw, pitch, distance: 1 };

@@ -21,7 +21,7 @@ uniform vec3 eye, metal, off;
 uniform float radius;
 const vec3 light = vec3(-.3216, -.4594, .8270);
 vec3 across(vec3 n) {
-  // By Frisvad's formula, which needs no branch but straight down.
+  // By Frisvad's formula, which needs no branch except straight down.
   return n.z < -.9999 ? vec3(0, -1, 0) : vec3(1. - n.x*n.x/(1. + n.z), -n.x*n.y/(1. + n.z), -n.x);
 }`;
 
@@ -62,11 +62,11 @@ void main() {
   axis = normal;
   halfway = normalize(light + to);
   bool back = dot(normal, to) < 0.;
-  // Dim, so that the field is what shines; a crest is lit.
+  // Dim, so that the field is the brightest part; a crest is lit.
   float t = shade(drive), share = quantity < .5 ? 0. : quantity < 1.5 ? t * t : .72 * min(length(drive), 1.);
   face = back ? metal * .45 : mix(off, quantity < 1.5 ? lit : entry(t), known * share);
   rim = back ? face : metal * (.5 + .5 * max(dot(normal, light), 0.));
-  // From behind, a can is seen to be closed.
+  // From behind, a can looks closed.
   gl_Position = matrix * vec4(position + radius * (back ? outward - normal * ${HEIGHT} : outward), 1);
 }`;
 

@@ -82,7 +82,7 @@ const LARGEST = 160;
 /** Takes the unit square to all of the view. */
 const FLAT = [2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, -1, -1, 0, 1];
 
-/** From where to where of a lattice, right and up, in its sides. */
+/** The range of a lattice, right and up, in its sides. */
 export type Part = readonly [number, number, number, number];
 export const ALL: Part = [0, 0, 1, 1];
 

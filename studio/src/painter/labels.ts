@@ -1,11 +1,11 @@
-/** Short texts that stand at places of the 3-D view, drawn once by a 2-D canvas. */
+/** Short texts at places of the 3-D view, drawn once by a 2-D canvas. */
 
 import type { Vec3 } from "../types.ts";
 import { type Gl, LOOK_UP, program, texture, vectors } from "./gl.ts";
 import type { Ink } from "./lines.ts";
 import { aim, type View } from "./view.ts";
 
-/** A text that stands beside `place` (m) on the side `away` (of length 1, to the right and up), clear of what is there. */
+/** A text beside `place` (m) on the side `away` (of length 1, to the right and up), clear of other parts. */
 export interface Label {
   place: Vec3;
   away: [number, number];

@@ -7,7 +7,7 @@ import type { Vec3 } from "../types.ts";
 /** Red, green, blue, opacity, all 0 to 1. */
 export type Ink = [number, number, number, number];
 
-/** From `a` to `b` (m), `width` in CSS px. */
+/** A line from `a` to `b` (m), `width` in CSS px. */
 export interface Line {
   a: Vec3;
   b: Vec3;
@@ -62,7 +62,7 @@ export function ring(center: Vec3, radius: number, ink: Ink, width: number): Lin
   return Array.from({ length: 28 }, (_, i) => ({ a: at(i), b: at(i + 1), ink, width }));
 }
 
-/** Paints lines; they do not hide what is painted later. */
+/** Paints lines; later parts are painted over them. */
 export function createLines(gl: Gl): (view: View, lines: Line[]) => void {
   const strokes = program(gl, VERTEX, FRAGMENT);
   const ends = vectors(gl, 4);

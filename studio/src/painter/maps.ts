@@ -3,7 +3,7 @@
 import colours from "../../../python/midair/_pictures/colours.json";
 import type { Look } from "../types.ts";
 
-/** How far below the top the decibel scale reaches, dB. */
+/** The range of the decibel scale below its top, dB. */
 export const RANGE = 30;
 
 /** A table of the colours that `at` gives from 0 to 1. */
@@ -26,7 +26,7 @@ export const TABLES = {
 };
 export type MapName = keyof typeof TABLES;
 
-/** The name of the map that shows what a look shows. */
+/** The name of the colour map of a look. */
 export const mapOf = ({ quantity, theme }: Look): MapName =>
   quantity === "phase" ? quantity : `${quantity === "wave" ? "wave" : "field"}${theme === "dark" ? "" : "_light"}`;
 
@@ -85,7 +85,7 @@ export function roundStep(least: number): number {
 /** The marks of the colour bar of `look`: |p| or Re p in Pa or kPa, |p| in dB below the top, or the phase in rad. */
 export function ticks(look: Look): Tick[] {
   const waves = look.quantity === "wave";
-  // At the instant when all of p is real.
+  // The wave at the instant when all of p is real.
   const tick = (value: number, label: string) => ({ value, at: shade({ ...look, turn: 0 }, value, 0), label });
   if (look.quantity === "phase") {
     return ["\u2212π", "\u2212π/2", "0", "π/2", "π"].map((name, k) => ({ value: (Math.PI * (k - 2)) / 2, at: k / 4, label: k === 2 ? name : `${name} rad` }));

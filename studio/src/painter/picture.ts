@@ -27,7 +27,7 @@ export interface Picture {
   discs: Quantity;
   /** One, or some that cross in their middles; `key` names the texture that the lattice is kept in, as in `Painter.slice`. */
   slices: { lattice: Lattice; key: string }[];
-  /** Of sound, the length of the bar on the first slice. */
+  /** The wavelength of sound, the length of the bar on the first slice. */
   wavelength: number;
   volume: Volume | null;
   points: Vec3[];

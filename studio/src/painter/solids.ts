@@ -70,7 +70,7 @@ export function wallLines(obstacles: Obstacle[], bounds: Bounds): Line[] {
 
 const tint = (obstacle: Obstacle): Vec3 => (obstacle.kind === "rigid" ? [0.56, 0.62, 0.7] : [0.78, 0.6, 0.5]);
 
-/** `balls` hide what is behind them, `walls` let it through: balls first. */
+/** `balls` hide the parts behind them, `walls` let them through: balls first. */
 export function createSolids(gl: Gl) {
   const balls = program(gl, BALL_VERTEX, BALL_FRAGMENT);
   const walls = program(gl, WALL_VERTEX, WALL_FRAGMENT);

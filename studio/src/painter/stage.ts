@@ -92,7 +92,7 @@ export function scaleBar({ slices, wavelength, theme }: Picture): { lines: Line[
   };
 }
 
-/** From each point down to the plane of the array, with a ring at its foot; and the slices' borders. */
+/** Lines from each point down to the plane of the array, with a ring at its foot; and the slices' borders. */
 export function guides(picture: Picture, plane: number): Line[] {
   const { faint, strong } = INKS[picture.theme];
   const foot = picture.points.flatMap(([x, y, z]): Line[] => [

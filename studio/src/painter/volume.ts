@@ -8,7 +8,7 @@ import { changes } from "../changes.ts";
 import { type Gl, program, texture } from "./gl.ts";
 import { aim, enter, type View } from "./view.ts";
 
-/** Balls that hide what glows behind them; a scene rarely has more. */
+/** Balls that hide the glow behind them; a scene rarely has more. */
 const BALLS = 8;
 
 /** Where on the map the glow begins; most of the room is below it and costs one look each step. */

@@ -67,7 +67,7 @@ async function run(k: number) {
 /** The output of the last cell for the view, in m. */
 async function received(): Promise<number[][]> {
   await run(2);
-  // A "*" stands at a cell that runs.
+  // A "*" stands at a running cell.
   await expect.poll(() => cell(2).locator(".jp-InputPrompt").innerText()).toMatch(/\d/);
   const [, points] = /points (\[\[.*\]\]) levels/.exec(await cell(2).locator(".jp-OutputArea").innerText())!;
   return JSON.parse(points);

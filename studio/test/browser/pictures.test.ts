@@ -80,7 +80,7 @@ test.each(["linear", "squared", "decibel"] as const)("a point on a slice has the
 const shows = (name: string) => page.getByRole("group", { name: "What the slices show" }).getByRole("button", { name, exact: true });
 
 test("at the points the wave follows the cosine of their phases, half a period a quarter of a second", async () => {
-  // Software paints what runs at half the resolution: a narrow slice, so that a pixel is small nonetheless.
+  // Software paints running pictures at half the resolution: a narrow slice, so that a pixel is small nonetheless.
   await page.evaluate(() => window.midair!.set({ plane: { z: 0.18, size: 0.05, center: [0.032, 0.016] } }));
   await settled();
   // The page's clock is the test's.

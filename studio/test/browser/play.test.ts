@@ -7,7 +7,7 @@ import { built, point, ready, serve, visit } from "./site.ts";
 
 const open = shared();
 
-/** A port in place of the browser's own; what it is given outlives the page. `led`: the page is led there meanwhile. */
+/** A port in place of the browser's own; it remembers its bytes longer than the page lives. `led`: another page replaces this one meanwhile. */
 async function withPort(page: Page, led = "") {
   await page.evaluate((led) => {
     localStorage.given = "[]";

@@ -93,7 +93,7 @@ export const EIGHT =
 /** Unfolds a group of controls. */
 export const unfold = (page: Page, name: string) => page.locator("summary", { hasText: name }).click();
 
-/** Clicks what is in the bar's menu. */
+/** Clicks an entry of the bar's menu. */
 export async function fromMenu(page: Page, name: string): Promise<void> {
   await page.getByRole("button", { name: "Menu" }).click();
   await page.getByRole("button", { name, exact: true }).click();

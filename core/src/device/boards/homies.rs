@@ -13,8 +13,8 @@ const PREFIX: u8 = 0xaa;
 const ENABLE: u8 = 1;
 /// A word that tells how many bytes follow: phase and channel of each transducer that is on.
 const BURST: u8 = 2;
-/// A frame of one FPGA is longest where a word tells each channel, all off but one; zeros, which the receiver passes over,
-/// make all as long.
+/// A frame of one FPGA is longest where each channel needs a word of its own: all off but one. Zeros, which the
+/// receiver ignores, make all frames as long.
 const SIZE: usize = 8 * CHANNELS;
 
 pub(crate) const FORMAT: Format = Format {
@@ -24,7 +24,7 @@ pub(crate) const FORMAT: Format = Format {
     channels: CHANNELS,
     most_boards: 2,
     steps: Steps { phases: 256, levels: Levels::OnOff },
-    // At 1 MB/s a FIFO, far below what it is built for.
+    // The FIFO runs at 1 MB/s, far below its limit.
     link: Link::Fifo { rate: 900.0, one_chip: true },
     frequency: 40e3,
     steady: f64::INFINITY,
@@ -37,7 +37,7 @@ pub(crate) const FORMAT: Format = Format {
     silence: twice,
 };
 
-/// A receiver out of step takes these bytes for the ends of a word: the phase step beside them is played.
+/// A receiver that is out of step takes these bytes for the ends of a word: it plays the phase step beside them.
 fn spared(phase: u16) -> u8 {
     match phase as u8 {
         SUFFIX => SUFFIX - 1,

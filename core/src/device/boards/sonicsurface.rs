@@ -10,7 +10,7 @@ use crate::error::Error;
 const CHANNELS: usize = 256;
 /// The phase code that switches a channel off.
 const OFF: u8 = 32;
-/// Selects the primary board for what follows; the secondary is the next number.
+/// Selects the primary board for the following bytes; the secondary is the next number.
 const SELECT: u8 = 192;
 const START: u8 = 254;
 /// Exchanges the two banks of every board.

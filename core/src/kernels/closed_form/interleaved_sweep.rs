@@ -20,7 +20,8 @@ use crate::kernels::lanes::{LANES, Lanes, Octet, groups, groups_mut};
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 
-/// As [`crate::kernels::closed_form::sweep`] for up to 16 points in each lane; `drive` has two groups of lanes a transducer, re and im.
+/// Like [`crate::kernels::closed_form::sweep`] for up to 16 points in each lane; `drive` has two groups of lanes a
+/// transducer, re and im.
 pub(crate) fn sweep(
     set: InstructionSet,
     sweep: Sweep<'_>,
@@ -118,7 +119,7 @@ struct Terms<'a, S: Simd> {
     first: usize,
     residual: [&'a [Lanes]; 2],
     weight: &'a [Lanes],
-    /// What is to be left of the wave of each.
+    /// The part of each wave that remains.
     own: Option<[[S::V; 2]; 2]>,
 }
 

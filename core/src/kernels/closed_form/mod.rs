@@ -47,7 +47,7 @@ pub(crate) struct Sweep<'a> {
     pub(crate) rows: Rows<'a>,
     pub(crate) target: &'a [f32],
     pub(crate) weight: &'a [f32],
-    /// How many points there are in the lanes; the rest is padding.
+    /// The number of points in the lanes; the rest is padding.
     pub(crate) count: usize,
     /// Transducers that share one residual, 1 to [`MOST`].
     pub(crate) block: usize,
@@ -61,14 +61,14 @@ pub(crate) struct Sweep<'a> {
 
 /// Working memory of a sweep.
 pub(crate) struct Memory<'a> {
-    /// For the rows of two blocks.
+    /// Space for the rows of two blocks.
     rows: &'a mut [f32],
-    /// For d, re and im.
+    /// Space for d, re and im.
     residual: [&'a mut [f32]; 2],
 }
 
 impl<'a> Memory<'a> {
-    /// Of [`floats`] numbers, which may be anything.
+    /// Space for [`floats`] numbers, with any content.
     pub(crate) fn of(numbers: &'a mut [f32]) -> Self {
         let (rows, rest) = numbers.split_at_mut(numbers.len() / floats(1) * ROWS);
         Self { rows, residual: rest.split_at_mut(rest.len() / 2).into() }
@@ -158,7 +158,7 @@ impl<'a> Block<'a> {
         &self.members[..self.count]
     }
 
-    /// Whether it has any of four transducers; those that it lacks are then silent.
+    /// Whether it has any of four transducers; missing ones are silent.
     #[inline(always)]
     pub(crate) fn has(&self, quad: usize) -> bool {
         quad * QUAD < self.count
@@ -267,7 +267,7 @@ fn unit<S: Elementwise>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
     let (guess, miss) = s.rsqrt_guess(s.add(s.mul(x, x), s.mul(y, y)));
     let (x, y) = (s.mul(x, guess), s.mul(y, guess));
     let (zero, half, least) = (s.splat(0.0), s.splat(0.5), s.splat(LEAST));
-    // Of what is less than that anything may have become.
+    // A sum below this may have lost all digits.
     [
         s.select_less(larger, least, zero, s.fma(s.mul(x, half), miss, x)),
         s.select_less(larger, least, zero, s.fma(s.mul(y, half), miss, y)),

@@ -26,7 +26,7 @@ struct PointsInLanes<'a> {
 }
 
 impl PointsInLanes<'_> {
-    /// Adds what is to be left of the waves of old drives to the sums; and these drives, re and im side by side.
+    /// Adds the remaining part of the waves of old drives to the sums; and these drives, re and im side by side.
     #[inline(always)]
     fn with_own<S: Simd>(
         &self,

@@ -1,4 +1,4 @@
-//! Closed-form greedy sweep for sets whose code is to be short: the points in the lanes, four of them after four.
+//! Closed-form greedy sweep for sets whose code must be short: four points in the lanes at a time.
 //!
 //! The steps and their bits are those of [`crate::kernels::closed_form`]. Each is a kernel in which no lane sees another, so
 //! that four points cost a quarter of sixteen; between them there are sums over the lanes alone.
@@ -83,8 +83,8 @@ struct Field<'a> {
     residual: [&'a mut [f32]; 2],
 }
 
-/// `sum_j conj(G_j) d_j` of a block's transducers, and what is to be left of the waves of old drives: lanes apart, re and im
-/// side by side.
+/// `sum_j conj(G_j) d_j` of a block's transducers, and the remaining part of the waves of old drives: lanes apart, re
+/// and im side by side.
 struct Correlations<'a> {
     field: &'a Field<'a>,
     rows: &'a [Octet],

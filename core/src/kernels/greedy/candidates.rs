@@ -88,7 +88,7 @@ impl Candidates {
         Self { cos: cosines, sin: sines, coarse, amplitude_table, phases, amplitudes }
     }
 
-    /// How many there are.
+    /// The number of candidates.
     pub(crate) fn count(&self) -> usize {
         self.phases * self.amplitudes
     }

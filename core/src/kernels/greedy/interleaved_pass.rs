@@ -74,7 +74,7 @@ pub(crate) fn pass(
 /// Up to 16 problems, one in each lane.
 struct ProblemsInLanes<'a, V> {
     drive: &'a mut [f32],
-    /// Of every point and problem.
+    /// Values for every point and problem.
     energies: &'a mut [f32],
     /// The powers of every candidate.
     table: &'a [f32],

@@ -44,16 +44,16 @@ const ARCS: usize = 2 * LANES;
 /// Arcs on each side of the chosen phase that are evaluated whole.
 const REACH: usize = 2;
 
-/// From this many phases on a grid is searched here.
+/// From this number of phases on this module searches the grid.
 pub(crate) const LARGE: usize = 64;
 
-/// Whether a grid is searched here.
+/// Whether this module searches a grid.
 #[inline(always)]
 pub(crate) fn large(candidates: &Candidates) -> bool {
     candidates.phases >= LARGE
 }
 
-/// How many phases the arcs evaluated first have at most.
+/// The most phases in the arcs that are evaluated first.
 const fn window(phases: usize) -> usize {
     (2 * REACH * phases.div_ceil(ARCS)).next_multiple_of(LANES)
 }

@@ -57,7 +57,7 @@ pub(crate) struct Pass<'a> {
     pub(crate) rows: Rows<'a>,
     pub(crate) target: &'a [f32],
     pub(crate) weight: &'a [f32],
-    /// How many points there are in the lanes; the rest is padding.
+    /// The number of points in the lanes; the rest is padding.
     pub(crate) count: usize,
     /// The transducers in the order of their updates.
     pub(crate) order: &'a [u32],

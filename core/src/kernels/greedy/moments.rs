@@ -1,4 +1,4 @@
-//! Moments: eq. (7) as a polynomial of one transducer's drive, with a bound on what it leaves out.
+//! Moments: eq. (7) as a polynomial of one transducer's drive, with a bound on the remainder.
 //!
 //! ```text
 //! for each group of 16 points: add its terms of A1, A2, A3, C, B, the power and R, lanes apart;
@@ -55,12 +55,13 @@ pub(crate) const FAR: f32 = 0.25;
 /// energy, A4 and D.
 pub(crate) const PARTS: usize = LANES;
 
-/// How many of them the third order needs, and which are the power (the remainder follows) and the energy.
+/// The number of moments that the third order needs, and the places of the power (the remainder follows) and of the
+/// energy.
 pub(crate) const THIRD: usize = 12;
 pub(crate) const POWER: usize = 9;
 pub(crate) const ENERGY: usize = 11;
 
-/// By what the sums of the parts are multiplied: the terms of the polynomial become fused products with no sign left.
+/// The factors of the sums of the parts: the terms of the polynomial become fused products without signs.
 pub(crate) const FACTORS: [f32; PARTS] = [
     2.0,
     -2.0,
@@ -158,7 +159,7 @@ pub(crate) fn change<S: Elementwise>(s: S, m: impl Fn(usize) -> S::V, z: impl Fn
 /// The share of points in the moments, lanes apart; +0 in those quarters of the lanes that hold no point.
 pub(crate) type Parts = [Lanes; PARTS];
 
-/// Adds what a group of points does, and tells which of them are left out.
+/// Adds the share of a group of points, and returns which of them are left out.
 struct OfGroup<'a, const FOURTH: bool> {
     parts: &'a mut Parts,
     /// Whether there is nothing to add it to.
@@ -200,7 +201,7 @@ impl Moments {
         parts: &mut Parts,
     ) -> (Self, usize) {
         let mut count = 0;
-        // In registers, which hold them all, or in memory.
+        // The moments in registers, which hold them all, or in memory.
         let mut kept = [s.splat(0.0); PARTS];
         let rows = groups(points.row[0]).iter().zip(groups(points.row[1]));
         for (group, (point, (re, im))) in points.groups.iter().zip(rows).enumerate() {

@@ -4,7 +4,7 @@ use crate::kernels::simd::{Elementwise, TINY};
 
 /// A point's term of the energy, by how it changes with |P|.
 pub(crate) trait Term {
-    /// Whether it is (t - |P|)^2, whose moments are known.
+    /// Whether the objective is (t - |P|)^2, whose moments are known.
     const SQUARE: bool;
     /// The change of the term when |P| rises by `rise`, `gap` = target - |P| before.
     fn change<S: Elementwise>(s: S, rise: S::V, gap: S::V) -> S::V;

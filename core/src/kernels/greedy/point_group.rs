@@ -1,4 +1,4 @@
-//! Point group: pressures, targets and weights of 16 points, and what the greedy search derives of them.
+//! Point group: pressures, targets and weights of 16 points, and the values that the greedy search derives from them.
 
 use crate::kernels::greedy::objective::{L2, Term, rise};
 use crate::kernels::lanes::{LANES, Lanes, groups};

@@ -16,7 +16,7 @@ use crate::kernels::simd::{Apart, Elementwise, Simd};
 pub(crate) struct Points<'a> {
     pub(crate) groups: &'a [PointGroup],
     pub(crate) row: [&'a [f32]; 2],
-    /// How many of them are points; the rest is padding.
+    /// The number of points among the lanes; the rest is padding.
     pub(crate) count: usize,
 }
 
@@ -26,7 +26,7 @@ pub(crate) fn tolerance<S: Simd, T: Term>(s: S, points: Points<'_>) -> f32 {
     EQUAL * s.reduce_max(largest::<S, T>(s, points, points.count))
 }
 
-/// Of the largest term summed, the part below which two energies are equal: the rounding of f32.
+/// The part of the largest term summed below which two energies are equal: the rounding of f32.
 pub(crate) const EQUAL: f32 = 1e-7;
 
 /// A bound on the largest term summed in each of the first lanes, 0 or the same in the others.
@@ -141,7 +141,7 @@ pub(crate) fn best<S: Simd, T: Term>(
     best_within::<S, T>(s, points, candidates, PhaseRange::whole(phases), tolerance)
 }
 
-/// As [`best`], among the phases of a range at all amplitudes.
+/// Like [`best`], among the phases of a range at all amplitudes.
 #[inline(always)]
 pub(crate) fn best_within<S: Simd, T: Term>(
     s: S,
@@ -175,7 +175,7 @@ pub(crate) fn best_within<S: Simd, T: Term>(
 /// The number of each lane.
 const LANE: Lanes = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
 
-/// As [`best`], among candidates given by their index in rising order: here the points lie in the lanes.
+/// Like [`best`], among candidates given by their index in rising order: here the points lie in the lanes.
 #[inline(always)]
 pub(crate) fn best_of<S: Simd>(
     s: S,

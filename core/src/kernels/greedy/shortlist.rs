@@ -78,7 +78,7 @@ pub(crate) fn shortlist<'a, S: Simd>(
 
 /// The candidates evaluated so far that may be the best, in rising order.
 pub(crate) struct List<'a> {
-    /// By how much more than the least change one may still be the best.
+    /// The excess over the least change with which a candidate may still be the best.
     pub(crate) slack: f32,
     pub(crate) least: f32,
     indices: &'a mut [u32],
@@ -124,14 +124,14 @@ impl<'a> List<'a> {
         self.count += 1;
     }
 
-    /// Drops what the least found since has ruled out, unless some were dropped before.
+    /// Drops candidates that the least change found since has ruled out, unless some were dropped before.
     pub(crate) fn sift(&mut self) {
         let limit = self.least + self.slack;
         // Whatever cannot be compared stays.
         self.retain(|_, value| value.partial_cmp(&limit) != Some(core::cmp::Ordering::Greater));
     }
 
-    /// Keeps what is wanted by its index and change, unless some were dropped before.
+    /// Keeps candidates by their index and change, unless some were dropped before.
     #[inline(always)]
     pub(crate) fn retain(&mut self, mut wanted: impl FnMut(usize, f32) -> bool) {
         if !self.overflows() {
@@ -146,7 +146,7 @@ impl<'a> List<'a> {
         }
     }
 
-    /// Whether there were more than there is room for.
+    /// Whether there were more candidates than room.
     pub(crate) fn overflows(&self) -> bool {
         self.count > self.indices.len()
     }
