@@ -41,7 +41,7 @@ extern crate alloc;
 // A solver reads the same here and in a crate of its own (docs/extending.md).
 extern crate self as midair;
 
-// Nothing may allow itself unsafe code but `kernels::simd`.
+// Only `kernels::simd` may contain unsafe code.
 #[forbid(unsafe_code)]
 mod control;
 #[forbid(unsafe_code)]

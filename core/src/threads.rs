@@ -25,7 +25,7 @@ impl Threads {
         Self { pool: Some(pool), most: None }
     }
 
-    /// Threads of which `most` work at once; at least 1.
+    /// Limits the threads that work at once to `most`, at least 1.
     #[must_use]
     pub fn at_most(mut self, most: usize) -> Self {
         self.most = Some(most.max(1));

@@ -18,11 +18,11 @@ class Air(TypedDict, total=False):
     density: float | None
     """Density rho in kg/m^3; left out that of the air, or 1.223."""
     temperature: float | None
-    """Of the air in degrees C, in place of sound_speed: c = 331.3 sqrt(1 + T/273.15) m/s, and absorption and density."""
+    """Temperature of the air in degrees C, in place of sound_speed: c = 331.3 sqrt(1 + T/273.15) m/s, and absorption and density."""
     humidity: float | None
-    """Of the air in percent: absorption (ISO 9613-1) and density; left out 50, where the air is given at all."""
+    """Relative humidity of the air in percent, for absorption (ISO 9613-1) and density; left out 50, where the air is given at all."""
     air_pressure: float | None
-    """Of the air in Pa, likewise; left out 101325."""
+    """Pressure of the air in Pa, likewise; left out 101325."""
 
 class Numbers:
     @property
@@ -42,7 +42,7 @@ class Parts(TypedDict, total=False):
     response: ArrayLike | None
     """Complex factor [re, im] of each transducer; 0 is dead."""
     mask: ArrayLike | None
-    """Of each transducer; false is off."""
+    """Mask of each transducer; false is off."""
     channels: ArrayLike | None
     """The driven channel of each transducer, where several are wired to one; left out the preset's, or each its own."""
     quantization: _Quantization | None

@@ -47,7 +47,7 @@ pub(crate) fn wave<S: Elementwise>(s: S, turns: S::V, amplitude: S::V) -> [S::V;
     [s.fnma(part, sine, amplitude), s.mul(part, cosine)]
 }
 
-/// 2^x for x <= 0; what would be below 2^-126 is 2^-126 times a number near 1.
+/// 2^x for x <= 0; values below 2^-126 are 2^-126 times a number near 1.
 #[inline(always)]
 pub(crate) fn power_of_two<S: Elementwise>(s: S, x: S::V) -> S::V {
     let x = s.max(x, s.splat(-126.0));
@@ -72,7 +72,7 @@ const TERMS: usize = 11;
 pub(crate) fn phasor<S: Doubles>(s: S, turns: V<S>) -> (V<S>, V<S>) {
     let halves = turns * 2.0;
     let whole = halves.round();
-    // Of an even number of half turns 1, else -1.
+    // 1 for an even number of half turns, else -1.
     let odd = whole - (whole * 0.5).round() * 2.0;
     let sign = V::all(s, 1.0) - odd * odd * 2.0;
     let angle = (halves - whole) * PI;

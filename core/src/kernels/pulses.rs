@@ -34,7 +34,7 @@ pub(crate) struct Pulses {
 }
 
 impl Pulses {
-    /// Of ticks of some lengths in any unit, an even number of them.
+    /// Pulses of an even number of ticks, of any lengths in any unit.
     pub(crate) fn new(ticks: &[f64]) -> Self {
         let (count, period) = (ticks.len() as f64, ticks.iter().sum::<f64>());
         let begins = ticks.iter().scan(0.0, |end, tick| {
@@ -58,7 +58,7 @@ impl Pulses {
         self.edges.len()
     }
 
-    /// The drive of a pulse of `width` ticks from an edge on; of none 0.
+    /// The drive of a pulse of `width` ticks from an edge on; 0 for no pulse.
     pub(crate) fn drive(&self, start: usize, width: usize) -> Complex32 {
         rounded(0.5 * (self.edges[start] - self.edges[(start + width) % self.ticks()]))
     }
@@ -92,7 +92,7 @@ impl Pulses {
         self.drive(start, width)
     }
 
-    /// Divides every drive by `factor` and rounds it; whether all have stayed what they were.
+    /// Divides every drive by `factor` and rounds it; returns whether no drive has changed.
     pub(crate) fn round(&self, factor: f32, drive: &mut [Complex32]) -> bool {
         let mut stayed = true;
         for q in drive {

@@ -1,4 +1,5 @@
-//! Waves: eq. (5) in double precision, eight transducers at a time: what they are, ray, phase, decay and directivity.
+//! Waves: eq. (5) in double precision, eight transducers at a time: parameters, ray, phase, decay and directivity.
+//! (5) in double precision, eight transducers at a time: what they are, ray, phase, decay and directivity.
 //!
 //! Plain loops without fused products: every instruction set gives the same bits.
 #![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
@@ -50,7 +51,7 @@ impl Emitters {
     }
 }
 
-/// How D and its derivatives by c = cos(theta) are found.
+/// The method that computes D and its derivatives by c = cos(theta).
 pub(crate) enum Slopes {
     /// D = 1.
     One,

@@ -14,7 +14,7 @@ use crate::motion::frames::Frames;
 use crate::motion::track::{Circle, Ends};
 use crate::propagation::Model;
 
-/// How far a transducer may turn from frame to frame, and how its tracks are sought.
+/// The largest turn of a transducer from frame to frame, and the search of its tracks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::exhaustive_structs, reason = "four numbers, checked where they are used")]
 pub struct Ahead {
@@ -82,7 +82,7 @@ pub fn ahead(
     let sides = [transducers, frames.points];
     control.room("the codes of all frames", sides, bytes(4, &[count, transducers]))?;
     control.room("the tracks", sides, bytes(4 * control.threads(), &[count, circle.levels]))?;
-    // By transducers, until the frames are finished one by one.
+    // Transducer by transducer, until the frames are finished one by one.
     let mut codes = vec![0; transducers * count];
     let steps = ahead.rounds as usize + 1;
     let guess = match start {

@@ -13,8 +13,8 @@ use crate::math::{sqrtf, unit};
 use crate::motion::frames::{Frames, Visit};
 use crate::motion::track::{Circle, Ends, Tracker};
 
-/// How much of a point's phasor is taken from its field's before the new phase is read: the field says mostly what the phase
-/// was. In trials it halves the rounds; with 0.8 they end nowhere.
+/// The part of a point's phasor that comes from its field before the new phase is read: the field mostly repeats the
+/// old phase. In trials it halves the rounds; with 0.8 they end nowhere.
 const ECHO: f32 = 0.5;
 
 /// The most that a weight may change in a round.
@@ -36,7 +36,7 @@ pub(super) struct Wanted {
 }
 
 impl Wanted {
-    /// The phases of a field (T, M), and weights at which each point's own wave is as strong as it is to be.
+    /// The phases of a field (T, M), and weights at which each point's own wave has the requested strength.
     pub(super) fn of(frames: &Frames, field: &[Vec<f32>; 2]) -> Self {
         let weight = |(target, reach): (&f32, &f32)| if *target > 0.0 { target / (reach * reach) } else { 0.0 };
         let mut own = Self {
@@ -50,7 +50,7 @@ impl Wanted {
         own
     }
 
-    /// Reads phases and weights from a field; what is wanted of a frame counts as much as of any other.
+    /// Reads phases and weights from a field; every frame counts equally.
     pub(super) fn read(&mut self, frames: &Frames, [re, im]: &[Vec<f32>; 2]) {
         for first in (0..self.weights.len()).step_by(frames.points) {
             let there = (first..first + frames.points).filter(|&k| frames.targets[k] > 0.0);
@@ -88,7 +88,7 @@ impl Wanted {
     }
 }
 
-/// The best tracks for what is wanted, into `codes` (N, T); their field (T, M).
+/// The best tracks for the requested pressures, into `codes` (N, T); their field (T, M).
 pub(super) fn follow(
     frames: &Frames,
     wanted: &Wanted,
@@ -136,7 +136,7 @@ pub(super) fn field(
     )
 }
 
-/// Adds what a transducer's codes make at the points.
+/// Adds the pressures of a transducer's codes at the points.
 fn play(frames: &Frames, circle: &Circle, Visit { row: [re, im], codes, sum: [sum_re, sum_im] }: Visit<'_>) {
     for (frame, &code) in codes.iter().enumerate() {
         let [qr, qi] = circle.drive(code);

@@ -12,7 +12,7 @@ use crate::motion::track::{Circle, Ends};
 /// min |P_j|/t_j over max |P_j|/t_j that is even enough: a little above 0.995, for rows of G are good to 2e-4.
 const EVEN: f32 = 0.9965;
 
-/// Passes over the frames at most: what a frame could not do, it may once its neighbours have moved.
+/// The most passes over the frames: a frame may improve after its neighbours have moved.
 const PASSES: usize = 3;
 
 /// Rounds over the transducers of a frame at most.

@@ -32,13 +32,13 @@ pub type State = [[[f64; 8]; 3]; 6];
 pub struct Flight {
     /// The beads, all alike.
     pub particle: Particle,
-    /// In m/s^2.
+    /// Gravity in m/s^2.
     pub gravity: [f64; 3],
-    /// From a step to the next, in s.
+    /// The time from a step to the next, in s.
     pub step: f64,
     /// Steps from a knot to the next.
     pub steps: usize,
-    /// In m.
+    /// The unit of the coordinates in m.
     pub unit: f64,
 }
 

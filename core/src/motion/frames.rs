@@ -127,7 +127,7 @@ impl<'a> Frames<'a> {
         padded(self.count * self.points)
     }
 
-    /// Whether a transducer radiates at all, or any of a channel's.
+    /// Whether a transducer radiates at all, or any transducer of a channel.
     pub(super) fn is_on(&self, i: usize) -> bool {
         let array = self.model.array();
         let on = |i: usize| array.effect(i) != Complex64::ZERO;

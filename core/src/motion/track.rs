@@ -16,7 +16,7 @@ use crate::math::phasor;
 /// A device's phases 2 pi l / L, and how many of them a transducer may move from one frame to the next.
 pub(super) struct Circle {
     pub(super) levels: usize,
-    /// In phases.
+    /// The largest change, in phases.
     pub(super) reach: usize,
     cos: Vec<f32>,
     sin: Vec<f32>,
@@ -39,7 +39,7 @@ impl Circle {
         (usize::from(code) + self.levels).wrapping_add_signed(steps).rem_euclid(self.levels) as u16
     }
 
-    /// How many phases lie between two codes, the shorter way round.
+    /// The number of phases between two codes, the shorter way round.
     pub(super) fn between(&self, a: u16, b: u16) -> usize {
         let apart = usize::from(a.abs_diff(b));
         apart.min(self.levels - apart)
@@ -50,7 +50,7 @@ impl Circle {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(clippy::exhaustive_enums, reason = "a sequence has no more ends")]
 pub enum Ends {
-    /// Nothing.
+    /// Neither the first frame nor the last is bound.
     Open,
     /// The last frame is followed by the first, within the bound.
     Closed,
@@ -111,7 +111,7 @@ impl<'a> Tracker<'a> {
         (0..best.len()).fold(0, |end, l| if best[l] > best[end] { l } else { end }) as u16
     }
 
-    /// Adds what each phase gains in a frame to the best before it.
+    /// Adds the gain of each phase in a frame to the best before it.
     fn meet(&mut self, [re, im]: [&[f32]; 2], frame: usize) {
         let own = &mut self.best[frame * self.circle.levels..][..self.circle.levels];
         for ((best, cos), sin) in own.iter_mut().zip(&self.circle.cos).zip(&self.circle.sin) {

@@ -106,13 +106,13 @@ impl Curve {
         self.length
     }
 
-    /// Whether its end is its start.
+    /// Whether the curve is closed.
     #[must_use]
     pub fn closed(&self) -> bool {
         self.closed
     }
 
-    /// The place after a way in m from its start. Lines end where they do; a circle goes on.
+    /// The place after a way in m from the start. Lines end at their end; a circle goes on.
     #[must_use]
     pub fn after(&self, way: f64) -> [f64; 3] {
         match &self.course {

@@ -31,7 +31,7 @@ pub struct Reach {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::exhaustive_enums, reason = "the two ways to ask for too much")]
 pub enum Beyond {
-    /// A target above what all transducers together give at that point.
+    /// A target above the pressure of all transducers together at that point.
     Alone {
         /// Index of the point.
         point: usize,
@@ -40,7 +40,7 @@ pub enum Beyond {
         /// The strongest pressure there in Pa.
         alone: f64,
     },
-    /// Targets that cannot be had at the same time.
+    /// Targets that no drive gives at the same time.
     Together {
         /// No drive reaches more than this part of every target, proven as [`crate::bound()`] proves it.
         most: f64,
@@ -122,7 +122,7 @@ impl Problem {
         if self.aim() == Aim::Target { self.targets.excess } else { 0.0 }
     }
 
-    /// Whether [`Problem::beyond`] has more to look at than the points' own reach.
+    /// Whether [`Problem::beyond`] has to examine more than the reach of single points.
     #[must_use]
     pub fn is_doubtful(&self) -> bool {
         self.aim() == Aim::Target && self.balance() < EVERYDAY

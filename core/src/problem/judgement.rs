@@ -23,11 +23,11 @@ const LOUD: f64 = 4.0;
 /// The error from which targets count as missed.
 pub(crate) const MISS: f64 = 0.01;
 
-/// How exact a judgement is.
+/// The precision of a judgement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[allow(clippy::exhaustive_enums, reason = "the two kinds of numbers that machines have")]
 pub enum Precision {
-    /// By the rows that solvers see: |p| to 1e-4 of what the array reaches at a point.
+    /// The rows of the solvers: |p| to 1e-4 of the array's reach at a point.
     #[default]
     Single,
     /// Eq. (5) in double precision, as the drive is: a hundred times as slow.

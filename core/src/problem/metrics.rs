@@ -2,7 +2,7 @@
 
 use crate::math;
 
-/// Hands the name of each metric, with its text, to a macro: what every binding says of it.
+/// Passes the name of each metric and its text to a macro, so that all bindings have the same text.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! metrics {
@@ -53,7 +53,7 @@ macro_rules! define {
 }
 metrics!(define);
 
-/// In double precision, and without memory: the points are walked more than once instead.
+/// Uses double precision and no memory: it goes through the points more than once instead.
 ///
 /// Each item of `points` is (|p|, target, weight) in any one unit.
 ///

@@ -40,7 +40,7 @@ const SLACK: f32 = 5e-5;
 /// Moduli that differ by a smaller part are one amplitude.
 pub(crate) const ALIKE: f32 = 1e-5;
 
-/// Root mean square of what quiet points may leak more, relative to the loudest point.
+/// The root mean square of the additional leak allowed at quiet points, relative to the loudest point.
 const QUIET: f32 = 2e-3;
 
 /// Brings drives of the amplitude `own` down to `level`, and no targeted point above it, where pressures are requested and one
@@ -126,7 +126,7 @@ pub(crate) fn mix<'w>(
 
 /// The errors e of the points.
 struct Points<'w> {
-    /// Of re, of im: 0 at a point with a target, where no component across counts.
+    /// Real and imaginary parts; the imaginary part is 0 at a point with a target, where only the component along P counts.
     error: Planar<'w>,
     /// 1 / P; 0 where there is no point.
     inverse: Planar<'w>,
@@ -159,7 +159,7 @@ impl<'w> Points<'w> {
         points
     }
 
-    /// The errors of a `field` times `part`, where points with a target are to have `level`.
+    /// The errors of a `field` times `part`, where points with a target should have `level`.
     fn read(&mut self, field: &Planar, part: f32, level: f32) {
         for j in 0..field.re.len() {
             let [re, im] = [part * field.re[j], part * field.im[j]];
@@ -179,7 +179,7 @@ impl<'w> Points<'w> {
         }
     }
 
-    /// Lowers the level that points with a target are to have.
+    /// Lowers the level that points with a target should have.
     fn lower(&mut self, by: f32) {
         self.error.re.iter_mut().zip(&*self.loud).for_each(|(error, loud)| *error += by * loud);
     }

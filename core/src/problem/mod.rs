@@ -79,7 +79,7 @@ impl Problem {
         Self::of_scene(scene, set, &mut Control::none())
     }
 
-    /// As [`Problem::with_instruction_set`], for what may take long: the sums of |G| are O(N M).
+    /// Like [`Problem::with_instruction_set`], with a control for long computations: the sums of |G| are O(N M).
     ///
     /// # Errors
     /// The same, and a stop.
@@ -87,7 +87,7 @@ impl Problem {
         Self::of_model(&Model::of(scene, set), scene.points(), scene.request(), control)
     }
 
-    /// As [`Problem::of_scene`], of an array and a medium that have been made ready before.
+    /// Like [`Problem::of_scene`], for a prepared array and medium.
     ///
     /// # Errors
     /// The same, and what [`Scene::new`] refuses of points and request.
@@ -113,7 +113,7 @@ impl Problem {
         Self::watched(propagation, setup, request, &mut Control::none())
     }
 
-    /// As [`Problem::with_propagation`], likewise.
+    /// Like [`Problem::with_propagation`], with a control.
     ///
     /// # Errors
     /// The same, and a stop.
@@ -129,7 +129,7 @@ impl Problem {
         Self::read(propagation, setup, request, control)
     }
 
-    /// A request of what has been checked.
+    /// A request of checked parts.
     fn read(
         propagation: Propagation,
         setup: Arc<Setup>,
@@ -229,7 +229,7 @@ impl Problem {
         Ok(self)
     }
 
-    /// As [`Problem::with_start`].
+    /// Like [`Problem::with_start`].
     pub(crate) fn begin(&mut self, mut start: Start) -> Result<(), Error> {
         match &mut start {
             Start::Drive(drive) => {

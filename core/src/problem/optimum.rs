@@ -37,7 +37,7 @@ const CUT: usize = 4;
 /// Weights tried for a box, each set from the one before.
 const TRIES: usize = 4;
 
-/// Other weights are looked for while the present ones cost more than this part of what the box's width costs.
+/// Other weights are searched while the present ones cost more than this part of the cost of the box's width.
 const WORTH: f64 = 0.1;
 
 /// The shortest step of a phase, in rad: the level is flat where it is highest.
@@ -60,12 +60,13 @@ pub(crate) struct Optimum {
     pub(crate) bound: f64,
     /// A drive has this level.
     pub(crate) level: f64,
-    /// Of the points, in rad, and what each counts: that drive is the phase of the transducers' `sum_j w_j v_j conj(h_ji)`.
+    /// The phases of the points in rad, and their weights: that drive is the phase of the transducers' `sum_j w_j v_j
+    /// conj(h_ji)`.
     pub(crate) phases: [f64; MOST],
     pub(crate) weights: [f64; MOST],
 }
 
-/// How long it is looked for.
+/// The length of the search.
 #[derive(Clone, Copy)]
 pub(crate) struct Effort {
     /// Until the bound is above the level by no more than this part of it, ...
@@ -204,7 +205,7 @@ impl Torus<'_> {
             for (factor, [j, k, part]) in factors.iter_mut().zip(terms(points)) {
                 let both = weights[j] * weights[k];
                 *factor = match part {
-                    // |x| at the middle, widened by what it is over the box.
+                    // |x| at the middle, widened by its range over the box.
                     0 if j == k => both * (1.0 + self.half[j] * self.half[j] / 3.0),
                     0 => 2.0 * both * turned(j, k).re,
                     _ => -2.0 * both * turned(j, k).im,
@@ -284,7 +285,7 @@ struct Swing {
     slopes: [f64; MOST],
     /// The second and third order of all cosines.
     bent: f64,
-    /// The sum of what each cosine is at most.
+    /// The sum of the maxima of all cosines.
     apart: f64,
 }
 
@@ -307,7 +308,7 @@ impl Swing {
     }
 }
 
-/// By the certificate, then by the phases: no two boxes are alike.
+/// Ordered by the certificate, then by the phases: no two boxes are alike.
 fn compare(a: &[f64; BOX], b: &[f64; BOX]) -> Ordering {
     a.iter().zip(b).map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
 }

@@ -40,7 +40,7 @@ impl Problem {
         })
     }
 
-    /// Whether rows of G are not the caller's.
+    /// Whether rows of G differ from the caller's.
     pub(crate) fn is_stretched(&self) -> bool {
         self.plain.is_some()
     }

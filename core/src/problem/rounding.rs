@@ -1,4 +1,4 @@
-//! Rounding: a solution brought down to its targets and to what its board plays.
+//! Rounding: a solution reduced to its targets and rounded to its board's grid.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;

@@ -33,7 +33,7 @@ pub struct Setup {
     pub medium: Medium,
     /// The board's grid; `None` for any drive.
     pub quantization: Option<Arc<Quantization>>,
-    /// The positions in m of what G has a column of, where they are known: for an order of columns. A channel's is the middle
+    /// The positions in m of the columns of G, if they are known: for an order of columns. A channel's is the middle
     /// of its transducers.
     pub positions: Option<Arc<[[f64; 3]]>>,
     /// Which transducers one channel drives, where G has a column a channel; `None` where it has one a transducer.
@@ -50,7 +50,7 @@ impl Setup {
         Self { medium, quantization, positions: middles.or(Some(positions)), channels }
     }
 
-    /// Refuses what does not fit G.
+    /// Rejects parts that do not fit G.
     pub(crate) fn check(&self, propagation: &Propagation) -> Result<(), Error> {
         self.medium.check()?;
         let columns = propagation.transducers();

@@ -27,7 +27,7 @@ pub(super) fn divided(z: Complex32, factor: f64) -> Complex32 {
     Complex32::new(part(z.re), part(z.im))
 }
 
-/// A drive and what it does at the points.
+/// A drive and its pressures at the points.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Solution {
@@ -36,7 +36,7 @@ pub struct Solution {
     /// Complex pressures (M,) in Pa (peak) at all of the caller's points, by one f32 pass over the rows. Under a signature
     /// those of the foci that it turned into traps, sum G s q; [`crate::field()`] tells the real ones.
     pub pressures: Vec<Complex32>,
-    /// How the solve ended.
+    /// The status at the end of the solve.
     pub status: Status,
     /// Steps taken.
     pub steps: usize,

@@ -30,7 +30,7 @@ pub(crate) const LEAST_CLEARANCE: f64 = 0.01;
 pub(crate) struct Local(Vec<([f64; 3], [Complex64; TERMS])>);
 
 impl Local {
-    /// Fields of a ball of a radius in m, for wavenumber k, whose imaginary part is the absorption.
+    /// Places on a ball of a radius in m, for a wavenumber whose imaginary part is the absorption.
     pub(crate) fn new(wavenumber: Complex64, radius: f64) -> Self {
         let (heights, weights) = gauss(HEIGHTS);
         let steps = 2 * HEIGHTS;
@@ -44,7 +44,7 @@ impl Local {
         Self((0..HEIGHTS * steps).map(place).collect())
     }
 
-    /// The ball around a point that is clear of bodies: `None` where a point, this far in m from the nearest, is within
+    /// Places on a ball that is clear of bodies: `None` where a point, this far in m from the nearest, is within
     /// a hundredth of a wavelength of it.
     pub(crate) fn beside(medium: Medium, clear: f64) -> Option<Self> {
         let ball = || Self::new(medium.complex_wavenumber(), 0.125 * clear.min(medium.wavelength()));

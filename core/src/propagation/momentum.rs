@@ -33,7 +33,7 @@ pub(crate) struct Pushed {
 }
 
 impl Pushed {
-    /// The momentum terms of a particle, by its size and density.
+    /// A sphere with the size and density of a particle.
     pub(crate) fn new(particle: Particle, medium: Medium) -> Self {
         let medium = Medium { absorption: 0.0, ..medium };
         let size = medium.wavenumber() * particle.radius;

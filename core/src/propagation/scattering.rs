@@ -70,7 +70,7 @@ impl Scattering {
         }
     }
 
-    /// How much longer an entry of G takes behind them than without.
+    /// The ratio of the time of an entry of G behind obstacles to that without.
     pub(crate) fn cost(&self) -> usize {
         // A wave or an element takes a hundredth of the time of eq. (5).
         1 + self.images.len() + self.bodies.as_ref().map_or(0, |bodies| bodies.len() / 100)

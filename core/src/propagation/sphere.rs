@@ -42,7 +42,7 @@ pub(crate) struct Sphere {
     order: usize,
     /// h_n(ka) of orders 0 to one above the highest.
     surface: Vec<Complex64>,
-    /// Of each order n and m = 0..=n, what the recurrence of Legendre functions multiplies by.
+    /// Factors of the recurrence of Legendre functions for each order n and m = 0..=n.
     factors: Vec<[f64; 2]>,
 }
 
@@ -177,7 +177,7 @@ impl Sphere {
     }
 }
 
-/// Directions in which what the surface meets is looked at.
+/// Directions in which the wave at the surface is sampled.
 pub(crate) struct Rules {
     /// Gauss' rule in the cosine to the z axis.
     heights: Vec<f64>,
@@ -256,7 +256,7 @@ impl Rules {
         sum
     }
 
-    /// At a height, the parts that go with cos(m phi) and sin(m phi) of a function by its shares.
+    /// The parts with cos(m phi) and sin(m phi) of a function at a height, by its shares.
     fn along(&self, h: usize, shares: &[Complex64]) -> Vec<[Complex64; 2]> {
         let count = self.heights.len();
         let part = |m: usize, k: &dyn Fn(usize) -> usize| {

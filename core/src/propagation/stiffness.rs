@@ -1,4 +1,5 @@
-//! Stiffness of traps as a form in the drive: the field's Taylor coefficients at each point, and what the stiffness makes of them.
+//! Stiffness of traps as a form in the drive: the field's Taylor coefficients at each point, and their contribution
+//! to the stiffness.
 //!
 //! ```text
 //! c_jt  = sum_i C_jti q_i                                    coefficient t of p at point j, of degree n_t, times k^-n_t
@@ -52,8 +53,8 @@ pub(crate) struct Stiffness {
 }
 
 impl Stiffness {
-    /// Of what some sources make at some points, obstacles counted in, summed by their channels; `None` where the field has
-    /// no derivatives.
+    /// The Taylor coefficients of some sources at some points, with obstacles, summed by their channels; `None` where
+    /// the field has no derivatives.
     ///
     /// # Errors
     /// More memory than allowed, a stop.
@@ -240,7 +241,7 @@ fn forms(factors: [f64; 2], units: &[f64; TERMS]) -> Forms {
     let alone: [_; TERMS] = core::array::from_fn(|term| values(&[term]));
     let mut forms = vec![[[0.0; TERMS]; TERMS]; alone[0].len()];
     for t in 0..TERMS {
-        // Of other degrees neither force nor second derivatives know.
+        // Force and second derivatives do not depend on other degrees.
         for u in (0..=t).filter(|&u| (1..=4).contains(&(degree(t) + degree(u)))) {
             let both = values(&[t, u]);
             for (entry, form) in forms.iter_mut().enumerate() {

@@ -1,4 +1,5 @@
-//! Strips of G: tiles of some transducers at a time, and what one pass over them gives: powers, G G^H, G^H p and G q.
+//! Strips of G: tiles of some transducers at a time, and the results of one pass over them: powers, G G^H, G^H p and
+//! G q.
 //!
 //! Sixteen transducers fill the lanes, however few points there are: at M = 4 a method makes G once in a quarter of the time
 //! that one row a transducer takes. Where G is small it is one strip, made once and met again in each pass. Else each
@@ -33,9 +34,9 @@ pub(crate) struct Strips<'w> {
     propagation: &'w Propagation,
     order: Buffer<'w, u32>,
     planes: [Aligned<'w>; 2],
-    /// Transducers of a strip, whole pairs of tiles unless it is the only one.
+    /// The number of transducers of a strip: whole pairs of tiles unless it is the only one.
     strip: usize,
-    /// Whether the only strip is there.
+    /// Whether the only strip is ready.
     made: bool,
     work: &'w Workspace,
 }
@@ -163,7 +164,7 @@ impl<'w> Strips<'w> {
         })?;
         for k in 0..count {
             control.pulse()?;
-            // A diagonal is real: what rounding left of its imaginary part would turn phases.
+            // A diagonal is real: the rest of its imaginary part after rounding would turn phases.
             product.im[k * lanes + k] = 0.0;
             for l in k + 1..count {
                 let (upper, lower) = (k * lanes + l, l * lanes + k);

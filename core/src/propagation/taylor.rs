@@ -24,7 +24,7 @@ pub(crate) struct Taylor {
 }
 
 impl Taylor {
-    /// Of some sources with a factor each, in which the response is counted.
+    /// The expansion of some sources with a factor each, which includes the response.
     pub(crate) fn new(set: InstructionSet, sources: &Sources, factor: impl Fn(usize) -> Complex64) -> Self {
         let array = &sources.array;
         let factor = |i: usize| factor(i) * array.transducer().source_pressure;

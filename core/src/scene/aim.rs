@@ -2,13 +2,13 @@
 
 use crate::scene::words;
 
-/// How loud `uniform` and `best` make the points.
+/// The level that `uniform` and `best` give the points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(clippy::exhaustive_enums, reason = "the two of docs/requests.md")]
 pub enum Aim {
     /// Meet the targets, and never exceed them.
     Target,
-    /// As loud as the array can make them, the ratios kept.
+    /// The highest level of the array, with the ratios kept.
     Max,
 }
 

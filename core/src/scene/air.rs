@@ -70,7 +70,8 @@ impl Medium {
         Self::air(frequency, ROOM, HUMIDITY, STANDARD)
     }
 
-    /// The air of what is given; left out, the temperature is that of the sound speed, the rest as usual.
+    /// The air of the given values; a missing temperature is that of the sound speed, other missing values are the
+    /// defaults.
     pub(super) fn air_of(self, given: [Option<f64>; 3]) -> Result<Self, Error> {
         let [temperature, humidity, air_pressure] = given;
         let temperature = temperature.unwrap_or_else(|| self.temperature());

@@ -23,7 +23,7 @@ const MOST_TRANSDUCERS: usize = 1 << 20;
 /// Pressures far outside any unit's would leave f32's range somewhere.
 pub(crate) const UNITS: core::ops::RangeInclusive<f64> = 1e-15..=1e15;
 
-/// N transducers. Copies share what they hold.
+/// N transducers. Copies share their memory.
 ///
 /// ```text
 ///        z   theta = angle to the normal
@@ -242,7 +242,7 @@ impl Array {
         self.mask.as_deref()
     }
 
-    /// The grid of the device, or `None` where any drive can be had.
+    /// The grid of the device, or `None` if any drive is possible.
     #[must_use]
     pub fn quantization(&self) -> Option<&Quantization> {
         self.quantization.as_deref()
@@ -261,7 +261,8 @@ impl Array {
         self.response.as_ref().map_or(Complex64::ONE, |response| response[i])
     }
 
-    /// The same transducers elsewhere: what a mirror makes of their places and directions, in opposite phase where it says so.
+    /// The transducers at other places: a mirror's images of places and directions, in opposite phase where it says
+    /// so.
     pub(crate) fn moved(
         &self,
         place: impl Fn([f64; 3]) -> [f64; 3],
@@ -315,7 +316,7 @@ impl Array {
         self.hardware.map_or(Ok(Medium::default()), |own| Medium::room(stated.unwrap_or(own)))?.with(given)
     }
 
-    /// How the array came about.
+    /// The origin of the array.
     #[must_use]
     pub fn origin(&self) -> &Origin {
         &self.origin
@@ -338,7 +339,7 @@ impl Array {
     }
 }
 
-/// By value: how an array came about does not count, nor whether it is hardware or a mask of no effect was given.
+/// By value: the origin of an array does not count, nor whether it is hardware or a mask without effect was given.
 impl PartialEq for Array {
     fn eq(&self, other: &Self) -> bool {
         let on = |array: &Self, i: usize| array.mask.as_ref().is_none_or(|mask| mask[i]);

@@ -1,11 +1,11 @@
-//! Bead: the sphere that traps are made for, and what pulls it down.
+//! Bead: the sphere that traps are made for, and the gravity on it.
 
 use crate::error::Error;
 use crate::scene::geometry::vector;
 use crate::scene::key::{Key, numbers};
 
 numbers! {
-    /// A sphere that is to be trapped.
+    /// A sphere that should be trapped.
     ///
     /// The default is a bead of expanded polystyrene, 2 mm across and 29 kg/m^3: the density of the beads of A. Marzo et al.,
     /// "Holographic acoustic elements for manipulation of levitated objects", Nature Communications 6, 8661 (2015). Its sound
@@ -15,7 +15,7 @@ numbers! {
         radius = 1e-3, above 0.0, such as 1e-3;
         /// Density in kg/m^3; left out 29, that of expanded polystyrene.
         density = 29.0, above 0.0, such as 29.0;
-        /// Sound speed in m/s of what it is made of; left out 900.
+        /// Sound speed in m/s of its material; left out 900.
         sound_speed = 900.0, above 0.0, such as 900.0;
     }
     or by {}

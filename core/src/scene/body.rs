@@ -15,7 +15,7 @@ pub struct Body {
     pub noun: &'static str,
     /// Its parameters, each with the count of its numbers.
     pub parts: &'static [(Key, usize)],
-    /// Makes one of the numbers of each part and what its surface does; the counts are right.
+    /// Makes the body from the numbers of each part and its boundary condition; the counts are right.
     pub make: fn(&[Vec<f64>], Surface) -> Obstacle,
     /// The numbers of each part and the surface, of an obstacle of this kind.
     pub read: fn(&Obstacle) -> Option<Described>,

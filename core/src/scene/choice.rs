@@ -13,7 +13,7 @@ pub struct Choice {
     pub name: String,
     /// The options set; the others keep their defaults.
     pub options: Options,
-    /// Whether to balance; left out it is the method's own habit.
+    /// Whether to balance; left out it is the method's default.
     pub balance: Option<bool>,
     /// The aim, for a method that uses one; left out it is the problem's own.
     pub aim: Option<Aim>,

@@ -17,7 +17,7 @@ pub(crate) fn check_array(array: &Array, medium: Medium) -> Result<(), Error> {
     medium.check()?;
     array.transducer().directivity.check_beam(medium.wavenumber())?;
     let check = |places: &[[f64; 3]]| check_places(array.centre(), medium, "array.positions", "", places);
-    // Nothing in a box is farther from its middle than two of its corners: all are gone through to name one.
+    // No point of a box is farther from its middle than two of its corners: all points are checked to name one.
     let corners = [0, 1].map(|end| array.bounds().map(|bound| bound[end]));
     check(&corners).or_else(|_| check(array.positions()))
 }

@@ -65,7 +65,7 @@ macro_rules! numbers {
                 [$( (stringify!($field), self.$field), )+].into_iter()
             }
 
-            /// Sets one of the numbers; the answer is whether there is one of this name.
+            /// Sets one of the numbers; returns whether there is one of this name.
             fn set(&mut self, name: &str, value: f64) -> bool {
                 match name {
                     $( stringify!($field) => self.$field = value, )+
@@ -86,7 +86,7 @@ macro_rules! numbers {
 }
 pub(crate) use numbers;
 
-/// Whether a range leaves its end out: `above` it, or from `least` on.
+/// Whether a range excludes its end: `above` it, or from `least` on.
 macro_rules! strict {
     (above) => {
         true

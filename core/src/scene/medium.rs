@@ -20,11 +20,11 @@ numbers! {
         density = 1.223, above 0.0, such as 1.2;
     }
     or by {
-        /// Of the air in degrees C, in place of sound_speed: c = 331.3 sqrt(1 + T/273.15) m/s, and absorption and density.
+        /// Temperature of the air in degrees C, in place of sound_speed: c = 331.3 sqrt(1 + T/273.15) m/s, and absorption and density.
         temperature, such as 25.0;
-        /// Of the air in percent: absorption (ISO 9613-1) and density; left out 50, where the air is given at all.
+        /// Relative humidity of the air in percent, for absorption (ISO 9613-1) and density; left out 50, where the air is given at all.
         humidity, such as 50.0;
-        /// Of the air in Pa, likewise; left out 101325.
+        /// Pressure of the air in Pa, likewise; left out 101325.
         air_pressure, such as 101325.0;
     }
 }

@@ -72,7 +72,7 @@ impl Mesh {
                 return Err(Error::invalid(name(f), format!("{:?}", mesh.faces[f]), FLAT));
             }
         }
-        // Of the divergence theorem, about a corner so that rounding stays small.
+        // The volume by the divergence theorem, about a corner so that rounding stays small.
         let origin = mesh.vertices[0];
         mesh.volume = mesh
             .triangles()
@@ -137,7 +137,7 @@ impl Mesh {
         self.winding(place) > 0.5
     }
 
-    /// How often the surface goes round a place: 1 inside, 0 outside.
+    /// The number of times that the surface surrounds a place: 1 inside, 0 outside.
     pub(crate) fn winding(&self, place: [f64; 3]) -> f64 {
         let angle = |corners: Triangle| solid_angle(corners.map(|corner| minus(corner, place)));
         self.triangles().map(angle).sum::<f64>() / (2.0 * core::f64::consts::TAU)

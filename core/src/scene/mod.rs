@@ -169,7 +169,7 @@ impl Scene {
         self.obstacles.given()
     }
 
-    /// The checked scene.
+    /// The obstacles, which have been checked.
     pub(crate) fn checked_obstacles(&self) -> &Obstacles {
         &self.obstacles
     }
@@ -255,7 +255,7 @@ impl Scene {
         planes
     }
 
-    /// Whether a picture of the plane shows any of the points, or the shell around a trap, which is dark itself.
+    /// Whether a picture of the plane shows any of the points, or the shell around a trap, whose middle is dark.
     #[must_use]
     pub fn is_shown(&self, plane: &Plane) -> bool {
         let wavelength = self.medium.wavelength() * if self.signature.is_some() { SHELL } else { 1.0 };

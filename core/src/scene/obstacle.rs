@@ -23,7 +23,8 @@ const LARGEST_SPHERE: f64 = 12.0;
 /// Boundary elements of a scene's meshes: their matrix is then 7 GB.
 const MOST_ELEMENTS: f64 = 30_000.0;
 
-/// The least distance of a body from a transducer, in wavelengths: nearer, what goes to and fro is beyond eq. (5).
+/// The least distance of a body from a transducer, in wavelengths: eq. (5) does not hold for waves between nearer
+/// ones. (5).
 const CLEAR: f64 = 0.25;
 
 obstacles! {
@@ -52,7 +53,7 @@ obstacles! {
 }
 
 impl Obstacle {
-    /// The lowest and highest coordinate of a body along each axis; what is no body has none.
+    /// The lowest and highest coordinate of a body along each axis; a wall has none.
     pub(crate) fn bounds(&self) -> Option<[[f64; 2]; 3]> {
         match self {
             Self::Sphere { center, radius, .. } => Some(center.map(|x| [x - radius, x + radius])),
@@ -107,7 +108,7 @@ impl Obstacles {
         Ok(all)
     }
 
-    /// As they were given.
+    /// The numbers as they were given.
     pub(crate) fn given(&self) -> &[Obstacle] {
         &self.given
     }

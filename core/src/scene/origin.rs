@@ -1,6 +1,6 @@
 //! Origin of an array: a grid, a preset or positions.
 
-/// How an array came about, so that a scene file can say it as briefly as it was said.
+/// The origin of an array, so that a scene file can state it in short form.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Origin {
     /// Positions and normals one by one.

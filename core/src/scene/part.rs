@@ -52,7 +52,7 @@ pub enum PartValue {
 
 type Checked = Result<Array, Error>;
 
-/// How a part is read from an array, and how an array gets it.
+/// The function that reads a part from an array, and the function that sets it.
 #[derive(Debug)]
 enum Access {
     Real(fn(&Array) -> f64, fn(Array, f64) -> Checked),
@@ -104,7 +104,7 @@ parts! {
     );
     /// Complex factor [re, im] of each transducer; 0 is dead.
     response, such as "[[1.0, 0.0], [0.5, -0.2]]": Access::Complexes(Array::response, Array::with_response);
-    /// Of each transducer; false is off.
+    /// Mask of each transducer; false is off.
     mask, such as "[true, false]": Access::Flags(Array::mask, Array::with_mask);
     /// The driven channel of each transducer, where several are wired to one; left out the preset's, or each its own.
     channels, such as "[0, 0, 1, 1]": Access::Indices(Array::channels, Array::with_channels);
@@ -126,7 +126,7 @@ impl Part {
         }
     }
 
-    /// The board of an array, or `None` where it has none.
+    /// The value of this part in an array, or `None` where it has none.
     #[must_use]
     pub fn of(&self, array: &Array) -> Option<PartValue> {
         match self.access {
@@ -175,7 +175,7 @@ impl Array {
         Self::PARTS.iter().find(|part| same_name(part.name, name))
     }
 
-    /// The parts that, given beside its origin, make the same array again: what the preset has anyway is left out.
+    /// The parts that, given beside its origin, make the same array again; those of the preset are left out.
     pub fn stated(&self) -> impl Iterator<Item = (&'static str, PartValue)> + '_ {
         let usual = match *self.origin() {
             Origin::Preset { name, tiles } => Self::preset(name, tiles).ok(),
@@ -194,7 +194,7 @@ impl Array {
     }
 }
 
-/// The value that stands for none of a part, where leaving it out would be the preset's.
+/// The value that stands for a missing part, where leaving it out would mean the preset's.
 fn none_like(usual: &PartValue, transducers: usize) -> Option<PartValue> {
     Some(match usual {
         PartValue::Complexes(_) => PartValue::Complexes(vec![Complex64::ONE; transducers]),

@@ -138,7 +138,7 @@ impl Plane {
         Self { at: 0.5 * (body[1][0] + body[1][1]), ..around }
     }
 
-    /// Whether it cuts the box of those bounds.
+    /// Whether the plane cuts the box of those bounds.
     pub(crate) fn cuts(&self, bounds: [[f64; 2]; 3]) -> bool {
         let within = |k: usize, at: f64, half: f64| bounds[k][0] < at + half && at - half < bounds[k][1];
         let mut beside = self.axis.others().into_iter().zip(self.center);
@@ -154,7 +154,7 @@ impl Plane {
         let center = [middle(across), middle(up)];
         let mut places: Vec<f64> = points.iter().map(|point| point[axis.index()]).collect();
         places.sort_unstable_by(f64::total_cmp);
-        // From each lowest place as far as its plane's middle is near to all.
+        // From each lowest place up to the last one for which the plane's middle is near to all.
         let mut layers: Vec<_> = Vec::new();
         let mut rest = &places[..];
         while let Some(&low) = rest.first() {
@@ -233,7 +233,7 @@ impl Plane {
     }
 }
 
-/// As a person would write it down.
+/// The number as a person would write it.
 impl fmt::Display for Plane {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { axis, at, size, pixels, center: [across, up] } = self;

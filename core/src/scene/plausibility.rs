@@ -20,7 +20,7 @@ use crate::scene::request::Request;
 /// Hz of air-coupled arrays, 20 kHz to 1 MHz, with a margin for audible and for laboratory frequencies.
 const FREQUENCY: RangeInclusive<f64> = 5e3..=2e6;
 
-/// Degrees C of air that anybody works in.
+/// Temperatures in degrees C at which people work.
 const TEMPERATURE: RangeInclusive<f64> = -60.0..=60.0;
 
 /// kg/m^3 of air from high mountains to deep frost.
@@ -78,7 +78,7 @@ fn in_unit(value: f64, unit: &str, others: &[(&str, f64)], range: &RangeInclusiv
     format!("give {unit}{}", meant.unwrap_or_default())
 }
 
-/// A length, with the range that it should have.
+/// Like [`in_unit`] for a length.
 fn metres(value: f64, range: &RangeInclusive<f64>) -> String {
     in_unit(value, "m", &[("mm", 1e-3), ("cm", 1e-2)], range)
 }
@@ -146,7 +146,7 @@ fn of_medium(medium: Medium) -> Vec<Doubt> {
     doubts
 }
 
-/// A speed that air does not have, and what it was probably made of.
+/// A sound speed that air does not have, and the unit that was probably meant.
 fn of_speed(speed: f64, celsius: f64) -> (String, String) {
     let value = format!("{} m/s", short(speed));
     let scales = [("K", celsius - 273.15), ("degrees F", (celsius - 32.0) / 1.8)];

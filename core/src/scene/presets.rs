@@ -68,7 +68,7 @@ const MURATA: Transducer = Transducer { source_pressure: 3.4, directivity: Direc
 const HANDYBEAM: Transducer = Transducer { source_pressure: 3.4, directivity: Directivity::cos(3.376) };
 const OPENMPD: &str =
     "OpenMPD board file (16 x 16 at 10.5 mm, x slow, y from + to -) and AcousTools 1.2, Boards.py (gap, P0, piston)";
-/// Of boards above and below the origin, to the plane between them.
+/// Boards above and below the origin, relative to the plane between them.
 const INWARDS: fn([f64; 3]) -> [f64; 3] = |[_, _, z]| [0.0, 0.0, -z.signum()];
 const SUZUKI: &str = "Suzuki et al., IEEE Trans. Haptics 14(4), 2021, section IV";
 
@@ -293,7 +293,7 @@ fn levitator(rings: [(u32, f64, f64); 3]) -> Vec<[f64; 3]> {
 /// Height of the focus of Ultraino's bowl, whose radius is 72.7 mm.
 const BOWL_FOCUS: f64 = 55.5e-3;
 
-/// From the rim to the middle, as Ultraino's file has them: each ring from +y on, the third half a step later.
+/// Rings from the rim to the middle, as in Ultraino's file: each ring from +y on, the third half a step later.
 fn bowl() -> Vec<[f64; 3]> {
     const RINGS: [(u32, f64, f64, f64); 5] = [
         (28, 56.75e-3, 10.14e-3, 0.0),

@@ -80,8 +80,7 @@ impl Signature {
 
     /// The signature of a name, of one point among others: "focus", too.
     ///
-    /// # Errors
-    /// A name of none.
+    /// # Errors An unknown name.
     pub fn of_point(name: &str) -> Result<Self, Error> {
         let known: [(&str, Self); 4] = core::array::from_fn(|k| KNOWN.get(k).cloned().unwrap_or((FOCUS, Self::Focus)));
         find("signature", name, &known, |known| known.0).map(|known| known.1.clone())
@@ -96,7 +95,7 @@ impl Signature {
         KNOWN.iter().find(|(_, known)| known == self).map(|known| known.0)
     }
 
-    /// Whether all points are to be [`Signature::Trap`].
+    /// Whether all points should be [`Signature::Trap`].
     pub(crate) fn traps(&self) -> bool {
         match self {
             Self::Each(each) => each.iter().all(|one| *one == Self::Trap),
@@ -104,7 +103,7 @@ impl Signature {
         }
     }
 
-    /// Of some of the points alone.
+    /// The signature of some of the points.
     pub(crate) fn select(&self, chosen: &[usize]) -> Self {
         match self {
             Self::Each(each) => Self::Each(chosen.iter().map(|&j| each[j].clone()).collect()),

@@ -46,12 +46,12 @@ pub trait OptionValue: Sized {
     const WORDS: &'static [&'static str] = &[];
     /// Whether it takes a list of integers.
     const LIST: bool = false;
-    /// Reads it from what a door handed over; `item` names the option in the error.
+    /// Reads the value that a binding passes; `item` names the option in the error.
     ///
     /// # Errors
     /// A value of another kind or out of range.
     fn read(item: &str, value: &Value) -> Result<Self, Error>;
-    /// The value that is shown.
+    /// The option as a [`Value`].
     fn show(&self) -> Value;
 }
 
@@ -109,7 +109,7 @@ pub fn word<T: Copy>(item: &str, value: &Value, words: &[(&'static str, T)]) -> 
     })
 }
 
-/// The word for a value that is one of a few words.
+/// The word for a value with a fixed set of words.
 pub fn spell<T: Copy + PartialEq>(value: T, words: &[(&'static str, T)]) -> Value {
     let found = words.iter().find(|(_, meaning)| *meaning == value);
     Value::Text(found.map_or_else(String::new, |(word, _)| (*word).to_string()))

@@ -20,13 +20,13 @@ pub struct Batch {
     pub metrics: Vec<Metrics>,
     /// The factor (B,) that supply or modulation must apply to each drive, see [`crate::Solution::scale`].
     pub scale: Vec<f64>,
-    /// How each ended (B,).
+    /// The status of each problem (B,).
     pub status: Vec<Status>,
     /// Steps of each (B,).
     pub steps: Vec<usize>,
-    /// Whether a target of each is above what the array reaches there (B,).
+    /// Whether a target of each problem is above the array's reach there (B,).
     pub beyond: Vec<bool>,
-    /// Whether the targets of each are below half the balanced level, solved unbalanced (B,).
+    /// Whether the targets of each problem are below half the balanced level, solved unbalanced (B,).
     pub weak: Vec<bool>,
     /// Warnings about the answers: a line a kind, with counts.
     pub remarks: Vec<String>,
@@ -76,7 +76,7 @@ fn remarks(outcomes: &[Outcome]) -> Vec<String> {
     [beyond, missed, weak, unused, scaled, harmonic].into_iter().flatten().collect()
 }
 
-/// How a problem ended.
+/// The status of a problem.
 #[derive(Clone, Copy)]
 pub(super) struct Outcome {
     pub(super) metrics: Metrics,
@@ -96,7 +96,7 @@ pub(super) struct Outcome {
 }
 
 impl Default for Outcome {
-    /// Not begun: silence.
+    /// Not begun: the all-zero drive.
     fn default() -> Self {
         let metrics = Metrics { residual: 1.0, ..Metrics::default() };
         let (scale, status, steps, phases_unused, harmonic) = (1.0, Status::Stopped, 0, false, None);

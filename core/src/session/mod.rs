@@ -36,9 +36,9 @@ use crate::solvers::solve::solve_after;
 /// costs to wake a thread.
 const STRETCH: usize = 1 << 17;
 
-/// A solver with its array, its memory and its last solution: what a loop that follows a hand calls.
+/// A solver with its array, its memory and its last solution, for loops such as those that follow a hand.
 ///
-/// From the second call of a size on (all weights above 0) nothing is allocated.
+/// From the second call of a size on (all weights above 0) no memory is allocated.
 ///
 /// ```
 /// use midair::{Array, SolveRequest, Control, InstructionSet, Medium, Model, Session, solvers};
@@ -62,11 +62,11 @@ pub struct Session {
     last: Last,
     /// Which kinds of remark it has made.
     reported: [bool; 8],
-    /// Whether it has looked for the proof that targets cannot be had together.
+    /// Whether it has searched the proof that no drive gives all targets together.
     looked: bool,
     /// Where points are looked for, until one was found outside.
     vicinity: Option<Vicinity>,
-    /// Whether points have been looked at for two pressures in one place.
+    /// Whether points were checked for two pressures in one place.
     compared: bool,
 }
 

@@ -207,7 +207,7 @@ impl Worker {
         (read, refused)
     }
 
-    /// Asks what problem `index` is and writes it over the worker's problem `k`.
+    /// Reads the request of problem `index` into the worker's problem `k`.
     fn read(&mut self, k: usize, index: usize, task: &Task, requests: Requests<'_>) -> Result<(), Error> {
         (self.ask.start, self.ask.aim) = (None, None);
         (requests.ask)(index, &mut self.ask)?;

@@ -4,7 +4,7 @@ use crate::kernels::InstructionSet;
 use crate::kernels::limit;
 use crate::scene::words;
 
-/// How a drive that may exceed |q| = 1 is brought back.
+/// The rule that limits a drive that may exceed |q| = 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(clippy::exhaustive_enums, reason = "the three ways that the field uses")]
 pub enum AmplitudeLimit {

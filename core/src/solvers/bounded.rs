@@ -121,7 +121,7 @@ fn inner(a: Complex64, b: Complex64) -> f64 {
     a.re * b.re + a.im * b.im
 }
 
-/// An iterate within |q| < 1, and what the next step from it needs.
+/// An iterate within |q| < 1, and the values that the next step from it needs.
 struct Barrier<'w> {
     set: InstructionSet,
     /// W^(1/2) G, row by row, and W^(1/2).
@@ -152,7 +152,7 @@ struct Barrier<'w> {
 }
 
 impl<'w> Barrier<'w> {
-    /// At q = 0.
+    /// The iterate at q = 0.
     fn new(problem: &Problem, work: &'w Workspace, control: &mut Control) -> Result<Self, Error> {
         let propagation = problem.propagation();
         let (count, transducers) = (propagation.points(), propagation.transducers());
@@ -220,7 +220,7 @@ impl<'w> Barrier<'w> {
         }
     }
 
-    /// Whether no allowed drive's error is below this one's by more than `tolerance` of it.
+    /// Whether the error of no allowed drive is below this one's by more than `tolerance` of it.
     fn is_proven(&self, tolerance: f64) -> bool {
         self.error - self.least <= tolerance * self.least.max(LEAST_ERROR * self.requested)
     }

@@ -24,7 +24,7 @@ pub enum Remark {
     Missed(f64),
     /// The part of the balanced level that the targets are: below half of it, and nothing balanced them.
     Weak(f64),
-    /// The targets have phases, and the solver does not use them.
+    /// Warns that the targets have phases, and the solver does not use them.
     PhasesUnused,
     /// The factor that is left to supply or modulation: the device has no amplitude for the answer.
     Scaled(f64),
@@ -35,7 +35,7 @@ pub enum Remark {
         /// The board's phases.
         phases: u32,
     },
-    /// Quiet points leak more than the solver was to allow.
+    /// Warns that quiet points leak more than the solver was to allow.
     Leak {
         /// The most, relative to the loudest point, times the point's weight over the targets' largest.
         leak: f64,
@@ -109,25 +109,25 @@ impl fmt::Display for Remark {
 const HARMONIC: f64 = 0.25;
 
 impl Remark {
-    /// Targets are weak, where a solver takes them as they stand.
+    /// Warns that targets are weak, where a solver takes them as they stand.
     #[must_use]
     pub fn weak(problem: &Problem, solver: &dyn Solve, balance: bool) -> Option<Self> {
         weak_part(problem, solver, balance).map(Self::Weak)
     }
 
-    /// The targets are missed by more than 1 %, where a solver goes on until they are met.
+    /// Warns that the targets are missed by more than 1 %, where a solver goes on until they are met.
     #[must_use]
     pub fn missed(problem: &Problem, solver: &dyn Solve, solution: &Solution) -> Option<Self> {
         problem.missed(solver.meets_targets(), solver.quiet(), solution).map(Self::Missed)
     }
 
-    /// The targets have phases which the solver does not use.
+    /// Warns that the targets have phases which the solver does not use.
     #[must_use]
     pub fn phases_unused(problem: &Problem, solver: &dyn Solve) -> Option<Self> {
         (problem.target_phases().is_some() && !solver.uses_phases()).then_some(Self::PhasesUnused)
     }
 
-    /// Quiet points leak much more than the solver was to allow.
+    /// Warns that quiet points leak much more than the solver was to allow.
     #[must_use]
     pub fn leak(problem: &Problem, solver: &dyn Solve, solution: &Solution) -> Option<Self> {
         let quiet = solver.quiet()?;
@@ -136,25 +136,25 @@ impl Remark {
         Some(Self::Leak { leak, quiet, able })
     }
 
-    /// The second harmonic is a large part of the loudest point.
+    /// Warns that the second harmonic is a large part of the loudest point.
     #[must_use]
     pub fn harmonic(problem: &Problem, solution: &Solution) -> Option<Self> {
         harmonic(problem, solution).map(|(share, pressure)| Self::Harmonic { share, pressure })
     }
 
-    /// The board's phases are too coarse for the bound on their changes; a bound of 0 requests that.
+    /// Warns that the board's phases are too coarse for the bound on their changes; a bound of 0 requests that.
     #[must_use]
     pub fn still(problem: &Problem, solver: &dyn Solve) -> Option<Self> {
         Self::still_on(solver.bound()?, problem.quantization()?.phases()?)
     }
 
-    /// The board has too few phases for a bound on their changes in rad.
+    /// Warns that the board has too few phases for a bound on their changes in rad.
     #[must_use]
     pub fn still_on(change: f64, phases: u32) -> Option<Self> {
         (change > 0.0 && steps_within(change, phases) < 1.0).then_some(Self::Still { change, phases })
     }
 
-    /// A factor is left to supply or modulation.
+    /// Warns that a factor is left to supply or modulation.
     #[must_use]
     pub fn scaled(solution: &Solution) -> Option<Self> {
         (solution.scale < 1.0).then_some(Self::Scaled(solution.scale))

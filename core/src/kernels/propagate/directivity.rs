@@ -56,7 +56,7 @@ impl<const EVEN: bool, const N: usize> Ahead for Polynomial<EVEN, N> {
 pub(crate) struct Chebyshev(pub(crate) Vec<f32>);
 
 impl Ahead for Chebyshev {
-    /// By Clenshaw's recurrence.
+    /// Uses Clenshaw's recurrence.
     #[inline(always)]
     fn directivity<S: Elementwise>(&self, s: S, along: S::V, inverse: S::V) -> S::V {
         let c = s.mul(along, inverse);

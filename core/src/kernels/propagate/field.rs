@@ -57,7 +57,7 @@ pub(crate) fn add_field(
     }))
 }
 
-/// As [`add_field`] at up to [`FEW`] points.
+/// Like [`add_field`] at up to [`FEW`] points.
 #[inline(always)]
 fn add_few<S: Elementwise, F: Form>(
     s: S,

@@ -23,7 +23,7 @@ impl Radiation {
 
 /// See above.
 pub(crate) trait Form: Copy {
-    /// Neither absorption nor a phase of its own.
+    /// A form without absorption and without a phase of its own.
     const PLAIN: bool = false;
 
     /// `amplitude` times D, where the cosine is `along` (the ray's part along the normal) times `inverse`.
@@ -65,7 +65,7 @@ impl<P: Ahead> Form for &P {
     }
 }
 
-/// Whatever form a radiation has, found at each element: for sets whose code is to be short.
+/// Any form of radiation, found at each element: for sets whose code must be short.
 #[derive(Clone, Copy)]
 pub(crate) struct AnyForm<'a>(pub(crate) &'a Radiation);
 
@@ -79,7 +79,7 @@ impl Form for AnyForm<'_> {
     }
 }
 
-/// As [`Form::direct`]: one function of the program.
+/// Like [`Form::direct`]: one function of the program.
 #[inline(never)]
 fn directed<S: Elementwise>(s: S, pattern: &Pattern, amplitude: S::V, along: S::V, inverse: S::V) -> S::V {
     macro_rules! by {

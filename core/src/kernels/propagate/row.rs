@@ -16,7 +16,7 @@ pub(crate) const NEAREST: f32 = 0.01;
 pub(crate) struct ControlPoints<'a> {
     /// x, y and z.
     pub(crate) coordinates: [&'a [f32]; 3],
-    /// How many of them are points; the rest is padding.
+    /// The number of points among them; the rest is padding.
     pub(crate) count: usize,
 }
 
@@ -66,7 +66,7 @@ pub(crate) fn element<S: Elementwise, F: Form>(
     wave(s, if F::PLAIN || from.in_phase { distance } else { s.add(distance, from.turns) }, amplitude)
 }
 
-/// From a source to a point, and the square of the distance.
+/// The vector from a source to a point, and the square of the distance.
 #[inline(always)]
 fn away<S: Elementwise>(s: S, from: &SourceLanes<S::V>, point: [S::V; 3]) -> ([S::V; 3], S::V) {
     let [x, y, z] = from.position;
@@ -188,7 +188,7 @@ impl<F: Form> Apart for Written<'_, F> {
     }
 }
 
-/// As [`write_row`] where the row's amplitudes are known.
+/// Like [`write_row`] where the row's amplitudes are known.
 #[inline(always)]
 pub(crate) fn write_known_row<S: Simd>(
     s: S,

@@ -12,14 +12,15 @@ use crate::kernels::simd::Simd;
 /// Rows of G, one a transducer, each a whole number of lane groups long.
 #[derive(Clone, Copy)]
 pub(crate) enum Rows<'a> {
-    /// Made from positions on request; `amplitudes` |c| D e^{-alpha r}/r where they are known, row after row, else none.
+    /// Rows that are made from positions on request; `amplitudes` |c| D e^{-alpha r}/r where they are known, row
+    /// after row, else none.
     Computed {
         radiation: &'a Radiation,
         sources: &'a SourceList,
         control_points: ControlPoints<'a>,
         amplitudes: &'a [Line],
     },
-    /// Kept: re and im, row after row.
+    /// Stored rows: re and im, row after row.
     Stored { re: &'a [f32], im: &'a [f32] },
 }
 

@@ -26,7 +26,7 @@ pub(crate) struct SourceGroup {
     upright: bool,
     amplitude: Lanes,
     turns: Lanes,
-    /// Whether all of these are 0.
+    /// Whether all of these numbers are 0.
     in_phase: bool,
 }
 
@@ -45,7 +45,7 @@ impl SourceList {
         Self { groups, count: sources.len(), in_phase: sources.iter().all(|source| source.turns == 0.0) }
     }
 
-    /// How many there are.
+    /// The number of transducers.
     pub(crate) fn len(&self) -> usize {
         self.count
     }

@@ -12,10 +12,10 @@ use crate::math;
 /// Numbers that lie together.
 pub(crate) const EIGHT: usize = 8;
 
-/// Such numbers.
+/// Eight numbers.
 pub(crate) type Eight = [f64; EIGHT];
 
-/// Of [`Doubles::rsqrt_estimate_doubles`].
+/// The constant of [`Doubles::rsqrt_estimate_doubles`].
 pub(crate) const ROOT: u64 = 0x5fe6_eb50_c7b5_37a9;
 
 /// Operations of an instruction set on doubles.
@@ -229,7 +229,7 @@ pub(crate) fn scaled<S: Doubles, const N: usize>(v: [V<S>; N], x: V<S>) -> [V<S>
     list(x.0, |k| v[k] * x)
 }
 
-/// From places to a point.
+/// The vectors from places to a point.
 #[inline(always)]
 pub(crate) fn ray<S: Doubles>(s: S, point: [f64; 3], (places, at): (&[Eight; 3], usize)) -> [V<S>; 3] {
     let [x, y, z] = loaded(s, places, at);

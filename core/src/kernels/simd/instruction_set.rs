@@ -20,7 +20,7 @@ use crate::kernels::simd::simd128::Vectors as Plain;
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
 use crate::kernels::simd::sse2::Vectors as Plain;
 
-/// The instructions that the kernels use: a value that exists only for what this machine can do.
+/// The instructions that the kernels use: a value exists only for a set that this machine has.
 ///
 /// One set gives the same bits on every machine that has it. Between sets numbers agree to f32 rounding.
 ///
@@ -46,7 +46,7 @@ pub(crate) enum Kind {
     Neon(Neon),
 }
 
-/// Whether the machine has some instructions: checked at run time with `std`, known when compiling without.
+/// Whether the machine has some instructions: checked at run time with `std`, known at compile time without.
 #[cfg(target_arch = "x86_64")]
 macro_rules! has {
     ($($feature:tt),*) => {{
@@ -105,7 +105,7 @@ impl InstructionSet {
         }
     }
 
-    /// Whether its code is to be short: [`Elementwise::SHORT`] of its token.
+    /// Whether its code must be short: [`Elementwise::SHORT`] of its token.
     #[inline]
     pub(crate) fn is_short(self) -> bool {
         dispatch!(self, s => s.is_short())

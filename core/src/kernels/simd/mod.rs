@@ -51,7 +51,7 @@ pub(crate) trait Elementwise: Copy {
     /// find out at each element it is not compiled for.
     const SHORT: bool = false;
 
-    /// Whether a token is short.
+    /// [`Elementwise::SHORT`] of a token.
     #[inline(always)]
     fn is_short(self) -> bool {
         Self::SHORT
@@ -171,7 +171,7 @@ pub(crate) trait Simd: Elementwise {
         kernel.run(self);
     }
 
-    /// Runs `f`, which is a function of the program where code and stack are to be short; it must be `#[inline(always)]`.
+    /// Runs `f`, as a function of the program where code and stack must be short; it must be `#[inline(always)]`.
     #[inline(always)]
     fn aside<R>(self, f: impl FnOnce() -> R) -> R {
         f()

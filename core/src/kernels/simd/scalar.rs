@@ -1,4 +1,4 @@
-//! Scalar: numbers one by one, which the compiler vectorises for what every such machine has.
+//! Scalar: numbers one by one, which the compiler vectorises with the instructions that every such machine has.
 
 use crate::kernels::simd::WHOLE;
 use crate::kernels::simd::fours::{FOUR, Register};

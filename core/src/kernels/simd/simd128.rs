@@ -1,6 +1,6 @@
 //! WebAssembly simd128: four registers, where the whole program is compiled for it.
 //!
-//! Nothing is fused and the guess is the scalar one, so the bits are those of the scalar set.
+//! Nothing is fused and the estimate is the scalar one, so the bits are those of the scalar set.
 
 use core::arch::wasm32::{
     f32x4_abs, f32x4_add, f32x4_convert_i32x4, f32x4_div, f32x4_lt, f32x4_mul, f32x4_nearest, f32x4_pmax, f32x4_pmin,

@@ -1,6 +1,6 @@
 //! SSE2, which every 64-bit x86 has: registers of four in the place of scalar code, whose bits it gives.
 //!
-//! Nothing is fused and the guess is the scalar one.
+//! Nothing is fused and the estimate is the scalar one.
 
 use core::arch::x86_64::{
     __m128, _mm_add_epi32, _mm_add_ps, _mm_and_ps, _mm_andnot_ps, _mm_castps_si128, _mm_castsi128_ps, _mm_cmplt_ps,

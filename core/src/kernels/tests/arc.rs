@@ -13,10 +13,10 @@ use crate::kernels::tiles;
 use crate::kernels::tiles::unit::Arc;
 use crate::rng::Rng;
 
-/// Whole pairs of tiles: what has no transducer would be within the arc, too.
+/// Whole pairs of tiles: padding would be within the arc, too.
 const TRANSDUCERS: usize = 64;
 
-/// From no change at all to more than a quarter turn.
+/// Arcs from no change at all to more than a quarter turn.
 const CHANGES: [f64; 4] = [0.0, 0.2, 1.3, 2.5];
 
 fn arc(change: f64) -> Arc {

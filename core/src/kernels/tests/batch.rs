@@ -1,4 +1,5 @@
-//! Random problems with stored rows, each alone and all interleaved, and what sweeps and passes over them must do.
+//! Random problems with stored rows, each alone and all interleaved, and the expected results of sweeps and passes
+//! over them.
 
 use alloc::vec::Vec;
 

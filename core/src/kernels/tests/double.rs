@@ -57,7 +57,7 @@ fn products_are_factored_and_solved() {
             for (k, l) in (0..size).flat_map(|k| (k..size).map(move |l| (k, l))) {
                 assert!((matrix[k * size + l] - entry(k, l)).abs() < 1e-12);
             }
-            // Whatever stands below the diagonal is not read.
+            // Entries below the diagonal are not read.
             (0..size).for_each(|k| matrix[k * size..k * size + k].fill(f64::NAN));
             assert!(factor(set, &mut matrix, size, &mut control).expect("no stop"));
             let mut b: Vec<f64> =

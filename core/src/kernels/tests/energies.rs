@@ -19,7 +19,7 @@ pub(super) fn grid(phases: usize, amplitudes: usize) -> Candidates {
     Candidates::grid(phases, uneven(amplitudes), [const { Vec::new() }; 3])
 }
 
-/// A scene of which every seventh point is to be quiet.
+/// A scene in which every seventh point is quiet.
 pub(super) fn scene(seed: u64, count: usize, loud: f64) -> Scene {
     let mut scene = Scene::new(seed, count, loud);
     scene.target.iter_mut().skip(3).step_by(7).for_each(|target| *target = 0.0);

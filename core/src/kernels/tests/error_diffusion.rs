@@ -1,4 +1,4 @@
-//! Error diffusion against f64: what is left at the points, beside plain rounding.
+//! Error diffusion against f64: the remaining error at the points, compared with plain rounding.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -62,7 +62,7 @@ impl Even {
         self.matrix.iter().map(|row| row.iter().zip(drive).map(|(g, q)| g * q).sum()).collect()
     }
 
-    /// Weighted squares of what is off the mean, or not silent.
+    /// Weighted squares of the deviations from the mean, and of the pressures at quiet points.
     fn cost(&self, drive: &[Complex64]) -> f64 {
         let moduli: Vec<_> = self.field(drive).iter().map(|p| p.norm()).collect();
         let mean = moduli[..self.targeted].iter().sum::<f64>() / self.targeted as f64;

@@ -74,7 +74,7 @@ fn check<T: Reference>(set: InstructionSet, lists: &Lists, phases: usize, amplit
             (0..lists.points).map(|j| term(j, pair[0][j] + lists.gain(i as usize, j) * q)).sum()
         };
         let q = drive[i as usize];
-        // From silence the phase is 0.
+        // While all pressures are 0 the phase is 0.
         let step = if pair[0].iter().all(|p| p.norm() == 0.0) { phases } else { 1 };
         let all = (0..phases * amplitudes).step_by(step);
         let best = all.map(|k| energy(candidates.drive(k))).fold(f64::INFINITY, f64::min);

@@ -11,7 +11,7 @@ use crate::kernels::tests::energies::{grid, scene, with_energies};
 use crate::kernels::tests::search::{Scene, least, tolerance};
 use crate::kernels::tests::{ROUNDING, wide};
 
-/// The candidate that a search of the grid finds, and what rounding leaves open.
+/// The candidate that a search of the grid finds, and the tolerance of rounding.
 fn best(set: InstructionSet, scene: &Scene, candidates: &Candidates, matters: f32) -> (Option<usize>, f32) {
     with_energies!(set, scene, candidates, |_s, energies| {
         let mut floats = vec![f32::NAN; large_grid::floats(candidates.phases)];

@@ -302,7 +302,7 @@ fn modulus_and_squares_are_those_of_complex_numbers() {
                 let (modulus, sum) = (wide(re[j]).hypot(wide(im[j])), wide(start[j]));
                 // Squares and sum round twice, which the root halves, and the root's own two steps.
                 assert_near(moduli[j], modulus, 2.0 * ROUNDING * modulus, "modulus");
-                // The squares, their sum, and theirs with what was there.
+                // The squares, their sum, and the sum with the earlier values.
                 assert_near(sums[j], sum + modulus * modulus, 3.0 * ROUNDING * (sum + modulus * modulus), "square");
             }
         }

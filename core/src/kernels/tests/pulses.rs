@@ -11,7 +11,7 @@ use crate::rng::Rng;
 /// Cycles of the ticks of an Ultraino MEGA64.
 const UNEVEN: [f64; 10] = [38.0, 42.0, 34.0, 35.0, 35.0, 36.0, 43.0, 43.0, 34.0, 56.0];
 
-/// The first harmonic of what is 1 from edge s to edge s + w, by its integral over the period.
+/// The first harmonic of a pulse from edge s to edge s + w, by its integral over the period.
 fn harmonic(ticks: &[f64], start: usize, width: usize) -> Complex64 {
     let (count, period) = (ticks.len(), ticks.iter().sum::<f64>());
     let edge = |k: usize| (k / count) as f64 + ticks[..k % count].iter().sum::<f64>() / period;

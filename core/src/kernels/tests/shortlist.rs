@@ -39,8 +39,8 @@ fn the_shortlist_holds_the_best() {
                     assert!(close.is_sorted() && !close.is_empty());
                     let reached = |index: &u32| scene.total::<L2>(candidates.drive(*index as usize));
                     let found = close.iter().map(reached).fold(f64::INFINITY, f64::min);
-                    // The slack covers rounding with room to spare; what is lost beyond it would be a stretch
-                    // that was passed over.
+                    // The slack is larger than rounding; a larger loss would mean that a stretch was left out by
+                    // mistake.
                     let lost = found - least::<L2>(&scene, &candidates, false);
                     assert!(lost <= 0.1 * wide(slack), "{set}: M = {count}, L = {phases}: {lost:e} of {slack:e}");
                 }

@@ -367,7 +367,7 @@ fn aligning_raises_the_energy_and_keeps_the_moduli() {
         for s in 0..LANES {
             let after = energy(&vectors, s);
             assert!(after >= before[s] - 1e-5 * scale, "{set} {count}: {after} from {}", before[s]);
-            // Summed while the vectors still move, and they hardly do.
+            // Summed while the vectors still move a little.
             assert!(
                 (wide(reported[s]) - after).abs() <= 1e-2 * scale,
                 "{set} {count}: stated {}, is {after}",

@@ -40,9 +40,9 @@ pub(crate) struct Choice<'a> {
     most: f32,
     /// A drive within this part of a step of code 0 has that code: 1/2 is nearest rounding.
     kept: f32,
-    /// How far a drive may turn, to take back errors at the points, in turns.
+    /// The largest turn of a drive that corrects errors at the points, in turns.
     rotation: f32,
-    /// Root mean square of what is wrong, relative to the level, below which exchanges do not pay.
+    /// The root mean square of the error, relative to the level, below which exchanges do not pay.
     even: f32,
 }
 
@@ -52,7 +52,7 @@ impl<'a> Choice<'a> {
         Self { phases, most, kept: 0.5, rotation: MOST_ROTATION, even: EVEN[0], few: None }
     }
 
-    /// In motion, where code 0 is that of the last frame: few codes change, as each change is a step that sounds.
+    /// In motion code 0 is that of the last frame: few codes change, because each change is audible.
     pub(crate) fn in_motion(phases: &'a Phases, most: f32) -> Self {
         let step = 1.0 / phases.count();
         let even = (step * step).clamp(EVEN[0], EVEN[1]);
@@ -87,7 +87,7 @@ const MOST_ROTATION: f32 = 0.125;
 /// The least and the largest [`Choice::even`].
 const EVEN: [f32; 2] = [5e-5, 1e-3];
 
-/// Passes that exchange codes at most: a third takes less than a tenth off what is wrong.
+/// The most passes that exchange codes: a third pass removes less than a tenth of the error.
 const ROUNDS: usize = 2;
 
 /// Lists over the points. A lane group holds eight of them: real parts, then imaginary ones, or the same number twice.
@@ -127,7 +127,7 @@ impl<'a> Points<'a> {
         }
         let share = 0.5 / targeted as f32;
         let mut points = Self { root, loud, field: own, unit, miss, pull, change, share, level: 0.0 };
-        // The first look finds the mean, the second what is missing from it.
+        // The first pass finds the mean, the second the deviations from it.
         points.look(s);
         points.look(s);
         points
@@ -289,7 +289,7 @@ fn round_tiles<S: Simd, const K: usize>(
             }
         }
     }
-    // How far each phase goes down, and the drives' slopes along it.
+    // The range of each phase below, and the drives' slopes along it.
     let (mut down, mut change, mut slope) = ([zero; K], [[zero; 2]; K], zero);
     for ((down, change), (&[re, im], &[a, b, c, d])) in down.iter_mut().zip(&mut change).zip(q.iter().zip(&sums)) {
         *down = s.fma(re, s.add(c, d), s.mul(im, s.sub(a, b)));
@@ -373,7 +373,7 @@ fn exchange<S: Simd>(
             }
         }
     }
-    // Not beyond the largest code.
+    // At most the largest code.
     let after = s.add(s.load(codes), s.select_less(s.splat(0.0), odd, s.splat(1.0), s.splat(-1.0)));
     let change = s.fnma(s.splat(2.0), s.abs(odd), both);
     let change = s.select_less(s.splat(most_code), s.abs(after), s.splat(f32::MAX), change);

@@ -82,7 +82,7 @@ impl<'a> Tiles<'a> {
     }
 }
 
-/// A drive and what it makes at the points, re and im.
+/// A drive and its pressures at the points, re and im.
 pub(crate) struct Wave<'a> {
     pub(crate) drive: [&'a mut [f32]; 2],
     pub(crate) field: [&'a mut [f32]; 2],

@@ -83,7 +83,7 @@ pub(crate) fn sweep(set: InstructionSet, tiles: Tiles<'_>, wanted: [&[f32]; 2], 
     dispatch!(set, s => swept::<_, false>(s, tiles, wanted, wave, memory, [-1.0, 0.0]));
 }
 
-/// As [`sweep`], each q brought into an arc around 1.
+/// Like [`sweep`], each q limited to an arc around 1.
 pub(crate) fn sweep_within(
     set: InstructionSet,
     tiles: Tiles<'_>,
@@ -148,7 +148,7 @@ pub(crate) fn turn(
     dispatch!(set, s => turned::<_, false>(s, tiles, from, (turns, factor, [-1.0, 0.0]), wave));
 }
 
-/// As [`turn`] by the whole turns, each q brought into an arc around 1.
+/// Like [`turn`] by the whole turns, each q limited to an arc around 1.
 pub(crate) fn turn_within(
     set: InstructionSet,
     tiles: Tiles<'_>,

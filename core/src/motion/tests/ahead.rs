@@ -59,7 +59,7 @@ fn moduli(model: &Model, points: &[[f64; 3]], codes: &[u16], phases: u32) -> Vec
     (0..points.len()).map(|j| Complex64::norm(sum(j))).collect()
 }
 
-/// Of each frame min |P_j|/t_j over the largest, and its mean over that of `uniform` alone.
+/// For each frame min |P_j|/t_j over the largest, and its mean over that of `uniform` alone.
 fn judged(model: &Model, points: &[[f64; 3]], targets: &[f64], codes: &[u16], phases: u32) -> Vec<[f64; 2]> {
     let (each, transducers) = (3, model.array().len());
     let frames = points.chunks(each).zip(targets.chunks(each)).zip(codes.chunks(transducers));
@@ -91,7 +91,7 @@ fn check(judged: &[[f64; 2]], level: f64) {
 #[test]
 fn frames_are_even_and_loud_within_the_bound() {
     let model = model(&grid());
-    // At 0.5 m/s and 10 kHz: 0.05 mm a frame.
+    // 0.05 mm a frame: 0.5 m/s at 10 kHz.
     let points = circles(40, 503);
     for (targets, how) in
         [([1.0, 1.0, 1.0].repeat(40), Ahead { change: PI / 32.0, ..OPEN }), ([200.0, 100.0, 150.0].repeat(40), OPEN)]
@@ -177,7 +177,7 @@ fn a_first_frame_is_kept() {
     let model = model(&grid());
     let points = circles(20, 400);
     let once = solved(&model, &points, &[1.0; 60], 20, &OPEN);
-    // Of the frames from the tenth on; what comes after it is as loud as before, and so is it itself.
+    // From the tenth frame on: the later frames are as loud as before.
     let mut start = once[256 * 10..].to_vec();
     for code in &mut start[256..] {
         *code = 0;
@@ -187,7 +187,7 @@ fn a_first_frame_is_kept() {
     assert_eq!(again[..256], start[..256]);
     assert!(largest_step(&again, 256, &how) <= 8);
     check(&judged(&model, &points[30..], &[1.0; 30], &again, 256), 0.97);
-    // A drive that is nothing to these points keeps what follows within the bound all the same.
+    // A drive that does not reach these points still keeps the following frames within the bound.
     start.fill(7);
     let away = ahead(&model, &points[30..], &[1.0; 30], 10, &how, Some(&start), &mut Control::none()).expect("codes");
     assert!(away[..256].iter().all(|&code| code == 7));

@@ -1,4 +1,4 @@
-//! Spheres against the classical series of a point source, and meshes against spheres and what surfaces must do.
+//! Spheres against the classical series of a point source, and meshes against spheres and boundary conditions.
 
 use alloc::sync::Arc;
 use core::f64::consts::{PI, TAU};
@@ -37,7 +37,7 @@ fn bessel(x: f64, order: usize) -> Vec<Complex64> {
     (0..=order).map(|n| Complex64::new(down[n] * scale, up[n])).collect()
 }
 
-/// e^{jkR}/R and what the sphere adds to it at a point (P. M. Morse and K. U. Ingard, section 8.2).
+/// e^{jkR}/R and the scattered wave of the sphere at a point (P. M. Morse and K. U. Ingard, section 8.2).
 fn series(kind: Surface, source: [f64; 3], point: [f64; 3]) -> Complex64 {
     let away = |a: [f64; 3], b: [f64; 3]| (0..3).map(|x| (a[x] - b[x]).powi(2)).sum::<f64>().sqrt();
     let [from, to] = [source, point].map(|place| [0, 1, 2].map(|x| place[x] - CENTER[x]));
@@ -76,7 +76,7 @@ fn model(array: &Array, medium: Medium) -> Model {
     Model::new(array, medium, InstructionSet::best()).expect("a model")
 }
 
-/// Beside, behind and close to the sphere.
+/// Points beside, behind and close to the sphere.
 fn points() -> Vec<[f64; 3]> {
     let away = [[1.05, 0.3, 0.2], [0.1, -0.2, 1.2], [-1.4, 0.9, -0.6], [0.0, 0.0, 3.0], [0.0, 0.0, -1.001]];
     away.iter().map(|away| [0, 1, 2].map(|x| CENTER[x] + RADIUS * away[x])).collect()
@@ -193,7 +193,7 @@ fn a_mesh_of_a_sphere_is_the_sphere() {
         let medium = Medium { frequency, absorption: 0.2, ..Medium::default() };
         let sphere = Obstacle::Sphere { center: CENTER, radius: RADIUS, kind };
         let exact = model(&array, medium).with_obstacles(&[sphere]).expect("a sphere");
-        // As far out as the triangles lie within, so that both enclose as much.
+        // The corners lie as far outside as the triangles lie inside, so that both enclose the same volume.
         let mesh = solved(&array, medium, vec![ball(CENTER, RADIUS * 1.008, 3, kind)]);
         let points = points();
         let [found, expected] = [mesh, exact].map(|model| model.propagation(&points[..4]).expect("points"));

@@ -89,7 +89,7 @@ impl Setting {
         sum
     }
 
-    /// The same of what a particle feels: `gorkov`, of drives that are added up, as it takes them in single precision.
+    /// The gradient of `gorkov`, of drives that are added up, as it takes them in single precision.
     fn felt(&self, quantity: Quantity, particle: Particle, cotangent: &[f64]) -> f64 {
         let count = self.drive.len();
         let mut array = self.model().array().clone();
@@ -110,7 +110,7 @@ impl Setting {
         (0..self.points.len()).map(each).sum()
     }
 
-    /// Its central difference by what `change` moves.
+    /// The central difference for the change by `change`.
     fn difference(&self, quantity: Quantity, cotangent: &[f64], step: f64, change: impl Fn(&mut Self, f64)) -> f64 {
         let at = |by: f64| {
             let mut moved = self.clone();
@@ -121,7 +121,7 @@ impl Setting {
     }
 }
 
-/// How far numbers are from those wanted, of the largest of these.
+/// The largest difference of numbers from the expected ones, relative to the largest of these.
 fn off(found: &[f64], wanted: &[f64]) -> f64 {
     let most = wanted.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     let far = found.iter().zip(wanted).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
@@ -207,7 +207,7 @@ fn gradients_are_central_differences_in_two_hundred_scenes() {
 #[test]
 fn bits_are_those_of_every_instruction_set_and_number_of_threads() {
     let setting = Setting::random(4);
-    // Enough for a second thread.
+    // Enough transducers for a second thread.
     let count = (SPREAD / setting.drive.len() + 1) as u32;
     let points: Vec<[f64; 3]> = (0..count).map(|k| [0.001 * f64::from(k % 61), -0.02, 0.15]).collect();
     let cotangent: Vec<f64> = (0..count).map(|k| f64::from(k % 7) - 2.0).collect();

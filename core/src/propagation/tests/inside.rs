@@ -1,4 +1,4 @@
-//! Bodies that cannot be solved are refused, and what a solution leaves inside is that of its equations.
+//! Bodies that cannot be solved are rejected, and the field inside a solution is that of its equations.
 
 use alloc::sync::Arc;
 

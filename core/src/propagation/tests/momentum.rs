@@ -52,7 +52,7 @@ fn a_small_sphere_has_kings_force_in_standing_and_running_waves() {
             * (1.0 + 2.0 / 9.0 * (1.0 - ratio) * (1.0 - ratio))
             / ((2.0 + ratio) * (2.0 + ratio));
         assert!((running[2] / wanted - 1.0).abs() < 2e-3, "{} {wanted}", running[2]);
-        // Across it is the rounding of sums as large as the standing wave's.
+        // Across the wave only the rounding of sums as large as the standing wave's remains.
         assert!(running[0].abs() + running[1].abs() < 1e-13 * standing[2], "{running:?} {standing:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! Images against sums written out in f64, and against what the surfaces must do.
+//! Images against sums written out in f64, and against the boundary conditions.
 
 use core::f64::consts::TAU;
 
@@ -105,7 +105,7 @@ fn images_are_counted() {
     assert_eq!(images(&[x(0.1)]), 1);
     assert_eq!(images(&[x(0.1), y(0.1)]), 3);
     assert_eq!(images(&[x(0.1), y(0.1), z]), 7);
-    // To and fro three times, from either side.
+    // Waves that go to and fro three times, from either side.
     assert_eq!(images(&[x(0.1), x(-0.1)]), 6);
 }
 

@@ -13,7 +13,7 @@ fn quadratic(value: f64, slope: [f64; 3], curvature: f64) -> Jet {
     sum
 }
 
-/// First, second and third power of what a polynomial is above its value.
+/// First, second and third power of a polynomial's difference from its value.
 fn powers(of: &Jet) -> [Jet; 3] {
     let mut first = *of;
     first.add(&quadratic(of.value(), [0.0; 3], 0.0), -1.0);
@@ -21,7 +21,7 @@ fn powers(of: &Jet) -> [Jet; 3] {
     [first, second, second.times(&first)]
 }
 
-/// A function by its Taylor coefficients at a value, of what has these [`powers`] there.
+/// A function by its Taylor coefficients at a value, for a polynomial with these [`powers`] there.
 fn series(coefficients: [f64; 4], powers: &[Jet; 3]) -> Jet {
     let mut sum = quadratic(coefficients[0], [0.0; 3], 0.0);
     powers.iter().zip(&coefficients[1..]).for_each(|(power, coefficient)| sum.add(power, *coefficient));

@@ -14,9 +14,10 @@ pub(crate) struct Law {
     pub(crate) about: &'static str,
     /// D of (parameter, cos theta, k) for cos theta from 0 to 1.
     pub(crate) value: fn(f64, f64, f64) -> f64,
-    /// How its derivatives by cos theta are found, there.
+    /// The method that computes its derivatives by cos theta there.
     pub(crate) taylor: Taylor,
-    /// How fast D varies with the angle, of (parameter, k): x where D falls as 1 - x^2 sin^2(theta)/6 from the axis, about.
+    /// The speed at which D varies with the angle, of (parameter, k): x where D falls about as 1 - x^2 sin^2(theta)/6
+    /// from the axis.
     pub(crate) sharpness: fn(f64, f64) -> f64,
     /// The functions that the polynomials of the f32 rows follow.
     pub(crate) shape: Shape,
@@ -24,7 +25,7 @@ pub(crate) struct Law {
 
 /// The Taylor coefficients D, D', D''/2, D'''/6, D''''/24 by cos theta.
 pub(crate) enum Taylor {
-    /// Of (parameter, cos theta, k).
+    /// A function of (parameter, cos theta, k).
     Each(fn(f64, f64, f64) -> [f64; SLOPES]),
     /// D = `factor` J(x)/x^`order`, x = `scale` sin theta with a scale of (parameter, k): see [`super::bessel`].
     InSine { scale: fn(f64, f64) -> f64, order: f64, factor: f64 },
@@ -35,7 +36,7 @@ pub(crate) enum Taylor {
 pub struct Parameter {
     /// The parameter that a bare name stands for.
     pub default: f64,
-    /// Whether it is a length in m, above 0 and at most 1 m; else it is a number, 0 or above.
+    /// Whether the parameter is a length in m, above 0 and at most 1 m; else it is a number, 0 or above.
     pub length: bool,
 }
 

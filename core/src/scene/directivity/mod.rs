@@ -24,7 +24,7 @@ use crate::scene::directivity::law::{Law, Shape, Taylor};
 static LAWS: [&Law; 5] = [&point::LAW, &piston::LAW, &sinc::LAW, &cos::LAW, &t4010a1::LAW];
 
 impl Directivity {
-    /// The directivities that bare names stand for, one of each law.
+    /// The directivities of bare names, one of each law.
     pub fn all() -> impl Iterator<Item = Self> {
         LAWS.iter().map(|law| Self { law, parameter: law.parameter.map_or(0.0, |parameter| parameter.default) })
     }

@@ -56,7 +56,7 @@ fn polynomial(even: bool, powers: &[f64]) -> Option<Pattern> {
     })
 }
 
-/// From the highest power down, as the kernels read them.
+/// Coefficients from the highest power down, as the kernels read them.
 fn rounded<const EVEN: bool, const N: usize>(powers: &[f64]) -> Polynomial<EVEN, N> {
     Polynomial(array::from_fn(|n| powers.get(N - 1 - n).map_or(0.0, |&power| power as f32)))
 }
@@ -83,7 +83,7 @@ fn series(value: impl Fn(f64) -> f64, [low, high]: [f64; 2], nodes: usize, count
     series
 }
 
-/// As few coefficients over 0 to 1 as follow the function within [`ERROR`].
+/// The fewest coefficients over 0 to 1 that follow the function within [`ERROR`].
 fn short_series(value: impl Fn(f64) -> f64) -> Vec<f64> {
     let mut series = series(value, [0.0, 1.0], NODES, NODES);
     let mut error = 0.0;

@@ -44,7 +44,7 @@ impl<'w> Projector<'w> {
         wave.set(|wave| tiles::unit::sweep(rows.set, rows.tiles(), [re, im], wave, memory));
     }
 
-    /// As [`Projector::project`], each q within an arc around 1.
+    /// Like [`Projector::project`], each q within an arc around 1.
     pub(crate) fn project_within(&mut self, rows: &Rows, arc: Arc, wave: &mut Wave) {
         let Self { wanted: [re, im], memory } = self;
         wave.set(|wave| tiles::unit::sweep_within(rows.set, rows.tiles(), [re, im], arc, wave, memory));
@@ -93,7 +93,7 @@ impl<'w> Projector<'w> {
     }
 }
 
-/// The unit phasors at the points that a problem's start gives; 1 where there is none, or silence.
+/// The unit phasors at the points of a problem's start; 1 where there is none, or where the pressure is 0.
 pub(crate) fn start_phasors<'w>(
     problem: &Problem,
     work: &'w Workspace,

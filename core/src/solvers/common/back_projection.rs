@@ -1,4 +1,4 @@
-//! Back-projection: the drive q = f G^H x of what is wanted at the points, limited, with its field.
+//! Back-projection: the drive q = f G^H x of the requested pressures x, limited, with its field.
 
 use num_complex::Complex32;
 

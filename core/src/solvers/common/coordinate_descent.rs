@@ -30,7 +30,7 @@ use crate::workspace::Workspace;
 /// The largest distance of a drive's phase from a grid by rounding to f32, in turns.
 const ROUNDING: f64 = 3e-8;
 
-/// By how much a whole number of phase steps may exceed the bound, in steps: the rounding of `change`.
+/// The allowance, in steps, for a whole number of phase steps above the bound: the rounding of `change`.
 const STEP_ROUNDING: f64 = 1e-9;
 
 /// Sweeps over all transducers.

@@ -74,7 +74,7 @@ pub(crate) struct InterleavedBatch<'w> {
 }
 
 impl<'w> InterleavedBatch<'w> {
-    /// Some problems, their drives 0, where [`InterleavedPoints::of`] has them.
+    /// Some problems with drives of 0, where [`InterleavedPoints::of`] has them.
     pub(crate) fn of(problems: &[Problem], work: &'w Workspace) -> Option<Self> {
         let points = InterleavedPoints::of(problems, work)?;
         let [mut target, mut weight, re, im] = [(); 4].map(|()| work.floats.take(points.lanes()));

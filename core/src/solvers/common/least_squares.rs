@@ -29,7 +29,7 @@ use crate::solvers::common::phase_descent::{Cost, PhaseDescent};
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::workspace::Workspace;
 
-/// How much work to spend.
+/// The effort of the search.
 #[derive(Clone, Copy)]
 pub(crate) struct Task {
     /// Steps of the best start, at most.
@@ -173,7 +173,7 @@ pub(crate) fn with_amplitudes(
     Ok(LeastSquares { drive: out, status, steps: (done, all) })
 }
 
-/// Targets and weights of the rows, and what the error is made of.
+/// Targets and weights of the rows, and the terms of the error.
 #[derive(Clone, Copy)]
 struct RowRequest<'a> {
     targets: &'a [f32],

@@ -66,17 +66,17 @@ pub(crate) struct PhaseDescent<'w> {
 }
 
 impl<'w> PhaseDescent<'w> {
-    /// By phases alone, |q| = 1.
+    /// Descent by phases alone, |q| = 1.
     pub(crate) fn new(wave: Wave<'w>, cost: &impl Cost, rows: &Rows, work: &'w Workspace) -> Self {
         Self::by(None, None, wave, cost, rows, work)
     }
 
-    /// By phases within an arc around 1, |q| = 1.
+    /// Descent by phases within an arc around 1, |q| = 1.
     pub(crate) fn within(arc: Arc, wave: Wave<'w>, cost: &impl Cost, rows: &Rows, work: &'w Workspace) -> Self {
         Self::by(None, Some(arc), wave, cost, rows, work)
     }
 
-    /// By phases and amplitudes, |q| <= 1.
+    /// Descent by phases and amplitudes, |q| <= 1.
     pub(crate) fn with_amplitudes(mut wave: Wave<'w>, cost: &impl Cost, rows: &Rows, work: &'w Workspace) -> Self {
         let mut pairs = [(); 2].map(|()| [(); 2].map(|()| work.floats.take(2 * rows.lanes)));
         split(&wave.drive, rows, &mut pairs[0]);
@@ -109,7 +109,7 @@ impl<'w> PhaseDescent<'w> {
         descent
     }
 
-    /// From now on by another cost.
+    /// Continues with another cost.
     pub(crate) fn follow(&mut self, cost: &impl Cost, rows: &Rows) {
         self.newton.forget();
         self.cost = cost.of(&self.wave);
@@ -130,7 +130,7 @@ impl<'w> PhaseDescent<'w> {
         }
     }
 
-    /// Sets to 0 what would turn drives out of their arc, along `sign` times the direction.
+    /// Sets the entries to 0 that would turn drives out of their arc, along `sign` times the direction.
     fn hold(&self, direction: &mut [f32], sign: f32) {
         let Some([cos, _]) = self.arc.filter(|[cos, _]| *cos > -1.0) else { return };
         let [re, im] = &self.wave.drive;

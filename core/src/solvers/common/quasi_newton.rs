@@ -48,7 +48,7 @@ impl<'w> QuasiNewton<'w> {
         Self { pairs: [const { None }; MEMORY], count: 0, work }
     }
 
-    /// Whether no step is remembered.
+    /// Whether no step is stored.
     pub(crate) fn knows_nothing(&self) -> bool {
         self.count == 0
     }

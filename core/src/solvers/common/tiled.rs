@@ -176,7 +176,7 @@ impl<'w> Wave<'w> {
         self.set(|wave| tiles::play(rows.set, rows.tiles(), wave));
     }
 
-    /// As [`Wave::play`], with every |q| made 1, 0 staying 0.
+    /// Like [`Wave::play`], with every |q| made 1, 0 staying 0.
     pub(crate) fn play_at_full(&mut self, rows: &Rows, drive: impl Iterator<Item = Complex32>) {
         self.take(rows, drive);
         tiles::unit::normalise(rows.set, self.drive.each_mut().map(|plane| &mut plane[..]));
@@ -193,12 +193,12 @@ impl<'w> Wave<'w> {
         }
     }
 
-    /// As [`Wave::take`] of a list times a factor, 0 already for transducers without effect.
+    /// Like [`Wave::take`] of a list times a factor, 0 already for transducers without effect.
     pub(crate) fn scaled(&mut self, rows: &Rows, list: &[Complex32], factor: f32) {
         tiles::unit::scaled(rows.set, list, factor, self.drive.each_mut().map(|plane| &mut plane[..]));
     }
 
-    /// Relates a list to the conjugates of another.
+    /// Like [`Wave::take`] of a list times the conjugates of another.
     pub(crate) fn relate(&mut self, rows: &Rows, list: &[Complex32], to: &[Complex32]) {
         tiles::unit::relative(rows.set, [list, to], self.drive.each_mut().map(|plane| &mut plane[..]));
     }
@@ -209,7 +209,7 @@ impl<'w> Wave<'w> {
         self.set(|wave| tiles::unit::turn(rows.set, rows.tiles(), [re, im], rotations, factor, wave));
     }
 
-    /// As [`Wave::rotate`], each q within an arc around 1.
+    /// Like [`Wave::rotate`], each q within an arc around 1.
     pub(crate) fn rotate_within(&mut self, rows: &Rows, from: &Wave<'_>, rotations: &[f32], arc: Arc) {
         let [re, im] = &from.drive;
         self.set(|wave| tiles::unit::turn_within(rows.set, rows.tiles(), [re, im], rotations, arc, wave));

@@ -11,13 +11,13 @@ use crate::scene::Aim;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::workspace::Workspace;
 
-/// Full drives (N,), on the board's grid where it has phases, and what became of the search for them.
+/// Full drives (N,), on the board's grid where it has phases, and the status of the search.
 pub(crate) struct Answer {
     pub(crate) drive: Vec<Complex32>,
     pub(crate) status: Status,
     /// Steps done, of how many.
     pub(crate) steps: (usize, usize),
-    /// Whether a level between two amplitudes of the board is made of both.
+    /// Whether a level between two amplitudes of the board is a mix of both.
     pub(crate) mixed: bool,
 }
 
