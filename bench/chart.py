@@ -13,7 +13,7 @@ LINES = (
     ("midair", "fast", -4), ("midair", "uniform", 2), ("midair", record.GREEDY, 0), ("autd3-rs", "gspat", 0),
     ("autd3", "gspat", 0), ("autd3", record.GREEDY, 0),
 )  # fmt: skip
-#: The points of the second chart, and where their names stand.
+#: The points of the second chart, and the places of their names.
 POINTS = {
     ("midair", "fast"): (8, -12), ("midair", "uniform"): (-14, 10), ("midair", "best"): (0, 10),
     ("midair", record.GREEDY): (9, -3), ("midair", "gspat"): (-20, -17), ("midair", "naive"): (-10, 9),

@@ -1,4 +1,4 @@
-"""How many training scenes a core makes in a second: adds a line to bench/records/dataset.csv.
+"""Training scenes that a core makes in a second: adds a line to bench/records/dataset.csv.
 
 The request is docs/sweeps/dataset.toml with a tenth of its trials, made by `midair.dataset`. Time is
 CPU time of the process with all its threads: other work on the machine does not count.

@@ -36,7 +36,7 @@ OPTIONS = {"uniform": {"aim": "max"}, "best": {"aim": "max"}}
 FINE = methods.Method(
     "greedy 256 x 16", "greedy 256 x 16", "greedy", {"phases": 256, "amplitudes": 16}, "#7f0000"
 )
-#: As in the paper's figures, and for those that they do not have.
+#: Sizes of the paper's figures, and of further points.
 COLOURS = {method.solver: method.colour for method in (*methods.PAPER, methods.GS, *methods.even())} | {
     "fast": "#e377c2",
     "wgs": "#008b8b",
@@ -49,7 +49,7 @@ COLOURS = {method.solver: method.colour for method in (*methods.PAPER, methods.G
 
 
 def compared() -> list[methods.Method]:
-    """Every registered method with its defaults, and greedy on the finest grid the paper speaks of."""
+    """Every registered method with its defaults, and greedy on the paper's finest grid."""
     found = [
         methods.Method(name, name, name, OPTIONS.get(name, {}), COLOURS.get(name, "#1a55ff"))
         for name in midair.solvers()

@@ -1,4 +1,4 @@
-"""One forward model and one judgement for everybody: point sources in double precision, NumPy only."""
+"""One forward model and one judgement for all programs: point sources in double precision, NumPy only."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray

@@ -25,7 +25,7 @@ ORDERS = 50
 
 
 class Place(NamedTuple):
-    """Where a name may stand: its offset from the point, its box, and what that costs before other names."""
+    """A place for a name: its offset from the point, its box, and its cost before other names."""
 
     offset: NDArray[np.float64]
     box: Boxes
@@ -75,7 +75,7 @@ def _places(
 
 
 def _covered(box: Boxes, others: Boxes) -> int:
-    """How many of the others overlap a box."""
+    """The number of other boxes that overlap a box."""
     apart = (box[2:] <= others[:, :2]) | (box[:2] >= others[:, 2:])
     return int((~apart.any(axis=1)).sum())
 

@@ -1,4 +1,4 @@
-"""Measuring: what calibration and tuning make of arrays that their model does not know.
+"""Measuring: results of calibration and tuning for arrays with faults that the model does not include.
 
 Prints the tables of docs/measuring.md and draws docs/measuring.png. The rigs are plain float64: transducers
 off their places by 0.3 mm (sd), gains and phases off, some dead, a piston's lobe unknown to the fit, an
@@ -42,7 +42,7 @@ class Rig:
     fixed: bool = False
 
     def __post_init__(self) -> None:
-        """Draw what is off."""
+        """Draw the errors."""
         self.rng = rng = np.random.default_rng(self.seed)
         n = len(self.array)
         self.positions = self.array.positions + rng.normal(0, JITTER, (n, 3))

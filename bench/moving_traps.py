@@ -20,7 +20,7 @@ import beads
 import traps
 
 RATE, CHANGE = 10e3, np.pi / 16
-#: Of the board's transducers, in Pa m.
+#: The board's transducers, in Pa m.
 SOURCE = 2.3
 #: Frames between two that are solved alone.
 APART = 40

@@ -24,7 +24,7 @@ CLAIM = 1e-3  # by which judged metrics may differ from reported ones
 
 @dataclass(frozen=True)
 class Effort:
-    """How much is done: rounds, scenes judged, least CPU time of one measurement, largest M."""
+    """The amount of work: rounds, scenes judged, least CPU time of one measurement, largest M."""
 
     rounds: int = 9
     scenes: int = 10

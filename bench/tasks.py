@@ -24,7 +24,7 @@ ALONE = 0.85
 
 @dataclass(frozen=True)
 class Task:
-    """Points that all take the same share of what the array can give: p1 / sqrt M, p1 at (0, 0, HEIGHT)."""
+    """Points that all take the same share of the array's p1: p1 / sqrt M, with p1 at (0, 0, HEIGHT)."""
 
     preset: str
     tiles: tuple[int, int] | None

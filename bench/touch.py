@@ -72,7 +72,7 @@ def bound(answers: NDArray[np.complex64]) -> float:
 
 
 def chosen() -> None:
-    """Print what `midair.haptic` gains, and the bound."""
+    """Print the gain by `midair.haptic`, and the bound."""
     for board, (array, height, rate) in BOARDS.items():
         circle = midair.path.circle([0, 0, height], 0.015, speed=1)
         line = [[-0.025, 0, height], [0.025, 0, height]]

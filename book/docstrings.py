@@ -12,7 +12,7 @@ from midair import _midair as compiled
 
 #: An entry of a list in a docstring, `points : (M, 3) in m`, and its further lines, which are indented.
 ENTRY = re.compile(r"^(\w+(?:, \w+)*) : (.*(?:\n +.*)*)$", re.MULTILINE)
-#: An example and what it prints, up to the next empty line.
+#: An example and its output, up to the next empty line.
 EXAMPLE = re.compile(r"^>>> .*(?:\n.+)*", re.MULTILINE)
 
 

@@ -1,4 +1,4 @@
-"""Every link of the built site: what leads nowhere, and whatever a page would load from elsewhere."""
+"""Every link of the built site: links to nowhere, and files that a page would load from other hosts."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ UNLOADED = {"canonical", "next", "prev", "alternate"}
 
 
 class Page(HTMLParser):
-    """A page's anchors, its links, and what it loads."""
+    """A page's anchors, its links, and the files that it loads."""
 
     def __init__(self, path: Path) -> None:
         super().__init__()
@@ -60,7 +60,7 @@ def faults(site: Path) -> list[str]:
 
 
 def main() -> None:
-    """Print the faults of the site in the folder that is named, and leave with 1 if there are any."""
+    """Print the faults of the site in the given folder, and exit with 1 if there are any."""
     found = faults(Path(sys.argv[1]))
     print("\n".join(found) or "no broken link, nothing loaded from elsewhere")
     sys.exit(1 if found else 0)

@@ -42,7 +42,7 @@ def faults(site: Path) -> list[str]:
 
 
 def main() -> None:
-    """Print the names that the site in the given folder lacks, and leave with 1 if there are any."""
+    """Print the names that the site in the given folder lacks, and exit with 1 if there are any."""
     found = faults(Path(sys.argv[1]))
     print("\n".join(f"{name} is not in the reference" for name in found) or "every public name is there")
     sys.exit(1 if found else 0)

@@ -8,7 +8,7 @@ import midair
 import schema
 from midair._cli.app import COMMANDS, app, explain
 
-#: Every public name of the package, a page a theme: file, title, what it is about, names.
+#: Every public name of the package, a page a theme: file, title, subject, names.
 PYTHON = [
     (
         "scenes",
@@ -153,7 +153,7 @@ def presets() -> str:
 
 
 def command_line() -> str:
-    """Every command with every option, from what `--help` is made of; the contents are the site's own."""
+    """Every command with every option, as in `--help`; the contents are the site's own."""
     explain(*COMMANDS)
     text = app.generate_docs(output_format="markdown")
     before, rest = text.split("## Table of Contents", 1)

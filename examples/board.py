@@ -16,7 +16,7 @@ solution = midair.solve(midair.Scene(board.array, points))
 with midair.connect("sonicsurface:loop") as surface:
     surface.send(solution)
 
-# From -16 to 15: half a turn is 16 steps.
+# Values from -16 to 15: half a turn is 16 steps.
 steps = (np.round(solution.phases / (2 * np.pi / 32)) + 16) % 32 - 16
 figure, axes = plt.subplots(1, 2, figsize=(10, 4.2), layout="constrained")
 x, y = 1e3 * board.array.positions[:, 0], 1e3 * board.array.positions[:, 1]

@@ -62,7 +62,7 @@ def sound_card(
 
 
 def draw(received: Mapping[str, Any]) -> None:
-    """Print what each way has made of the foci, and draw it as microphone.png."""
+    """Print the foci of each way, and draw them as microphone.png."""
     figure = Figure(figsize=(7, 3.8), layout="constrained")
     ax = figure.subplots()
     for k, (way, pressures) in enumerate(received.items()):
@@ -74,7 +74,7 @@ def draw(received: Mapping[str, Any]) -> None:
 
 
 def main() -> None:
-    """Tune, and say what came of it."""
+    """Tune, and print the result."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument(
         "--device", type=int, help="number of the sound card (python -m sounddevice lists them)"

@@ -94,7 +94,7 @@ def here(target: Path, method: str, array: str, board: str, points: int) -> Run:
 
 
 def flash(target: Path, method: str) -> int:
-    """Bytes of a program that lie in flash: what its ELF file loads."""
+    """Bytes of a program in flash: those that its ELF file loads."""
     elf = (target / TARGET / "release" / method).read_bytes()
     offset, count = struct.unpack_from("<I", elf, 28)[0], struct.unpack_from("<H", elf, 44)[0]
     headers = [struct.unpack_from("<8I", elf, offset + 32 * k) for k in range(count)]

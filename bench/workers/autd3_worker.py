@@ -40,7 +40,7 @@ def prepare(task: dict[str, Any]) -> Prepared:
     method, fixed = getattr(holo, name), (FULL, options) if name == "greedy" else (options,)
 
     def foci() -> list[holo.AmplitudeTarget]:
-        # Of Python's numbers, which is faster than of NumPy's rows.
+        # Sums of Python's numbers, which are faster than those of NumPy's rows.
         requested = zip(points.tolist(), pressures.tolist(), strict=True)
         return [holo.AmplitudeTarget(point, pressure * holo.Pa) for point, pressure in requested]
 

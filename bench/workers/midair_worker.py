@@ -17,7 +17,7 @@ CHOICES = {
 
 def prepare(task: dict[str, Any]) -> Prepared:
     quantization = {"none": {}, "board": None}[task["grid"]]
-    # Point sources in air that does not absorb, as everybody's.
+    # Point sources in air without absorption, as in all workers.
     array = midair.Array.preset(
         task["preset"], task["tiles"] and tuple(task["tiles"]), directivity="point", quantization=quantization
     )

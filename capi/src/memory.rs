@@ -65,7 +65,7 @@ pub(crate) unsafe fn list<'a, T>(item: &str, start: *const T, count: usize) -> R
     Ok(unsafe { slice::from_raw_parts(start, count) })
 }
 
-/// As [`list`], where NULL stands for a list left out.
+/// Like [`list`], where NULL stands for a missing list.
 ///
 /// # Safety
 /// That of [`list`].
@@ -120,7 +120,7 @@ impl Lists<'_> {
     }
 }
 
-/// Refuses a buffer that has another length than what is written to it.
+/// Rejects a buffer whose length differs from that of the content.
 pub(crate) fn room<T>(item: &str, start: *mut T, count: usize, needed: usize) -> Result<(), Error> {
     if count != needed {
         return Err(Error::invalid(item, format!("room for {count}"), format!("give room for {needed}")));

@@ -20,7 +20,7 @@ pub(crate) enum Given<'a> {
 #[derive(Clone)]
 pub(crate) struct Setting {
     array: Array,
-    /// The medium of the session's scene, where it has one, the keys set since, and what they make of it.
+    /// The medium of the session's scene, if there is one, the keys set since, and the medium of both.
     before: Option<Medium>,
     given: Vec<(&'static str, f64)>,
     medium: Medium,
@@ -39,7 +39,7 @@ impl Setting {
         Ok(Self { array, before: None, given, medium, signature: None, bead, obstacles, choice })
     }
 
-    /// The array, the air and all that stands in it, and the method of a scene.
+    /// The array, the air with its obstacles, and the method of a scene.
     pub(crate) fn of_scene(scene: &Scene) -> Result<Self, Error> {
         let default = || Choice::new(DEFAULT.into(), Options::new());
         Ok(Self {
@@ -70,7 +70,7 @@ impl Setting {
         self.array.board(kind)
     }
 
-    /// How loud the points are to be; left out it is the request's own.
+    /// The aim for the level of the points; left out it is the request's own.
     pub(crate) fn aim(&self) -> Option<Aim> {
         self.choice.aim
     }
@@ -134,13 +134,13 @@ fn with_own_names(error: Error) -> Error {
     Error::Unknown { kind, name, hint, known }
 }
 
-/// Whether a number is whole, and no larger than those that f64 has every one of.
+/// Whether a number is whole, and at most the largest up to which f64 has every whole number.
 fn whole(number: f64) -> Option<i64> {
     (number.fract() == 0.0 && number.abs() <= 9_007_199_254_740_992.0).then_some(number as i64)
 }
 
 impl Given<'_> {
-    /// As an option of a method's.
+    /// Sets it as an option of a method.
     fn value(self, item: &str) -> Result<Value, Error> {
         Ok(match self {
             Self::Text("true") => Value::Bool(true),
@@ -151,7 +151,7 @@ impl Given<'_> {
         })
     }
 
-    /// As a part of the array; a board's name stands for its quantization.
+    /// Sets it as a part of the array; a board's name stands for its quantization.
     fn part(self, item: &str, kind: PartKind) -> Result<PartValue, Error> {
         Ok(match kind {
             PartKind::Real => PartValue::Real(self.number(item)?),
@@ -206,7 +206,7 @@ impl Given<'_> {
     }
 }
 
-/// Each number as what it stands for.
+/// Reads each number as its kind.
 fn entries<T>(item: &str, list: &[f64], cure: &str, read: impl Fn(f64) -> Option<T>) -> Result<Vec<T>, Error> {
     let refused = |i, number| Error::invalid(format!("{item}[{i}]"), format_args!("{number:?}"), cure);
     list.iter().enumerate().map(|(i, &number)| read(number).ok_or_else(|| refused(i, number))).collect()

@@ -50,7 +50,7 @@ impl Message {
     }
 }
 
-/// Does the work of a function: what it says goes to the message, an error or a panic as well.
+/// Does the work of a function; its warning, error or panic goes to the message.
 pub(crate) fn outcome<T: AsRef<str>>(message: Message, work: impl FnOnce() -> Result<T, Error>) -> Outcome {
     // A call that panicked has left nothing behind that the next one reads.
     match catch_unwind(AssertUnwindSafe(work)) {

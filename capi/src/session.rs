@@ -50,7 +50,7 @@ impl State {
     /// Solves the request of the scene that it was opened from.
     pub(crate) fn solve_own(&mut self) -> Result<&midair::Solution, Error> {
         if let Some(own) = &self.own {
-            // In place: the memory of the last request serves this one.
+            // Solves in place: the memory of the last request serves this one.
             self.ask.points.clone_from(&own.points);
             self.ask.request.pressures.clone_from(&own.request.pressures);
             self.ask.request.phases.clone_from(&own.request.phases);

@@ -32,7 +32,7 @@ def need(*programs: str) -> None:
 
 @pytest.fixture(scope="session")
 def prefix(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where the library is installed: what was built is copied there."""
+    """The folder of the installed library, to which the built files are copied."""
     prefix = tmp_path_factory.mktemp("usr")
     built = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
     run(ROOT / "capi" / "install.sh", built, prefix)

@@ -1,4 +1,4 @@
-"""C and C++: headers without a warning, examples, the page, both ways to link, what is installed."""
+"""C and C++: headers without a warning, examples, the page, both ways to link, installed files."""
 
 import re
 from collections.abc import Callable

@@ -107,5 +107,5 @@ def test_node_frees_its_sessions(package: Path) -> None:
         }
         grown(100).then(() => grown(2000)).then(console.log);
     """
-    # Kept, they would be 272 MB.
+    # If they were kept, they would need 272 MB
     assert float(run("node", "--expose-gc", "-e", program, cwd=package)) < 50

@@ -26,7 +26,7 @@ int main(void)
 
 
 def arguments(program: Path) -> list[str]:
-    """Few calls, as each tool makes them some thirty times slower."""
+    """Few calls, because each tool makes them some thirty times slower."""
     return ["all", "20"] if program.stem == MANY.stem else []
 
 

@@ -98,7 +98,7 @@ def test_lists(library: Library) -> None:
         library.done("session_set_numbers", session, name, values, len(values))
     mine = midair.Array(positions, normals, mask=mask, response=response)
     same(library, session, midair.Solver(mine, "greedy", order=order), POINTS, PRESSURES)
-    # The session has what it needs.
+    # The session has all that it needs.
     library.plain("array_free", array)
     same(library, session, midair.Solver(mine, "greedy", order=order), POINTS)
     library.plain("session_free", session)

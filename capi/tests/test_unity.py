@@ -147,7 +147,7 @@ def test_a_serial_board_gets_silence_frames_and_silence(program: Callable[..., s
     board = midair.Board("sonicsurface")
     frame, off = bytes(board.encode(drive_of(printed))), bytes(board.silence)
     words = bytes(received).removesuffix(b"the end").replace(frame, b"F").replace(off, b"o").decode()
-    # While Unity stands still, the board is off.
+    # While Unity is paused, the board is off.
     assert re.fullmatch(r"o+F[Fo]*o+F+o+", words)
     assert words.count("F") > 5
 

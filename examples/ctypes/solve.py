@@ -65,7 +65,7 @@ FUNCTIONS = {
 
 
 class Library:
-    """The functions of midair.h: what is refused is raised."""
+    """The functions of midair.h: a refusal is raised."""
 
     def __init__(self, path: str) -> None:
         self.functions = CDLL(path)

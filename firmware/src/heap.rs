@@ -23,7 +23,7 @@ struct Counting {
 // SAFETY: blocks are those of the heap within.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        // Read and written apart: there is one core, and no interrupt allocates.
+        // Read and written separately: there is one core, and no interrupt allocates.
         self.calls.store(self.calls.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
         // SAFETY: the caller's.
         let block = unsafe { self.heap.alloc(layout) };
@@ -43,7 +43,7 @@ pub fn begin() {
     unsafe { HEAP.heap.init(&raw mut MEMORY as usize, SIZE) }
 }
 
-/// How often something was allocated.
+/// The number of allocations.
 #[must_use]
 pub fn allocations() -> usize {
     HEAP.calls.load(Ordering::Relaxed)

@@ -1,6 +1,6 @@
 //! midair on a microcontroller: points in, bytes of a board out, nothing allocated between the first frame and the last.
 //!
-//! [`player`] and [`mute`] are what a product would do; the rest is the machine under it, or measures it.
+//! [`player`] and [`mute`] are the parts of a product; the rest is the machine under it, or measures it.
 #![no_std]
 
 extern crate alloc;

@@ -9,7 +9,7 @@ use crate::mute::Mute;
 use crate::player::{FRAMES, Player, array};
 use crate::{heap, stack};
 
-/// Ticks of the clock without a word, of which an emulator makes few: 5 ms at 25 MHz. A product waits for 250 ms.
+/// Ticks of the clock without a message, of which an emulator makes few: 5 ms at 25 MHz. A product waits for 250 ms.
 const PATIENCE: u32 = 125_000 * Clock::PARTS;
 
 /// Plays frames of an array, a board and a number of points, the three words of the command line, and tells in lines of
@@ -44,7 +44,7 @@ pub fn run<S: Solve>(solver: S) -> Result<(), Error> {
         if frame == 0 {
             before = heap::allocations();
         }
-        // By number, since a text of them all would be allocated.
+        // Chosen by number, since a text of them all would need allocated memory.
         for q in player.drive() {
             println!("drive {:08x}{:08x}", q.re.to_bits(), q.im.to_bits());
         }

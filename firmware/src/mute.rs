@@ -12,13 +12,13 @@ pub struct Mute {
 }
 
 impl Mute {
-    /// A board that is silent, and that may play for `patience` ticks, fewer than 2^31, without a word.
+    /// A board that is silent, and that may play for `patience` ticks, fewer than 2^31, without a message.
     #[must_use]
     pub const fn new(patience: u32) -> Self {
         Self { patience, received: 0, silent: true }
     }
 
-    /// Notes that points arrived, or a word that they stay.
+    /// Notes that points arrived, or a message that they stay.
     pub const fn hear(&mut self, now: u32) {
         (self.received, self.silent) = (now, false);
     }
@@ -47,7 +47,7 @@ mod tests {
         for begin in [0_u32, u32::MAX - 300] {
             let at = |k: u32| begin.wrapping_add(k);
             let mut mute = Mute::new(250);
-            // Nothing plays yet.
+            // No frame plays yet.
             assert!(!mute.is_due(at(1_000_000)));
             mute.hear(at(0));
             mute.hear(at(200));

@@ -27,7 +27,7 @@ pub struct Player<S> {
     board: Board,
     points: Vec<[f64; 3]>,
     request: Request,
-    /// None before the first frame and after one that was refused.
+    /// None before the first frame and after a rejected one.
     problem: Option<Problem>,
     solution: Option<Solution>,
     work: Workspace,
@@ -48,9 +48,9 @@ pub fn array(name: &str) -> Result<Array, Error> {
     }
 }
 
-// None of these is inlined: what the others keep on the stack would lie below a solve.
+// None of these is inlined: their variables on the stack would lie below a solve.
 impl<S: Solve> Player<S> {
-    /// Of an array that a kind of board plays, and a number of points.
+    /// The player for an array that a kind of board plays, and a number of points.
     ///
     /// # Errors
     /// What array, board or medium cannot be.

@@ -46,7 +46,7 @@ from ._midair import (
 )
 
 if TYPE_CHECKING:
-    # For type checkers; these are loaded when they are first used: `_toolbox.HOMES`.
+    # Names for type checkers; they are loaded at their first use: `_toolbox.HOMES`.
     from . import grad as grad
     from . import jax as jax
     from . import path as path

@@ -106,7 +106,7 @@ def load(name: str) -> Any:
 
 
 def guide() -> None:
-    """Guides the keywords of all public classes that are loaded by now: what a function returns is of one."""
+    """Adds hints for keywords to all public classes that are loaded: a function returns one of them."""
     package = sys.modules["midair"]
     for home, names in HOMES.items():
         loaded = vars(sys.modules.get(f"midair.{home}", package))

@@ -209,7 +209,7 @@ def run(
     bead: Mapping[str, float] | None,
     cotangent: ArrayLike | None = None,
 ) -> tuple[Any, ...]:
-    """The value of a quantity, and with a cotangent its gradients, of what takes the scene's place.
+    """The value of a quantity, and with a cotangent its gradients, for a scene or its substitute.
 
     given : drive and points; positions, normals and sound_speed where they are not the scene's
     """

@@ -34,7 +34,7 @@ struct Task {
     repeat: u32,
 }
 
-/// Boards, the order in which greedy visits transducers, and what a call writes.
+/// Boards, the order in which greedy visits transducers, and the content of a call.
 struct Bench {
     geometry: Geometry,
     wavelength: Length,

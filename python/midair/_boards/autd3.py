@@ -158,7 +158,7 @@ class Link:
         return _STEP.pack(self._counts[unit], step.command, 0) + payload
 
     def _lost(self, why: str, cause: str = "") -> BoardLost:
-        """Make the error of lost boards, and turn off those that still receive; no word follows."""
+        """Make the error of lost boards, and turn off those that still receive; no message follows."""
         self._over.set()
         self._gone = f"{why}{cause}; boards that still play mute themselves in half a second"
         off = commands.pattern(bytes(self._boards * CODES), self._boards, self.protocol)

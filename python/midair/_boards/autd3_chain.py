@@ -186,7 +186,7 @@ class Chain:
         return None
 
     def _release(self, known: list[_Place]) -> bool:
-        """Reset boards that have an older number still; return whether there are some."""
+        """Reset boards that still have an older number; return whether there are some."""
         old = [info.place for info in self._infos() if info.flags & ASSIGNED and info.place not in known]
         for place in old:
             self._request(place, Kind.RESET, most=1)

@@ -36,10 +36,10 @@ PHASE_STEPS = 40
 INTENSITY_STEPS = 10
 #: Step of the silencer in a period if it has no time; the device needs a number.
 RATE_STEPS = 256
-#: A device without a word for this time, in s, mutes itself.
+#: A device without a message for this time, in s, mutes itself.
 FAILSAFE_MS = 500
 
-#: Most bytes of a step behind its header, and most patterns of codes in it.
+#: The most bytes of a step behind its header, and the most patterns of codes in it.
 PAYLOAD = 1442
 PATTERNS_A_STEP = 2
 

@@ -48,7 +48,7 @@ def studio_command(
         print(server.address, flush=True)
         tell("Ctrl-C ends it")
         if browser:
-            # In a thread, because a browser in the terminal returns only when it is closed.
+            # Runs in a thread, because a browser in the terminal returns only when it is closed.
             threading.Thread(target=webbrowser.open, args=(server.address,), daemon=True).start()
         server.serve_forever()
     return 0

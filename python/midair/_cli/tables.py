@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-#: Characters across a picture, at most, and those that stand for colours, from silence to the loudest.
+#: The most characters across a picture, and those that stand for colours, from silence to the loudest.
 WIDEST = 76
 SHADES = " .:-=+*#%@"
 
@@ -81,7 +81,7 @@ def print_line(text: str) -> None:
 
 
 def print_facts(lines: Mapping[str, str]) -> None:
-    """Names and what is known by them, a line each, words as they are."""
+    """Print names and facts, a line each, words as they are."""
     for name, line in lines.items():
         print_line(f"  {name + ':':14}{line}")
 
@@ -97,7 +97,7 @@ def beside(document: bool) -> Iterator[None]:
 
 
 def print_written(what: object) -> None:
-    """The line that tells what was written, names of files as they are."""
+    """The line that names the written file, names of files as they are."""
     print_line(f"wrote {what}")
 
 
@@ -132,7 +132,7 @@ def print_columns(command: str, columns: Mapping[str, list[str]]) -> None:
         if shown.pop(name, None) is not None:
             left.append(name)
     if not _fits(_table(shown)):
-        # As long words of a system may have it: a line for each.
+        # Texts of the system may be too long: then a line for each.
         for row in zip(*columns.values(), strict=True):
             print_facts(dict(zip(columns, row, strict=True)))
     else:

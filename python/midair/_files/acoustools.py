@@ -28,7 +28,7 @@ from .played import Played, one_or_more
 #: Transducers of two boards, of one, and of a side.
 PAIR, BOARD, SIDE = 512, 256, 16
 
-#: In m: transducers of a pair stand so near to their places.
+#: A tolerance in m: transducers of a pair are this near to their places.
 NEAR = 2e-3
 
 #: Steps of a period and of the amplitude in .holo, the phase of a step, the end of a list, bytes of a number.
@@ -93,7 +93,7 @@ def read(path: str | PathLike[str], data: bytes, array: Array | None = None) -> 
     table = rows(text(path, data))
     line, head = next(table)
     frames, transducers = (int(number(cell) or 0) for cell in head)
-    # A number takes two bytes at least, with what follows it.
+    # A number takes at least two bytes, with its separator.
     if not 2 <= 2 * frames * transducers <= len(data):
         reported = f"{frames} frames of {transducers} transducers are stated, more than the file can contain"
         raise fault(path, line, f"{reported}: get the file again")

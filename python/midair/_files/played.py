@@ -50,7 +50,7 @@ def read(path: str | PathLike[str], board: Board | None) -> NDArray[np.complex64
 ROUNDING = 1e-6
 
 
-#: In m: an array whose transducers are farther from the board's is another one.
+#: A tolerance in m: an array whose transducers are farther from the board's is another one.
 APART = 0.5e-3
 
 

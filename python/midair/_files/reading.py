@@ -93,7 +93,7 @@ ENDINGS = (
 
 
 def read_array(path: str | PathLike[str], **parts: Any) -> Array:
-    """An array from a file, in m: a keyword that is given counts, else what the file or its format says.
+    """An array from a file, in m: given keywords count, else the values of the file or its format.
 
     - `.pat`, a board of OpenMPD: P0 3.4 Pa m, piston of 4.5 mm, the board's grid; gains are responses.
     - `.xml.gz` or `.xml` of Ultraino, by orderNumber: P0 is `power`, else 2.53; sinc of

@@ -108,7 +108,7 @@ def write(path: Path, drives: Played) -> None:
 
 
 def read(path: str | PathLike[str]) -> Solution | Sequence | NDArray[np.complex64]:
-    """Read what is in it; nothing in it is run."""
+    """Read its content; nothing in it is executed."""
     try:
         with zipfile.ZipFile(path) as found:
             sizes = {entry.filename.removesuffix(".npy"): entry.file_size for entry in found.infolist()}

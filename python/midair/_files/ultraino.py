@@ -68,7 +68,7 @@ def read(path: str | PathLike[str], root: Element) -> Layout:
 
 
 def _upright(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """From y up to z up."""
+    """Turns y up into z up."""
     x, y, z = vectors.T
     return np.stack([x, -z, y], axis=1) + 0.0
 

@@ -1,1 +1,1 @@
-"""Judging: solvers compared, exposure, streaming, and what faults of array and air leave of a solution."""
+"""Judging: solvers compared, exposure, streaming, and the effects of faults of array and air."""

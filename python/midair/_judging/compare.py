@@ -204,7 +204,7 @@ def _paper(pressure: float) -> str:
 
 
 def _percent(part: float) -> str:
-    """In two digits, nothing below a tenth."""
+    """Two digits, no value below a tenth."""
     return f"{max(100 * part, 0.1):.2g} %"
 
 
@@ -274,7 +274,7 @@ def growing(scene: Scene | Propagation, solvers: Solvers, **settings: Any) -> It
 
 
 def _above_zero(given: ArrayLike | None, count: int) -> NDArray[np.bool_]:
-    """Where pressures or weights are above 0; `solve` refuses by name what are no such numbers."""
+    """Points whose pressures or weights are above 0; `solve` rejects other values by name."""
     try:
         given = np.asarray(1.0 if given is None else given)
         # Complex pressures have moduli; a negative number is refused, not taken for one.

@@ -20,7 +20,7 @@ from .._support.arguments import number, refused, vector, warn
 
 @dataclass(frozen=True)
 class Limit:
-    """A level that somebody has named as a limit.
+    """A level that a standard or an author names as a limit.
 
     name : the name of the limit
     spl : in dB re 20 uPa
@@ -89,7 +89,7 @@ BLOCK, MOST = 100_000, 20_000_000
 #: Samples from which the search starts, how far apart in wavelengths, and how often it halves its step.
 STARTS, APART, HALVINGS = 32, 0.25, 5
 
-#: Loudest samples among which the starts are looked for: of one peak there are some 60.
+#: The number of loudest samples among which the starts are chosen: one peak has some 60.
 SAMPLES = 4000
 
 

@@ -28,7 +28,7 @@ COUNTED, LINES = 64, 400
 #: Rounds of an ascent, and those without a gain after which it ends, by aim.
 ROUNDS, IDLE = 120, {"strong": 1, "even": 30}
 
-#: By how much weaker places gain weight in a round.
+#: The factor by which weaker places gain weight in a round.
 LEVELLING = 0.3
 
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from .._pictures.colours import Map
     from .._pictures.sheet import Size
 
-#: Arrows along a side, and the part of the largest force below which there is none.
+#: Arrows along a side, and the part of the largest force below which none is drawn.
 ARROWS, FAINT = 20, 0.05
 
 

@@ -73,7 +73,7 @@ def _reversed(scene: Scene, size: float, random: np.random.Generator) -> Scene:
 
 
 def _temperature(scene: Scene, size: float, random: np.random.Generator) -> Scene:
-    # Of the absolute temperature, which goes with the square of the sound speed.
+    # A part of the absolute temperature, which is proportional to the square of the sound speed.
     believed = ZERO * (scene.sound_speed / SPEED) ** 2
     real = max(believed + size * random.standard_normal(), ZERO / 4)
     return scene.replace(sound_speed=SPEED * math.sqrt(real / ZERO))
@@ -107,7 +107,7 @@ def _position(scene: Scene, size: float, random: np.random.Generator) -> Scene:
 
 
 class Fault(NamedTuple):
-    """How a fault is drawn, the largest that is answered, in its unit, and how one of it is written."""
+    """The random draw of a fault, its largest value, its unit, and its text."""
 
     draw: Callable[[Scene, float, np.random.Generator], Scene]
     most: float
@@ -126,7 +126,7 @@ FAULTS = {
 }
 
 
-#: How far trials of one row lie apart, of the distance between rows: seen apart, not mixed up.
+#: The distance between trials of one row, relative to that between rows: apart enough to be distinguished.
 SPREAD = 0.3
 
 

@@ -130,7 +130,7 @@ class Trials:
         self._seed = whole("seed", seed, least=0)
         if drive is None:
             solution = solve(scene, solver, **options)
-            # With the requested options.
+            # Solves with the requested options.
             assert solution.scene is not None
             scene, drive, targets = solution.scene, solution, solution.targets
         else:
@@ -155,7 +155,7 @@ class Trials:
         """Do the trials, block by block."""
         if threads is not None:
             whole("threads", threads, least=1)
-        # Nothing is kept in files, so that the settings need not be JSON.
+        # Nothing is stored in files, so the settings need not be JSON
         settings = {
             "scene": self._scene,
             "drive": self._drive,

@@ -11,7 +11,7 @@ from .._midair import SceneError
 from .._support.arguments import refused
 from .model import Complex, Real
 
-#: As many readings at one microphone's maximum, and this part of all, mean a clipping converter.
+#: This many readings at one microphone's maximum, and this part of all, mean a clipping converter.
 CLIPPED, CLIPPED_PART = 4, 0.01
 
 

@@ -179,7 +179,7 @@ def _turned(scene: Scene, of: Indices, turn: NDArray[np.int64]) -> Indices | Non
     if len(of) < 2:
         return None
     places = scene.array.positions[of] - scene.array.positions[of].mean(axis=0)
-    # Of neighbours as near as one another, the first.
+    # The first of equally near neighbours.
     far = np.linalg.norm(places - places[0], axis=1).round(6)
     along = places[np.argsort(far, kind="stable")[1]] - places[0]
     along /= np.linalg.norm(along)

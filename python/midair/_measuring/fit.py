@@ -29,7 +29,7 @@ MOST_DAMPING, WHOLE = 1e3, 0.1
 LEAST_SCALE = 0.1
 #: Speeds looked through before the first step are so far apart, in m/s.
 SPEED_STEP = 0.5
-#: Drives of a block of the normal equations: what Ctrl-C waits for.
+#: Drives of a block of the normal equations: Ctrl-C waits for one block.
 BLOCK = 256
 
 
@@ -41,12 +41,12 @@ class Fitted:
     responses_error: Real
     state: Real
     state_error: Real
-    #: In Pa.
+    #: A pressure in Pa.
     noise: float
     #: Model minus reading (K, M) in Pa, and which readings were used.
     residuals: Real | Complex
     used: NDArray[np.bool_]
-    #: How probable it is that each transducer is alive, dead or reversed (3, N).
+    #: The probabilities that each transducer is alive, dead or reversed (3, N).
     chances: Real
 
 
@@ -54,12 +54,12 @@ class Fitted:
 class Place:
     """An iterate: its parameters, and its distance from the readings."""
 
-    #: How far re and im of the responses, and what of the state is free, are from what was believed.
+    #: The differences of re and im of the responses, and of the free part of the state, from the estimate.
     off: Real
     responses: Complex
     state: Real
     residuals: Real | Complex
-    #: Of a modulus in Pa, as it is trusted.
+    #: The standard deviation of a modulus in Pa.
     noise: float
 
     @property
@@ -115,7 +115,7 @@ def fit(
     progress: Callable[[int, int], object],
     used: NDArray[np.bool_],
 ) -> Fitted:
-    """Responses and state of the least misfit, weighed against their distance from what was believed.
+    """Responses and state of the least misfit, weighed against their distance from the estimate.
 
     Readings (K, M) of drives (K, N): moduli, or complex. `believed` are the responses' moduli: re and im are
     along and across the phases that the model's array has. `prior` is the standard deviation of living ones,
@@ -132,7 +132,7 @@ def fit(
 
     def place(off: Real, noise: float) -> Place:
         responses = believed + off[:n] + 1j * off[n : 2 * n]
-        # The loudness takes what is common to the responses: as much as brings them nearest to their prior.
+        # The loudness takes the common part of the responses, so that they are nearest to their prior.
         scale = max(known.scale(responses), LEAST_SCALE)
         responses /= scale
         off = np.r_[responses.real - believed, responses.imag, off[2 * n :]]
@@ -147,7 +147,7 @@ def fit(
         progress(step, STEPS)
         spread = known.spread.copy()
         square, slope = _normal(model, drives, here, spread, used)
-        # Of the unknowns, what the readings determine takes as many readings with it.
+        # The part of the unknowns that the readings determine also uses up readings.
         found = float(np.sqrt(here.misfit / max(count - np.sum(1 - left), 1.0)))
         settled = trust <= 1.05 * max(found, noise)
         trust = max(noise, float(np.clip(found, TIGHTER * trust, trust / TIGHTER)))
@@ -165,7 +165,7 @@ def fit(
         whole, change = damping < WHOLE, 0.0
         if gain > 0:
             here, damping = there, damping / 4
-            # Only a whole step ends where the posterior's mean is.
+            # Only a whole step ends at the posterior's mean.
             change = known.learn(here.off, left) if whole else 1.0
         if settled and gain < GAIN * cost and change < CHANGE:
             break

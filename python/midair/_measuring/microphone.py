@@ -21,7 +21,7 @@ from .._support.text import content, fault, text
 
 Read = Callable[[NDArray[np.complex64]], NDArray[Any]]
 
-#: Samples a period that tell an amplitude, and what is a converter's end.
+#: Samples a period that determine an amplitude, and the limit of a converter.
 SAMPLES, FULL = 2.2, 0.99
 
 #: The faults that can be simulated, and how many numbers each takes.

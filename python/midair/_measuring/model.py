@@ -20,9 +20,9 @@ AIR = (293.0, 366.0)
 #: Standard deviations of a directivity's number before any reading: of an exponent, and of a length in m
 #: relative to it. "point" is the cosine to the power of 0.
 EXPONENT, WIDTH = 2.0, 0.3
-#: And of a clock's phase in rad and the loudness's logarithm: nothing is known of them.
+#: Standard deviations of a clock's phase in rad and of the loudness's logarithm: nothing is known of them.
 UNKNOWN = 10.0
-#: And of a microphone's coordinates in m, to begin with.
+#: Standard deviations of a microphone's coordinates in m, at the beginning.
 MISPLACED = 1e-3
 #: A transducer is alive, dead, or connected the wrong way round: how probable each is before any reading. The
 #: fit learns that from those above DECIDED alone: from all, much noise would let all be dead.
@@ -38,19 +38,19 @@ LEAST = 0.02
 #: Steps of learning are this many times those of expectation and maximisation, safe below 2, and change a
 #: standard deviation at most by the factor.
 OVER_RELAXED, FACTOR = 1.7, 1.5
-#: Where a state has what.
+#: The places of a state's parts.
 SPEED, NUMBER, CLOCK, LOUDNESS, PLACES = range(5)
 
 
 @dataclass(frozen=True)
 class Priors:
-    """Standard deviations before any reading; 0 holds what it is of."""
+    """Standard deviations before any reading; 0 fixes its value."""
 
-    #: In m/s.
+    #: A speed in m/s.
     sound_speed: float
-    #: Of each coordinate of a microphone, in m; None is learnt.
+    #: Standard deviation of each coordinate of a microphone, in m; None if it is learnt.
     microphones: float | None
-    #: Of the second board: where it lies, in m, and how it is turned, in rad.
+    #: The second board's place in m, and its turn in rad.
     pose: tuple[float, float]
 
 
@@ -67,7 +67,8 @@ class Model:
     ) -> None:
         own = scene.array
         self._kind, number = kind_of(own.directivity)
-        # Responses are what is sought: the core's matrix goes without, the model's has their phases alone.
+        # The fit searches the responses: the core's matrix is without them, the model's has only their
+        # phases.
         self.phases = np.exp(1j * np.angle(np.ones(len(own)) if own.response is None else own.response))
         self._array = own
         self._scene = scene.replace(array=self._made(own.positions, own.normals, number))
@@ -86,7 +87,7 @@ class Model:
             pose,
         ]
         self.free = np.flatnonzero(self.spread)
-        #: Which of what is free are coordinates whose spread is learnt.
+        #: Which free values are coordinates with a learnt spread.
         first = np.searchsorted(self.free, PLACES)
         self.learnt = first + np.arange(microphones.size if priors.microphones is None else 0)
 
@@ -106,7 +107,7 @@ class Model:
         return np.asarray(scene.propagation() * self.phases * np.exp(1j * state[CLOCK] + state[LOUDNESS]))
 
     def slopes(self, state: Real, matrix: Complex) -> Complex:
-        """Derivatives (F, M, N) of the matrix by what is free.
+        """Derivatives (F, M, N) of the matrix by the free values.
 
         A wave e^{jkr}/r changes by (jk - 1/r) a metre along its ray and by -jkr/c a m/s; the directivity's
         number by a difference. That the lobe turns with a place is left to the next step's matrix.
@@ -134,7 +135,7 @@ class Model:
         return found[self.free]
 
     def moved(self, state: Real, by: Real) -> Real:
-        """The state after a step of what is free, brought back to what there can be."""
+        """The state after a step of the free values, limited to possible ones."""
         found = state.copy()
         found[self.free] += by
         found[SPEED] = np.clip(found[SPEED], *AIR)
@@ -187,7 +188,7 @@ def rotation(turn: Real) -> Real:
 
 
 class Belief:
-    """Independent normal numbers for the unknowns: re and im of N responses, then what of the state is free.
+    """Independent normal numbers for the unknowns: re and im of N responses, then the free part of the state.
 
     A response is normal about what is believed of it, or about the opposite of that, or it is exactly 0. One
     normal number stands for the three, with their mean and spread by how probable each is.
@@ -210,7 +211,7 @@ class Belief:
     # A chance may be less than the least number there is, which a program may have made an error (np.seterr).
     @np.errstate(under="ignore")
     def learn(self, off: Real, left: Real) -> float:
-        """Take over what a step of the fit found, and return the most that a chance changed.
+        """Take over the result of a step of the fit, and return the largest change of a chance.
 
         `off` is how far each unknown is from what is believed, `left` the part of the prior's variance that
         the readings leave.
@@ -219,7 +220,7 @@ class Belief:
         own, left_of, at, spread = (
             each[: 2 * n].reshape(2, n) for each in (off, variance, self.mean, self.spread)
         )
-        # By the readings and all others alone: its own prior divided out.
+        # The estimate by the readings and all others alone: its own prior divided out.
         precision = np.maximum(1 / left_of - 1 / spread**2, 1e-9 / self._modulus**2)
         middle = (own / left_of - at / spread**2) / precision
         apart = middle - (SIGNS[:, None, None] - 1) * self._centre

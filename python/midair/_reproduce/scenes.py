@@ -13,7 +13,7 @@ Options = dict[str, Any]
 
 @dataclass(frozen=True)
 class Method:
-    """A curve or a panel. Its label tells what brings a drive back to |q| <= 1: that decides most."""
+    """A curve or a panel. Its label names the rule that limits a drive to |q| <= 1, which decides most."""
 
     key: str
     label: str
@@ -35,7 +35,7 @@ PAPER = (
 
 GS = Method("gs", "GS, |q|=1", "gs", {"balance": False}, "#8c564b", False)
 
-#: The finest grid the paper speaks of.
+#: The finest grid that the paper mentions.
 FINE = Method(
     "greedy-fine",
     "greedy, K=16 L=256, |q|≤1",
@@ -106,7 +106,7 @@ def grid(side: int) -> dict[str, Any]:
 
 
 def reach(side: int) -> float:
-    """p1: what the array makes at (0, 0, Z) with all in phase, 2.36066 for 20 and 6.40341 for 36."""
+    """p1: the pressure at (0, 0, Z) with all transducers in phase, 2.36066 for 20 and 6.40341 for 36."""
     array = Array.grid(side, side, PITCH, source_pressure=1e-3)
     return sum(array.source_pressure / math.dist(place, (0, 0, Z)) for place in array.positions.tolist())
 

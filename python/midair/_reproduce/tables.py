@@ -23,7 +23,7 @@ Outcome = Literal["holds", "holds in part", "does not hold"]
 
 
 class Verdict(NamedTuple):
-    """A statement, what became of it, and the numbers that decide."""
+    """A statement, its verdict, and the numbers that decide."""
 
     statement: str
     verdict: Outcome
@@ -31,7 +31,7 @@ class Verdict(NamedTuple):
 
 
 def outcome(*parts: bool) -> Outcome:
-    """Of a statement with several parts."""
+    """The verdict on a statement with several parts."""
     if all(parts):
         return "holds"
     return "holds in part" if any(parts) else "does not hold"

@@ -37,7 +37,7 @@ def file(name: str, folder: Path = BUILT) -> Path:
     return path
 
 
-#: More points than this the page does not take.
+#: The most points that the page takes.
 MOST_POINTS = 64
 
 #: The page's frequency in Hz.
@@ -145,6 +145,6 @@ def _has_options(solution: Solution) -> bool:
     usual = Solver(scene.array, solution.solver).options
     if solvers()[solution.solver].uses_aim:
         usual = {"aim": "max" if scene.pressures is None else "target", **usual}
-    # As JSON, because options may be arrays.
+    # Compared as JSON, because options may be arrays.
     alike: bool = json.loads(output.to_json(usual)) == json.loads(output.to_json(solution.options))
     return not alike

@@ -48,11 +48,12 @@ HEADERS = {
     "Cache-Control": "no-store",
 }
 
-#: Names of this machine. Another one in a request is a foreign page that had its own name lead here.
+#: Names of this machine. Another one in a request is a foreign page whose name leads here.
 HERE = re.compile(r"(127\.0\.0\.1|localhost)(:\d+)?", re.IGNORECASE)
 
 
-#: Seconds without a word of the page after which the board is off. The page repeats its drive before that.
+#: Seconds without a message from the page after which the board is off. The page repeats its drive before
+#: that.
 HOLD = 1.0
 
 
@@ -76,7 +77,7 @@ class PagesBoard:
         return 8 * len(self.connection.board.array)
 
     def take(self, at: float, content: bytes) -> None:
-        """Play a drive, or turn off where there is none; ignore what is older (at, in ms) than the last one.
+        """Play a drive, or turn off where there is none; ignore drives older (at, in ms) than the last.
 
         Raises SceneError for a drive of another array, BoardError where the board is gone.
         """
@@ -140,12 +141,12 @@ class Server(ThreadingHTTPServer):
 
 
 class Answer(BaseHTTPRequestHandler):
-    """The answer to one request: a file, the scene, a refusal, or what became of a drive for the board."""
+    """The answer to one request: a file, the scene, a refusal, or the result of a drive for the board."""
 
     server: Server
     protocol_version = "HTTP/1.1"
     server_version, sys_version = "midair", ""
-    #: Seconds without a word after which a connection is closed.
+    #: Seconds without a byte after which a connection is closed.
     timeout = 60
 
     def do_GET(self) -> None:
@@ -157,7 +158,7 @@ class Answer(BaseHTTPRequestHandler):
         self._answer(with_content=False)
 
     def do_POST(self) -> None:
-        """Plays what the page gives the board at /board?MS, or turns it off where that is nothing.
+        """Plays the page's drive on the board at /board?MS, or turns the board off for an empty one.
 
         A page of another origin is refused: its requests bear its own name, or lack one.
         """
@@ -206,7 +207,7 @@ class Answer(BaseHTTPRequestHandler):
         self._send(HTTPStatus.OK, kind, content, with_content=with_content)
 
     def _play(self, board: PagesBoard, at: float, content: bytes) -> None:
-        """Answers with the line of what went wrong, or with none."""
+        """Answers with the line of the fault, or with none."""
         try:
             board.take(at, content)
             status, line = HTTPStatus.OK, ""

@@ -65,7 +65,7 @@ class View:
     @scene.setter
     def scene(self, scene: Scene) -> None:
         text = scene_text(scene)
-        # The page, where things were dragged since, listens to what differs only.
+        # The page, where points may have been dragged since, reacts only to differences.
         self._widget.scene = f"{text}\n" if text == self._widget.scene else text
         self._given = scene
 
@@ -117,7 +117,7 @@ class View:
         return state
 
     def _reported(self, _: object) -> None:
-        """The page has changed something, or taken what was set."""
+        """The page has changed its state, or taken the values that Python set."""
         self._given = None
 
     def _repr_mimebundle_(self, **keywords: Any) -> Any:

@@ -1,4 +1,4 @@
-"""Widget: the page in a notebook, and what it and Python tell each other."""
+"""Widget: the page in a notebook, and its messages to and from Python."""
 
 from __future__ import annotations
 

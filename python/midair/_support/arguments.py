@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from .._midair import SceneError, SceneWarning
 
-#: A file larger than this is no drawing that somebody means, as with scene files.
+#: A file larger than this is no drawing, as with scene files.
 MOST_BYTES = 64 << 20
 
 
@@ -36,7 +36,7 @@ def warn(text: str) -> None:
 
 
 def shown(value: Any) -> str:
-    """A value as somebody may recognise it."""
+    """A short text of a value."""
     if isinstance(value, str | PathLike):
         # A character that a terminal does not show is shown as its code.
         return f'"{str(value).replace(chr(0), chr(92) + "0")}"'

@@ -107,7 +107,7 @@ Handler = Callable[[int, FrameType | None], Any]
 
 @contextmanager
 def _handling(handler: Handler, numbers: list[signal.Signals]) -> Iterator[dict[signal.Signals, Any]]:
-    """Signals under a handler, and what was theirs before; ignored ones, as under nohup, stay so."""
+    """Signals under a handler, and their former handlers; ignored ones, as under nohup, stay so."""
     before: dict[signal.Signals, Any] = {}
     if threading.current_thread() is threading.main_thread():
         for number in numbers:

@@ -32,7 +32,7 @@ LOCK = "lock"
 
 
 def load(path: Path, identity: str) -> Arrays | None:
-    """Load the arrays that `save` wrote of this identity; None where there are none, or damaged ones."""
+    """Load the arrays that `save` wrote for this identity; None if they are missing or damaged."""
     try:
         if not path.is_file() or path.stat().st_size > MOST_BYTES:
             return None
@@ -74,7 +74,7 @@ def digest(identity: str, packed: bytes) -> bytes:
 
 @contextmanager
 def refusing(path: Path) -> Iterator[None]:
-    """Report what the system refuses of a path as one line."""
+    """Report the system's error on a path as one line."""
     try:
         yield
     except OSError as error:
@@ -154,7 +154,7 @@ def _lock(handle: int) -> None:
 
 
 def remove(folder: Path, own: re.Pattern[str]) -> None:
-    """Remove what has own names from a folder, and the folder if it holds nothing else; follow no link."""
+    """Remove own names from a folder, and the folder if it holds nothing else; follow no link."""
     for file in inside(folder):
         if own.fullmatch(file.name) or temporary(own, file.name):
             with suppress(OSError):
@@ -170,5 +170,5 @@ def temporary(own: re.Pattern[str], name: str) -> bool:
 
 
 def inside(folder: Path) -> list[Path]:
-    """List a folder; a link or what is not there holds nothing."""
+    """List a folder; a link or a missing folder counts as empty."""
     return [] if folder.is_symlink() or not folder.is_dir() else list(folder.iterdir())

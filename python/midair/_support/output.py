@@ -22,7 +22,7 @@ METRICS = ("accuracy", "sigma", "uniformity", "level", "residual", "leak")
 IMAGES = (".png", ".svg", ".pdf", ".jpg")
 
 
-#: Names longer than this leave no room for what a temporary name adds; file systems take 255 bytes.
+#: Longer names leave no room for the temporary part; file systems take 255 bytes.
 LONG = 100
 
 
@@ -66,7 +66,7 @@ def real(path: Path) -> Path:
 
 
 def _same(path: Path, other: Path) -> bool:
-    """Whether two names mean one file, by links, dots or letters that the file system holds equal."""
+    """Whether two names mean one file, by links, dots or letters that the file system treats as equal."""
     if os.path.normcase(os.path.realpath(path)) == os.path.normcase(os.path.realpath(other)):
         return True
     return path.exists() and other.exists() and path.samefile(other)
@@ -84,7 +84,7 @@ def _begin(path: Path) -> str:
 
 
 def tidy(path: Path) -> None:
-    """Remove what processes that no longer live have left of a path."""
+    """Remove the temporary files that dead processes have left of a path."""
     begin = _begin(path)
     for part in path.parent.iterdir():
         number = part.name.removeprefix(begin).removesuffix(".part")
@@ -160,7 +160,7 @@ def drive_json(scene: Scene, solution: Solution) -> str:
 
 
 def summary(scene: Scene, solution: Solution) -> str:
-    """How a scene was solved and how well, point by point, as JSON text: all but the drive."""
+    """The settings of a solve and its metrics, point by point, as JSON text: all but the drive."""
     record = _record(scene, solution)
     own = {name: getattr(solution, name) for name in ("solver", "options", "status")}
     kept = ("steps", "elapsed", "scale", *METRICS, "complex_error", "points", "targets", "pressures")

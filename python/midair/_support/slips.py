@@ -161,7 +161,7 @@ def _slip(
 
 
 def _binds(signature: inspect.Signature, arguments: Sequence[Any], keywords: Mapping[str, Any]) -> bool:
-    """Whether a call has what the signature requires."""
+    """Whether a call has the arguments that the signature requires."""
     try:
         signature.bind(*arguments, **keywords)
     except TypeError:

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from .._midair import SceneError, memory_limit
 
-#: In bytes, of a file and of what it unpacks to. A drive of 512 transducers is 5 kB at most: 50 000 frames.
+#: Limits in bytes, of a file and of its unpacked content. A drive of 512 transducers is 5 kB at most: 50 000
+#: frames.
 MOST_BYTES = 256 << 20
 
 
@@ -39,12 +40,12 @@ NO_FILE = "it is a folder, device or pipe: give a file"
 
 
 def _no_file(file: Path) -> bool:
-    """Whether it is there and no file."""
+    """Whether the path exists and is no file."""
     return file.exists() and not file.is_file()
 
 
 def content(path: str | PathLike[str], most: int = MOST_BYTES, *, empty: bool = False) -> bytes:
-    """The bytes of a file, which may be empty; at most `most`, and what MIDAIR_MEMORY allows."""
+    """The bytes of a file, which may be empty; at most `most`, and at most the limit of MIDAIR_MEMORY."""
     file, most = Path(path), min(most, memory_limit())
     if "\0" in str(file):
         raise SceneError("a name of a file has a character of code 0: give the name of a file")
@@ -102,7 +103,7 @@ def array(path: str | PathLike[str]) -> NDArray[Any]:
 
 
 def _size(count: int) -> str:
-    """A number of bytes as somebody reads it."""
+    """A number of bytes as text."""
     return f"{count >> 20} MB" if count >= 1 << 20 else f"{count} bytes"
 
 
@@ -191,7 +192,7 @@ def picked(
 
 
 def counted(count: int, thing: str) -> str:
-    """How many things, in words: "1 point", "2 points"."""
+    """A count in words: "1 point", "2 points"."""
     return f"{count} {thing}" if count == 1 else f"{count} {thing}s"
 
 

@@ -54,7 +54,7 @@ def trial_seed(settings: Settings, index: int) -> int:
 
 
 def array_and_medium(settings: Settings) -> tuple[Array, dict[str, Any]]:
-    """The array and the medium's keywords; refuses what a scene file would. Only `first_scene` warns."""
+    """The array and the medium's keywords; rejects what a scene file rejects. Only `first_scene` warns."""
     # Any point will do: it only makes the tables a whole scene file.
     fixed = settings.get("points")
     point = fixed[0] if fixed else [(low + high) / 2 for low, high in settings["region"]]
@@ -71,7 +71,7 @@ def _read(text: str) -> tuple[Array, dict[str, Any]]:
 
 
 def first_scene(settings: Settings) -> Scene:
-    """The scene of the first trial: making it refuses, and warns of, what no trial should have."""
+    """The scene of the first trial: making it rejects, and warns of, values that no trial should have."""
     array, medium = array_and_medium(settings)
     points, targets = points_and_targets(settings, [trial_seed(settings, 0)])
     pressures = None if targets is None else targets[0]
@@ -110,7 +110,7 @@ def _solve(
     settings: Settings,
     trials: list[int],
 ) -> Arrays:
-    """In one batch where all share a seed or need none, else one by one: the same bits either way."""
+    """In one batch if all share a seed or need none, else one by one: the same bits either way."""
     solver, weights = settings["solver"], settings.get("weights")
     options = {key: value for key, value in settings["options"].items() if value is not None}
 

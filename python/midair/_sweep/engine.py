@@ -100,7 +100,7 @@ Function = Callable[[Settings, int, int], Arrays]
 AHEAD = 4
 
 
-#: Seconds between looks at whether somebody pressed Ctrl-C.
+#: Seconds between checks for Ctrl-C
 INTERVAL = 0.2
 
 
@@ -228,7 +228,7 @@ class Stopped(Exception):
 
 
 def go_on() -> bool:
-    """Whether the run that this thread works for goes on; long jobs ask now and then."""
+    """Whether the run of this thread goes on; long jobs check it now and then."""
     stop: threading.Event | None = getattr(_own, "stop", None)
     return stop is None or not stop.is_set()
 
@@ -239,7 +239,7 @@ def _workers(
 ) -> Iterator[tuple[Executor, int]]:
     """An executor, and how many jobs it does at once."""
     if scheduler is None:
-        # More than there are processors would only wait for one another.
+        # More threads than processors would only wait for one another.
         processors = os.cpu_count() or 1
         count = min(threads or processors, processors)
         with ThreadPoolExecutor(count, initializer=setattr, initargs=(_own, "stop", stop)) as pool:
@@ -250,7 +250,7 @@ def _workers(
 
 
 def _put_finished(unsaved: Mapping[Future[Arrays], Job], put: Callable[[Job, Arrays], None]) -> None:
-    """Keep what was finished while the run was being stopped, as far as there is room."""
+    """Store the jobs that finished while the run was being stopped, as far as there is room."""
     for future, job in unsaved.items():
         if future.done() and not future.cancelled() and future.exception() is None:
             try:

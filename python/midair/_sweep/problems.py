@@ -21,7 +21,7 @@ from .block import array_and_medium, first_scene, trial_seed
 #: Settings of a block but for its solver, and the columns that its rows have in common.
 Sets = list[tuple[dict[str, Any], dict[str, Any]]]
 
-#: More combinations of axes are a slip of the pen, too.
+#: More combinations of axes are a mistake, too.
 MOST_BLOCKS = 10**6
 
 #: Bytes that a random point and its target take while they are drawn.
@@ -260,7 +260,7 @@ def _number(value: Any) -> bool:
 
 
 def _range(points: Tables, key: str) -> list[float]:
-    """A number, or the two ends of what it is drawn from."""
+    """A number, or the two ends of a random range."""
     value: Any = points.get(key)
     ends: list[Any] = value if isinstance(value, list) else [value, value]
     if not _numbers(ends, 2) or ends[0] > ends[1]:

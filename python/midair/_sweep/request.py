@@ -20,13 +20,13 @@ from .axes import Tables, plain, read_axes, short
 from .block import Settings
 from .problems import few, known, read_sets, reason, tables_of, whole
 
-#: More problems than this are a slip of the pen.
+#: More problems than this are a mistake.
 MOST = 10**9
 
 
 @dataclass(frozen=True)
 class Block:
-    """Problems that differ only in their trial; `columns` are what its rows of the table have in common."""
+    """Problems that differ only in their trial; `columns` are the common cells of their rows of the table."""
 
     settings: Settings
     columns: Mapping[str, Any]
@@ -48,7 +48,7 @@ class Request:
 
     @property
     def problems(self) -> int:
-        """How many rows the table has."""
+        """The number of rows of the table."""
         return sum(block.trials for block in self.blocks)
 
 
@@ -109,7 +109,7 @@ def _read(given: Mapping[str, Any], path: Path | None, drives: bool) -> Request:
 
 
 def _trials(given: Any) -> tuple[int, list[int] | None]:
-    """How many trials, and their seeds where they are listed."""
+    """The number of trials, and their seeds where they are listed."""
     if isinstance(given, list):
         if not given:
             raise SceneError("seeds is empty: give a count or a list of seeds")
@@ -137,7 +137,7 @@ def _methods(table: Tables) -> list[tuple[str, dict[str, Any]]]:
 
 
 def spelt(word: Any, words: Iterable[str]) -> str:
-    """The one of the words that is meant, whatever its case, "-" and "_"; else the word itself."""
+    """The word that is meant, whatever its case, "-" and "_"; else the word itself."""
     plainly = {known.lower().replace("_", ""): known for known in words}
     return plainly.get(str(word).lower().replace("-", "").replace("_", ""), str(word))
 

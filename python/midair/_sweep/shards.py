@@ -296,7 +296,7 @@ def _write(path: Path, table: pa.Table) -> None:
 
 
 def _kept(path: Path) -> str | None:
-    """The identity of a file that is whole; None where there is none."""
+    """The identity of a complete file; None where there is none."""
     from pyarrow import ArrowException, parquet
 
     try:

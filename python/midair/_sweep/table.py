@@ -109,7 +109,7 @@ def check_drives(path: Path) -> None:
 
 
 def check_replaceable(path: Path) -> None:
-    """Refuse to replace what is not wholly a former sweep's group of drives."""
+    """Refuse to replace a group that is not entirely a former sweep's."""
     if not path.exists():
         return
     try:
@@ -160,7 +160,7 @@ def _layout(blocks: Sequence[Block]) -> Layout:
 
 
 def fits(job: Job, arrays: Arrays) -> bool:
-    """Whether a kept result has what a table, and a group of drives, take of this job."""
+    """Whether a stored result has the parts of this job that a table, and a group of drives, take."""
     block: Block = job.owner
     expected: Layout = dict.fromkeys(METRICS, (np.dtype(float), (), 0.0))
     expected |= dict.fromkeys(("beyond", "weak"), (np.dtype(bool), (), False))
@@ -191,7 +191,7 @@ def _temporary(path: Path) -> Iterator[Path]:
 
 @contextmanager
 def open_table(path: Path, request: Request) -> Iterator[Write]:
-    """A table by the path's ending; what it yields takes columns of rows in order."""
+    """A table by the path's ending; the yielded function takes columns of rows in order."""
     write = _parquet if path.suffix.lower() == ".parquet" else _csv
     with _temporary(output.real(path)) as part, write(part, request) as give:
         yield give
@@ -237,7 +237,7 @@ def _kind(values: Sequence[Any]) -> type:
 
 @contextmanager
 def open_drives(path: Path, request: Request) -> Iterator[Callable[[Arrays, int], None]]:
-    """A Zarr group with a row for each row of the table; what it yields takes a chunk and its first row.
+    """A Zarr group with a row for each row of the table; the yielded function takes a chunk and its row.
 
     drive (rows, N), pressures (rows, M) as attained, complex64; scale (rows,); points (rows, M, 3) in m;
     targets (rows, M) in Pa if pressures were requested. N and M are the sweep's largest: what a row lacks is

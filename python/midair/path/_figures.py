@@ -128,7 +128,7 @@ def lissajous(
         raise refused("size", size, "give (width, height) in m, not both 0")
     if lobes.shape != (2,) or not all(1 <= n <= MOST_LOBES and n == round(n) for n in lobes):
         raise refused("ratio", ratio, f"give two whole numbers from 1 to {MOST_LOBES}")
-    # In lowest terms the figure is passed once.
+    # In lowest terms the figure is traversed once.
     a, b = Fraction(int(lobes[0]), int(lobes[1])).as_integer_ratio()
     u = 2 * math.pi * np.arange(PIECES * max(a, b)) / (PIECES * max(a, b))
     shifts = sizes / 2 * np.stack([np.sin(a * u + phase), np.sin(b * u)], axis=1)
@@ -143,7 +143,7 @@ class Walk(Piece):
     curve: Curve
     #: Start of each of the M points, in m along the curve.
     starts: Numbers
-    #: In m.
+    #: A length in m.
     way: float
     #: Targets (M,).
     targets: Numbers

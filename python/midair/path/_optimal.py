@@ -34,7 +34,7 @@ TRIED, TIMES = 48, 4
 #: Speeds above are none of a bead, in m/s.
 TOP = 20.0
 
-#: In s: from a place of the path to the next, and what a change of the force takes at least.
+#: Times in s: from a place of the path to the next, and the least time for a change of the force.
 TICK, SMOOTH = 1e-4, 1e-3
 
 
@@ -240,7 +240,7 @@ def _speeds(curve: _Curve, traps: _Traps, bead: Bead, share: float, loop: bool) 
             squares = np.linspace(low, high, TRIED)
             least, _ = limits(i, squares)
             good = squares + 2 * curve.step * least <= after
-            # At rest the trap holds it: some v^2 is always good.
+            # At rest the trap holds the bead: some v^2 is always possible.
             k = int(good.argmin()) - 1 if not good.all() else TRIED - 1
             low, high = squares[max(k, 0)], squares[min(max(k, 0) + 1, TRIED - 1)]
         return float(low)

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from .._midair import SceneError
 from .._support.arguments import real, refused
 
-#: Of times (T,), ways (T, M), places (T, M, 3), targets (T, M).
+#: Functions of times (T,): ways (T, M), places (T, M, 3), targets (T, M).
 Numbers: TypeAlias = NDArray[np.float64]
 
 #: Rounding of times, in parts of a frame or of a period, never decides the side of a step.
@@ -30,7 +30,7 @@ class Piece(ABC):
 
     #: M.
     points: int
-    #: In s.
+    #: A time in s.
     duration: float
     #: Whether the end joins the start: a time after the end is one after the start.
     closed: bool
@@ -56,7 +56,7 @@ class Piece(ABC):
         return times % self.duration if self.closed else times.clip(0.0, self.duration)
 
 
-#: In m; a scene rejects nearer ones for another reason.
+#: A distance in m; a scene rejects nearer ones for another reason.
 FARTHEST = 1e6
 
 
