@@ -9,7 +9,8 @@ use core::sync::atomic::AtomicBool;
 #[cfg(feature = "parallel")]
 use alloc::sync::Arc;
 
-/// How many threads work at once, and whose they are: by default as many as rayon's own pool has, or one without rayon.
+/// The number of threads that work at once, and their pool: by default as many as rayon's own pool has, or one
+/// without rayon.
 #[derive(Clone, Debug, Default)]
 pub struct Threads {
     #[cfg(feature = "parallel")]
@@ -32,7 +33,7 @@ impl Threads {
         self
     }
 
-    /// How many work at once.
+    /// The number of threads that work at once.
     pub(crate) fn count(&self) -> usize {
         // One needs no pool, not even to be counted.
         if self.most == Some(1) {

@@ -16,7 +16,7 @@ const LINE: usize = 16;
 #[derive(Debug, Default)]
 pub struct Pool<T> {
     free: RefCell<Vec<Vec<T>>>,
-    /// How many it has made, and has room to take back.
+    /// The number of buffers that it has made and can take back.
     made: Cell<usize>,
 }
 
@@ -51,7 +51,7 @@ impl<T> Pool<T> {
 
     fn fitting(&self, len: usize) -> Vec<T> {
         if len == 0 {
-            // Not one that somebody else could use.
+            // The buffer must not be one that another user could take.
             return Vec::new();
         }
         let mut free = self.free.borrow_mut();

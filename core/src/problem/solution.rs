@@ -134,7 +134,7 @@ impl Solution {
         Self::new(problem, drive, (Status::Done, 1), 1, work, control)
     }
 
-    /// Silence: what there is when a stop comes before anything else.
+    /// The all-zero solution, returned when stopped before the first result.
     pub(crate) fn silent(problem: &Problem, work: &Workspace) -> Self {
         let request = Arc::clone(&problem.targets);
         let drive = work.complexes.take(request.propagation.transducers()).into_vec();
@@ -236,7 +236,7 @@ impl Solution {
         control.correct(|| self.residual_for(problem));
     }
 
-    /// The drives (N,) with `scale` counted in: what the transducers play.
+    /// The drives (N,) times `scale`, as the transducers play them.
     #[must_use]
     pub fn played(&self) -> Vec<Complex32> {
         self.drive.iter().map(|&q| divided(q, 1.0 / self.scale)).collect()
@@ -263,7 +263,7 @@ impl Solution {
         (&self.request.propagation, &self.request.setup, self.request.request())
     }
 
-    /// The scene that it answers: array, medium, points and what was request of them. `None` for a given G.
+    /// The scene of the solution: array, medium, points and their request. `None` for a given G.
     #[must_use]
     pub fn scene(&self) -> Option<Scene> {
         let ArrayRequest { propagation, setup, .. } = &*self.request;
@@ -310,7 +310,7 @@ impl Solution {
     }
 }
 
-/// By value: what was request, and what was answered.
+/// Compared by value: the request, and the answer.
 impl PartialEq for Solution {
     fn eq(&self, other: &Self) -> bool {
         let reported = |solution: &Self| (solution.status, solution.steps, solution.scale);

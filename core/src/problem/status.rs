@@ -5,7 +5,7 @@ use core::fmt;
 
 use crate::error::Error;
 
-/// How a solve ended. Outcome is data, never an error.
+/// The status at the end of a solve. Outcome is data, never an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Status {
@@ -22,8 +22,7 @@ pub enum Status {
 impl Status {
     /// The status of a name, as it is displayed.
     ///
-    /// # Errors
-    /// A name of none.
+    /// # Errors An unknown name.
     pub fn named(name: &str) -> Result<Self, Error> {
         let all = [Self::Done, Self::OutOfSteps, Self::Stopped, Self::Missed];
         let found = all.into_iter().find(|status| format!("{status}") == name);

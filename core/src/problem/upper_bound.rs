@@ -48,7 +48,7 @@ const CHECK: usize = 20;
 /// Ends when the certificate is this near to the relaxation's own level.
 const NEAR: f64 = 3e-4;
 
-/// How long the phases of few points are looked at: half a second at 1000 transducers.
+/// The length of the search for the phases of few points: half a second at 1000 transducers.
 const EFFORT: Effort = Effort { gap: 5e-5, boxes: 20_000 };
 
 type Lanes = [Complex64; RANK];
@@ -150,7 +150,8 @@ struct Rows {
 }
 
 impl Rows {
-    /// Of at most this many points, evenly chosen in their order: no more of them are at a level than some of them.
+    /// The bound of at most this many points, evenly chosen in their order: some of them have no lower level than
+    /// all.
     fn new(problem: &Problem, most: usize, control: &mut Control) -> Result<Self, Error> {
         let (propagation, mut targeted) = (&problem.targets.propagation, problem.targeted());
         let all = targeted.len();
@@ -252,7 +253,7 @@ impl Rows {
 fn largest_eigenvalue(matrix: &[Complex64], size: usize, control: &mut Control) -> Result<f64, Error> {
     let entry = |j: usize, k: usize| if k <= j { matrix[j * size + k] } else { matrix[k * size + j] };
     let row = |j: usize| (0..size).map(|k| entry(j, k).norm()).sum::<f64>();
-    // NaN is to stay NaN.
+    // NaN must stay NaN
     let more = |most: f64, row: f64| if row <= most || most.is_nan() { most } else { row };
     let mut high = (0..size).map(row).fold(0.0, more) * (1.0 + ROUNDING);
     let mut low = 0.0;

@@ -1,4 +1,4 @@
-//! Bodies: what spheres and meshes add to G.
+//! Bodies: the waves that spheres and meshes add to G
 //!
 //! It is H S: waves or surface elements at a point times their response to each transducer. S is found once; a point
 //! that moves needs its own row of H alone.
@@ -21,7 +21,7 @@ use crate::propagation::sphere::Sphere;
 
 /// The waves of bodies: a trait, so that a program that has none is not linked with their mathematics.
 trait Basis: fmt::Debug + Send + Sync {
-    /// Each wave, or what each element sends, at a point outside.
+    /// Each wave, or the wave of each element, at a point outside.
     fn row(&self, point: [f64; 3], row: &mut Vec<Complex64>);
 }
 
@@ -37,7 +37,7 @@ impl Basis for Boundary {
     }
 }
 
-/// Bodies and what each transducer makes of them.
+/// Bodies and their answer to each transducer.
 #[derive(Clone, Debug)]
 pub(crate) struct Bodies {
     basis: Arc<dyn Basis>,
@@ -53,7 +53,7 @@ impl Bodies {
         Ok(Self::of(Arc::new(sphere), answers, sources.array.len()))
     }
 
-    /// Of the sound on a boundary's elements (E, N).
+    /// The bodies with the sound on a boundary's elements (E, N).
     pub(crate) fn of_boundary(boundary: Arc<Boundary>, sound: &[Complex32]) -> Self {
         let transducers = boundary.transducers();
         Self::of(boundary, sound.iter().copied(), transducers)

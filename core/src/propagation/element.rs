@@ -1,4 +1,4 @@
-//! Element: a flat triangle of a surface, on which the sound is constant, and what it sends.
+//! Element: a flat triangle of a surface, on which the sound is constant, and its waves.
 
 use core::f64::consts::PI;
 
@@ -111,7 +111,7 @@ impl Element {
         self.patch.reach
     }
 
-    /// Whether a place is so near that it is cut there.
+    /// Whether a place is so near that the element is cut for it.
     pub(crate) fn is_near(&self, place: [f64; 3]) -> bool {
         distance(place, self.patch.center) < NEAR * self.patch.reach
     }

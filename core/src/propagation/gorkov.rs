@@ -91,7 +91,7 @@ pub fn gorkov(
 /// Potential, force and second derivatives at one point.
 pub(crate) type Felt = (f64, [f64; 3], [[f64; 3]; 3]);
 
-/// The field of a drive, ready for what a particle feels at any point.
+/// The field of a drive, ready for the force on a particle at any point.
 pub(crate) struct Trap<'a> {
     model: &'a Model,
     waves: Vec<(&'a Sources, Taylor)>,
@@ -101,7 +101,7 @@ pub(crate) struct Trap<'a> {
 }
 
 impl<'a> Trap<'a> {
-    /// Of a drive and a particle that are checked here, as the points are.
+    /// For a drive and a particle that are checked here, as the points are.
     ///
     /// # Errors
     /// As [`gorkov`].

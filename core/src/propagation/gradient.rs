@@ -1,4 +1,5 @@
-//! Gradient: what a quantity of the field at points changes by with the drive, the points, the array and the sound speed.
+//! Gradient: derivatives of a quantity of the field at points by the drive, the points, the array and the sound
+//! speed.
 //!
 //! Reverse mode by hand: of a scalar L with the cotangent dL/dvalue at each point, one pass forward and one back give dL by all
 //! that the value depends on. The quantity is a function of p at its point; w = dL/dRe p + j dL/dIm p goes back through
@@ -134,7 +135,7 @@ struct Pass<'a> {
 struct Part {
     value: Vec<f64>,
     points: Vec<[f64; 3]>,
-    /// By transducers, for each of the images.
+    /// Values by transducer, for each of the images.
     pulls: Vec<Vec<Pull>>,
     by_k: f64,
     by_speed: f64,
@@ -233,7 +234,7 @@ impl<'a> Pass<'a> {
         Ok(gradient)
     }
 
-    /// Of a few points, the first of which has an index.
+    /// Values of a few points, the first of which has an index.
     fn part(
         &self,
         (first, points): (usize, &[[f64; 3]]),
@@ -261,7 +262,7 @@ impl<'a> Pass<'a> {
         Ok(part)
     }
 
-    /// Of what is a function of the pressure at a point.
+    /// For a function of the pressure at a point.
     fn sounded(
         &self,
         (index, point): (usize, [f64; 3]),
@@ -296,7 +297,7 @@ impl<'a> Pass<'a> {
         Ok(by_point)
     }
 
-    /// Of what a particle feels at a point.
+    /// For a quantity of a particle at a point.
     fn felt(
         &self,
         (index, point): (usize, [f64; 3]),
@@ -317,7 +318,7 @@ impl<'a> Pass<'a> {
         let (pulled, by_speed) = self.quantity.back_felt((self.medium, particle), &pressure, cotangent);
         part.by_speed += by_speed;
         let weights = weights(&pulled);
-        // Only the stiffness is made of third derivatives, whose own are the fourth.
+        // Only the stiffness depends on third derivatives, whose own are the fourth.
         let contract = match self.quantity {
             Quantity::Stiffness(_) => contract::<MORE_TERMS>,
             _ => contract::<TERMS>,

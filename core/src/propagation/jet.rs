@@ -129,7 +129,7 @@ impl Jet {
         self.0.iter().zip(&other.0).map(|(own, other)| own * other).sum()
     }
 
-    /// Of this cotangent of a product, that of a factor beside `other`.
+    /// From the cotangent of a product, that of a factor beside `other`.
     pub(crate) fn back_times(&self, other: &Self) -> Self {
         let mut back = Self::ZERO;
         for [i, j, at] in PRODUCTS {
@@ -138,7 +138,7 @@ impl Jet {
         back
     }
 
-    /// Of this cotangent of a derivative along an axis, that of the function.
+    /// From the cotangent of a derivative along an axis, that of the function.
     pub(crate) fn back_derivative(&self, axis: usize) -> Self {
         let mut back = Self::ZERO;
         for (own, exponents) in back.0.iter_mut().zip(&EXPONENTS) {

@@ -20,7 +20,7 @@ use crate::scene::{Bead, Signature};
 /// Entries of G that are kept at most: a tenth of a second's work, and a few MB. Of more than eight waves each fewer.
 const MOST_ENTRIES: usize = 1 << 20;
 
-/// G, or why there is none.
+/// G, or the reason why there is none.
 pub(crate) type Matrix = Result<Arc<[Complex64]>, Error>;
 
 /// Points and the matrix of what differs in nothing else: columns of points that stay need not be made again.
@@ -64,7 +64,7 @@ impl PartialEq for Kept {
 impl Kept {
     pub(crate) const MAKE: Make = Make { matrix: Self::matrix, stiffness: Self::stiffness };
 
-    /// Of channels alone, without obstacles and signature.
+    /// G of channels alone, without obstacles and signature.
     pub(crate) const BARE: Make = Make { matrix: Self::bare, stiffness: |_, _| Ok(None) };
 
     /// G in Pa, column by column (N or C, M).

@@ -26,7 +26,7 @@ const HEIGHTS: usize = 6;
 /// The least distance of a point from a sphere or a mesh for derivatives, in wavelengths.
 pub(crate) const LEAST_CLEARANCE: f64 = 0.01;
 
-/// Places around a point, from it in m, and what the pressure there adds to each Taylor coefficient at the point.
+/// Places around a point, from it in m, and the weight of the pressure there in each Taylor coefficient at the point.
 pub(crate) struct Local(Vec<([f64; 3], [Complex64; TERMS])>);
 
 impl Local {
@@ -51,7 +51,7 @@ impl Local {
         (clear >= LEAST_CLEARANCE * medium.wavelength()).then(ball)
     }
 
-    /// Places around a point, and what the pressure there adds to each Taylor coefficient at the point.
+    /// Places around a point, and the weight of the pressure there in each Taylor coefficient at the point.
     pub(crate) fn around(&self, point: [f64; 3]) -> impl Iterator<Item = ([f64; 3], &[Complex64; TERMS])> {
         self.0.iter().map(move |(offset, terms)| ([0, 1, 2].map(|axis| point[axis] + offset[axis]), terms))
     }

@@ -77,7 +77,7 @@ enum Rows {
 /// Array and points (M, 3) in m that a G was made of, and obstacles and signature where it has any.
 type Origin<'a> = (&'a Array, &'a [[f64; 3]], Option<&'a Kept>);
 
-/// By what G is made of, not by the kernels that make it.
+/// Compared by the data that G is made from, not by the kernels that make it.
 impl PartialEq for Propagation {
     fn eq(&self, other: &Self) -> bool {
         match (&self.rows, &other.rows) {
@@ -217,7 +217,7 @@ impl Propagation {
         Ok(self)
     }
 
-    /// Number of transducers N, or of channels in what solvers see of an array that has them.
+    /// Number of transducers N, or of channels for solvers of an array that has them.
     #[must_use]
     pub fn transducers(&self) -> usize {
         match &self.rows {

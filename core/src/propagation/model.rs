@@ -17,7 +17,7 @@ use crate::propagation::scattering::Scattering;
 use crate::propagation::sources::Sources;
 use crate::scene::{Array, Bead, Medium, Obstacle, Obstacles, Scene, Signature, check_array};
 
-/// An array in a medium, made ready once for points that change: what a scene is for points that do not.
+/// An array in a medium, prepared once for points that change.
 ///
 /// ```
 /// use midair::{Array, InstructionSet, Medium, Model};

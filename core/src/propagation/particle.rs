@@ -29,7 +29,7 @@ impl Particle {
         -self.volume() / (2.0 * medium.density * medium.sound_speed * medium.sound_speed * medium.sound_speed)
     }
 
-    /// Refuses what is no sphere.
+    /// Rejects values that describe no sphere.
     pub(crate) fn check(&self) -> Result<(), Error> {
         real("radius", self.radius, 0.0, true)?;
         real("density", self.density, 0.0, true)?;

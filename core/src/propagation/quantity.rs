@@ -1,4 +1,4 @@
-//! Quantity: what can be computed of the field at a point, and the way back from it to the pressure there.
+//! Quantity: a function of the field at a point, and its backward pass to the pressure there.
 
 use num_complex::Complex64;
 
@@ -75,7 +75,7 @@ impl Quantity {
         }
     }
 
-    /// Writes what it is of a pressure, unless it is a particle's.
+    /// Writes its value for a pressure, unless it is a particle's.
     pub(crate) fn write(self, medium: Medium, p: Complex64, value: &mut [f64]) {
         match self {
             Self::Pressure => value.copy_from_slice(&[p.re, p.im]),
@@ -97,7 +97,7 @@ impl Quantity {
         }
     }
 
-    /// Writes what a particle feels in a pressure around the point, real and imaginary part.
+    /// Writes the particle's quantity for a pressure around the point, real and imaginary part.
     pub(crate) fn write_felt(self, pressure: &[Jet; 2], factors: [f64; 2], value: &mut [f64]) {
         let potential = potential(pressure, factors);
         match self {

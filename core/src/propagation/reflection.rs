@@ -1,4 +1,4 @@
-//! Reflection: walls that a wave meets one after another, as what they show of the array and of surfaces.
+//! Reflection: walls that a wave meets one after another, as images of the array and of surfaces.
 //!
 //! A wall through c with unit normal n sends back what a mirrored transducer would send: from x' = x - 2 ((x - c).n) n,
 //! looking along n' = v - 2 (v.n) n, times 1 (rigid: dp/dn = 0 on the wall) or -1 (soft: p = 0). So G = G(x) + sum of

@@ -1,4 +1,4 @@
-//! Rest: where a particle comes to rest in the field of a drive, and what holds it there.
+//! Rest: the resting place of a particle in the field of a drive, and the stability there.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -189,7 +189,7 @@ impl Follow<'_> {
         Ok(One { place, held: true, stiffness: order.map(|k| stiffness[k]), axes, basin, restoring })
     }
 
-    /// How far the net force pulls back along a direction, and the most that it does.
+    /// The distance over which the net force pulls back along a direction, and its largest value.
     fn along(&self, j: usize, place: [f64; 3], way: [f64; 3], control: &mut Control) -> Result<[f64; 2], Error> {
         let h = STEP * self.wavelength;
         let (mut last, mut before, mut most) = (0.0, 0.0, 0.0_f64);

@@ -1,4 +1,4 @@
-//! Scattering: what obstacles add to eq. (5), by image sources of walls and the answers of bodies.
+//! Scattering: the waves that obstacles add to eq. (5), by image sources of walls and the answers of bodies.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;

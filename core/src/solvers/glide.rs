@@ -58,7 +58,7 @@ options! {
     }
 }
 
-/// Even enough: what a phase step of 2 pi/65536 makes of a point.
+/// Even enough: the effect of a phase step of 2 pi/65536 on a point.
 const EVEN: f32 = 1e-5;
 
 /// Times as many sweeps in the first frame, which is free: points at rest then leave its phases where they are.
@@ -121,7 +121,7 @@ impl Solve for Glide {
         if let Some(drive) = problem.start_drive() {
             begin(last, problem, drive)?;
         } else if last.played.len() != problem.propagation().transducers() {
-            // Of which only the phases count. Its steps are not the frame's.
+            // Only its phases count. Its steps are not the frame's.
             let plan = Plan::alone(SWEEPS, f64::from(EVEN), QUIET);
             let first = even_field::solve(problem, &[plan], work, &mut control.part())?;
             if first.status == Status::Stopped {
@@ -211,11 +211,11 @@ struct Frame<'w> {
     trial: Wave<'w>,
     projector: Projector<'w>,
     weights: Buffer<'w, f32>,
-    /// a G y, what the envelopes so far still make at the points; nothing without an envelope.
+    /// a G y, the pressures that the earlier envelopes still make at the points; nothing without an envelope.
     rest: Option<[Buffer<'w, f32>; 2]>,
     /// The part of an envelope that a frame replaces.
     part: f32,
-    /// Whether it is the first.
+    /// Whether it is the first frame.
     free: bool,
     arc: Arc,
     /// The largest code on the board's grid; infinite where phases are free.
@@ -333,7 +333,7 @@ impl<'w> Frame<'w> {
             kept = off(trial) <= NO_WORSE * last.unevenness && trial.level(rows) >= AS_LOUD * wave.level(rows);
         }
         if kept {
-            // Nothing is remembered of what was found: at rest the next frame finds the same, and keeps its codes, too.
+            // Nothing is stored of the result: at rest the next frame finds the same, and keeps its codes, too.
             core::mem::swap(wave, trial);
         } else {
             last.wave.copy_from_slice(&last.played);
@@ -389,7 +389,7 @@ impl<'w> Frame<'w> {
     }
 }
 
-/// Adds what the envelopes still make to a wave's field.
+/// Adds the remaining waves of the envelopes to a wave's field.
 fn add(wave: &mut Wave<'_>, rest: Option<&[Buffer<'_, f32>; 2]>) {
     let Some(rest) = rest else { return };
     for (field, rest) in wave.field.iter_mut().zip(rest) {

@@ -4,8 +4,8 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::problem::{Problem, Status};
 
-/// Steps until a step says that the tolerance is met, somebody stops them, or they are `steps`: how they ended, and how
-/// many they were. A tolerance of 0 asks for all steps, which is then no shortage of them.
+/// Makes steps until a step meets the tolerance, a caller stops them, or they are `steps`; returns the status and
+/// their number. A tolerance of 0 asks for all steps, which is then no shortage of them.
 ///
 /// `control` gets `residual` after each step but the last: the last one's is the answer's own, which
 /// [`crate::Solution::new`] reports. A step may itself hear of a stop: it then counts for nothing.

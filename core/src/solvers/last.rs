@@ -22,7 +22,7 @@ pub struct Last {
     pub(crate) envelope: Vec<Complex32>,
     /// Weights of the points.
     pub(crate) weights: Vec<f32>,
-    /// How uneven the last new codes left the points.
+    /// The unevenness of the points after the last new codes.
     pub(crate) unevenness: f32,
     /// Of traps, places (M, 3) in m, and once they are known their velocities in m/s and accelerations in m/s^2.
     pub(crate) motion: Vec<[f64; 3]>,

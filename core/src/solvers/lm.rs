@@ -123,7 +123,7 @@ fn largest(problem: &Problem, work: &Workspace) -> f64 {
     f64::from(largest)
 }
 
-/// A set of phases and what follows from it.
+/// A set of phases and the values that follow from it.
 struct State<'w> {
     /// e^{j phi} and its field.
     wave: Wave<'w>,

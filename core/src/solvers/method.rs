@@ -1,4 +1,4 @@
-//! The trait `Solve`, and what the registry knows of a method.
+//! The trait `Solve`, and the registry's facts about a method.
 
 use core::any::Any;
 
@@ -61,7 +61,7 @@ pub trait Solve {
         self.solve(problem, work, control)
     }
 
-    /// Whether it does.
+    /// Whether it remembers its last frame.
     #[doc(hidden)]
     fn remembers(&self) -> bool {
         false
@@ -142,7 +142,7 @@ impl Info {
     }
 }
 
-/// A registered method: options, what is known of it, and [`Solve`].
+/// A registered method: options, facts, and [`Solve`].
 pub trait Method: Configure + Solve + Send + Sync + 'static {
     /// Its facts.
     const INFO: Info;

@@ -33,7 +33,7 @@ pub trait Configure: Default {
     fn set(&mut self, name: &str, value: &Value) -> Result<(), Error>;
 }
 
-/// Adds an option and its default to a list: what [`crate::options!`] says of each.
+/// Adds an option and its default to a list, for [`crate::options!`].
 pub fn describe<T: OptionValue>(list: &mut Vec<OptionInfo>, name: &'static str, doc: &'static str, default: &T) {
     list.push(OptionInfo { name, default: default.show(), doc: doc.trim_ascii(), words: T::WORDS, list: T::LIST });
 }

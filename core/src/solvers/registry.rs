@@ -149,7 +149,7 @@ fn set_all(
     Ok(())
 }
 
-/// Who has an option that a solver lacks.
+/// The methods that have an option that a solver lacks.
 fn hint_of_owners(option: &str) -> Option<String> {
     let has = |entry: &&Entry| entry.options().iter().any(|known| same_name(known.name, option));
     let owners: Vec<&str> = SOLVERS.iter().filter(has).map(|entry| entry.info.name).collect();

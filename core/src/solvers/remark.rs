@@ -1,4 +1,4 @@
-//! Remarks: what a caller should hear beside an answer.
+//! Remarks: warnings about an answer.
 //!
 //! Targets beyond reach or too weak, phases left out of account, a scale left over, a bound that lets nothing move, a
 //! focus so loud that its harmonics count.

@@ -29,7 +29,7 @@ use crate::workspace::Workspace;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(clippy::exhaustive_enums, reason = "as they are, or 1")]
 pub enum Moduli {
-    /// As they are: the paper's. Points with a small one are lost.
+    /// As they are, like the paper. Points with a small one are lost.
     Raw,
     /// 1 for every point.
     Unit,

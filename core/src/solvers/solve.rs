@@ -133,7 +133,7 @@ fn excess(solution: &Solution, factor: f64) -> f64 {
 
 /// Refuses an answer that no array can play.
 fn check(solution: &Solution) -> Result<(), Error> {
-    // All of them, so that the loop has no branch; what is not a number is not below either.
+    // Compares all of them, so that the loop has no branch; a NaN is not below either.
     let fine = |fine, q: &Complex32| fine & (q.norm_sqr() <= MOST_POWER);
     if solution.drive.iter().fold(true, fine) {
         return Ok(());

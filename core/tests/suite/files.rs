@@ -1,4 +1,4 @@
-//! The scene file: what it says.
+//! The scene file and its content.
 
 use midair::files::{Format, Provenance, Source, read, read_from, references, write};
 use midair::{Axis, Directivity, Error, Plane, Scene, Signature, Value};

@@ -34,7 +34,7 @@ z = 0.15
 size = 0.1
 "#;
 
-/// Words of the libraries underneath, which say nothing to somebody with a scene file.
+/// Messages of the libraries underneath, which do not help a user with a scene file.
 const FOREIGN: [&str; 14] = [
     "serde",
     "expected",
@@ -58,7 +58,7 @@ fn with(part: &str, other: &str) -> String {
     WHOLE.replacen(part, other, 1)
 }
 
-/// Documents, what each is refused with, and the line that is shown for a correct one.
+/// Documents, the error of each, and the line that is shown for a correct one.
 fn check(cases: &[(String, impl AsRef<str>, impl AsRef<str>)], format: Format) {
     let source = Source { name: "my scene", folder: None };
     let wrong = cases.iter().filter_map(|(text, reported, example)| {

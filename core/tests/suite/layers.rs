@@ -1,5 +1,5 @@
-//! Who may use whom in the core and in the Python binding: every module uses those below it and no other, no files import
-//! each other, and no method uses another method's file.
+//! The modules that each module may use: every module uses those below it and no other, no files import each other,
+//! and no method uses another method's file.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 const HEAD: &str = "# Map of the sources\n\nEvery source file with its first line. `make map` writes this page.\n\n";
 
-/// A file's first line, which says what is in it.
+/// A file's first line, which describes its content.
 fn first_line(path: &Path) -> String {
     let text = fs::read_to_string(path).expect("text");
     let line = text.lines().next().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Motion: frames that follow one another, judged in f64: bounds, evenness, rest, and what is refused.
+//! Motion: consecutive frames, judged in f64: bounds, evenness, rest, and refusals.
 
 use std::f64::consts::PI;
 
@@ -169,7 +169,7 @@ fn a_frame_goes_on_from_a_drive_and_refuses_one_without_a_phase() {
         solve(&problem(1).with_start(Start::Drive(start)).expect("a start")).expect("a drive").drive
     };
     let next = after(first.clone());
-    // Of a start the phases count, also where the squares of its drives underflow.
+    // Only the phases of a start count, also where the squares of its drives underflow.
     assert_eq!(after(first.iter().map(|q| q * 0.5_f32.powi(76)).collect()), next);
     assert!(first.iter().zip(&next).all(|(a, b)| change(*a, *b) <= PI / 16.0 + 1e-6));
     let mut off = first;

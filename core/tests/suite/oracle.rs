@@ -127,7 +127,7 @@ pub fn field(propagation: &[Vec<Complex64>], drive: &[Complex64]) -> Vec<Complex
     (0..propagation[0].len()).map(at).collect()
 }
 
-/// Most pressure that drives of at most 1 can give at each point on its own.
+/// The highest pressure that drives of at most 1 can give at each point alone.
 pub fn reach(propagation: &[Vec<Complex64>]) -> Vec<f64> {
     let at = |j: usize| propagation.iter().map(|row| row[j].norm()).sum();
     (0..propagation[0].len()).map(at).collect()
@@ -275,7 +275,7 @@ impl Search<'_> {
     }
 }
 
-/// How a drive is brought to what the transducers can do.
+/// The rule that limits a drive to what the transducers can play.
 #[derive(Clone, Copy, Debug)]
 pub enum AmplitudeLimit {
     /// Magnitudes above 1 become 1.

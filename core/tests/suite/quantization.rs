@@ -1,4 +1,4 @@
-//! A device's grid: what lies on it, what is rounded, what balancing leaves to the supply, and how even it can be.
+//! A device's grid: values on it, rounding, the factor left to the supply, and the best evenness.
 
 use std::f64::consts::TAU;
 
@@ -149,7 +149,7 @@ fn balancing_reduces_by_the_table_and_below_it_by_the_scale() {
     let below = at(0.2, Some(quantization(65_536, &[0.0, 2.0 * part, 1.0])));
     assert!((below.scale - 0.5).abs() < 1e-6 && (below.amplitude(7) - 2.0 * part).abs() < 1e-6, "{}", below.scale);
     same(below.metrics());
-    // Between two values the nearest one is taken, and the metrics say what that costs.
+    // Between two values the nearest one is taken, and the metrics include the error.
     let between = at(0.2, Some(quantization(65_536, &[0.75 * part, 1.0])));
     assert!(between.scale == 1.0 && (between.amplitude(7) - 0.75 * part).abs() < 1e-6);
     let expected = 0.75 * free.metrics().accuracy;
@@ -248,7 +248,7 @@ fn greedy_takes_the_devices_grid_and_refuses_another() {
     assert_eq!(options["amplitudes"], Value::Integer(16));
 }
 
-/// An even drive of continuous phases: lm at nine tenths of what wgs reaches, from where wgs ends.
+/// An even drive of continuous phases: lm at nine tenths of the level of wgs, from the end of wgs.
 fn even(scene: &Scene) -> Vec<Complex32> {
     let free = |pressures: Option<Vec<f64>>| {
         let request = Request { pressures, ..scene.request().clone() };
@@ -267,7 +267,7 @@ fn even(scene: &Scene) -> Vec<Complex32> {
 #[test]
 #[ignore = "slow"]
 fn the_sweep_takes_most_of_what_rounding_costs_and_keeps_within_the_quantised_targets() {
-    // Bounds on the mean sigma over 10 seeds; what comes out is 8 to 80 % of them.
+    // Bounds on the mean sigma over 10 seeds; the results are 8 to 80 % of them.
     for (points, phases, most) in [
         (16, 256, 0.0015),
         (64, 256, 0.0025),
@@ -301,7 +301,7 @@ fn the_sweep_takes_most_of_what_rounding_costs_and_keeps_within_the_quantised_ta
 
 #[test]
 fn uniform_stays_even_on_the_grid() {
-    // Bounds on the mean sigma; what comes out is a quarter to a third of them.
+    // Bounds on the mean sigma; the results are a quarter to a third of them.
     for (phases, few, many) in [(256, 0.00015, 0.0006), (32, 0.0012, 0.0045), (16, 0.0022, 0.009)] {
         let array = Array::preset("autd3", [2, 2]).expect("a preset");
         let array = array.with_quantization(Some(quantization(phases, &[])));
@@ -378,7 +378,7 @@ fn a_device_plays_no_point_louder_than_requested_unless_it_misses_less_and_keeps
                     let residual = solution.metrics().residual;
                     assert!(loudest <= 1.0 + 1e-4 || residual < even, "{reported}");
                     even = residual;
-                    // As loud as requested to a tenth, or all that the array has.
+                    // As loud as requested to a tenth, or as loud as the array can.
                     let full = scale == 1.0 && solution.drive.iter().all(|q| q.norm() > 0.9999);
                     assert!(full || loudest >= 0.9 - 1e-4, "{reported}");
                     // A fine table does without the supply.

@@ -60,7 +60,7 @@ fn what_is_no_option_or_no_value_of_it_is_refused_by_name() {
         assert!(unknown.contains("no_such_option") && unknown.contains(name), "{unknown}");
         for option in entry.options() {
             assert!(unknown.contains(option.name), "{name} does not list {}: {unknown}", option.name);
-            // No option of any kind is a negative number, an unknown word or not a number at all.
+            // No option of any kind accepts a negative number, an unknown word or NaN.
             let wrong =
                 [Value::Integer(-1), Value::Real(-1.0), Value::Real(f64::NAN), Value::Text("no such word".into())];
             for value in wrong {
@@ -71,7 +71,7 @@ fn what_is_no_option_or_no_value_of_it_is_refused_by_name() {
     }
 }
 
-/// A name as somebody may type it.
+/// A name as a user may type it.
 fn loosely(name: &str) -> String {
     let mut typed = name.to_uppercase().replace('_', "-");
     typed.insert(1, '_');

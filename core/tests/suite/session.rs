@@ -135,7 +135,7 @@ fn a_bad_problem_is_named_and_a_stop_keeps_what_is_done() {
         ask.clone_from(&requested(k));
         Ok(())
     };
-    // More than any machine solves before it asks whether to go on.
+    // More than any machine solves before it checks for a stop.
     let count = 1000 * std::thread::available_parallelism().map_or(1, usize::from);
     let batch = Session::new(model, solver, false).solve_batch(
         count,
@@ -193,7 +193,7 @@ fn hold(model: &Model, asks: &[SolveRequest], solver: &Solver, balance: bool, wh
 fn some(points: usize, count: usize, given: bool) -> Vec<SolveRequest> {
     let ask = |k: usize| {
         let mut rng = Rng::new((100 * points + k) as u64);
-        // From 0, a quiet point, to more than the array can give.
+        // Targets from 0, a quiet point, to more than the array can give.
         let pressures = given.then(|| (0..points).map(|j| 2e3 * ((j + 1) % 3) as f64 * rng.uniform()).collect());
         let request = Request { pressures, ..Request::default() };
         SolveRequest { points: random_points(points, 0.05, k as u64), request, start: None, aim: None }

@@ -29,7 +29,7 @@ const ALLOWED: [&str; 22] = [
     "studio/door/src/lib.rs",
 ];
 
-/// Every Rust file below a folder, but what is built.
+/// Every Rust file below a folder, without built ones.
 fn files(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
@@ -42,7 +42,7 @@ fn files(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Whether the code, comments and words apart, has the keyword.
+/// Whether the code, without comments and strings, has the keyword.
 fn has_unsafe(text: &str) -> bool {
     let code = text.lines().map(|line| line.split("//").next().unwrap_or_default());
     let mut words = code.flat_map(|line| line.split(|c: char| !c.is_alphanumeric() && c != '_' && c != '"'));

@@ -116,7 +116,7 @@ fn only_what_provably_cannot_be_had_is_beyond_reach() {
     assert!(text.starts_with("points[1].pressure is 5.000 Pa, beyond reach: ") && !text.contains('\n'), "{text}");
     // Two points in one place can both have nearly what one can: far above the balanced level, and no mistake.
     assert_eq!(beyond(&[points[0], points[0], points[0]], vec![1.7; 3]), None);
-    // Left out, the pressures are what the array can do.
+    // Left out, the pressures are the array's highest ones.
     assert_eq!(
         problem(&scene(preset("paper20"), random_points(64, 0.1, 35), None))
             .beyond(&mut Control::none())

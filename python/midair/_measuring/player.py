@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from .._midair import SceneError
 
-#: How tuning ended: to its end, out of readings, stopped by Ctrl-C or progress, or by an error of the reader.
+#: The end of tuning: complete, out of readings, stopped by Ctrl-C or progress, or ended by an error of the
+#: reader.
 Status = Literal["done", "out_of_readings", "stopped", "failed"]
 
 
@@ -65,7 +66,7 @@ class Unreadable(Exception):
 
 
 class Player:
-    """Reads |p| (M,) of drives (N,), at most `budget` times, and keeps the best of what it is offered.
+    """Reads |p| (M,) of drives (N,), at most `budget` times, and keeps the best of the given ones.
 
     `value` measures the error of pressures; `progress` is called with (readings, of how many).
     """

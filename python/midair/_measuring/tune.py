@@ -46,7 +46,7 @@ def greedy(player: Player, drive: Complex, order: Indices, phases: int, tries: b
     turns = 2 * np.pi * np.arange(phases) / phases
     received = np.arange(phases) if tries or phases <= 3 else np.round(np.arange(3) * phases / 3).astype(int)
     waves = np.stack([np.ones(phases), np.cos(turns), np.sin(turns)], axis=1)
-    # From the measured phases to all of them.
+    # Turns the measured phases into all phases.
     spread = np.eye(phases) if len(received) == phases else waves @ np.linalg.inv(waves[received])
     drive = drive.copy()
     for index in order:
@@ -62,7 +62,7 @@ def greedy(player: Player, drive: Complex, order: Indices, phases: int, tries: b
         player.trace.append(float(values[chosen]))
 
 
-#: How much of a deviation is corrected at once.
+#: The part of a deviation that one step corrects.
 POWER = 0.7
 #: Quieter than this part of the mean, a place would be corrected without end.
 QUIETEST = 0.1
@@ -73,7 +73,7 @@ def feedback(player: Player, scene: Scene, targets: Real, solver: str, steps: in
 
     The camera feedback of slmsuite. It evens out and gains no level: the model stays as it is.
     """
-    # Ratios are what is corrected: those that can aim give their loudest at them.
+    # Ratios are corrected: points with a target have their loudest drive there.
     aim: Literal["max"] | None = "max" if solvers()[solver_name(word("solver", solver))].uses_aim else None
     wanted = targets.copy()
     requested = targets > 0

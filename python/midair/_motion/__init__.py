@@ -1,4 +1,4 @@
-"""Motion: sequences of frames in time, and what the points, a hand and beads get of them."""
+"""Motion: sequences of frames in time, and their effect on points, hands and beads."""
 
 from .felt import Felt
 from .fly import Flight, fly

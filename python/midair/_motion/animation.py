@@ -91,7 +91,7 @@ class _Pictures:
     def finish(self) -> None:
         first, *others = self.pictures
         pace: dict[str, Any] = {"duration": 1000 / self.fps, "loop": 0}
-        # Of .webp: the fastest way to a good picture.
+        # The encoder's setting of .webp: the fastest good picture.
         quality = {} if self.path.suffix == ".gif" else {"quality": 80, "method": 0}
         first.save(self.path, save_all=True, append_images=others, **pace, **quality)
 
@@ -100,7 +100,7 @@ class _Pictures:
 
 
 def _palette() -> bytes:
-    """The 256 colours of a .gif: the map's, greys of what is written, and the points'."""
+    """The 256 colours of a .gif: the map's, greys of the texts, and the points'."""
     from matplotlib import colormaps
     from matplotlib.colors import to_rgb
 
@@ -164,7 +164,7 @@ def _plane(sequence: JudgedFrames) -> Plane:
 
 
 class _Picture:
-    """One panel: what stays is drawn once, and image, points and title over it for each frame."""
+    """One panel: fixed parts are drawn once; image, points and title are drawn for each frame."""
 
     def __init__(self, sequence: JudgedFrames, plane: Plane, top: float) -> None:
         from matplotlib.backends.backend_agg import FigureCanvasAgg

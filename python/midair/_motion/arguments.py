@@ -42,7 +42,7 @@ def frames(what: str, count: int, expected: int) -> None:
 
 
 def quantization(given: Any, array: Array) -> dict[str, Any] | None:
-    """A board as an array tells of it: what is given, else the array's own."""
+    """A board as its array describes it: given values, else the array's own."""
     if given is None:
         return array.quantization
     try:

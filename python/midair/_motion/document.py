@@ -1,4 +1,4 @@
-"""Scene files of what moves: the table [motion] and its paths, beside array, medium and solver."""
+"""Scene files of moving points: the table [motion] and its paths, beside array, medium and solver."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Envelope: what transducers of first order radiate while their drives go from frame to frame.
+"""Envelope: the radiation of first-order transducers while their drives go from frame to frame.
 
 A transducer of time constant tau answers its drive q by y' = (q - y)/tau. tau = sqrt(3)/(pi B) by its
 two-sided bandwidth B at -6 dB.

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .envelope import Envelope
 
-#: Samples/s of the envelope; what lies above half of it folds back at least 30 dB down.
+#: Samples/s of the envelope; parts above half of it fold back at least 30 dB down.
 SAMPLES = 160e3
 
 #: Audible frequencies, in Hz.
@@ -147,7 +147,7 @@ class Felt:
 
     @property
     def thresholds(self) -> NDArray[np.float64]:
-        """Of each frequency, the least peak displacement of the palm that is felt, in m; inf beyond 1 kHz.
+        """The least peak displacement of the palm that is felt at each frequency, in m; inf beyond 1 kHz.
 
         Verrillo 1963 and Bolanowski et al. 1988. `midair.skin` compares displacements with it.
         """

@@ -35,7 +35,7 @@ def whole(path: str | PathLike[str], endings: tuple[str, ...]) -> Iterator[Path]
     requested = path_of("path", path)
     output.check(requested, endings)
     target = output.real(requested)
-    # A folder, because the ending tells programs what to write.
+    # It is a folder, because the ending tells programs how to write.
     folder = output.part_of(target)
     try:
         folder.mkdir()
@@ -64,7 +64,7 @@ def _stored(path: str | PathLike[str]) -> Stored | None:
     if entry.compress_type != zipfile.ZIP_STORED or entry.file_size < LARGE:
         return None
     with open(path, "rb") as stream:
-        # The local header: 26 bytes, then the lengths of the name and of what else there is.
+        # The local header: 26 bytes, then the lengths of the name and of the extra field.
         stream.seek(entry.header_offset + 26)
         stream.seek(sum(struct.unpack("<HH", stream.read(4))), os.SEEK_CUR)
         version = npy.read_magic(stream)

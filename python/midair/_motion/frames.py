@@ -16,7 +16,7 @@ from .._support.arguments import flag, number, word
 from . import arguments
 from . import drives as driven
 
-#: The keywords for the air, what stands in it, and what the points are to be.
+#: The keywords for the air, for bodies in it, and for the points.
 AIR = (*scene_keys()["medium"], "obstacles", "signature", "bead")
 
 

@@ -44,7 +44,7 @@ ROUNDS_MORE = 5
 
 @dataclass(frozen=True)
 class Tracks:
-    """How tracks are found and played, for frames of the array and the air of a scene.
+    """The search of tracks and their drives, for frames of the array and the air of a scene.
 
     change : the bound in rad a frame
     board : the board's quantization, which has phases
@@ -77,7 +77,7 @@ class Tracks:
             still = np.zeros((1, len(self.scene.array)), np.uint16) if start is None else start[:1]
             return np.repeat(still, len(points), axis=0)
         if len(points) == 1:
-            # A frame alone is one that stands still.
+            # A single frame stands still.
             twice = [np.repeat(table, 2, axis=0) for table in (points, targets)]
             return self.find(*twice, first=first, progress=progress)[:1]
         rounds = ROUNDS_CLOSED if closed else ROUNDS
@@ -125,7 +125,7 @@ def board_of(quantization: dict[str, Any] | None) -> dict[str, Any]:
 
 
 def check(solver: str, tau: Any, aim: Any, options: Iterable[str]) -> None:
-    """Refuse what tracks do not know."""
+    """Reject options that tracks do not have."""
     if solver != "glide":
         raise refused("solver", solver, "with ahead the tracks are found by themselves, leave it out")
     if tau is not None:
@@ -157,7 +157,7 @@ class Horizon:
     ) -> None:
         self._tracks = tracks
         self._coming = frames
-        # More frames than any list has are all of them.
+        # A number above any list's length means all frames.
         self._ahead = min(ahead, sys.maxsize >> 1)
         # The frame handed out last and those in sight; codes of the first of them, and how many stay.
         self._frames: list[Frame] = []
@@ -273,7 +273,7 @@ class Found(Protocol):
 
 
 class Followed:
-    """By a solver, each frame from the last one; `exact` for glide, whose phases are the board's."""
+    """Frames by a solver, each from the last one; `exact` for glide, whose phases are the board's."""
 
     def __init__(self, requested: Request, solver: Solver, exact: bool) -> None:
         self.board: dict[str, Any] | None = requested.options.get("quantization")
@@ -305,7 +305,7 @@ class Followed:
 
 
 class Foreseen:
-    """By tracks, each frame with some of the next in sight."""
+    """Frames by tracks, each chosen with some of the next."""
 
     def __init__(self, requested: Request, tracks: Tracks, ahead: int) -> None:
         self.board: dict[str, Any] | None = tracks.board

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Panel = Literal["pressures", "changes", "spectrum"]
 PANELS = get_args(Panel)
 
-#: Columns and rows of a waterfall: no screen shows more, and what lies between would be lost.
+#: Columns and rows of a waterfall: no screen shows more, and the values between would be lost.
 COLUMNS, ROWS = 1000, 250
 
 #: The least part of its top that a scale of |p| / target spans: an even sequence is one colour, nearly.
@@ -116,7 +116,7 @@ def _changes(sequence: JudgedFrames, ax: Axes, colours: Map) -> None:
     column = np.searchsorted(edges, np.arange(len(sequence)), side="right") - 1
     for frames in blocks(len(sequence), count):
         np.maximum.at(largest, column[frames], sequence.each_change(frames.start, frames.stop))
-    # The line of the bound is to be seen within the bar.
+    # The line of the bound must be visible within the bar.
     top = max(float(largest.max()), 1.1 * (sequence.change or 0.0)) or 1.0
     rows = np.maximum.reduceat(largest.T, _edges(count, ROWS)[:-1], axis=0)
     image = _waterfall(ax, rows, sequence, colours, (0.0, top), count=count)

@@ -37,7 +37,7 @@ def rows(
     shape, flat = points.shape[:-1], points.reshape(-1, 3)
     kept = scene.obstacles or scene.signature is not None
     part = max(MOST_KEPT // len(scene.array), 1) if kept else len(flat)
-    # Of a list each point of a frame has its own.
+    # Each point of a frame has its own entry of a list.
     names = scene.signature if isinstance(scene.signature, list) else None
     blocks = []
     with warnings.catch_warnings():
@@ -117,7 +117,7 @@ SETTLED = 0.25e-3
 
 @dataclass
 class Course:
-    """Knots of frames: what transducers radiate at each, and where points are.
+    """Knots of frames: the transducers' radiation at each, and the points' places.
 
     drives : (K, N) at the knots of a lap, or of all frames where they are open
     frames : (T, M, 3) in m, the points of each frame
@@ -134,7 +134,7 @@ class Course:
 
     @staticmethod
     def of(envelope: Envelope, points: NDArray[np.float64], wavelength: float) -> Course:
-        """Of points (T, M, 3) and what radiates for them."""
+        """The field around points (T, M, 3) for the transducers' radiation."""
         frames, rate = len(points), envelope.rate
         # Frames a knot, or knots a frame.
         every, parts = 1, ceil(1 / (rate * SETTLED) - 1e-9)
@@ -152,7 +152,7 @@ class Course:
         return Course(drives, points, envelope, every / (rate * parts), 0.5 / (rate * parts))
 
     def knots(self, duration: float | None) -> int:
-        """How many knots a flight has."""
+        """The number of knots of a flight."""
         lap = len(self.drives)
         if not self.envelope.closed:
             lasts = lap if duration is None else min(lap, ceil(duration / self.spacing) + 1)
@@ -204,7 +204,7 @@ AT_ONCE = 128
 
 
 class Forces:
-    """Of a sphere with Gor'kov's factors (2,) in a scene's real field."""
+    """The potential of a sphere with Gor'kov's factors (2,) in a scene's real field."""
 
     def __init__(self, scene: Scene, factors: NDArray[np.float64]) -> None:
         self._scene, self._factors = scene.replace(signature=None, pressures=None), factors

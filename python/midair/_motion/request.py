@@ -28,7 +28,7 @@ LOOKED = 200
 
 @dataclass(frozen=True)
 class Request:
-    """Points (T, M, 3) in m, targets (T, M) in Pa, and how they are to be solved.
+    """Points (T, M, 3) in m, targets (T, M) in Pa, and the settings of the solve.
 
     scene : the array, its air and the first frame
     aim : "target", or "max" if only points are given
@@ -95,7 +95,7 @@ def request(
     aim: str | None,
     options: dict[str, Any],
 ) -> Request:
-    """Read all of it, and refuse what does not fit."""
+    """Read all of it, and reject parts that do not fit."""
     if not isinstance(array, Array):
         raise TypeError(f"expected a midair.Array first, not {type(array).__qualname__}")
     frames = number("rate", rate, above=0)
@@ -107,7 +107,7 @@ def request(
     requested = np.ones(points.shape[:2]) if targets is None else np.asarray(targets)
     scene = Scene(array, points[0], **air)
     if not reported:
-        # Relative to what the array can do at the first frame.
+        # Relative to the array's reach in the first frame.
         requested = requested * scene.reach().level
     if aim is None:
         aim = "max" if targets is None else "target"
@@ -120,7 +120,7 @@ def request(
 
 
 def _swells(targets: NDArray[np.float64]) -> bool:
-    """Whether the targets (T, M) of a frame's points, where they are there, swell and fade together."""
+    """Whether the targets (T, M) of the present points of a frame swell and fade together."""
     level = targets.sum(axis=1)[(targets > 0).all(axis=1)]
     return level.size > 0 and bool(level.max() > 1.01 * level.min())
 

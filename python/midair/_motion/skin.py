@@ -27,13 +27,13 @@ if TYPE_CHECKING:
     from .._pictures.colours import Map
     from .._pictures.sheet import Size
 
-#: Places along each side of a hand that is left out, and what it shows around the points, in m.
+#: Places along each side of a hand that is left out, and its margin around the points, in m.
 SIDE, MARGIN = 64, 0.02
 
 #: The parts of a skin's picture.
 Panel = Literal["pressure", "motion", "spectrum"]
 
-#: Nothing is felt above, in Hz.
+#: The highest frequency that is felt, in Hz.
 HIGHEST = 1000.0
 
 

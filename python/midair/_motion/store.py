@@ -28,7 +28,7 @@ from .sequence import Sequence
 #: The name of the folder beside the file.
 ENDING = ".resume"
 
-#: The file in it that names the request, and what begins the name of an array of the state in a piece.
+#: The file that names the request, and the beginning of the name of an array of the state.
 REQUEST, STATE = "request", "state."
 
 #: Names of files that are ours.
@@ -63,7 +63,7 @@ def solved(
     block: int,
     progress: Callable[[int, int], object] | None,
 ) -> Sequence:
-    """Solve what is not yet there of a sequence, piece after piece, and put the file together."""
+    """Solve the missing frames of a sequence, piece after piece, and put the file together."""
     target = path_of("resume", path)
     output.check(target, (".npz",))
     folder = target.with_name(target.name + ENDING)
@@ -96,7 +96,7 @@ def _fingerprint(requested: Request, setting: dict[str, Any], block: int) -> str
 
 
 class Pieces:
-    """Pieces of one request in a folder: drives (frames, N) and what there is to know to go on after them."""
+    """Pieces of one request in a folder: drives (frames, N) and the state from which to go on."""
 
     def __init__(self, folder: Path, request: str) -> None:
         self._folder = folder

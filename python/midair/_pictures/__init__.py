@@ -1,1 +1,1 @@
-"""Pictures: fields, answers and what notebooks show."""
+"""Pictures: fields, answers and their display in notebooks."""

@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     from .colours import Map
     from .sheet import Size
 
-#: Of this many points the distance to the nearest is looked for.
+#: The number of points for which the distance to the nearest is computed.
 SAMPLE = 200
 
-#: How many times as fine as the field the points are drawn.
+#: The factor by which the points' picture is finer than the field.
 FINER = 4
 
 #: A scale of differences does not end below this part of that of pressures, or trifles would glare.
@@ -32,7 +32,7 @@ LEAST = 0.1
 
 
 def is_drawing(field: Field, quantity: Quantity, least: int) -> bool:
-    """Whether a picture tells more than marks: more points than `least`, all in the plane of the field."""
+    """Whether a picture shows more than marks: more points than `least`, all in the plane of the field."""
     assert field.shown is not None
     return quantity in ("pressure", "radiation") and len(field.shown) > least and bool(field.shown.all())
 
@@ -40,7 +40,7 @@ def is_drawing(field: Field, quantity: Quantity, least: int) -> bool:
 def wanted_made_difference(
     figure: Figure | SubFigure, field: Field, solution: Solution, quantity: Quantity
 ) -> None:
-    """Three panels: targets, field, and what was made minus what was wanted at the points.
+    """Three panels: targets, field, and their difference at the points.
 
     Wanted and difference are known at the points alone: each is a square as wide as neighbours are apart,
     and all else is grey.
@@ -70,7 +70,7 @@ def wanted_made_difference(
 
 
 def at_points(values: NDArray[np.float64], nearest: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Values (M,) of the points where they are, masked where there is none near."""
+    """Values (M,) of the points at their places, masked where no point is near."""
     shown: NDArray[np.float64] = np.ma.masked_where(nearest < 0, values[nearest])
     return shown
 
@@ -114,7 +114,7 @@ def _pitch(points: NDArray[np.float64]) -> float:
 Panel = Literal["field", "points"]
 PANELS = get_args(Panel)
 
-#: More points than this are dots: bars would run together.
+#: More points than this are drawn as dots: bars would run together.
 MOST_BARS = 40
 
 
@@ -155,7 +155,7 @@ def answer(
             requested_and_got(solution, ax)
         return whole(ax)
     drawing = len(fields) == 1 and is_drawing(fields[0], quantity, MOST_BARS)
-    # Of one point the heading says all that a bar would.
+    # For one point the heading contains all that a bar would show.
     bars = ("points" in drawn and (panels is not None or len(solution.pressures) > 1)) or not fields
     if drawing:
         figure = sheet(12.6, 7.2, size)

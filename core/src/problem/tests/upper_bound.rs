@@ -16,7 +16,7 @@ fn the_largest_eigenvalue_is_bounded_from_above() {
         let exact = u.iter().map(Complex64::norm_sqr).sum::<f64>() + 0.5;
         let found = largest_eigenvalue(&matrix, size, &mut Control::none()).expect("no stop");
         assert!(found >= exact * (1.0 - 1e-12) && found <= exact * (1.0 + 2e-6), "{size}: {found}");
-        // No number bounds what is no matrix.
+        // No bound exists without a number.
         matrix[0] = Complex64::new(f64::NAN, 0.0);
         assert!(largest_eigenvalue(&matrix, size, &mut Control::none()).expect("no stop").is_nan());
     }

@@ -33,7 +33,7 @@ const KEPT: f32 = 0.97;
 /// matrix are noise in f32.
 pub(super) const NEARLY: f32 = 1e-3;
 
-/// At the highest level that is the part they may be off by: there the last steps trade level for evenness.
+/// At the highest level this is the allowed deviation: there the last steps trade level for evenness.
 const ALIKE: f32 = 2e-3;
 
 /// An even field with less than this part of an uneven one's weakest point is no answer.
@@ -42,9 +42,9 @@ const FAINT: f32 = 0.6;
 /// The best field so far.
 pub(super) struct Search<'w> {
     pub(super) best: Wave<'w>,
-    /// Whether it is even.
+    /// Whether the field is even.
     pub(super) even: bool,
-    /// |P| of its weakest targeted point; below 0 before there is any.
+    /// |P| of its weakest point with a target; below 0 before there is any.
     pub(super) lowest: f32,
     pub(super) trial: Wave<'w>,
     /// Even fields to be raised on, and how many.
@@ -56,7 +56,7 @@ pub(super) struct Search<'w> {
 const RACERS: usize = 3;
 
 impl<'w> Search<'w> {
-    /// Nothing yet; this many fields are to be raised on.
+    /// Nothing yet; this many fields will be raised.
     pub(super) fn new(rows: &Rows, raised: usize, work: &'w Workspace) -> Self {
         let [best, trial] = [(); 2].map(|()| Wave::new(rows, work));
         Self { best, even: false, lowest: -1.0, trial, raised, leaders: Leaders::new(raised) }
@@ -71,7 +71,7 @@ impl<'w> Search<'w> {
         }
     }
 
-    /// Whether the best is even, no weaker than a target.
+    /// Whether the best field is even, and no point is below its target.
     pub(super) fn reaches(&self, target: f32) -> bool {
         self.even && self.lowest >= target * (1.0 - 2.0 * NEARLY)
     }
@@ -109,7 +109,7 @@ impl<'w> Search<'w> {
         Ok(crowded && rows.targeted > 1)
     }
 
-    /// By steps that raise the level, for crowded points.
+    /// Takes steps that raise the level, for crowded points.
     ///
     /// # Errors
     /// More memory than allowed.
@@ -188,7 +188,7 @@ impl<'w> Search<'w> {
         Ok(())
     }
 
-    /// By whole steps that raise the level of the trial.
+    /// Takes whole steps that raise the level of the trial
     fn rise_on(&mut self, run: &mut Run<'_, '_, 'w>, pace: Pace) -> Result<(), Error> {
         run.steps += pace.steps + MOST_STEPS;
         climb(run, pace, &mut self.trial)?;
@@ -246,7 +246,7 @@ impl<'w> Search<'w> {
         Ok(())
     }
 
-    /// By the penalty, from the trial.
+    /// Starts the penalty from the trial
     fn tighten(&mut self, run: &mut Run<'_, '_, 'w>, parts: Range<usize>) -> Result<(), Error> {
         let rows = run.rows;
         run.steps += penalty::MOST_STEPS;
@@ -260,7 +260,7 @@ impl<'w> Search<'w> {
         Ok(())
     }
 
-    /// By steps that raise the level of the trial.
+    /// Takes steps that raise the level of the trial
     ///
     /// # Errors
     /// More memory than allowed.

@@ -1,4 +1,4 @@
-//! Silence: of crowded quiet points, a few that speak for all.
+//! Silence: of crowded quiet points, a few that stand for all.
 //!
 //! At points a fraction of a wavelength apart a field has far fewer degrees of freedom than there are points. They are taken
 //! one after another, each time the one of which most is left beside those taken, until little is left of any: Cholesky
@@ -17,7 +17,7 @@ use crate::workspace::{Buffer, Workspace};
 /// The least part of |G_j| that f32 tells from rounding.
 const LEAST: f32 = 1e-3;
 
-/// Less than this part of |G_j| is left of a point that depends on others ...
+/// A point that depends on others has less than this part of |G_j| left ...
 const DEPENDENT: f32 = 0.5;
 
 /// ... and quiet points are crowded where more than this part of them does.
@@ -26,7 +26,7 @@ const CROWDED: f32 = 0.2;
 /// The part of the transducers' phases that quiet points may take, two each: beyond it the level gives way.
 const MOST: f32 = 0.8;
 
-/// So few quiet points are made silent one by one, crowded or not.
+/// This few quiet points are made silent one by one, crowded or not.
 const FEW: usize = 8;
 
 /// How many independent quiet points this many transducers can silence beside some targets.
@@ -34,7 +34,7 @@ pub(crate) fn silenceable(transducers: usize, targets: usize) -> usize {
     ((MOST * transducers as f32 - targets as f32) / 2.0).max(0.0) as usize
 }
 
-/// The quiet points that are to be made silent.
+/// The quiet points that will be made silent.
 pub(super) struct Silence<'w> {
     /// Indices into the problem's points.
     pub(super) points: Buffer<'w, u32>,

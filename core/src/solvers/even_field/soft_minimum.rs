@@ -9,7 +9,7 @@ use crate::solvers::common::phase_descent::{Cost, PhaseDescent};
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::run::Run;
 
-/// How sharp the minimum is, one after the other, and steps of each.
+/// The sharpness of the minimum, stage by stage, and the steps of each.
 const SHARPNESS: [f64; 3] = [10.0, 30.0, 100.0];
 const STEPS: usize = 60;
 

@@ -40,7 +40,7 @@ const LEAST: f64 = 0.01;
 /// The softest of all traps, negated: smooth, and in parts of `unit`; and how far beads rest from their points.
 pub(super) struct Softest<'a> {
     stiffness: &'a Stiffness,
-    /// Of the minimum, and what resting places weigh.
+    /// The sharpness of the minimum, and the weight of resting places.
     stage: (f64, f64),
     pub(super) unit: f64,
     /// The inverse of |H| of each point.
@@ -67,7 +67,7 @@ impl<'a> Softest<'a> {
         soft_minimum::negated(self.parts(field).into_iter(), self.stage.0) + self.apart(field).0
     }
 
-    /// The field of a wave, with what is beside it.
+    /// The field of a wave, and the values beside it.
     fn field_at<'b>(&self, wave: &'b Wave) -> [Cow<'b, [f32]>; 2] {
         [0, 1].map(|part| match self.beside {
             None => Cow::Borrowed(&wave.field[part][..]),

@@ -44,7 +44,7 @@ const FURTHEST: f64 = 0.2;
 /// A point that moves further than this part of the wavelength in a frame is another one: no bead would follow.
 const JUMP: f64 = 0.25;
 
-/// How far phases may turn, in how many steps, and what is left of envelopes after a frame.
+/// The range of phases, the number of steps, and the remaining envelope after a frame.
 #[derive(Clone, Copy)]
 pub(crate) struct Turn {
     pub(crate) arc: Arc,

@@ -21,7 +21,7 @@ const AT_BOUND: f32 = 1e-6;
 /// The others do not suffice once a step leaves more than this part of the squares.
 const SLOW: f64 = 0.25;
 
-/// How far phases may turn, and how many steps are taken.
+/// The range of phases, and the number of steps.
 #[derive(Clone, Copy)]
 pub(crate) struct Steps {
     pub(crate) arc: Arc,

@@ -18,7 +18,7 @@ use crate::solvers::greedy::Greedy;
 use crate::solvers::method::{Info, Solve};
 use crate::workspace::Workspace;
 
-/// By how much a later candidate must be better, relative to the largest value: the rounding of sums in f32.
+/// The least advantage of a later candidate, relative to the largest value: the rounding of sums in f32.
 const ROUNDING: f64 = 1e-7;
 
 /// The energies of candidates; the lowest is taken.
@@ -120,7 +120,7 @@ impl Solve for GreedyBy {
                     chunk.iter_mut().enumerate().for_each(|(j, p)| *p = field[j] + g(j) * Complex32::new(re, im));
                 }
                 self.energy.evaluate(&fields, &request, &mut values)?;
-                // In silence all phases are alike, and the first is taken.
+                // While all pressures are 0 all phases are alike, and the first is taken.
                 let step = if silent { candidates.phases } else { 1 };
                 let best = best(&values, step)?;
                 let [re, im] = candidates.drive(best);

@@ -40,15 +40,15 @@ pub enum Objective {
     L1,
 }
 
-/// In which order the transducers are updated.
+/// The order in which the transducers are updated.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[allow(clippy::exhaustive_enums, reason = "the orders the paper compares, and the caller's own")]
 pub enum Order {
     /// A random permutation from the seed.
     Random,
-    /// By index: x fastest on a grid.
+    /// The order of the index: x fastest on a grid.
     Rows,
-    /// By x, then y (to 1 um): column after column from the (-x, -y) corner, the paper's fixed order.
+    /// The order by x, then y (to 1 um): column after column from the (-x, -y) corner, the paper's fixed order.
     Columns,
     /// The caller's permutation of 0..N.
     Given(Vec<u32>),
