@@ -15,7 +15,7 @@ pub struct Complex {
     pub im: f32,
 }
 
-// What `complex` and `write` rely on where they go from one to the other.
+// Assumptions of `complex` and `write` about the two layouts.
 const _: () =
     assert!(size_of::<Complex>() == size_of::<Complex32>() && align_of::<Complex>() == align_of::<Complex32>());
 

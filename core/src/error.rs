@@ -17,7 +17,7 @@ pub enum Error {
         item: String,
         /// The value found.
         value: String,
-        /// What to change.
+        /// The cure.
         cure: String,
     },
     /// An unknown name.

@@ -115,7 +115,7 @@ getters! {
     /// The board's name.
     name(self) -> &'static str = self.board.name();
 
-    /// What it is, in one line.
+    /// Its description in one line.
     summary(self) -> &'static str = self.board.summary();
 
     /// Where its bytes are read.

@@ -134,7 +134,7 @@ pub(crate) fn indices(value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
     match shape[..] {
         _ if values.is_empty() => Ok(Vec::new()),
         [_, 3] => {
-            // What is below 0 or beyond is named by the core as a face: -1 becomes the largest index.
+            // The core rejects an index below 0 or too large and names its face: -1 becomes the largest index.
             Ok(values
                 .as_chunks()
                 .0

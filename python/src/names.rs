@@ -19,7 +19,7 @@ pub(crate) fn preset_name(name: &str) -> PyResult<&'static str> {
     Ok(presets::find(name).map_err(refused)?.name)
 }
 
-/// The hint at the known name that an unknown one is likely to mean, or ""; and the line that refuses it.
+/// The hint at the known name that an unknown one probably means, or ""; and the line that rejects it.
 #[pyfunction]
 pub(crate) fn unknown(kind: &str, name: &str, known: Vec<String>) -> (String, String) {
     let error = Error::unknown(kind, name, known.iter().map(String::as_str));

@@ -12,7 +12,7 @@ import pytest
 import midair
 from rigs import TURN, of_kind
 
-#: What was recorded before bytes made up for it: the part of a focus in the middle of a pair; quiet points
+#: Recordings before the bytes had corrections: the part of a focus in the middle of a pair; quiet points
 #: over the focus, loudest of three; the period of a MEGA64 in cycles of 16 MHz.
 PAIR, QUIET, PERIOD = 0.078, 0.018, 396
 

@@ -206,7 +206,7 @@ def test_wanted_made_and_difference_have_the_numbers_of_the_points() -> None:
     assert [ax.get_title() for ax in figure.axes][:3] == ["wanted", "made, z = 100 mm", "made - wanted"]
     field = midair.field(solution.scene, solution)
     assert np.asarray(made.get_array()) == pytest.approx(np.abs(field.pressure), rel=1e-6)
-    # One scale for both, from 0; the difference's is even about 0.
+    # Both fields have one scale from 0; the scale of the difference is symmetric about 0.
     assert wanted.get_clim() == made.get_clim()
     assert made.get_clim()[0] == 0
     assert made.get_clim()[1] >= 400

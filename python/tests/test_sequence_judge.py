@@ -274,7 +274,7 @@ def test_a_patch_feels_the_mean_of_its_places_and_its_area() -> None:
     assert (force.unit, force.static) == ("mN", pytest.approx(0.2 * np.mean(expected), rel=1e-3))
     # The lines hold all of the power: Parseval.
     assert np.sqrt(np.sum(force.spectrum[1:] ** 2) / 2) == pytest.approx(np.std(force.values), rel=1e-9)
-    # Transducers that take ten frames follow little of it.
+    # Transducers with a time constant of ten frames hardly follow it.
     slow = sequence.felt(patch, bands=[(500, 5000)], tau=1e-3)
     assert np.std(slow.values) < 0.6 * np.std(pressure.values)
 

@@ -61,7 +61,7 @@ export function createBar(context: Context, levels: HTMLElement, deeds: Deeds): 
   const menu = element("button", { className: "menu icon", "aria-label": say("menu"), "aria-controls": "tools", "aria-expanded": "false" }, "☰");
   const fold = (open: boolean) => menu.setAttribute("aria-expanded", String(tools.classList.toggle("open", open)));
   menu.onclick = () => fold(menu.ariaExpanded === "false");
-  // What was taken from the menu is below it. A dialog gives the focus back to where it was.
+  // The chosen part of the menu opens below it. A dialog gives the focus back to where it was.
   tools.addEventListener("click", () => (fold(false), menu.focus()), true);
   const root = element(
     "header",

@@ -66,7 +66,7 @@ export function createEye({ view }: Studio): Eye {
       const fresh = fitted !== key(size);
       if (fresh || (state !== seen && !turned && !view.moving)) {
         const best = fit(view.positions, all(), ...size, state.plane.axis);
-        // What comes to lie out of sight, or makes the view too large by far, is looked at again; else nothing jumps.
+        // The view is fitted again if a part is out of sight or the view is far too large; else nothing jumps.
         const cut = all().some((place) => {
           const at = project(camera, place, ...size);
           return size.some((side, k) => Math.abs(2 * at[k] - side) > side);

@@ -66,7 +66,7 @@ function lines(ink: Uint8Array): number[][] {
   const from = (at: number) => next.get(at)!.filter((other) => !gone.has(`${at} ${other}`)).map((other) => (gone.has(`${at} ${other}`) ? [] : walk([at, other])));
   const all = [...next.keys()];
   const found = all.filter((at) => count(at) !== 2).flatMap((at) => (count(at) ? from(at) : [[at]]));
-  // What is left has neither end nor crossing.
+  // The remaining strokes have neither end nor crossing.
   const rings = all.flatMap((at) => (next.get(at)!.some((other) => gone.has(`${at} ${other}`)) || !count(at) ? [] : from(at)));
   const crosses = (at: number) => count(at) > 2;
   return [...found, ...rings].filter((path) => path.length > (crosses(path[0]) || crosses(path.at(-1)!) ? SPUR : 0));

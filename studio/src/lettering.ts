@@ -13,7 +13,7 @@ const LEADING = 3;
 /** Strokes of each letter: pairs of digits x, y in units from its lower left corner. */
 const STROKES: Record<string, string> = strokes;
 
-/** What is traced has more strokes to a letter: it is this many times as high. */
+/** Traced letters have more strokes: they are this many times as high. */
 const LARGER = 2;
 
 /** A word or line in units: its strokes from its lower left corner, and its width. */

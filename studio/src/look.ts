@@ -13,7 +13,7 @@ export const turnAt = (milliseconds: number) => 2 * Math.PI * (((FREQUENCY / SLO
 /** A top above this many times the loudest point is something else's, such as a transducer's. */
 const MOST = 1.5;
 
-/** What the transducers show: they are in neutral ink, so that the field has all the colour, but where phases are looked at. */
+/** The colour of the transducers: neutral, so that the field has all the colour, except where phases are shown. */
 export const discsOf = ({ quantity, level }: State): Quantity => (quantity === "modulus" && level === "engineer" ? "phase" : quantity);
 
 /** The colour scale of all that is shown: its top is the loudest |p| of both slices. */

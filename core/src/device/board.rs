@@ -227,8 +227,8 @@ impl Board {
         self.format.frequency
     }
 
-    /// What each transducer (N,) radiates for a drive of 1, or `None` where that is 1: delays of the firmware that are no whole
-    /// steps. It is the response of its presets' arrays; whole steps are in its bytes.
+    /// The response of each transducer (N,) to a drive of 1, or `None` where all are 1: delays of the firmware that
+    /// are no whole steps. It is the response of its presets' arrays; whole steps are in its bytes.
     #[must_use]
     pub fn response(&self) -> Option<Vec<Complex64>> {
         let own = self.format.response(self.channels.iter().copied())?;

@@ -11,7 +11,7 @@ use crate::kernels::pulses::Pulses;
 use crate::math;
 use crate::math::sqrtf;
 
-/// What steps computed in f32 are off by at most, and ten times more.
+/// Ten times the largest error of steps computed in f32.
 const DOUBT: f32 = 1e-3;
 
 /// The whole number nearest to some steps, up to a few hundred, that are `quick` in f32 and known better in f64: a processor

@@ -31,8 +31,8 @@ pub(crate) struct Format {
     pub(crate) layout: Layout,
     /// The channel of transducer i of one board, in the order of its preset.
     pub(crate) order: fn(usize) -> usize,
-    /// What a channel, those of a second board after those of the first, emits late: whole steps, which the bytes make up for,
-    /// and turns that are left, which are the response of the array.
+    /// The delay of a channel, with those of a second board after those of the first: whole steps, which the bytes
+    /// correct, and the remaining turns, which are the response of the array.
     pub(crate) late: fn(usize) -> (u16, f64),
     /// Bytes of a frame of this many boards.
     pub(crate) size: fn(usize) -> usize,

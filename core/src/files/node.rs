@@ -19,7 +19,7 @@ pub enum Node {
     Large(u64),
     /// Any other number.
     Real(f64),
-    /// Text; of TOML also a date.
+    /// Text, in TOML also a date.
     Text(String),
     /// A list of numbers that are not all whole; it may be a million positions' coordinates.
     Numbers(Vec<f64>),

@@ -7,8 +7,8 @@
 //!     e_j += (a - a_i) c_j;   a_i = a
 //! ```
 //!
-//! A transducer that has not chosen has the part wanted, between the two: its choice leaves an error, which the next ones take
-//! back (Floyd and Steinberg, Proc. SID 17(2), 1976).
+//! A transducer that has not chosen yet counts with the requested part, between the two: its choice leaves an error,
+//! which the next ones correct (Floyd and Steinberg, Proc. SID 17(2), 1976).
 
 use core::ops::Range;
 

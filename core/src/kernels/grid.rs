@@ -337,7 +337,7 @@ fn round_pairs<S: Simd>(s: S, phases: &Phases, (part, common): (f32, f32), eight
 /// Drives being rounded.
 struct Rounding<'a> {
     grid: &'a Grid,
-    /// What they are multiplied by before, and what they are expected to be multiplied by altogether.
+    /// The factor that was applied before, and the expected factor in total.
     part: f32,
     common: f32,
     /// The amplitude of all, where it is known.

@@ -58,7 +58,7 @@ pub(crate) fn power_of_two<S: Elementwise>(s: S, x: S::V) -> S::V {
 /// log2 of normal x, relative error below 4e-7.
 #[inline(always)]
 pub(crate) fn log2<S: Elementwise>(s: S, x: S::V) -> S::V {
-    // What is left is 3/4 to 3/2: near 1 the logarithm is that of the remainder alone.
+    // The remainder is 3/4 to 3/2: near 1 the logarithm is that of the remainder alone.
     let whole = s.exponent(s.mul(x, s.splat(4.0 / 3.0)));
     let rest = s.sub(s.mul(x, s.exp2(s.sub(s.splat(0.0), whole))), s.splat(1.0));
     s.fma(polynomial(s, &LOGARITHM, rest), rest, whole)

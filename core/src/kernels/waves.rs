@@ -18,7 +18,7 @@ const HALVINGS: usize = 7;
 /// A complex number of each of the eight.
 pub(super) type C<S> = [V<S>; 2];
 
-/// What eight transducers are and do: those that are too many have factor 0.
+/// Position, normal and factor of eight transducers: surplus ones have factor 0.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Emitters {
     /// Positions in m.

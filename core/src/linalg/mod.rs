@@ -89,7 +89,7 @@ impl<'w> Cholesky<'w> {
         Ok(cholesky::factor(set, &mut matrix, size, control)?.then_some(Self { factor: matrix, set }))
     }
 
-    /// What of each of the first diagonal entries is left when the rows above are taken from it.
+    /// The remaining part of each of the first diagonal entries after the rows above are subtracted.
     pub(crate) fn pivots(&self, size: usize) -> impl Iterator<Item = f32> {
         let lanes = kernels::padded(size);
         (0..size).map(move |k| self.factor[k * lanes + k] * self.factor[k * lanes + k])

@@ -20,7 +20,7 @@ const ECHO: f32 = 0.5;
 /// The most that a weight may change in a round.
 const MOST_CHANGE: f32 = 2.0;
 
-/// What the pace of a weight is multiplied by where it goes on as before, and where it turns back.
+/// Factors of a weight's step size: if it goes on in its direction, and if it turns back.
 const PACES: [f32; 2] = [1.2, 0.5];
 
 /// The targets at the points of all frames.

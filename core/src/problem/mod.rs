@@ -58,7 +58,7 @@ pub struct Problem {
     scaled: Vec<f32>,
     /// p1_j of the points of weight above 0 in units of the reference.
     pub(crate) reach: Vec<f64>,
-    /// What these sums have found of the rows of G, where it is kept.
+    /// The rows of G that these sums have computed, if they are stored.
     amplitudes: Amplitudes,
 }
 

@@ -49,8 +49,8 @@ pub struct Solution {
 }
 
 impl Solution {
-    /// A solution made again from what a file, another process or a batch kept of it; `targets` (M,) in Pa where the kept
-    /// ones are to stand, whatever this machine makes of the request.
+    /// A solution restored from a file, another process or a batch; `targets` (M,) in Pa where the stored ones count,
+    /// and not those that this machine computes.
     ///
     /// # Errors
     /// Another length, a value that is not finite, |q| above 1 + 1e-6, a scale that is not in 0 to 1; pressures that are

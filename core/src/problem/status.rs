@@ -22,7 +22,8 @@ pub enum Status {
 impl Status {
     /// The status of a name, as it is displayed.
     ///
-    /// # Errors An unknown name.
+    /// # Errors
+    /// An unknown name.
     pub fn named(name: &str) -> Result<Self, Error> {
         let all = [Self::Done, Self::OutOfSteps, Self::Stopped, Self::Missed];
         let found = all.into_iter().find(|status| format!("{status}") == name);

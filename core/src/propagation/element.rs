@@ -142,7 +142,7 @@ impl Element {
         panels
     }
 
-    /// What the equation at its middle has beside its integrals: half of p, or half of j/k dp/dn.
+    /// The term of the equation at its middle beside the integrals: half of p, or half of j/k dp/dn.
     pub(crate) fn jump(&self) -> Complex64 {
         match self.kind {
             Surface::Rigid => Complex64::new(0.5, 0.0),
@@ -186,8 +186,8 @@ impl Element {
     }
 }
 
-/// What an element sends to another place for u = 1: of p, int dg/dn_y dS from a rigid one, -k int g dS from a soft one;
-/// with a normal at the place, a factor times the derivative along it more.
+/// The wave of an element at another place for u = 1: for p, int dg/dn_y dS of a rigid one, -k int g dS of a soft
+/// one; with a normal at the place, plus a factor times the derivative along it.
 pub(crate) fn influence(wave: Complex64, place: Place, element: &Element) -> Complex64 {
     let sum = integral(wave, place, element, &element.patch, MOST_CUTS);
     match element.kind {

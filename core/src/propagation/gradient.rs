@@ -119,7 +119,7 @@ struct Seen<'a> {
     drives: Vec<[Eight; 2]>,
     /// Their waves times the drive, where derivatives are requested.
     driven: Option<Taylor>,
-    /// What the mirrors make of the unit vectors.
+    /// The mirror images of the unit vectors.
     axes: [[f64; 3]; 3],
 }
 

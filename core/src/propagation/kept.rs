@@ -26,7 +26,7 @@ pub(crate) type Matrix = Result<Arc<[Complex64]>, Error>;
 /// Points and the matrix of what differs in nothing else: columns of points that stay need not be made again.
 pub(crate) type Known<'a> = (&'a [[f64; 3]], &'a [Complex64]);
 
-/// What is made of it: values, so that a program without obstacles and signatures is not linked with them.
+/// The functions that are made from it, as values, so that a program without obstacles and signatures is not linked with them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Make {
     /// [`Kept::matrix`]

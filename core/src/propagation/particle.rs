@@ -98,7 +98,7 @@ pub(crate) fn potential(pressure: &[Jet], [compression, motion]: [f64; 2]) -> Je
     potential
 }
 
-/// The cotangents of a pressure, real and imaginary part, of that of its U.
+/// The cotangents of a pressure, real and imaginary part, from the cotangent of its U.
 pub(crate) fn back(pressure: &[Jet; 2], [compression, motion]: [f64; 2], potential: &Jet) -> [Jet; 2] {
     pressure.each_ref().map(|part| {
         let mut back = Jet::ZERO;

@@ -126,7 +126,7 @@ impl Quantity {
     }
 }
 
-/// What the way back makes of cotangents of a pressure's coefficients, real and imaginary part.
+/// Cotangents of a pressure's coefficients in the backward pass, real and imaginary part.
 pub(crate) fn weights([re, im]: &[Jet; 2]) -> Weights {
     let mut weights = Weights::default();
     for (term, (re, im)) in re.coefficients().iter().zip(im.coefficients()).enumerate() {

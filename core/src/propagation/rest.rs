@@ -169,7 +169,7 @@ impl Follow<'_> {
         Ok(One::lost(place))
     }
 
-    /// What holds it at a place: along each axis, both ways.
+    /// The stability at a place: along each axis, both ways.
     fn held(
         &self,
         j: usize,

@@ -1,6 +1,6 @@
 //! Sphere: the sound that a sphere sends on, by its series of outgoing waves.
 //!
-//! What a transducer sends to the sphere, p_i or dp_i/dr at r = a, is written in real spherical harmonics Y_k of order n,
+//! The wave of a transducer at the sphere, p_i or dp_i/dr at r = a, is expanded in real spherical harmonics Y_k of order n,
 //! by Gauss' rule in cos(theta) and equal steps in phi. The sphere answers with the outgoing waves that cancel it,
 //!
 //! ```text
@@ -281,7 +281,7 @@ fn at(n: usize, m: usize) -> usize {
     n * (n + 1) / 2 + m
 }
 
-/// What the recurrence of normalised Legendre functions multiplies by (NIST's Digital Library of Mathematical Functions,
+/// Factors in the recurrence of normalised Legendre functions (NIST's Digital Library of Mathematical Functions,
 /// 14.10.3 and 14.30.1): [sqrt((2m + 1)/2m), -] at n = m, with sqrt(2) of m > 0 in the first.
 fn factors(order: usize) -> Vec<[f64; 2]> {
     let mut factors = Vec::with_capacity((order + 1) * (order + 2) / 2);

@@ -46,7 +46,7 @@ pub(crate) struct Stiffness {
     points: usize,
     /// F in N/m and S in N, in those units.
     forms: Forms,
-    /// What the force of each point is to carry in N, turned round: weight less buoyancy of the particle, inertia and drag.
+    /// The load that the force at each point carries, in N, with the opposite sign: weight less buoyancy of the particle, inertia and drag.
     load: Vec<[f64; 3]>,
     particle: Particle,
     medium: Medium,
@@ -222,7 +222,7 @@ impl Stiffness {
     }
 }
 
-/// What the coefficients of each term are multiplied by: they are then alike in size.
+/// Factors that make the coefficients of all terms alike in size.
 fn units(medium: Medium, pressure: f64) -> [f64; TERMS] {
     core::array::from_fn(|term| pressure / (0..degree(term)).map(|_| medium.wavenumber()).product::<f64>())
 }

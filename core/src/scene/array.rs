@@ -253,7 +253,7 @@ impl Array {
         (Arc::clone(&self.positions), self.quantization.clone())
     }
 
-    /// What transducer i radiates for a drive of 1, relative to the source pressure: its response, 0 if it is off.
+    /// The response of transducer i relative to the source pressure, 0 if it is off.
     pub(crate) fn effect(&self, i: usize) -> Complex64 {
         if self.mask.as_ref().is_some_and(|mask| !mask[i]) {
             return Complex64::ZERO;

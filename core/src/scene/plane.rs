@@ -27,11 +27,11 @@ const PIXELS: usize = 200;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(clippy::exhaustive_enums, reason = "space has three")]
 pub enum Axis {
-    /// Along a flat array's rows.
+    /// The axis along a flat array's rows.
     X,
-    /// Along its columns.
+    /// The axis along its columns.
     Y,
-    /// Away from it.
+    /// The axis away from it.
     Z,
 }
 

@@ -1,7 +1,7 @@
 //! Plausibility: values that are computed but probably mistakes, and the unit that was probably meant.
 //!
-//! Each limit lies where a slip of a thousand lands outside for every array that has been built, and where nothing that
-//! has been built is.
+//! A wrong factor of 1000 is beyond each limit for every array that has been built, and no array that has been built
+//! is beyond one.
 
 use alloc::format;
 use alloc::string::String;

@@ -52,7 +52,7 @@ impl Preset {
         Ok(format.response((0..count).map(|i| format.channel(i))))
     }
 
-    /// Hz that it emits as hardware in real air, which every preset is but the paper's arrays of point sources.
+    /// Frequency in Hz of hardware in real air: every preset has one except the paper's arrays of point sources.
     pub(crate) fn frequency(&self) -> Result<Option<f64>, Error> {
         let frequency = self.board.map_or(Ok(40e3), |kind| Ok(board::format(kind)?.frequency))?;
         Ok((self.transducer != PAPER).then_some(frequency))

@@ -73,14 +73,15 @@ impl Signature {
     /// The signature of a name.
     ///
     /// # Errors
-    /// A name of none.
+    /// An unknown name.
     pub fn named(name: &str) -> Result<Self, Error> {
         find("signature", name, &KNOWN, |known| known.0).map(|known| known.1.clone())
     }
 
     /// The signature of a name, of one point among others: "focus", too.
     ///
-    /// # Errors An unknown name.
+    /// # Errors
+    /// An unknown name.
     pub fn of_point(name: &str) -> Result<Self, Error> {
         let known: [(&str, Self); 4] = core::array::from_fn(|k| KNOWN.get(k).cloned().unwrap_or((FOCUS, Self::Focus)));
         find("signature", name, &known, |known| known.0).map(|known| known.1.clone())

@@ -9,7 +9,7 @@ use crate::scene::geometry::vector;
 use crate::scene::surface::{ON, Surface};
 use crate::scene::{Array, Medium};
 
-/// Cosines that rounding leaves of a right angle.
+/// A cosine below this is that of a right angle, after rounding.
 const SQUARE: f64 = 1e-6;
 
 /// A reflecting plane.
@@ -75,7 +75,7 @@ pub(crate) fn mirror(
     Ok(mirror)
 }
 
-/// Refuses two walls whose images would not do.
+/// Rejects two walls whose images do not give the reflections.
 pub(crate) fn compatible((k, own): (usize, &Mirror), (other, before): (usize, &Mirror)) -> Result<(), Error> {
     let cosine = dot(own.normal, before.normal);
     if cosine.abs() > SQUARE && cosine.abs() < 1.0 - SQUARE {

@@ -37,7 +37,7 @@ pub enum Remark {
     },
     /// Warns that quiet points leak more than the solver was to allow.
     Leak {
-        /// The most, relative to the loudest point, times the point's weight over the targets' largest.
+        /// The highest leak, relative to the loudest point, times the point's weight over the largest weight of the targets.
         leak: f64,
         /// The allowed value.
         quiet: f64,

@@ -177,7 +177,7 @@ class Live:
         return self._error
 
     def state(self) -> dict[str, Any]:
-        """What the board does, its counts of frames, and the error that ended the last points, if any."""
+        """The board's state, its counts of frames, and the error that ended the last points, if any."""
         stats = self.connection.stats
         counts = {"frames": stats.frames, "late": stats.late, "lapses": stats.lapses}
         return {"state": self.connection.state, **counts, "error": self._error}
@@ -262,7 +262,7 @@ class Live:
                 self.connection._call(Kind.HOLD)
 
     def _frames(self, change: float | None, frames: list[Frame]) -> Iterator[Any]:
-        """What `midair.stream` reads, and beside it the whole frames."""
+        """The drives that `midair.stream` reads, and the whole frames beside them."""
         while (wanted := self._wanted) is not None and wanted.change == change and self._lives():
             frame = wanted.at(time.monotonic() - self._begun)
             if frame is None:

@@ -83,7 +83,7 @@ Levels: TypeAlias = Callable[[Points], NDArray[np.float64]]
 #: at least P cos(k d) (Duffin and Schaeffer 1938): half a cell's diagonal hides 2.2 dB, before the search.
 FINE = 8
 
-#: Points taken at once, so that Ctrl-C works between them, and most of a box.
+#: Points computed at once, so that Ctrl-C works between blocks, and the most points of a box.
 BLOCK, MOST = 100_000, 20_000_000
 
 #: Samples from which the search starts, how far apart in wavelengths, and how often it halves its step.

@@ -30,8 +30,8 @@ SIGNS, CHANCES = np.array([1.0, 0.0, -1.0]), np.array([0.94, 0.05, 0.01])
 DECIDED = 0.9
 #: Where none is given: standard deviation of re and im of a living response, relative to the mean modulus.
 SPREAD = 0.3
-#: What is learnt of responses and of places starts as if some more of them were off by that much: a part of
-#: the mean modulus, and m.
+#: The learnt spread of responses and of places starts as if some more of them had this error: a part of the
+#: mean modulus, and m.
 OFF, OFF_PLACE = 0.2, 0.1e-3
 #: No response is known to less than this part of the mean modulus, a dead one's 0 neither.
 LEAST = 0.02

@@ -59,7 +59,7 @@ def _loudness(envelope: Envelope) -> float:
 
 
 def _reference(tau: float) -> float:
-    """The same of |y| = (1 + g cos wt)/2, where g = 1/sqrt(1 + (w tau)^2) is left by the transducers.
+    """The level of |y| = (1 + g cos wt)/2, with the transducers' g = 1/sqrt(1 + (w tau)^2).
 
     E = |y|^2 has the amplitudes g/2 at w and g^2/8 at 2w.
     """

@@ -120,7 +120,7 @@ def mesh(keys: str, folder: Path | None) -> tuple[Points, Faces]:
 
 
 def called(draw: Callable[..., Any], kind: str, given: dict[str, Any], folder: Path | None) -> Any:
-    """What a function makes of a table's keys, which are its arguments; `file` is its path."""
+    """The result of a function whose arguments are a table's keys; `file` is its path."""
     named = {("file" if name == "path" else name): one for name, one in signature(draw).parameters.items()}
     needed = [name for name, one in named.items() if one.default is Parameter.empty]
     for name, value in given.items():

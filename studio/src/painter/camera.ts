@@ -43,7 +43,7 @@ export function project(camera: Camera, place: Vec3, width: number, height: numb
   return [width / 2 + scale * dot(d, right), height / 2 - scale * dot(d, up), depth];
 }
 
-/** What is seen at x, y (CSS px of the view) is from + t along, t > 0; `along` is 1 deep, not 1 long. */
+/** The line of sight at x, y (CSS px of the view) is from + t along, t > 0; `along` is 1 deep, not 1 long. */
 export function ray(
   camera: Camera,
   x: number,

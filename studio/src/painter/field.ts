@@ -179,7 +179,7 @@ export function createField(gl: Gl): FieldPainter {
 
   /** Draws the lattice by a program that `aims` where; a wave, which is painted again and again, from a spread lattice. */
   function draw(lattice: Lattice, key: string, look: Look, least: number, part: Part, aims: (by: Program) => void): void {
-    // What changes from picture to picture is not worth the spreading.
+    // A field that changes from picture to picture is not spread: that would take too long.
     const still = fields.get(key)?.values === lattice.values;
     const is = still && spreads && look.quantity === "wave" && Math.max(lattice.nu, lattice.nv) <= LARGEST;
     const data = is ? spreadOut(lattice, key) : upload(lattice, key);

@@ -14,7 +14,7 @@ export interface Box {
 /** Red, green, blue, 0 to 255. */
 export type Rgb = [number, number, number];
 
-/** The content of the 3-D view. Lengths in m. What changes is a new array: identity tells what to upload. */
+/** The content of the 3-D view. Lengths in m. A changed part is a new array: its identity shows which parts to upload. */
 export interface Picture {
   camera: Camera;
   /** N x 3. */

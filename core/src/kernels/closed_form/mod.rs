@@ -116,7 +116,7 @@ pub(crate) trait Layout<S: Simd> {
     /// `meanwhile` is called once, while the sums are waited for.
     fn update(&mut self, s: S, block: &Block<'_>, look: Look<'_>, meanwhile: impl FnOnce()) -> [[S::V; 2]; MOST];
 
-    /// What one chain of waves starts from, the others from 0: P.
+    /// The start of one chain of waves, P; the others start from 0.
     #[inline(always)]
     fn start(_: S, pressure: S::V) -> S::V {
         pressure

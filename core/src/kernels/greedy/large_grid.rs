@@ -109,7 +109,7 @@ struct Arcs<V> {
     least: f32,
     /// The end about where the least change of all is.
     center: usize,
-    /// What the changes stay above: on the arcs that begin at an even end, and at an odd one.
+    /// Lower bounds of the changes: on the arcs that begin at an even end, and at an odd one.
     lower: [V; 2],
 }
 
@@ -223,7 +223,7 @@ impl<V: Copy> Arcs<V> {
     }
 }
 
-/// What a function of values v and w at both ends of an arc stays above; `dip` is c h^2/8.
+/// A lower bound of a function with values v and w at both ends of an arc; `dip` is c h^2/8.
 #[inline(always)]
 fn below<S: Simd>(s: S, v: S::V, w: S::V, dip: f32) -> S::V {
     let apart = s.mul(s.splat(0.25 / dip), s.abs(s.sub(v, w)));

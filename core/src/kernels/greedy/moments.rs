@@ -316,15 +316,15 @@ impl Moments {
     }
 }
 
-/// What the remainder, the tolerance of ties and the rounding of the sums leave open between two drives of modulus up
-/// to `reach`.
+/// The uncertainty of the difference between two drives of modulus up to `reach`: remainder, tolerance of ties and
+/// rounding of the sums.
 #[inline(always)]
 pub(crate) fn slack(power: f32, remainder: f32, energy: f32, reach: f32) -> f32 {
     let square = reach * reach;
     2.0 * square * square * remainder + rounding(power, energy, reach)
 }
 
-/// What the tolerance of ties and the rounding of the sums leave open. By Cauchy `sum w |G| |t - |P||` is at most the
+/// The uncertainty by the tolerance of ties and by the rounding of the sums. By Cauchy `sum w |G| |t - |P||` is at most the
 /// root of power times energy.
 #[inline(always)]
 fn rounding(power: f32, energy: f32, reach: f32) -> f32 {

@@ -161,7 +161,7 @@ pub(crate) fn best_within<S: Simd, T: Term>(
                 let drives = candidates.drives(candidates.amplitude(k), first);
                 let mut changes = changes::<S, T>(s, points, drives);
                 if count - step < LANES {
-                    // What follows in the table is not in the range.
+                    // Later entries of the table are outside of the range.
                     let used = s.splat((count - step) as f32);
                     changes = s.select_less(s.load(&LANE), used, changes, s.splat(f32::INFINITY));
                 }

@@ -83,7 +83,7 @@ pub(crate) struct List<'a> {
     pub(crate) least: f32,
     indices: &'a mut [u32],
     values: &'a mut [f32],
-    /// One more than there is room for: some were dropped.
+    /// One candidate more than there is room for: some were dropped.
     pub(crate) count: usize,
 }
 

@@ -26,7 +26,7 @@ pub(crate) trait Doubles: Copy {
     const WIDTH: usize;
 
     fn splat_double(self, x: f64) -> Self::D;
-    /// The first of a slice.
+    /// The vector at the beginning of a slice.
     fn load_doubles(self, from: &[f64]) -> Self::D;
     fn store_doubles(self, d: Self::D, to: &mut [f64]);
     fn add_doubles(self, a: Self::D, b: Self::D) -> Self::D;

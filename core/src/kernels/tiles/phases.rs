@@ -10,7 +10,7 @@ use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::tiles::Tiles;
 use crate::math::sqrtf;
 
-/// What is left beside a point's own echo is nothing but rounding below this part of it.
+/// Below this part of a point's own echo the rest is only rounding.
 const SILENT: f32 = 1e-5;
 
 /// A vector v of the moduli `weights`, brought into line: in the order of `visits` v_k gets the phase of what the other

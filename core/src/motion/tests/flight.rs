@@ -72,7 +72,7 @@ fn drag_brings_a_falling_bead_to_the_speed_at_which_it_weighs_nothing() {
     let (state, _) = flown(InstructionSet::best(), air, &vec![spring([0.0; 8]); 11], &flight, STILL);
     let weight = -particle.weight(air, flight.gravity)[2];
     assert!((particle.drag(air, -state[1][2][0]) / weight - 1.0).abs() < 1e-5);
-    // Stokes' law where friction is all.
+    // Stokes' law: friction is the only force.
     assert!((particle.drag(air, 1e-7) / (6.0 * core::f64::consts::PI * air.viscosity() * 1e-10) - 1.0).abs() < 1e-3);
 }
 

@@ -213,7 +213,7 @@ fn a_mesh_of_a_sphere_is_the_sphere() {
 
 #[test]
 fn a_mesh_before_a_wall_is_two_meshes() {
-    // Mirrored in the wall x = 0.04, array and all, without the wall.
+    // The scene and its array mirrored in the wall x = 0.04, without the wall.
     let array = Array::grid(2, 2, 15e-3).expect("a grid");
     let at = 0.04;
     let mirror = |[x, y, z]: [f64; 3]| [2.0 * at - x, y, z];

@@ -202,7 +202,7 @@ impl<'w> Newton<'w> {
         (0..self.dual.size).map(|k| f64::from(missing(k) * missing(k) / self.ease[k])).sum()
     }
 
-    /// What is missing from an equation at a level: a quiet point has less to lose the nearer it is to what it may leak.
+    /// The deficit of an equation at a level: that of a quiet point is smaller the nearer its leak is to the allowed one.
     pub(super) fn missing(&self, rows: &Rows, wave: &Wave, equation: usize, level: f32) -> f32 {
         let points = rows.order.len();
         let (value, modulus) = match equation {

@@ -9,7 +9,7 @@ use crate::solvers::even_field::run::Run;
 /// Targets at most: the phases of three take milliseconds, those of four a hundred times as long.
 pub(super) const FEW: usize = 3;
 
-/// What the steps to an even field, and up, find by themselves need not be looked for.
+/// Fields that the steps to an even field find by themselves need no search.
 const EFFORT: Effort = Effort { gap: 1e-4, boxes: 512 };
 
 /// The phases and weights of the highest level; `None` after a stop.

@@ -1,6 +1,6 @@
 //! Traps without pressures: phases turned until the softest of all is as stiff as can be.
 //!
-//! What is raised is the soft minimum ([`soft_minimum`]) of K_ja, the stiffness at point j along its axis a, over the least at
+//! The objective is the soft minimum ([`soft_minimum`]) of K_ja, the stiffness at point j along its axis a, over the least at
 //! first.
 //!
 //! less the mean square of the distances |H|^-1 (F - m g) at which the beads rest, over [`APART`], times a weight; H is that of
@@ -27,7 +27,7 @@ use crate::solvers::even_field::run::Run;
 use crate::solvers::even_field::soft_minimum;
 use crate::workspace::Workspace;
 
-/// How sharp the minimum is and what resting places weigh, one after the other, and steps of each: twice the steps bring 1 % more.
+/// The stages: sharpness of the minimum, weight of the resting places, and number of steps: twice the steps bring 1 % more.
 const STAGES: [(f64, f64); 2] = [(8.0, 0.02), (32.0, 0.1)];
 const STEPS: usize = 30;
 
