@@ -64,8 +64,8 @@ if TYPE_CHECKING:
     from ._judging.tolerance import Kept, Tolerance
     from ._judging.tolerate import tolerate
     from ._measuring.calibrate import calibrate, calibration_drives
-    from ._measuring.doctor import Fault, Report, doctor
-    from ._measuring.player import Tuning
+    from ._measuring.doctor import doctor
+    from ._measuring.player import Fault, Report, Tuning
     from ._measuring.result import Calibration
     from ._measuring.tune import tune
     from ._motion import Felt, Flight, Sequence, SequenceMetrics, Skin, fly, sequence, skin, stream

@@ -156,12 +156,24 @@ ADAPTERS: dict[tuple[int | None, int | None], str] = {
 
 @dataclass(frozen=True)
 class Port:
-    """A serial port.
+    """Describe a serial port; from `midair.ports`.
 
-    name : as in an address, such as "/dev/ttyUSB0"
-    description : the system's name of the port
-    maker, serial_number : of its USB adapter, None if it has none
-    could_be : boards with such an adapter, by its USB numbers and its name; "" if unknown
+    Attributes
+    ----------
+    name : str
+        Name as in an address, such as "/dev/ttyUSB0".
+    description : str
+        The operating system's name of the port.
+    maker, serial_number : str or None
+        Maker and serial number of its USB adapter; None where there is none.
+    could_be : str
+        Boards with such an adapter, by its USB numbers and its name; "" if unknown.
+
+    Examples
+    --------
+    >>> import midair
+    >>> midair.Port("/dev/ttyUSB0", "USB Serial", "FTDI", "A1", could_be="sonicsurface").name
+    '/dev/ttyUSB0'
     """
 
     name: str
@@ -179,7 +191,24 @@ def _could_be(vid: int | None, pid: int | None, product: str) -> str:
 
 
 def ports() -> list[Port]:
-    """List the serial ports by name, with the boards that their adapters could be. Opens none of them."""
+    """List the serial ports, with the boards that their adapters could be. Opens none of them.
+
+    Returns
+    -------
+    list of midair.Port
+        The ports in the order of their names.
+
+    Raises
+    ------
+    BoardError
+        Where pyserial, of the extra `midair[serial]`, is missing.
+
+    Examples
+    --------
+    >>> import midair
+    >>> all(port.name for port in midair.ports())
+    True
+    """
     try:
         from serial.tools.list_ports import comports
     except ImportError as error:

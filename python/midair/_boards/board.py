@@ -16,25 +16,41 @@ from .layout import changed
 
 
 class Board:
-    """The boards of an array: their phases and amplitudes, and the bytes that play a drive.
+    """Describe the boards of an array: their phases and amplitudes, and the bytes that play a drive.
 
-    name : a kind of board (`midair boards` lists them, such as "autd3" and "sonicsurface"), a
-        preset of one ("sonicsurface_pair", "openmpd_pair"), or OpenMPD's board
-        file .pat, two for a pair
-    array : its transducers, in the order of the board's preset, one board after the other; by
-        default the preset's, or a grid for a kind that has none
-    tiles : boards along x and y of a preset that tiles, such as (2, 2)
-    channels : (N,) the channel of each transducer, those of a second board after those of the
-        first; by default the order of the preset. For an array with channels of its own, (C,) the
-        board's channel of each of these.
-    corrections : (N,), or (C,), the phase in rad that each transducer adds by itself. The phase sent is the
-        wanted one minus the correction, before rounding.
+    Parameters
+    ----------
+    name : str, path or sequence of paths
+        A kind of board that `midair boards` lists, such as "autd3", or a preset of one, such as
+        "sonicsurface_pair". Or OpenMPD's board file .pat, two for a pair.
+    array : midair.Array, optional
+        N transducers in the order of the board's preset, one board after the other. By default the
+        preset's, or a grid for a kind that has none.
+    tiles : (int, int), optional
+        Boards along x and y of a preset that tiles, such as (2, 2).
+    channels : (N,) or (C,) sequence of int, optional
+        Channel of each transducer, those of a second board after those of the first. By default the
+        order of the preset. For an array with C channels of its own: the board's channel of each.
+    corrections : (N,) or (C,) array_like, optional
+        Phase in rad that each transducer adds by itself. The phase sent is the wanted one minus the
+        correction, before rounding.
 
+    Raises
+    ------
+    SceneError
+        For an unknown name or a file with an error. For another number of channels or corrections
+        than transducers, or than channels of the array. For more channels than the board has.
+
+    See Also
+    --------
+    midair.connect : plays drives on a board.
+
+    Notes
+    -----
     Masked or dead transducers are always off. docs/boards.md describes the bytes of each kind.
 
-    Raises SceneError for an unknown name, a file with an error, and channels or corrections of another
-    number than the transducers, or than the array's channels; or more channels than the board has.
-
+    Examples
+    --------
     >>> import midair
     >>> board = midair.Board("sonicsurface")
     >>> solution = midair.solve(midair.Scene(board.array, [[0, 0, 0.15]]))
@@ -141,18 +157,42 @@ class Board:
         }
 
     def encode(self, drive: ArrayLike | Solution) -> bytes:
-        """Return the frame of a drive (N,) or a Solution: the nearest phases and amplitudes of the board.
+        """Return the frame of a drive: the nearest phases and amplitudes of the board.
 
-        The frame does not include `solution.scale`, the factor for supply or modulation.
+        Parameters
+        ----------
+        drive : (N,) array_like or midair.Solution
+            Complex drive of moduli up to 1.
 
-        Raises SceneError for a drive of another shape, not finite, above 1, or different within one channel.
+        Returns
+        -------
+        bytes
+            The frame. It does not include `solution.scale`, the factor for supply or modulation.
+
+        Raises
+        ------
+        SceneError
+            For a drive of another shape, not finite, above 1, or different within one channel.
         """
         return self._codec.encode(drive.drive if isinstance(drive, Solution) else drive)
 
     def decode(self, frame: bytes) -> NDArray[np.complex64]:
-        """Return the drive (N,) that a frame plays, 0 for transducers that are off.
+        """Return the drive that a frame plays.
 
-        Raises SceneError for bytes that are no frame of the board.
+        Parameters
+        ----------
+        frame : bytes
+            A frame of the board, as `encode` returns it.
+
+        Returns
+        -------
+        (N,) ndarray of complex64
+            The drive, 0 for transducers that are off.
+
+        Raises
+        ------
+        SceneError
+            For bytes that are no frame of the board.
         """
         return self._codec.decode(frame)
 

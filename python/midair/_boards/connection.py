@@ -10,21 +10,29 @@ from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import Future, wait
 from contextlib import suppress
-from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, SceneError, Solution
+from .._midair import Array, Solution
 from .._motion import Sequence
-from .._support.arguments import number, refused, warn
+from .._support.arguments import number, refused
 from . import wire
 from .address import DEFAULT, Address, describe, modulation, parse
 from .board import Board
 from .errors import BoardError, BoardLost, BoardTimeout
-from .limit import Limit, refuse_real, warn_of_rate, warn_of_seam
-from .process import PATIENCE, GuardProcess
+from .limit import (
+    Limit,
+    check_rate,
+    given_drives,
+    refuse_elsewhere,
+    refuse_real,
+    timed,
+    warn_of_scale,
+    warn_of_seam,
+)
+from .process import PATIENCE, GuardProcess, Stats
 from .wire import Kind, Late
 
 #: Frames of a stream that are on their way: the next one and one behind it, or as many as last this long,
@@ -36,38 +44,26 @@ LIVE = 0.04
 #: Messages of a waiting caller to the guard during a hold.
 HOLDS = 4
 
-#: Largest distance in m of a solution's transducers from those of the board.
-APART = 0.5e-3
-
 #: Treatment of a late frame of a stream.
 LATE = {"skip": Late.SKIP, "wait": Late.WAIT, "error": Late.ERROR}
 
 
-@dataclass(frozen=True)
-class Stats:
-    """Counts of a connection.
-
-    frames : sent to the board
-    late : frames of streams that came more than a period late: skipped or played
-    lapses : times that the hold expired and everything was turned off
-    """
-
-    frames: int
-    late: int
-    lapses: int
-
-    def __sub__(self, before: Stats) -> Stats:
-        return Stats(self.frames - before.frames, self.late - before.late, self.lapses - before.lapses)
-
-
 class Connection:
-    """A board that plays; from `midair.connect`. At the end of a `with` block it is off, or
+    """Play on a board; from `midair.connect`. At the end of a `with` block the board is off, or
     BoardLost is raised.
 
-    A guard process owns the device. It turns everything off when the connection is closed, when the program
-    ends for any reason, and when no call to send, stream, upload, modulate or off came for `hold` s; the
-    next frame plays again. An error or Ctrl-C during a call turns the board off, too. A frame that is
-    rejected before it is sent changes nothing.
+    A guard process owns the device. It turns everything off when the connection is closed and when the
+    program ends for any reason. It also does so when no call to send, stream, upload, modulate or off
+    came for `hold` s; the next frame plays again. An error or Ctrl-C during a call turns the board off,
+    too. A frame that is rejected before it is sent changes nothing.
+
+    Examples
+    --------
+    >>> import midair
+    >>> with midair.connect("sonicsurface:loop") as surface:
+    ...     surface.send(midair.solve(midair.Scene(surface.board.array, [[0, 0, 0.15]])))
+    ...     bool(abs(surface.emitting).max() > 0.99), surface.stats.frames
+    (True, 1)
     """
 
     board: Board
@@ -84,10 +80,19 @@ class Connection:
         self._finalizer = weakref.finalize(self, self._guard.close)
 
     def send(self, drive: ArrayLike | Solution) -> None:
-        """Play a drive (N,) or a solution until another frame comes; waits while two frames are waiting.
+        """Play a drive until another frame comes; waits while two frames are waiting.
 
-        Raises SceneError for a wrong drive or one above the connection's limit, BoardLost if the board is
-        gone, BoardError if the connection is closed.
+        Parameters
+        ----------
+        drive : (N,) array_like or midair.Solution
+            Complex drive of moduli up to 1.
+
+        Raises
+        ------
+        SceneError
+            For a wrong drive.
+        BoardError
+            For a drive above the limit, and if the connection is closed; BoardLost if the board is gone.
         """
         self._call(Kind.PLAY, wire.WHEN.pack(0.0, 0.0, Late.WAIT) + self._encode(drive))
 
@@ -98,32 +103,42 @@ class Connection:
         rate: float | None = None,
         late: Literal["skip", "wait", "error"] = "skip",
     ) -> Stats:
-        """Play drives one after another; the last one continues to play. Returns the counts of this stream.
+        """Play drives one after another; the last one continues to play.
 
-        drives : (T, N), a midair.Sequence, or an iterable of drives or solutions, such as a generator
-        rate : frames a second; by default the sequence's own, or the board's highest, at which no frame is
-            late
-        late : with a frame that comes more than a period late because the board is slow: "skip" drops it
-            and keeps to the clock, "wait" plays it and moves the clock, "error" raises BoardTimeout. A frame
+        Warns of frames that a rate above the board's drops, and of a rate at which the board emits less.
+
+        Parameters
+        ----------
+        drives : (T, N) array_like, midair.Sequence, or iterable
+            Drives or solutions; an iterable may be a generator that makes them while they play.
+        rate : float, optional
+            Frames a second; by default the sequence's own, or the board's highest, at which none is late.
+        late : {"skip", "wait", "error"}, optional
+            For a frame that comes more than a period late because the board is slow: "skip" drops it and
+            keeps to the clock, "wait" plays it and moves the clock, "error" raises BoardTimeout. A frame
             from a slow generator is played when it comes, unless that is an error.
 
-        Before the first frame, warns of the part that a rate above the board's drops, and of a rate at which
-        the board emits less. Raises SceneError for a wrong drive or one above the connection's
-        limit, BoardTimeout for a rate that late="error" cannot keep, BoardLost if the board is gone,
-        BoardError if the connection is closed.
+        Returns
+        -------
+        Stats
+            Counts of this stream: `frames`, `late` and `lapses`.
+
+        Raises
+        ------
+        SceneError
+            For a wrong drive.
+        BoardError
+            For a drive above the limit, and if the connection is closed; BoardLost if the board is gone.
+        BoardTimeout
+            For a rate that late="error" cannot keep.
         """
-        frames = self._drives(drives)
+        frames = given_drives(self.board, drives)
         if rate is None and isinstance(drives, Sequence):
             rate = drives.rate
         pace = self.board.rate if rate is None else number("rate", rate, above=0)
         if late not in LATE:
             raise refused("late", late, f"give {', '.join(LATE)}")
-        if late == "error" and pace > self.board.rate * (1 + 1e-6):
-            raise BoardTimeout(
-                f"rate is {pace:g} frames/s, {self.board.name} takes {self.board.rate:.4g}: "
-                'give a lower one, or late="skip"'
-            )
-        warn_of_rate(pace, self.board, late == "skip")
+        check_rate(pace, self.board, LATE[late])
         before = self.stats
         try:
             known = isinstance(drives, Sequence | np.ndarray | list | tuple)
@@ -141,25 +156,41 @@ class Connection:
 
         Warns of a jump from the last frame to the first beyond the bound of the sequence.
 
-        Raises BoardError for a board that stores none, SceneError for wrong frames, BoardLost
-        if the board is gone, BoardError if the connection is closed.
+        Parameters
+        ----------
+        sequence : midair.Sequence
+            Frames for the array of the board.
+
+        Raises
+        ------
+        BoardError
+            For a board that stores none, and if the connection is closed; BoardLost if the board is gone.
+        SceneError
+            For wrong frames.
         """
         if not self.board.link["holds_sequence"]:
             raise BoardError(f"{self.board.name} holds no sequence: use stream")
         if not isinstance(sequence, Sequence):
             raise refused("sequence", sequence, "give a midair.Sequence")
         warn_of_seam(sequence)
-        frames = [self._encode(drive) for drive in self._drives(sequence)]
+        frames = [self._encode(drive) for drive in given_drives(self.board, sequence)]
         self._call(Kind.UPLOAD, wire.UPLOADED.pack(len(frames), sequence.rate) + b"".join(frames))
 
     def modulate(self, hz: float | ArrayLike | None) -> None:
         """Modulate the amplitude of all drives, now and later.
 
-        hz : frequency of the sine on AUTD3, of on and off on SonicSurface; or samples (S,) of the pressure
-            from 0 to 1 that AUTD3 repeats, 2 to 65536 of them at 4000 a second; None for no modulation
+        Parameters
+        ----------
+        hz : float, (S,) array_like or None
+            Frequency in Hz of the sine on AUTD3, of on and off on SonicSurface. Or samples of the pressure
+            from 0 to 1 that AUTD3 repeats, 2 to 65536 of them at 4000 a second. None for no modulation.
 
-        Raises BoardError for a board that cannot modulate, SceneError for a wrong frequency or wrong samples,
-        BoardLost if the board is gone, BoardError if the connection is closed.
+        Raises
+        ------
+        BoardError
+            For a board that cannot modulate, and if the connection is closed; BoardLost if the board is gone.
+        SceneError
+            For a wrong frequency or wrong samples.
         """
         wave = (math.nan, b"") if hz is None else modulation(self.board.name, hz)
         self._call(Kind.MODULATE, wire.MODULATION.pack(wave[0]) + wave[1])
@@ -167,7 +198,10 @@ class Connection:
     def off(self) -> None:
         """Turn everything off; the connection stays open.
 
-        Raises BoardLost if the board is gone, BoardError if the connection is closed.
+        Raises
+        ------
+        BoardError
+            If the connection is closed; BoardLost if the board is gone.
         """
         self._call(Kind.OFF)
 
@@ -188,10 +222,7 @@ class Connection:
 
     @property
     def emitting(self) -> NDArray[np.complex64]:
-        """The drive (N,) that plays now, decoded from the board's frame; 0 if none plays.
-
-        During modulation it is the drive at full amplitude; for an uploaded sequence it follows the clock.
-        """
+        """Drive (N,) that plays now, without modulation; of an uploaded sequence by the clock; 0 if none."""
         frame = b""
         if self._finalizer.alive:
             with suppress(BoardLost):
@@ -200,7 +231,7 @@ class Connection:
 
     @property
     def state(self) -> Literal["off", "playing", "modulating", "lost", "closed"]:
-        """State: "off" also after the hold expired, "lost" after the board was unplugged or stalled."""
+        """State of the board; "off" also after the hold expired, "lost" after it was unplugged or stalled."""
         if not self._finalizer.alive:
             return "closed"
         try:
@@ -258,53 +289,16 @@ class Connection:
         """The frame of a drive; rejects a drive that is too loud or was solved for other places."""
         if isinstance(drive, Solution):
             if drive.scene is not None:
-                self._placed(drive.scene.array)
-            self._warn(drive.scale)
+                refuse_elsewhere(self.board, drive.scene.array)
+            if drive.scale < 1 and not self._warned:
+                self._warned = True
+                warn_of_scale(drive.scale)
         else:
             refuse_real(drive)
         frame = self.board.encode(drive)
         if self._limit is not None:
             self._limit.check(self.board.decode(frame))
         return frame
-
-    def _warn(self, scale: float) -> None:
-        """Warn once that a board cannot play as softly as requested."""
-        if scale < 1 and not self._warned:
-            self._warned = True
-            text = (
-                f"the board plays {1 / scale:.3g} times the requested pressures, "
-                f"{-20 * math.log10(scale):.3g} dB more: turn its supply or modulation down to {scale:.3g}, "
-                "or ask for more"
-            )
-            warn(text)
-
-    def _placed(self, array: Array) -> None:
-        """Reject a drive for transducers in other places than the board's."""
-        mine, theirs = self.board.array.positions, array.positions
-        if len(mine) != len(theirs):
-            found = f"{len(theirs)} transducers, {self.board.name} has {len(mine)}"
-        elif (apart := np.linalg.norm(mine - theirs, axis=1)).max() > APART:
-            at = int(apart.argmax())
-            found = f"an array whose transducer {at} lies {1e3 * apart[at]:.3g} mm from the board's"
-        else:
-            return
-        raise SceneError(
-            f"the drive was solved for {found}: solve for connection.board.array, or connect with array="
-        )
-
-    def _drives(self, given: Any) -> Iterator[ArrayLike | Solution]:
-        """The drives of a stream, one by one."""
-        if isinstance(given, Sequence):
-            self._placed(given.array)
-            return (given.drive(frame) for frame in range(len(given)))
-        if isinstance(given, np.ndarray) and given.ndim != 2:
-            raise refused("drives.shape", given.shape, f"give (T, {len(self.board.array)})")
-        try:
-            return iter(given)
-        except TypeError:
-            raise refused(
-                "drives", given, "give (T, N), a midair.Sequence or a generator of drives"
-            ) from None
 
     def _stream(
         self, drives: Iterator[ArrayLike | Solution], period: float, late: Late | None, ahead: int
@@ -313,7 +307,7 @@ class Connection:
         patience = PATIENCE + ahead * period
         under_way: deque[Future[bytes]] = deque()
         due = math.inf
-        for requested, drive in _timed(drives):
+        for requested, drive in timed(drives):
             now = time.monotonic()
             counted = late is not None and now > due + period
             if late is None or math.isinf(due):
@@ -343,14 +337,6 @@ class Connection:
             self._wait(due - time.monotonic(), Future())
 
 
-def _timed(drives: Iterator[ArrayLike | Solution]) -> Iterator[tuple[float, ArrayLike | Solution]]:
-    """Yield each drive with the time at which it was requested."""
-    requested = time.monotonic()
-    for drive in drives:
-        yield requested, drive
-        requested = time.monotonic()
-
-
 def connect(
     address: str,
     *,
@@ -359,23 +345,39 @@ def connect(
     hold: float = 60.0,
     limit: Mapping[str, Any] | None = None,
 ) -> Connection:
-    """Connect to a board and return a `Connection`, best in a `with` block, at whose end the board is off.
+    """Connect to a board. In a `with` block the board is off at the end.
 
-    address : a board and its place, such as "autd3" (searched), "autd3:eth0" (on a network
-        interface), "autd3:emulator", "sonicsurface:/dev/ttyUSB0" and other boards at a port,
-        "openmpd:SERIAL", "openmpd:SERIAL+SERIAL" and others with an FTDI chip; or no device at all:
-        "sonicsurface:loop" is as slow as its line, "sonicsurface:null" accepts frames at once,
-        "null" is that of an AUTD3, "file:frames.bin" writes the frames
-    array : its transducers, if they differ from the board's preset
-    board : a `midair.Board` of your own, or a name if the address has none
-    hold : s without a call to send, stream, upload, modulate or off, after which everything is turned off
-    limit : {"positions": (K, 3) in m or a `midair.Ear`, "pressure": Pa}: rejects frames whose peak |p| there
-        is higher. Other entries, such as temperature, are for the `midair.Scene` that computes
-        |p|.
+    Parameters
+    ----------
+    address : str
+        A board and its place: "autd3" (searched), "autd3:eth0" (a network interface), "autd3:emulator",
+        "sonicsurface:/dev/ttyUSB0" (a port), "openmpd:SERIAL" or "openmpd:SERIAL+SERIAL" (FTDI chips).
+        Or no device: "sonicsurface:loop" is as slow as its line, "sonicsurface:null" accepts frames at
+        once, "null" is that of an AUTD3, "file:frames.bin" writes the frames.
+    array : midair.Array, optional
+        The board's transducers, if they differ from its preset.
+    board : midair.Board or str, optional
+        A board of your own; a name if the address has none.
+    hold : float, optional
+        Time in s without a call to send, stream, upload, modulate or off, after which all is turned off.
+    limit : mapping, optional
+        {"positions": (K, 3) in m or a `midair.Ear`, "pressure": Pa} rejects frames whose peak |p| there
+        is higher. Other entries, such as temperature, are for the `midair.Scene` that computes |p|.
 
-    One program at a time can use a device. Raises SceneError for a wrong argument, BoardNotFound,
-    BoardBusy, BoardPermission or BoardError for a device that cannot be opened.
+    Returns
+    -------
+    midair.Connection
+        The open connection.
 
+    Raises
+    ------
+    SceneError
+        For a wrong argument.
+    BoardNotFound, BoardBusy, BoardPermission, BoardError
+        For a device that cannot be opened.
+
+    Examples
+    --------
     >>> import midair
     >>> with midair.connect("sonicsurface:loop") as surface:
     ...     surface.send(midair.solve(midair.Scene(surface.board.array, [[0, 0, 0.15]])))

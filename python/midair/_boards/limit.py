@@ -1,20 +1,25 @@
-"""Checks before a frame is sent: frames too loud at an ear, real numbers, rates, jumps."""
+"""Checks before a frame is sent: frames too loud at an ear, real numbers, other arrays, rates, jumps."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import time
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Scene, field
+from .._midair import Array, Scene, SceneError, Solution, field
 from .._motion import Sequence
 from .._points.ear import Ear
 from .._support.arguments import refused, shown, warn
 from .board import Board
-from .errors import BoardError
+from .errors import BoardError, BoardTimeout
+from .wire import Late
+
+#: Largest distance in m of a solution's transducers from those of the board.
+APART = 0.5e-3
 
 #: Tolerance of rounding for bounds and rates.
 ROUNDING = 1e-6
@@ -73,15 +78,66 @@ def refuse_real(drive: Any) -> None:
         raise refused("drive", given, f"real numbers are no drive: {cure}")
 
 
-def warn_of_rate(rate: float, board: Board, skips: bool) -> None:
-    """Warn of frames of a stream that a rate drops, and of a board that emits less while it receives."""
+def given_drives(board: Board, given: Any) -> Iterator[ArrayLike | Solution]:
+    """The drives of a stream, one by one."""
+    if isinstance(given, Sequence):
+        refuse_elsewhere(board, given.array)
+        return (given.drive(frame) for frame in range(len(given)))
+    if isinstance(given, np.ndarray) and given.ndim != 2:
+        raise refused("drives.shape", given.shape, f"give (T, {len(board.array)})")
+    try:
+        return iter(given)
+    except TypeError:
+        cure = "give (T, N), a midair.Sequence or a generator of drives"
+        raise refused("drives", given, cure) from None
+
+
+def timed(drives: Iterator[ArrayLike | Solution]) -> Iterator[tuple[float, ArrayLike | Solution]]:
+    """Yield each drive with the time at which it was requested."""
+    requested = time.monotonic()
+    for drive in drives:
+        yield requested, drive
+        requested = time.monotonic()
+
+
+def refuse_elsewhere(board: Board, array: Array) -> None:
+    """Reject an array whose transducers are in other places than the board's."""
+    mine, theirs = board.array.positions, array.positions
+    if len(mine) != len(theirs):
+        found = f"{len(theirs)} transducers, {board.name} has {len(mine)}"
+    elif (apart := np.linalg.norm(mine - theirs, axis=1)).max() > APART:
+        at = int(apart.argmax())
+        found = f"an array whose transducer {at} lies {1e3 * apart[at]:.3g} mm from the board's"
+    else:
+        return
+    raise SceneError(
+        f"the drive was solved for {found}: solve for connection.board.array, or connect with array="
+    )
+
+
+def warn_of_scale(scale: float) -> None:
+    """Warn that a board cannot play as softly as requested."""
+    warn(
+        f"the board plays {1 / scale:.3g} times the requested pressures, "
+        f"{-20 * math.log10(scale):.3g} dB more: turn its supply or modulation down to {scale:.3g}, "
+        "or ask for more"
+    )
+
+
+def check_rate(rate: float, board: Board, late: Late) -> None:
+    """Reject a rate that drops frames where none may be late; warn of frames that it drops or weakens."""
+    if late == Late.ERROR and rate > board.rate * (1 + ROUNDING):
+        raise BoardTimeout(
+            f"rate is {rate:g} frames/s, {board.name} takes {board.rate:.4g}: "
+            'give a lower one, or late="skip"'
+        )
     steady = board.limits["steady_frames_per_second"]
     if rate > steady * (1 + ROUNDING) and steady < board.rate:
         warn(
             f"rate is {rate:g} frames/s: bytes stop the pins of {board.name}, which emits less above "
             f"{steady:.3g} frames/s, half of the amplitude at its full rate (docs/boards.md)"
         )
-    if skips and rate > board.rate * (1 + ROUNDING):
+    if late == Late.SKIP and rate > board.rate * (1 + ROUNDING):
         warn(
             f"rate is {rate:g} frames/s, {board.name} takes {board.rate:.4g}: {1 - board.rate / rate:.0%} "
             f'of the frames are left out; solve for at most {math.floor(board.rate)}, or give late="wait"'

@@ -51,12 +51,26 @@ def keep(
 def play(solution: Solution, address: str, *, seconds: float | None = None, **options: Any) -> None:
     """Play a solution on a board, then turn the board off: `solution.play("autd3", seconds=5)`.
 
-    address, options : arguments of `midair.connect`
-    seconds : how long; by default until Ctrl-C
+    Parameters
+    ----------
+    solution : midair.Solution
+        What is played.
+    address : str
+        The board and its place, as for `midair.connect`.
+    seconds : float, optional
+        Duration in s; by default until Ctrl-C.
+    **options
+        Other arguments of `midair.connect`.
 
-    Raises SceneError for a time that is not above 0 and for a solution without a scene, and the errors of
-    `midair.connect` and `send`.
+    Raises
+    ------
+    SceneError
+        For a duration that is not above 0 and for a solution without a scene.
+    BoardError
+        As `midair.connect` and `Connection.send`.
 
+    Examples
+    --------
     >>> import midair
     >>> scene = midair.Scene(midair.Array.preset("sonicsurface"), [[0, 0, 0.1]])
     >>> midair.solve(scene).play("sonicsurface:loop", seconds=0.1)

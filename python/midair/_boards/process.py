@@ -12,6 +12,7 @@ from collections.abc import Callable
 from concurrent.futures import Future, InvalidStateError, wait
 from concurrent.futures import TimeoutError as NoAnswer
 from contextlib import suppress
+from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
 from queue import SimpleQueue
@@ -34,6 +35,28 @@ GUARD = "MIDAIR_GUARD"
 WAITS = 40
 
 CLOSED = "this connection is closed: connect again"
+
+
+@dataclass(frozen=True)
+class Stats:
+    """Count the frames of a connection.
+
+    Attributes
+    ----------
+    frames : int
+        Frames sent to the board.
+    late : int
+        Frames of streams that came more than a period late: skipped or played.
+    lapses : int
+        Times that the hold expired and everything was turned off.
+    """
+
+    frames: int
+    late: int
+    lapses: int
+
+    def __sub__(self, before: Stats) -> Stats:
+        return Stats(self.frames - before.frames, self.late - before.late, self.lapses - before.lapses)
 
 
 class GuardProcess:

@@ -14,9 +14,9 @@ from .. import Board, Connection, Scene, SceneError, calibrate, connect, doctor
 from .._boards.address import DEFAULT, parse
 from .._measuring import microphone as microphones
 from .._measuring.calibrate import places_of
-from .._measuring.doctor import ENDINGS as REPORTS
 from .._measuring.doctor import LISTEN
 from .._measuring.doctor import plan as planned
+from .._measuring.player import REPORTS
 from .._measuring.result import ENDINGS
 from .._support import output
 from .._support.text import arrays

@@ -19,7 +19,7 @@ from rich.live import Live
 
 from .. import Array, Board, Connection, Scene, SceneError, Sequence, Solution, connect, presets, read, solve
 from .._boards.address import DEFAULT, can_modulate, parse
-from .._boards.connection import APART
+from .._boards.limit import APART
 from .._boards.playing import LOOK, keep
 from .._motion import document
 from .._points.ear import REFERENCE

@@ -40,11 +40,26 @@ Solvers: TypeAlias = Entry | Iterable[Entry] | None
 
 @dataclass(frozen=True, repr=False)
 class Comparison:
-    """Solutions of one scene by several solvers: prints as a table, `["greedy"]` and `[0]` are its solutions.
+    """List the solutions of one scene by several solvers, from `midair.compare`.
 
-    scene : what was solved
-    bound : the level min |p| / target that no drive exceeds (`midair.bound`), or None for over 64 points
-    solutions : in the requested order
+    Prints as a table; `["greedy"]` and `[0]` are its solutions.
+
+    Attributes
+    ----------
+    scene : midair.Scene or midair.Propagation
+        What was solved.
+    bound : float or None
+        Level min |p| / target that no drive exceeds (`midair.bound`); None for over 64 points.
+    solutions : tuple of midair.Solution
+        In the requested order.
+
+    Examples
+    --------
+    >>> import midair
+    >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
+    >>> table = midair.compare(scene, ["naive", "uniform"])
+    >>> table.names, table[0].solver
+    (('naive', 'uniform'), 'naive')
     """
 
     scene: Scene | Propagation
@@ -55,7 +70,7 @@ class Comparison:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The solvers' names, with the options given where a solver is there more than once."""
+        """Names of the solvers, with the options given where a solver is there more than once."""
         solvers = [solution.solver for solution in self.solutions]
         names: list[str] = []
         for solver, options in zip(solvers, self._options, strict=True):
@@ -67,7 +82,7 @@ class Comparison:
 
     @property
     def gaps(self) -> list[float] | None:
-        """How far each solution's weakest point stays below the bound, relative to it; None without one."""
+        """Distance of each solution's weakest point from the bound, relative to it; None without one."""
         return (
             None if self.bound is None else [self._gap(solution, self.bound) for solution in self.solutions]
         )
@@ -77,7 +92,7 @@ class Comparison:
         return float(1 - weakest / bound)
 
     def to_dict(self) -> dict[str, list[Any]]:
-        """The table as columns of names and numbers, as `pandas.DataFrame` takes them; elapsed is in s."""
+        """Return the table as columns, as `pandas.DataFrame` takes them; elapsed is in s."""
         columns: dict[str, list[Any]] = {"solver": list(self.names)}
         columns |= {name: [getattr(one.metrics, name) for one in self.solutions] for name in METRICS}
         errors = [one.complex_error for one in self.solutions]
@@ -102,17 +117,32 @@ class Comparison:
         panels: str | Iterable[str] | None = None,
         size: Size | None = None,
     ) -> Figure:
-        """A sheet with the field of every solution, all in the same colours.
+        """Draw the field of every solution, all in the same colours.
 
-        ax : axes of your own for one panel, the first of `panels`
-        plane : the midair.Plane of the fields in place of those through the points
-        quantity : "pressure", "radiation", "spl" or "phase", as `midair.plot` takes it
-        cmap : a colour map of matplotlib or its name
-        panels : names of the solvers to be drawn; left out, all
-        size : of the figure in inches, its width or (width, height)
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes of your own for one panel, the first of `panels`.
+        plane : midair.Plane, optional
+            Plane of the fields, in place of those through the points.
+        quantity : {"pressure", "radiation", "spl", "phase"}, optional
+            What is drawn, as for `midair.plot`.
+        cmap : str or Colormap, optional
+            A colour map of matplotlib.
+        panels : str or list of str, optional
+            Names of the solvers to draw; by default all.
+        size : float or (float, float), optional
+            Size of the figure in inches: its width, or (width, height).
 
-        Returns the figure. Raises SceneError for another quantity, colour map, panel or size, and for a
-        matrix, which has no field.
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure.
+
+        Raises
+        ------
+        SceneError
+            For another quantity, colour map, panel or size, and for a matrix, which has no field.
         """
         from .._pictures.plot import contact_sheet
         from .._pictures.sheet import chosen
@@ -233,13 +263,29 @@ def compare(
     positions: ArrayLike | None = None,
     balance: bool | None = None,
 ) -> Comparison:
-    """Solve one scene by several solvers: a table that prints and plots.
+    """Solve one scene by several solvers, and return a table that prints and plots.
 
-    solvers : names, (name, options) pairs or functions, or one of them; left out, every solver there is
-    pressures, ..., balance : as `midair.solve` takes them, for every solver
+    Parameters
+    ----------
+    scene : midair.Scene or midair.Propagation
+        The request.
+    solvers : str, callable, (str, mapping), or list of these, optional
+        Names, (name, options) pairs or functions; by default every solver there is.
+    pressures, weights, quantization, mask, positions, balance : optional
+        As `midair.solve` takes them, for every solver.
 
-    Raises SceneError and TypeError as `midair.solve` does, for the first solver that is refused.
+    Returns
+    -------
+    midair.Comparison
+        The solutions.
 
+    Raises
+    ------
+    SceneError, TypeError
+        As `midair.solve`, for the first solver that is refused.
+
+    Examples
+    --------
     >>> import midair
     >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
     >>> table = midair.compare(scene, ["naive", ("greedy", {"phases": 8})])

@@ -142,12 +142,24 @@ Blocks: TypeAlias = Callable[[Points], Iterator[NDArray[np.float64]]]
 
 @dataclass(frozen=True)
 class Exposed:
-    """One place of a `midair.Exposure`.
+    """Give the level at one place of a `midair.Exposure`.
 
-    name : as given
-    spl : 20 log10(|p|/sqrt(2)/20 uPa) in dB, of a box at its loudest place; -inf in silence
-    position : where, (x, y, z) in m
-    frame : of a sequence, the loudest one there; 0 otherwise
+    Attributes
+    ----------
+    name : str
+        The name that you gave.
+    spl : float
+        20 log10(|p|/sqrt(2)/20 uPa) in dB, in a box at its loudest place; -inf in silence.
+    position : (float, float, float)
+        The place (x, y, z) in m.
+    frame : int
+        Loudest frame of a sequence there; 0 otherwise.
+
+    Examples
+    --------
+    >>> import midair
+    >>> midair.Exposed("left ear", 112.5, (0.0, 0.0, 0.6), 0).spl
+    112.5
     """
 
     name: str
@@ -158,10 +170,22 @@ class Exposed:
 
 @dataclass(frozen=True, repr=False)
 class Exposure:
-    """Levels at named places, from `midair.exposure`: prints as a table, `["left ear"]` is a place.
+    """List levels at named places, from `midair.exposure`: prints as a table, `["left ear"]` is a place.
 
-    places : each an `Exposed`, in the order given
-    limit : name, spl in dB, band in Hz and source of what they stand beside
+    Attributes
+    ----------
+    places : tuple of midair.Exposed
+        The places in the order given.
+    limit : Limit
+        Name, spl in dB, band in Hz and source of the limit.
+
+    Examples
+    --------
+    >>> import midair
+    >>> solution = midair.solve(midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15]]))
+    >>> found = solution.exposure({"near": [0, 0, 0.3], "far": [0, 0, 0.9]})
+    >>> found.worst.name, found["far"].spl < found["near"].spl
+    ('near', True)
     """
 
     places: tuple[Exposed, ...]
@@ -169,7 +193,7 @@ class Exposure:
 
     @property
     def worst(self) -> Exposed:
-        """The place with the highest level."""
+        """Place with the highest level."""
         return max(self.places, key=lambda place: place.spl)
 
     @property
@@ -178,7 +202,7 @@ class Exposure:
         return tuple(place.name for place in self.places if place.spl > self.limit.spl)
 
     def to_dict(self) -> dict[str, list[Any]]:
-        """The table as columns: place, spl in dB, over (the limit, in dB), x, y, z in m, frame."""
+        """Return the table as columns: place, spl in dB, over (the limit, in dB), x, y, z in m, frame."""
         x, y, z = zip(*(place.position for place in self.places), strict=True)
         return {
             "place": [place.name for place in self.places],
@@ -202,7 +226,7 @@ class Exposure:
         return len(self.places)
 
     def cells(self) -> dict[str, list[str]]:
-        """The table as text for people; the frame only where there are several."""
+        """Return the table as text for people; the frame only where there are several."""
         table = self.to_dict()
         cells = {
             "place": table["place"],
@@ -214,12 +238,12 @@ class Exposure:
 
     @property
     def heading(self) -> str:
-        """The limit in words."""
+        """Limit in words."""
         return f'limit "{self.limit.name}", {self.limit.spl:g} dB: {self.limit.source}'
 
     @property
     def sentence(self) -> str:
-        """The loudest place beside the limit, in plain words."""
+        """Loudest place beside the limit, in plain words."""
         worst, over = self.worst, self.worst.spl - self.limit.spl
         if not np.isfinite(over):
             return f"{worst.name}: no sound"
@@ -241,23 +265,42 @@ def exposure(
     *,
     limit: str | float = "howard",
 ) -> Exposure:
-    """Sound pressure levels at named places, beside a limit and its source.
+    """Compute sound pressure levels at named places, beside a limit and its source.
 
-    scene : a Scene; or a Solution or a Sequence, which stands for its scene and its drive: then `places`
-        comes second, or `solution.exposure(places)`
-    drive : (N,), a Solution, or a Sequence of the scene's array, of which each place gets its loudest frame,
-        at rest
-    places : by name a position (3,) in m, a box as two corners (2, 3), or a `midair.Ear`, which is its box;
-        positions lambda/100 at least from every transducer, boxes lambda
-    limit : "howard" (110 dB), "acgih" (115), "acgih air" (145), "irpa" (100), or a level in dB
+    Parameters
+    ----------
+    scene : midair.Scene, midair.Solution or midair.Sequence
+        A solution or a sequence gives its scene and its drive: then `places` comes second, or
+        `solution.exposure(places)`.
+    drive : (N,) array_like, midair.Solution or midair.Sequence, optional
+        What plays. Of a sequence each place gets its loudest frame, at rest.
+    places : mapping
+        By name a position (3,) in m, a box as two corners (2, 3), or a `midair.Ear`, which is its box.
+        Positions are lambda/100 at least from every transducer, boxes lambda.
+    limit : str or float, optional
+        "howard" (110 dB), "acgih" (115), "acgih air" (145), "irpa" (100), or a level in dB.
 
+    Returns
+    -------
+    midair.Exposure
+        The level at each place; `print` shows a table.
+
+    Raises
+    ------
+    SceneError
+        For wrong places, a wrong limit or a wrong drive.
+    TypeError
+        For another type of scene.
+
+    Notes
+    -----
     SPL = 20 log10(|p|/sqrt(2)/20 uPa) of a steady wave. A box is sampled every eighth of a wavelength and
-    searched about its loudest samples. The air is free: a head or a wall, which reflects, adds up to 6 dB. A
-    limit is what its source says about levels; what a person bears is nothing that this can tell.
+    searched about its loudest samples. The air is free: a head or a wall, which reflects, adds up to 6 dB.
+    A limit is a level of its source; it does not say what a person can bear. A place behind every
+    transducer has a SceneWarning.
 
-    Raises SceneError for places, a limit or a drive that are not in order, TypeError where scene is neither.
-    Warns (SceneWarning) of a place behind every transducer.
-
+    Examples
+    --------
     >>> import midair
     >>> scene = midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15]])
     >>> found = midair.exposure(midair.solve(scene), {"left ear": [0, 0, 0.6]})

@@ -53,17 +53,34 @@ class Technique:
 
 @dataclass(frozen=True, eq=False)
 class Haptic:
-    """A shape to be felt, and what is predicted of it; a model (docs/touch.md).
+    """Give a shape to be felt, and its predicted strength; from `midair.haptic`, a model (docs/touch.md).
 
-    sequence : the drives, frame after frame
-    skin : the skin's motion under it
-    technique : what was chosen
-    aim : "strong" or "even"
-    strength : in dB above what is just felt, the mean along the shape
-    weakest : the same at the shape's weakest place
-    standards : of the four usual techniques by name, at the same array, rate and bound: the strength, or with
-        the aim "even" the weakest
-    exposure : at the ears, if any were given
+    Attributes
+    ----------
+    sequence : midair.Sequence
+        The drives, frame after frame.
+    skin : midair.Skin
+        Motion of the skin under it.
+    technique : str
+        The chosen technique.
+    aim : str
+        "strong" or "even".
+    strength, weakest : float
+        In dB above what is just felt: the mean along the shape, and its weakest place.
+    standards : dict of str to float
+        Of the four usual techniques by name, at the same array, rate and bound: the strength, or with the
+        aim "even" the weakest.
+    exposure : midair.Exposure or None
+        Levels at the ears, if any were given.
+
+    Examples
+    --------
+    >>> import midair
+    >>> array = midair.Array.preset("autd3")
+    >>> line = [[-0.01, 0, 0.1], [0, 0, 0.1], [0.01, 0, 0.1]]
+    >>> found = midair.haptic(line, array, rate=2e3, change=1.0)
+    >>> len(found.standards), found.gain > 0
+    (4, True)
     """
 
     sequence: Sequence
@@ -77,7 +94,7 @@ class Haptic:
 
     @property
     def gain(self) -> float:
-        """By how many dB it is above the best of the usual techniques, by the measure of its aim."""
+        """Gain in dB over the best of the usual techniques, by the measure of its aim."""
         reached = self.strength if self.aim == "strong" else self.weakest
         return reached - max(self.standards.values())
 
@@ -115,28 +132,54 @@ def haptic(
     limit: str | float = "howard",
     **model: Any,
 ) -> Haptic:
-    """The foci, frame by frame, with which a shape is felt best, by the model of `midair.skin`.
+    """Find the foci, frame by frame, with which a shape is felt best, by the model of `midair.skin`.
 
-    shape : a midair.path of one point, or places (K, 3) in m in the order in which they are drawn
-    rate : frames a second that the board plays
-    aim : "strong", the largest mean strength along the shape, or "even", the largest at its weakest place
-    change : the bound in rad a frame; left out, none
-    closed : whether places go on from the last to the first; a path knows it
-    beside : how far in m foci may lie from the shape, half a wave of the skin; 0 keeps them on it
-    ears, limit : places that must not be louder than a limit, as `midair.exposure` takes them: the level is
-        lowered, of a board with amplitudes
-    model : speed, loss, mass and reach of the skin
+    Parameters
+    ----------
+    shape : midair.path.Path or (K, 3) array_like
+        A path of one point, or places in m in the order in which they are drawn.
+    array : midair.Array
+        The transducers.
+    rate : float
+        Frames a second that the board plays.
+    aim : {"strong", "even"}, optional
+        "strong": the largest mean strength along the shape; "even": the largest at its weakest place.
+    change : float, optional
+        Bound in rad a frame; by default none.
+    closed : bool, optional
+        Whether places go on from the last to the first; a path knows it.
+    beside : float, optional
+        How far in m foci may lie from the shape, half a wave of the skin; 0 keeps them on it.
+    ears : mapping, optional
+        Places, as `midair.exposure` takes them, that must not be louder than a limit. The level is lowered,
+        of a board with amplitudes.
+    limit : str or float, optional
+        The limit there, as `midair.exposure` takes it.
+    **model
+        Of the skin: `speed`, `loss`, `mass` and `reach`, as `midair.skin` takes them.
 
+    Returns
+    -------
+    midair.Haptic
+        The sequence and its predicted strength.
+
+    Raises
+    ------
+    SceneError
+        For wrong arguments, and where the limit at the ears cannot be met.
+
+    Notes
+    -----
     The four usual techniques are amplitude modulation, lateral modulation, one focus at 7 m/s, and two of
     them. Beside them a schedule of single foci, 5 laps a second, climbs until no other focus in any frame
     promises more. With a bound other draw speeds are tried instead. Where none is better, the answer is the
     best of the usual four. Frequencies are those that whole frames allow.
 
-    Raises SceneError for what is not in order, and where the ears cannot be spared.
-
+    Examples
+    --------
     >>> import midair
     >>> array = midair.Array.preset("autd3")
-    >>> found = midair.haptic(midair.path.circle([0, 0, 0.15], 0.015, speed=1), array, rate=4e3)
+    >>> found = midair.haptic([[-0.01, 0, 0.1], [0, 0, 0.1], [0.01, 0, 0.1]], array, rate=2e3)
     >>> found.gain > 1, "foci" in found.technique
     (True, True)
     """

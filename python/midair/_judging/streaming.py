@@ -70,12 +70,25 @@ PART = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Streaming:
-    """Body force of the sound on the air, from `midair.streaming`.
+    """Give the body force of the sound on the air; from `midair.streaming`.
 
-    force : alpha |p|^2/(rho c^2) in N/m^3, (pixels, pixels) in a plane or (P,) at points
-    direction : unit vectors (..., 3) of the active intensity, along which it pushes; 0 where there is none
-    absorption : the alpha that it was reckoned with, in Np/m
-    field : the `midair.Field` that it comes from
+    Attributes
+    ----------
+    force : (pixels, pixels) or (P,) ndarray
+        alpha |p|^2/(rho c^2) in N/m^3, in a plane or at points.
+    direction : (..., 3) ndarray
+        Unit vectors of the active intensity, along which it pushes; 0 where there is none.
+    absorption : float
+        The absorption alpha used, in Np/m.
+    field : midair.Field
+        The field that it comes from.
+
+    Examples
+    --------
+    >>> import midair
+    >>> scene = midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15]])
+    >>> midair.solve(scene).streaming(midair.Plane(z=0.15, size=0.1, pixels=20)).force.shape
+    (20, 20)
     """
 
     force: NDArray[np.float64]
@@ -84,13 +97,26 @@ class Streaming:
     field: Field
 
     def plot(self, ax: Axes | None = None, *, cmap: Map | None = None, size: Size | None = None) -> Axes:
-        """A map of the force in its plane, with arrows along it. Returns the axes.
+        """Draw a map of the force in its plane, with arrows along it.
 
-        ax : the axes to draw in; left out, matplotlib's present ones
-        cmap : a colour map of matplotlib or its name
-        size : of a new figure in inches, its width or (width, height)
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            The axes to draw in; by default matplotlib's present ones.
+        cmap : str or Colormap, optional
+            A colour map of matplotlib.
+        size : float or (float, float), optional
+            Size of a new figure in inches: its width, or (width, height).
 
-        Raises SceneError for another colour map or size, and for forces at single points.
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+
+        Raises
+        ------
+        SceneError
+            For another colour map or size, and for forces at single points.
         """
         return draw(self, ax, cmap, size)
 
@@ -102,20 +128,39 @@ def streaming(
     *,
     absorption: float | None = None,
 ) -> Streaming:
-    """The force per volume F = alpha |p|^2/(rho c^2) that a wave leaves in the air that absorbs it.
+    """Compute the force per volume that a wave leaves in the air that absorbs it.
 
-    scene : a Scene; or a Solution, which stands for its scene and its drive: then `plane` comes second, or
-        `solution.streaming(plane)`
-    drive : (N,), or a Solution
-    plane : a midair.Plane, or points (P, 3) in m; left out, the scene's own, or one through its points
-    absorption : alpha in Np/m; left out, the scene's, or 0.15 (air at 40 kHz, 1.3 dB/m) where it has none
+    Parameters
+    ----------
+    scene : midair.Scene or midair.Solution
+        A solution gives its scene and its drive: then `plane` comes second, or `solution.streaming(plane)`.
+    drive : (N,) array_like or midair.Solution, optional
+        The drive that plays.
+    plane : midair.Plane or (P, 3) array_like, optional
+        Where; points are in m. By default the scene's own plane, or one through its points.
+    absorption : float, optional
+        alpha in Np/m; by default the scene's, or 0.15 (air at 40 kHz, 1.3 dB/m) where it has none.
 
-    F is 2 alpha I/c of a plane wave of |p| (Nyborg 1965), and only nearly that where waves cross at large
-    angles. Its direction is that of the active intensity Im(conj(p) grad p), by central differences over
-    lambda/25. Forces compare drives; the speed of the air is not computed here.
+    Returns
+    -------
+    midair.Streaming
+        The force in N/m^3 and its direction.
 
-    Raises SceneError for a drive or points of another shape, TypeError where scene is neither.
+    Raises
+    ------
+    SceneError
+        For a drive or points of another shape.
+    TypeError
+        For another type of scene.
 
+    Notes
+    -----
+    F = alpha |p|^2/(rho c^2), which is 2 alpha I/c of a plane wave (Nyborg 1965), and only nearly that where
+    waves cross at large angles. Its direction is that of the active intensity Im(conj(p) grad p), by central
+    differences over lambda/25. Forces compare drives; the speed of the air is not computed here.
+
+    Examples
+    --------
     >>> import midair
     >>> scene = midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]], source_pressure=4.386)
     >>> force = midair.streaming(scene, midair.solve(scene), [[0, 0, 0.15]])

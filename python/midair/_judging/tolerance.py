@@ -180,16 +180,25 @@ TOGETHER = "together"
 
 @dataclass(frozen=True, eq=False)
 class Kept:
-    """Fractions that trials of some faults keep.
+    """Keep the fractions of level and uniformity that remain in trials with some faults.
 
-    level, uniformity : (T,), as parts of those without faults
+    Attributes
+    ----------
+    level, uniformity : (T,) ndarray
+        Of each of T trials, as a part of the value without faults.
+
+    Examples
+    --------
+    >>> import midair, numpy as np
+    >>> midair.Kept(np.array([0.9, 1.0]), np.array([0.8, 1.0])).summary()["level"]
+    0.95
     """
 
     level: NDArray[np.float64]
     uniformity: NDArray[np.float64]
 
     def summary(self) -> dict[str, float]:
-        """Mean, the 5 % quantile and the worst of level and uniformity."""
+        """Return mean, 5 % quantile and worst of level and uniformity by name."""
         reported = {}
         for name, values in (("level", self.level), ("uniformity", self.uniformity)):
             reported[name] = float(values.mean())
@@ -200,12 +209,27 @@ class Kept:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Tolerance:
-    """Level and uniformity kept by faults, from `midair.tolerate`: prints as a table, `["phase"]` is a row.
+    """List what level and uniformity remain with faults, from `midair.tolerate`.
 
-    solution : what is played; None where a bare drive was given
-    faults : their sizes by name, those above 0
-    rows : by fault, and "together" where there are several, what its trials kept (`level`, `uniformity`)
-    status : "done", or "stopped" if there are fewer trials than requested
+    Prints as a table; `["phase"]` is a row.
+
+    Attributes
+    ----------
+    solution : midair.Solution or None
+        What is played; None where a bare drive was given.
+    faults : mapping of str to float
+        Sizes of the faults by name, those above 0.
+    rows : mapping of str to midair.Kept
+        By fault, and "together" where there are several: what its trials keep.
+    status : str
+        "done", or "stopped" if there are fewer trials than requested.
+
+    Examples
+    --------
+    >>> import midair
+    >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
+    >>> midair.tolerate(scene, phase=20, gain=0.1, trials=20).trials
+    20
     """
 
     solution: Solution | None
@@ -215,7 +239,7 @@ class Tolerance:
 
     @property
     def trials(self) -> int:
-        """How many trials there are of each row."""
+        """Number of trials of each row."""
         return len(next(iter(self.rows.values())).level)
 
     def _size(self, name: str) -> str:
@@ -223,7 +247,7 @@ class Tolerance:
         return FAULTS[name].unit.format(self.faults[name]) if name in FAULTS else ""
 
     def to_dict(self) -> dict[str, list[Any]]:
-        """The table as columns: fault, size, then mean, 5 % quantile and worst of level and uniformity."""
+        """Return the table as columns: fault, size; mean, 5 % quantile, worst of level and uniformity."""
         table: dict[str, list[Any]] = {
             "fault": list(self.rows),
             "size": [self.faults.get(name) for name in self.rows],
@@ -234,7 +258,7 @@ class Tolerance:
         return table
 
     def cells(self) -> dict[str, list[str]]:
-        """The table as text for people: the parts that are kept."""
+        """Return the table as text for people: the parts that remain."""
         table = {"fault": list(self.rows)}
         table["size"] = [self._size(name) for name in self.rows]
         reported = [row.summary() for row in self.rows.values()]
@@ -250,13 +274,26 @@ class Tolerance:
         panels: Panel | Iterable[Panel] | None = None,
         size: Size | None = None,
     ) -> Figure:
-        """Every trial's level and uniformity, a row a fault.
+        """Draw every trial's level and uniformity, a row a fault.
 
-        ax : axes of your own for one panel, the first of `panels`
-        panels : "level", "uniformity" or both; left out, both
-        size : of the figure in inches, its width or (width, height)
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes of your own for one panel, the first of `panels`.
+        panels : {"level", "uniformity"} or list of them, optional
+            What is drawn; by default both.
+        size : float or (float, float), optional
+            Size of the figure in inches: its width, or (width, height).
 
-        Returns the figure. Raises SceneError for another panel or size.
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure.
+
+        Raises
+        ------
+        SceneError
+            For another panel or size.
         """
         return draw(self, ax, panels, size)
 
@@ -279,7 +316,7 @@ class Tolerance:
 
     @property
     def heading(self) -> str:
-        """What the table's numbers are, and of how many trials."""
+        """Meaning of the table's numbers, and the number of trials."""
         stopped = ", stopped" if self.status == "stopped" else ""
         return f"parts kept of level and uniformity, {self.trials} trials a row{stopped}"
 

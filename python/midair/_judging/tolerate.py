@@ -46,31 +46,61 @@ def tolerate(
     progress: Callable[[int, int], object] | None = None,
     **options: Any,
 ) -> Tolerance:
-    """Level and uniformity that are kept when a scene's drive is played with faults it was not solved for.
+    """Measure how much level and uniformity remain when a drive is played with faults it was not solved for.
 
-    scene : a Scene; or a Solution, which is played as it is: `solution.tolerate(phase=20)`
-    solver, options : as `midair.solve` takes them; the scene is solved once
-    drive : (N,) or a Solution, played as it is and not solved; targets are the scene's, as in `midair.judge`
-    phase : error of each transducer, standard deviation in degrees
-    gain : error of each transducer's amplitude, standard deviation relative to 1; none is below 0
-    dead, reversed : probability that a transducer is silent, or has its wires the wrong way round
-    temperature : how far the air is from what the scene says, standard deviation in K
-    tilt : of the whole array about its middle, standard deviation in degrees, about an axis drawn at random
-        in its plane
-    position : of each transducer along each axis, standard deviation in m
-    trials : how many, of each fault alone and of all together
-    seed : the answer is the same for a seed, whatever the threads
-    threads : how many at most; left out, one a processor
-    scheduler : address of a Dask scheduler; left out, this machine works
-    progress : called with (trials done, trials); False stops, and returns the finished trials
+    Parameters
+    ----------
+    scene : midair.Scene or midair.Solution
+        A solution is played as it is: `solution.tolerate(phase=20)`.
+    solver : str or callable, optional
+        As `midair.solve` takes it; the scene is solved once.
+    drive : (N,) array_like or midair.Solution, optional
+        Played as it is and not solved; targets are the scene's, as in `midair.judge`.
+    phase : float, optional
+        Error of each transducer, standard deviation in degrees.
+    gain : float, optional
+        Error of each transducer's amplitude, standard deviation relative to 1; none is below 0.
+    dead, reversed : float, optional
+        Probability that a transducer is silent, or has its wires the wrong way round.
+    temperature : float, optional
+        Error of the air's temperature, standard deviation in K.
+    tilt : float, optional
+        Of the whole array about its middle, standard deviation in degrees, about a random axis in its plane.
+    position : float, optional
+        Of each transducer along each axis, standard deviation in m.
+    trials : int, optional
+        Number of trials, of each fault alone and of all together.
+    seed : int, optional
+        A seed gives the same answer whatever the threads.
+    threads : int, optional
+        Largest number of threads; by default one a processor.
+    scheduler : str, optional
+        Address of a Dask scheduler; by default this machine works.
+    progress : callable, optional
+        Called with (trials done, trials); False stops, and returns the finished trials.
+    **options
+        Options of the solver.
 
-    What is kept is `midair.judge`'s level, the mean of |p|/target, and uniformity, min/max of it, over those
+    Returns
+    -------
+    midair.Tolerance
+        A row for each fault, and one for all together; `print` shows a table.
+
+    Raises
+    ------
+    SceneError
+        For faults out of their range, none at all, and what `midair.solve` refuses.
+    TypeError
+        For another type of scene, and for a mistyped name of a fault.
+
+    Notes
+    -----
+    Level is the mean of |p|/target, uniformity its min/max, as in `midair.judge`; both are relative to those
     without faults. Of many transducers in step, a phase error s (rad) leaves exp(-s^2/2) of the level, dead
     ones 1 - d, reversed ones 1 - 2 d.
 
-    Raises SceneError for faults out of their range, none at all, and what `midair.solve` refuses; TypeError
-    where scene is neither, and for a fault's name mistyped.
-
+    Examples
+    --------
     >>> import midair
     >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
     >>> table = midair.tolerate(scene, "uniform", phase=20, dead=0.05, trials=20)

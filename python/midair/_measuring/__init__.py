@@ -1,8 +1,8 @@
 """Measuring: calibration of an array by readings, and drives that readings improve."""
 
 from .calibrate import calibrate, calibration_drives
-from .doctor import Fault, Report, doctor
-from .player import Tuning
+from .doctor import doctor
+from .player import Fault, Report, Tuning
 from .result import Calibration
 from .tune import tune
 

@@ -24,17 +24,32 @@ MOST = 100_000_000
 def calibration_drives(
     array: Array | Scene, readings_per_transducer: float = 4.0, *, microphones: int = 4, seed: int = 0
 ) -> NDArray[np.complex64]:
-    """Drives (K, N) for `midair.calibrate`: full drive, random phases of the board for each channel.
+    """Make drives for `midair.calibrate`: full drive, random phases of the board for each channel.
 
-    readings_per_transducer : K times the microphones over N; 4 of |p| or 2 complex ones are plenty
-    microphones : their number
-    seed : of the phases
+    Parameters
+    ----------
+    array : midair.Array or midair.Scene
+        N transducers; masked ones stay off.
+    readings_per_transducer : float, optional
+        K times the microphones over N; 4 of |p| or 2 complex ones are plenty.
+    microphones : int, optional
+        Number of microphones.
+    seed : int, optional
+        Seed of the phases.
 
-    All transducers play in every drive, which gives sqrt(N) times more information on each than one at a time
-    with the same noise. Masked ones stay off.
+    Returns
+    -------
+    (K, N) ndarray of complex64
+        The drives. All transducers play in each, which gives sqrt(N) times more information on each than
+        one at a time with the same noise.
 
-    Raises SceneError for numbers that are not above 0 and an array whose transducers are all masked.
+    Raises
+    ------
+    SceneError
+        For numbers that are not above 0 and an array whose transducers are all masked.
 
+    Examples
+    --------
     >>> import midair
     >>> midair.calibration_drives(midair.Array.grid(16, 16, 10e-3)).shape
     (256, 256)
@@ -93,29 +108,65 @@ def calibrate(
     pose_error: tuple[float, float] = (2e-3, 0.03),
     progress: Callable[[int, int], object] | None = None,
 ) -> Calibration:
-    """Responses of the transducers and the sound speed, from readings of known drives.
+    """Fit the responses of the transducers and the sound speed to readings of known drives.
 
-    drives : (K, N), the played drives: `midair.calibration_drives`
-    readings : (K, M) peak pressures in Pa, |p| or complex ones (e^{-jwt}, a clock shared with the array)
-    microphones : their places (M, 3) in m; by default the scene's points
-    complex : True requires complex readings, False takes moduli; by default the type of the readings decides
-    noise : standard deviation of a reading in Pa, as a lower bound; the fit finds the noise
-    prior : spread of re and im of a living response about the array's, relative to their mean
-        modulus; by default it is fitted
-    sound_speed_error : error of the sound speed, in m/s; 0 fixes it
-    microphones_error : error of each coordinate of a microphone, in m; by default it is fitted, from
-        1 mm on; 0 fixes their places
-    second_board : a slice, indices or a mask of the transducers of a board with an unknown pose
-    pose_error : error of that pose, in m and rad
-    progress : called with (step, steps)
+    Parameters
+    ----------
+    scene_or_array : midair.Scene or midair.Array
+        N transducers with their nominal values; the points of a scene are the microphones.
+    drives : (K, N) array_like
+        The played drives: `midair.calibration_drives`.
+    readings : (K, M) array_like
+        Peak pressures in Pa: |p|, or complex ones (e^{-jwt}, a clock shared with the array).
+    microphones : (M, 3) array_like, optional
+        Places in m; by default the scene's points.
+    complex : bool, optional
+        True requires complex readings, False takes moduli; by default the type of the readings decides.
+    noise : float, optional
+        Standard deviation of a reading in Pa, as a lower bound; the fit finds the noise.
+    prior : float, optional
+        Spread of re and im of a living response about the array's, relative to their mean modulus; by
+        default it is fitted.
+    sound_speed_error : float, optional
+        Error of the sound speed in m/s; 0 fixes it.
+    microphones_error : float, optional
+        Error of each coordinate of a microphone in m; by default it is fitted, from 1 mm on; 0 fixes it.
+    second_board : slice, indices or mask, optional
+        The transducers of a board with an unknown pose.
+    pose_error : (float, float), optional
+        Error of that pose, in m and rad.
+    progress : callable, optional
+        Called with (step, steps).
 
-    All errors are standard deviations. The directivity's one number is fitted, too: an exponent of the cosine
-    for "point" and "cos", the size of a piston or strip. Raises `SceneError` for impossible readings.
+    Returns
+    -------
+    midair.Calibration
+        Responses, sound speed and places, with their errors, and the corrected scene.
 
-    Least squares by Levenberg-Marquardt from the array's values. The readings have an assumed error of 30 %
-    of
-    their root mean square first, reduced by .6 a step down to their noise (docs/measuring.md). The fit drops
-    readings off the model by more than six times the scatter of all; a warning and `outlying` name them.
+    Raises
+    ------
+    SceneError
+        For impossible readings and other wrong arguments.
+
+    Notes
+    -----
+    Least squares by Levenberg-Marquardt from the array's values. All errors are standard deviations. The
+    readings first have an assumed error of 30 % of their root mean square; each step reduces it by .6, down
+    to their noise (docs/measuring.md). The fit drops readings off the model by more than six times the
+    scatter of all; a warning and `outlying` name them. The directivity's one number is fitted, too: an
+    exponent of the cosine for "point" and "cos", the size of a piston or strip.
+
+    Examples
+    --------
+    >>> import midair
+    >>> array = midair.Array.grid(4, 4, 10e-3)
+    >>> scene = midair.Scene(array, [[0, 0, 0.1], [0.02, 0.03, 0.12]])
+    >>> pressures = scene.propagation().copy()
+    >>> pressures[:, 5] *= 0.5
+    >>> drives = midair.calibration_drives(array, 8, microphones=2)
+    >>> found = midair.calibrate(scene, drives, abs(drives @ pressures.T))
+    >>> round(float(found.gain[5]), 3)
+    0.5
     """
     given = scene_or_array
     if not isinstance(given, Array | Scene):

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import platform
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
-from importlib.metadata import version
-from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -15,12 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._boards import Board, Connection
 from .._midair import Array, Scene, SceneError
-from .._support import output
-from .._support.arguments import callback, flag, number, path_of, refused
-from .._support.text import counted
+from .._support.arguments import callback, flag, number, refused
 from .arguments import readings_of
 from .calibrate import calibration_drives, places_of
 from .diagnosis import Diagnosis, Indices, diagnose
+from .player import Fault, Report
 
 #: Real numbers that are read for each transducer, and the least number for a diagnosis.
 PLENTY, LEAST = 4.0, 2.2
@@ -40,83 +35,6 @@ WHOLE = 0.9
 UNEXPLAINED = 0.35
 #: A microphone further from its place than this, in m, gets a remark.
 APART = 3e-3
-#: File endings of a report.
-ENDINGS = (".txt", ".json")
-
-
-@dataclass(frozen=True)
-class Fault:
-    """A fault from `midair.doctor`.
-
-    kind : "dead", "weak", "reversed", "phase", "swapped", "order", "board dead", "delay", "level",
-        "sound speed", or "unexplained"
-    where : indices of transducers; of a board's delay or level that board's number, from 0 on
-    size : a gain or level relative to the usual one, phase or delay in degrees, sound speed in m/s
-    text : a sentence
-    """
-
-    kind: str
-    where: tuple[int, ...]
-    size: float
-    text: str
-
-
-@dataclass(frozen=True, eq=False)
-class Report:
-    """What `midair.doctor` found: `faults`, and what it found them in.
-
-    board : its kind
-    faults : each a `midair.Fault`; none where nothing is wrong
-    notes : what else is to be known, a sentence each
-    response, response_error : (N,) complex, relative to what the array says; errors of re and im
-    order : (N,) the place of the transducer that each channel drives
-    sound_speed, sound_speed_error : in m/s
-    noise : of a reading, in Pa
-    readings : how many were taken
-    seconds : for which the board played
-    """
-
-    board: str
-    faults: tuple[Fault, ...]
-    notes: tuple[str, ...]
-    response: NDArray[np.complex128]
-    response_error: NDArray[np.float64]
-    order: NDArray[np.intp]
-    sound_speed: float
-    sound_speed_error: float
-    noise: float
-    readings: int
-    seconds: float
-
-    @property
-    def table(self) -> str:
-        """The report as text: a line a fault, then the numbers and the notes."""
-        width = max([len(fault.kind) for fault in self.faults], default=0)
-        many = counted(len(self.faults), "fault") if self.faults else "no fault"
-        lines = [f"{self.board}, {len(self.response)} transducers: {many} found"]
-        lines += [f"  {fault.kind:{width}}  {fault.text}" for fault in self.faults]
-        lines.append(
-            f"{self.readings} readings, {self.seconds:.0f} s of the board; sound speed "
-            f"{self.sound_speed:.1f} +- {self.sound_speed_error:.1g} m/s; noise {self.noise:.3g} Pa"
-        )
-        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
-
-    def write(self, path: str | PathLike[str]) -> None:
-        """Write the table as .txt, or everything as .json, to be mailed.
-
-        Raises SceneError for another ending, and for a path that cannot be written.
-        """
-        target = path_of("path", path)
-        output.check(target, ENDINGS)
-        if target.suffix.lower() == ".txt":
-            text = f"{self.table}\nmidair {version('midair')}, {platform.platform()}\n"
-        else:
-            record = {**asdict(self), "midair": version("midair"), "system": platform.platform()}
-            text = output.to_json(record) + "\n"
-        output.write(target, text.encode())
-
-    def __repr__(self) -> str:
-        return f"<midair.Report of {self.board}: {len(self.faults)} faults>"
 
 
 def doctor(
@@ -134,27 +52,53 @@ def doctor(
     temperature: float | None = None,
     sound_speed: float | None = None,
 ) -> Report:
-    """What is wrong with a board: dead, weak, reversed and swapped transducers, order, delays, level, air.
+    """Find dead, weak, reversed and swapped transducers of a board, its order, delays and level, and the air.
 
-    board : a `Connection`, on which the drives are played before each reading; or a `midair.Board`, its name
-        or an array, where `read` plays them itself
-    read : gives p or |p| at the microphones (M,), as peak pressures, of the drive (N,) that plays. Complex
-        readings (e^{-jwt}, a clock shared with the board) tell more.
-    microphones : their places (M, 3) in m, to some millimetres: the fit corrects them. One sees no swap of
-        transducers at nearly equal distances (modulo a wavelength): give two or more, off the array's axis.
-    microphones_error : how far each coordinate may be off, in m; left out, it is learnt; 0 holds their places
-    in_pascals : False where the microphones' sensitivity is not known; the level is then not judged
-    boards : how many boards an array is of, one after the other; a board knows
-    seconds : the most that the board plays; it takes 4 readings of a transducer where that is time for
-    settle : s that a frame has before it is read
-    seed : of the drives
-    progress : called with (step, steps)
-    temperature, sound_speed : of the air, in degrees C or m/s; left out, those of the array's scenes
+    Parameters
+    ----------
+    board : midair.Connection, midair.Board, midair.Array or str
+        A connection, on which the drives are played before each reading. Or a board, its name or an
+        array, where `read` plays them itself.
+    read : callable
+        read(drive) returns p or |p| at the microphones (M,), peak, in Pa, of the drive (N,) that plays.
+        Complex readings (e^{-jwt}, a clock shared with the board) show more.
+    microphones : (M, 3) array_like
+        Places in m, to some millimetres: the fit corrects them. One microphone sees no swap of transducers
+        at nearly equal distances (modulo a wavelength): give two or more, off the array's axis.
+    microphones_error : float, optional
+        Error of each coordinate in m; by default it is fitted; 0 fixes the places.
+    in_pascals : bool, optional
+        False where the microphones' sensitivity is unknown; the level is then not judged.
+    boards : int, optional
+        Number of boards of an array, one after the other; a board knows it.
+    seconds : float, optional
+        Longest time in s that the board plays; 4 readings of a transducer, if there is time.
+    settle : float, optional
+        Time in s that a frame has before it is read.
+    seed : int, optional
+        Seed of the drives.
+    progress : callable, optional
+        Called with (step, steps).
+    temperature, sound_speed : float, optional
+        Of the air, in degrees C or m/s; by default those of the array's scenes.
 
-    All transducers play at random phases, as for `midair.calibrate`, which the diagnosis is made with.
-    docs/measuring.md tells what is found, and when. Raises SceneError for what is not in order and for a time
-    that is too short, and what `read` and the connection raise.
+    Returns
+    -------
+    midair.Report
+        The faults; `print` shows a table.
 
+    Raises
+    ------
+    SceneError
+        For wrong arguments and a time that is too short; also what `read` and the connection raise.
+
+    Notes
+    -----
+    All transducers play at random phases, as for `midair.calibrate`, which the diagnosis uses.
+    docs/measuring.md lists what is found, and when.
+
+    Examples
+    --------
     >>> import midair
     >>> array = midair.Array.grid(8, 8, 10e-3)
     >>> places = [[0.02, 0.03, 0.12], [-0.03, 0.01, 0.1]]

@@ -1,15 +1,21 @@
-"""Plays drives through the user's reader: counts, checks, and keeps the best."""
+"""Plays drives through the user's reader and keeps the best; the faults of a board, as a report."""
 
 from __future__ import annotations
 
+import platform
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from importlib.metadata import version
+from os import PathLike
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import SceneError
+from .._support import output
+from .._support.arguments import path_of
+from .._support.text import counted
 
 #: The end of tuning: complete, out of readings, stopped by Ctrl-C or progress, or ended by an error of the
 #: reader.
@@ -18,16 +24,32 @@ Status = Literal["done", "out_of_readings", "stopped", "failed"]
 
 @dataclass(frozen=True, eq=False)
 class Tuning:
-    """The best drive that `midair.tune` found, and what is read with it.
+    """Keep the best drive that `midair.tune` found, and its readings.
 
-    drive : (N,), complex of |q| <= 1
-    pressures : (M,) |p| with it, as read or as three readings determine it
-    value : its distance from the targets: the residual of eq. (7) over silence's;
-        feedback: 1 - uniformity
-    readings : how often was read
-    status : "done", "stopped", "out_of_readings" or "failed"
-    error : what the reader raised, if it did
-    trace : the value after each turn, step or reading
+    Attributes
+    ----------
+    drive : (N,) ndarray of complex64
+        |q| <= 1.
+    pressures : (M,) ndarray
+        |p| of this drive, as read or as three readings determine it.
+    value : float
+        Distance from the targets: the residual of eq. (7) relative to silence; feedback: 1 - uniformity.
+    readings : int
+        Number of readings.
+    status : str
+        "done", "stopped", "out_of_readings" or "failed".
+    error : Exception or None
+        The error that the reader raised.
+    trace : ndarray
+        The value after each turn, step or reading.
+
+    Examples
+    --------
+    >>> import midair
+    >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
+    >>> found = midair.tune(lambda drive: abs(scene.propagation() @ drive), scene, "feedback", steps=3)
+    >>> found.status, found.readings
+    ('done', 3)
     """
 
     drive: NDArray[np.complex64]
@@ -142,3 +164,121 @@ class Player:
             raise SceneError(f"read gave {found[worst]} at place {worst}: give finite {kind}, never negative")
         found = found.astype(np.float64)
         return np.sqrt(found) if self._power else found
+
+
+#: File endings of a report.
+REPORTS = (".txt", ".json")
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Name one fault of a board; from `midair.doctor`.
+
+    Attributes
+    ----------
+    kind : str
+        "dead", "weak", "reversed", "phase", "swapped", "order", "board dead", "delay", "level",
+        "sound speed", or "unexplained".
+    where : tuple of int
+        Indices of transducers; for a board's delay or level that board's number, from 0 on.
+    size : float
+        Gain or level relative to the usual one, phase or delay in degrees, sound speed in m/s.
+    text : str
+        A sentence.
+
+    Examples
+    --------
+    >>> import midair
+    >>> midair.Fault("dead", (17,), 0.0, "transducer 17 is silent").where
+    (17,)
+    """
+
+    kind: str
+    where: tuple[int, ...]
+    size: float
+    text: str
+
+
+@dataclass(frozen=True, eq=False)
+class Report:
+    """List the faults that `midair.doctor` found, and the numbers that it found them in.
+
+    Attributes
+    ----------
+    board : str
+        Kind of the board.
+    faults : tuple of midair.Fault
+        The faults; none where nothing is wrong.
+    notes : tuple of str
+        Other remarks, a sentence each.
+    response, response_error : (N,) ndarray
+        Complex responses relative to what the array says; errors of re and im.
+    order : (N,) ndarray of int
+        Place of the transducer that each channel drives.
+    sound_speed, sound_speed_error : float
+        In m/s.
+    noise : float
+        Noise of a reading in Pa.
+    readings : int
+        Number of readings.
+    seconds : float
+        Time in s for which the board played.
+
+    Examples
+    --------
+    >>> import midair
+    >>> array, places = midair.Array.grid(4, 4, 10e-3), [[0.02, 0.03, 0.12], [-0.03, 0.01, 0.1]]
+    >>> pressures = midair.Scene(array, places).propagation()
+    >>> midair.doctor(array, lambda drive: abs(pressures @ drive), microphones=places).faults
+    ()
+    """
+
+    board: str
+    faults: tuple[Fault, ...]
+    notes: tuple[str, ...]
+    response: NDArray[np.complex128]
+    response_error: NDArray[np.float64]
+    order: NDArray[np.intp]
+    sound_speed: float
+    sound_speed_error: float
+    noise: float
+    readings: int
+    seconds: float
+
+    @property
+    def table(self) -> str:
+        """The report as text: a line a fault, then the numbers and the notes."""
+        width = max([len(fault.kind) for fault in self.faults], default=0)
+        many = counted(len(self.faults), "fault") if self.faults else "no fault"
+        lines = [f"{self.board}, {len(self.response)} transducers: {many} found"]
+        lines += [f"  {fault.kind:{width}}  {fault.text}" for fault in self.faults]
+        lines.append(
+            f"{self.readings} readings, {self.seconds:.0f} s of the board; sound speed "
+            f"{self.sound_speed:.1f} +- {self.sound_speed_error:.1g} m/s; noise {self.noise:.3g} Pa"
+        )
+        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+
+    def write(self, path: str | PathLike[str]) -> None:
+        """Write the table as .txt, or everything as .json, to be mailed.
+
+        Parameters
+        ----------
+        path : str or path
+            File to write.
+
+        Raises
+        ------
+        SceneError
+            For another ending, and for a path that cannot be written.
+        """
+        target = path_of("path", path)
+        output.check(target, REPORTS)
+        if target.suffix.lower() == ".txt":
+            text = f"{self.table}\nmidair {version('midair')}, {platform.platform()}\n"
+        else:
+            record = {**asdict(self), "midair": version("midair"), "system": platform.platform()}
+            text = output.to_json(record) + "\n"
+        output.write(target, text.encode())
+
+    def __repr__(self) -> str:
+        return f"<midair.Report of {self.board}: {len(self.faults)} faults>"

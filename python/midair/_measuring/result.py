@@ -99,20 +99,42 @@ ENDINGS = (".npz", ".toml", ".json")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Calibration:
-    """An array as `midair.calibrate` found it by K drives at M microphones. Errors: standard deviations.
+    """Describe an array as `midair.calibrate` found it, by K drives at M microphones.
 
-    response : (N,) complex, relative to `source_pressure`, in phase with the array's own on the whole;
-        dead: 0
-    response_error : (N,) of re and of im of each
-    dead, reversed : indices of those that do not sound, and of those that sound the wrong way round
-    sound_speed, sound_speed_error : in m/s
-    microphones, microphones_error : (M, 3) in m; errors of 0 for fixed places
-    pose, pose_error : (6,) of the second board: moved by x, y, z in m and turned about x, y, z in rad, about
-        its middle
-    noise : standard deviation of a reading about the model, in Pa: noise, and what the model does not know
-    residuals : (K, M) model minus readings, in Pa
-    outlying : (L, 2) drive and microphone of each reading that lay far off the model and was left out
-    scene : the scene with the corrected array and sound speed
+    Errors are standard deviations.
+
+    Attributes
+    ----------
+    response : (N,) ndarray of complex
+        Relative to `source_pressure`, in phase with the array's own on the whole; 0 of dead ones.
+    response_error : (N,) ndarray
+        Error of the real and of the imaginary part of each response.
+    dead, reversed : ndarray of int
+        Indices of transducers without sound, and of those with wires the wrong way round.
+    sound_speed, sound_speed_error : float
+        In m/s.
+    microphones, microphones_error : (M, 3) ndarray
+        Places in m; errors of 0 for fixed places.
+    pose, pose_error : (6,) ndarray
+        Of the second board: moved by x, y, z in m and turned about x, y, z in rad, about its middle.
+    noise : float
+        Standard deviation in Pa of a reading about the model: noise, and errors of the model.
+    residuals : (K, M) ndarray
+        Model minus readings, in Pa.
+    outlying : (L, 2) ndarray of int
+        Drive and microphone of each reading that lay far off the model and was left out.
+    scene : midair.Scene
+        The scene with the corrected array and sound speed.
+
+    Examples
+    --------
+    >>> import midair
+    >>> array = midair.Array.grid(4, 4, 10e-3)
+    >>> scene = midair.Scene(array, [[0, 0, 0.1], [0.02, 0.03, 0.12]])
+    >>> drives = midair.calibration_drives(array, 8, microphones=2)
+    >>> found = midair.calibrate(scene, drives, abs(drives @ scene.propagation().T))
+    >>> round(found.sound_speed), len(found.dead)
+    (340, 0)
     """
 
     response: NDArray[np.complex128]
@@ -132,34 +154,34 @@ class Calibration:
 
     @property
     def array(self) -> Array:
-        """The corrected array."""
+        """Corrected array."""
         return self.scene.array
 
     @property
     def gain(self) -> NDArray[np.float64]:
-        """|response| (N,)."""
+        """Gain |response| (N,) of each transducer."""
         return np.asarray(np.abs(self.response))
 
     @property
     def phase(self) -> NDArray[np.float64]:
-        """The responses' phases (N,) in rad."""
+        """Phase (N,) of each response in rad."""
         return np.asarray(np.angle(self.response))
 
     @property
     def gain_error(self) -> NDArray[np.float64]:
-        """Of each gain (N,)."""
+        """Error of each gain (N,)."""
         return self.response_error
 
     @property
     def phase_error(self) -> NDArray[np.float64]:
-        """Of each phase (N,) in rad; at most pi / sqrt(3), that of a phase of which nothing is known."""
+        """Error of each phase (N,) in rad; at most pi / sqrt(3), the error of an unknown phase."""
         unknown = np.pi / np.sqrt(3)
         least = np.maximum(self.response_error, 1e-30) / unknown
         return np.asarray(self.response_error / np.maximum(self.gain, least))
 
     @property
     def sentence(self) -> str:
-        """What was found, in plain words."""
+        """Result in plain words."""
         dead, turned = len(self.dead), len(self.reversed)
         faulty = f"{dead} dead and {turned} reversed" if dead + turned else "none dead or reversed"
         return (
@@ -188,21 +210,43 @@ class Calibration:
         panels: Panel | Iterable[Panel] | None = None,
         size: Size | None = None,
     ) -> Figure:
-        """Gains and phases over the array, dead and reversed ones marked, and the residuals.
+        """Draw gains and phases over the array, dead and reversed ones marked, and the residuals.
 
-        ax : axes of your own for one panel, the first of `panels`
-        cmap : a colour map of matplotlib or its name, for the gains
-        panels : "gain", "phase", "residuals" or several; left out, all
-        size : of the figure in inches, its width or (width, height)
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes of your own for one panel, the first of `panels`.
+        cmap : str or Colormap, optional
+            A colour map of matplotlib for the gains.
+        panels : {"gain", "phase", "residuals"} or list of them, optional
+            What is drawn; by default all.
+        size : float or (float, float), optional
+            Size of the figure in inches: its width, or (width, height).
 
-        Returns the figure. Raises SceneError for another colour map, panel or size.
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure.
+
+        Raises
+        ------
+        SceneError
+            For another colour map, panel or size.
         """
         return draw(self, ax, cmap, panels, size)
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write everything as .npz, or the corrected scene as .toml or .json.
 
-        Raises SceneError for another ending, and for a path that cannot be written.
+        Parameters
+        ----------
+        path : str or path
+            File to write.
+
+        Raises
+        ------
+        SceneError
+            For another ending, and for a path that cannot be written.
         """
         path = path_of("path", path)
         output.check(path, ENDINGS)
@@ -218,7 +262,20 @@ class Calibration:
     def load(path: str | PathLike[str]) -> Calibration:
         """Read what `save` wrote as .npz.
 
-        Raises SceneError for a file that is not in order, FileNotFoundError where there is none.
+        Parameters
+        ----------
+        path : str or path
+            File to read.
+
+        Returns
+        -------
+        midair.Calibration
+            An equal calibration.
+
+        Raises
+        ------
+        SceneError
+            For a file with an error; FileNotFoundError for a missing one.
         """
         source = path_of("path", path)
         try:

@@ -114,29 +114,63 @@ def tune(
     seed: int = 0,
     progress: Callable[[int, int], object] | None = None,
 ) -> Tuning:
-    """A drive by readings of a microphone or camera, without trust in the model.
+    """Find a drive by readings of a microphone or camera, without trust in the model.
 
-    read : called with a drive (N,), to be played; answers |p| (M,) at the places
-    array_or_scene : a scene whose points are the places, or an array alone with `targets`
-    method : "greedy", transducer by transducer, three readings each; "feedback", the model solved for targets
-        that are corrected by what is read; "spsa", all phases nudged at random
-    targets : |p| (M,) wanted, in the readings' unit; left out, the scene's pressures or balanced level
-    start : "silence" or "model" (the scene solved), a drive (N,) or a Solution; left out, greedy begins in
-        silence, spsa with the model's answer. Feedback always solves
-    phases : L, candidates of greedy
-    tries : greedy reads each candidate, L readings a transducer as in the paper, in place of three
-    steps : of feedback (10, a reading each) and spsa (384, two readings each)
-    budget : readings at most
-    power : read answers |p|^2
-    solver : solves the model
-    seed : of greedy's order and spsa's signs
-    progress : called with (readings, of how many) before each; False stops
+    Parameters
+    ----------
+    read : callable
+        read(drive) plays a drive (N,) and returns |p| (M,) at the places.
+    array_or_scene : midair.Array or midair.Scene
+        A scene whose points are the places, or an array alone with `targets`.
+    method : {"greedy", "feedback", "spsa"}, optional
+        "greedy": transducer by transducer, three readings each. "feedback": the model solved for targets
+        that the readings correct. "spsa": all phases changed at random.
+    targets : (M,) array_like, optional
+        Wanted |p| in the readings' unit; by default the scene's pressures or balanced level.
+    start : {"silence", "model"}, (N,) array_like or midair.Solution, optional
+        First drive; "model" is the scene solved. By default greedy begins in silence, spsa with the
+        model's answer. Feedback always solves.
+    phases : int, optional
+        Number L of candidates of greedy.
+    tries : bool, optional
+        Whether greedy reads each candidate, L readings a transducer as in the paper, in place of three.
+    steps : int, optional
+        Steps of feedback (10, a reading each) and spsa (384, two readings each).
+    budget : int, optional
+        Largest number of readings.
+    power : bool, optional
+        Whether `read` returns |p|^2.
+    solver : str, optional
+        Method that solves the model.
+    seed : int, optional
+        Seed of greedy's order and spsa's signs.
+    progress : callable, optional
+        Called with (readings, total) before each; False stops.
 
-    The best drive found is kept, whatever ends the work: Ctrl-C or progress (status "stopped"), the budget
-    ("out_of_readings"), an error of `read` ("failed", `error`, and a SceneWarning that tells of it). A place
-    that gives 0, or the same, in all readings has a SceneWarning, too.
+    Returns
+    -------
+    midair.Tuning
+        The best drive found, whatever ends the work: Ctrl-C or progress (status "stopped"), the budget
+        ("out_of_readings"), an error of `read` ("failed", with `error`).
 
-    Raises SceneError for arguments that are not in order, and for readings of another shape than the places.
+    Raises
+    ------
+    SceneError
+        For wrong arguments, and for readings of another shape than the places.
+
+    Warns
+    -----
+    SceneWarning
+        Of an error of `read`, and of a place that gives 0, or the same, in all readings.
+
+    Examples
+    --------
+    >>> import midair, numpy as np
+    >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
+    >>> real = scene.propagation() * np.exp(1j * np.linspace(0, 3, 400))
+    >>> found = midair.tune(lambda drive: abs(real @ drive), scene, "feedback", steps=5)
+    >>> bool(found.pressures.min() > 0.99 * found.pressures.max())
+    True
     """
     if not callable(read):
         raise refused("read", read, "give a function of a drive (N,) that answers |p| (M,)")
