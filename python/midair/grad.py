@@ -1,18 +1,20 @@
 """Gradients of the field at points, by a hand-written pass back through eq. (5), in double precision.
 
->>> import midair
->>> array, points = midair.Array.preset("paper20"), [[0, 0, 0.15], [0.02, 0, 0.15]]
->>> drive = midair.solve(midair.Scene(array, points)).drive
->>> by = midair.grad.amplitude(array, drive, points, cotangent=[1, -1])
->>> by.drive.shape, by.points.shape, by.positions.shape
-((400,), (2, 3), (400, 3))
-
 Each function takes a cotangent, dL/dvalue of a scalar L at each point, and returns the value and the
 gradients of L, a `Gradient`. All else is constant: frequency, source pressure, directivity, responses,
 absorption, density.
 
 A complex number z has the gradient dL/dRe z + j dL/dIm z, the direction in which L rises, and so do
 cotangents. PyTorch has the same convention, JAX the conjugate.
+
+Examples
+--------
+>>> import midair
+>>> array, points = midair.Array.preset("paper20"), [[0, 0, 0.15], [0.02, 0, 0.15]]
+>>> drive = midair.solve(midair.Scene(array, points)).drive
+>>> by = midair.grad.amplitude(array, drive, points, cotangent=[1, -1])
+>>> by.drive.shape, by.points.shape, by.positions.shape
+((400,), (2, 3), (400, 3))
 """
 
 from collections.abc import Mapping
@@ -39,14 +41,28 @@ def __dir__() -> list[str]:
 
 
 class Gradient(NamedTuple):
-    """A value at M points, and the gradients of L = Re(sum of conj(cotangent) value).
+    """Give a value at M points, and the gradients of L = Re(sum of conj(cotangent) value).
 
-    value : (M,), or (M, 3) of a vector
-    drive : (N,) complex, dL/dRe q + j dL/dIm q
-    points : (M, 3), dL by each point, per m
-    positions : (N, 3), dL by each transducer's position, per m
-    normals : (N, 3), dL by each unit normal along the sphere of directions; 0 of point sources
-    sound_speed : dL by the sound speed, per m/s, at constant frequency
+    Attributes
+    ----------
+    value : (M,) or (M, 3) ndarray
+        The quantity at the points.
+    drive : (N,) ndarray of complex
+        dL/dRe q + j dL/dIm q.
+    points : (M, 3) ndarray
+        dL by each point, per m.
+    positions : (N, 3) ndarray
+        dL by each transducer's position, per m.
+    normals : (N, 3) ndarray
+        dL by each unit normal along the sphere of directions; 0 of point sources.
+    sound_speed : float
+        dL by the sound speed, per m/s, at constant frequency.
+
+    Examples
+    --------
+    >>> import midair
+    >>> midair.grad.pressure(midair.Array([[0, 0, 0]]), [1], [[0, 0, 0.1]])._fields
+    ('value', 'drive', 'points', 'positions', 'normals', 'sound_speed')
     """
 
     value: NDArray[np.complex128] | NDArray[np.float64]
@@ -63,19 +79,39 @@ def pressure(
     points: ArrayLike | None = None,
     cotangent: ArrayLike = 1.0,
 ) -> Gradient:
-    """The complex pressure p (M,) in Pa of a drive at points, and its gradients.
+    """Compute the complex pressure p in Pa of a drive at points, and its gradients.
 
-    scene : a midair.Scene, a Solution alone, or an Array in its own air
-    drive : (N,), of any modulus
-    points : (M, 3) in m; left out, the scene's
-    cotangent : (M,) complex, dL/dRe p + j dL/dIm p, or one for all
+    Parameters
+    ----------
+    scene : midair.Scene, midair.Array or midair.Solution
+        A scene, an array in its own air, or a solution alone, which gives its drive, too.
+    drive : (N,) array_like or midair.Solution, optional
+        Complex, of any modulus.
+    points : (M, 3) array_like, optional
+        Points in m; by default the scene's.
+    cotangent : (M,) array_like, optional
+        dL/dRe p + j dL/dIm p, complex, or one for all.
 
-    Raises SceneError for numbers of another shape or not finite, for spheres and meshes, and for a point
-    behind a wall, on a transducer, or in the plane of a transducer whose directivity breaks off there.
+    Returns
+    -------
+    Gradient
+        The pressures (M,) and the gradients of L.
 
+    Raises
+    ------
+    SceneError
+        For numbers of another shape or not finite, for spheres and meshes. For a point behind a wall, on a
+        transducer, or in the plane of a transducer whose directivity breaks off there.
+
+    Notes
+    -----
+    p_j = sum_i G_ji q_i: eq. (5) of Suzuki et al., IEEE Trans. Haptics 14, 914 (2021).
+
+    Examples
+    --------
     >>> import midair
     >>> by = midair.grad.pressure(midair.Array([[0, 0, 0]]), [1], [[0, 0, 0.1]], cotangent=1j)
-    >>> abs(by.drive[0]) == abs(by.value[0])
+    >>> bool(abs(by.drive[0]) == abs(by.value[0]))
     True
     """
     return Gradient(*_midair.gradient("pressure", scene, drive, points, cotangent))
@@ -87,12 +123,27 @@ def amplitude(
     points: ArrayLike | None = None,
     cotangent: ArrayLike = 1.0,
 ) -> Gradient:
-    """The amplitude |p| (M,) in Pa (peak) of a drive at points, and its gradients; where p is 0 these are 0.
+    """Compute the amplitude |p| in Pa (peak) of a drive at points, and its gradients, 0 where p is 0.
 
-    cotangent : (M,) real, dL/d|p|, or one for all; the rest as in `pressure`
+    Parameters
+    ----------
+    scene, drive, points : optional
+        As `pressure` takes them.
+    cotangent : (M,) array_like, optional
+        dL/d|p|, real, or one for all.
 
-    Raises SceneError as `pressure`.
+    Returns
+    -------
+    Gradient
+        The amplitudes (M,) and the gradients of L.
 
+    Raises
+    ------
+    SceneError
+        As `pressure`.
+
+    Examples
+    --------
     >>> import midair
     >>> by = midair.grad.amplitude(midair.Array([[0, 0, 0]]), [1], [[0, 0, 0.1]])
     >>> round(float(by.value[0]), 6), round(float(by.points[0, 2]), 6)
@@ -107,12 +158,27 @@ def radiation(
     points: ArrayLike | None = None,
     cotangent: ArrayLike = 1.0,
 ) -> Gradient:
-    """The radiation pressure |p|^2/(rho c^2) (M,) in Pa on a wall at normal incidence, and its gradients.
+    """Compute the radiation pressure in Pa on a wall at normal incidence, and its gradients.
 
-    cotangent : (M,) real, dL by it, or one for all; the rest as in `pressure`
+    Parameters
+    ----------
+    scene, drive, points : optional
+        As `pressure` takes them.
+    cotangent : (M,) array_like, optional
+        dL by the radiation pressure, real, or one for all.
 
-    Raises SceneError as `pressure`.
+    Returns
+    -------
+    Gradient
+        The radiation pressures |p|^2/(rho c^2) (M,) and the gradients of L.
 
+    Raises
+    ------
+    SceneError
+        As `pressure`.
+
+    Examples
+    --------
     >>> import midair
     >>> by = midair.grad.radiation(midair.Array([[0, 0, 0]]), [1], [[0, 0, 0.1]])
     >>> round(float(by.value[0] / (43.86**2 / (1.223 * 340**2))), 6)
@@ -131,15 +197,29 @@ def gorkov(
     density: float | None = None,
     sound_speed: float | None = None,
 ) -> Gradient:
-    """Gor'kov's potential U (M,) in J of a small sphere at points, and its gradients.
+    """Compute Gor'kov's potential U in J of a small sphere at points, and its gradients.
 
-    cotangent : (M,) real, dL/dU, or one for all
-    radius, density, sound_speed : of the sphere, as in `midair.gorkov`; they are constant
+    Parameters
+    ----------
+    scene, drive, points : optional
+        As `pressure` takes them.
+    cotangent : (M,) array_like, optional
+        dL/dU, real, or one for all.
+    radius, density, sound_speed : float, optional
+        Of the sphere, constant, as in `midair.gorkov`. The gradient by `sound_speed` is that of the air.
 
-    The gradient by `sound_speed` is that of the air.
+    Returns
+    -------
+    Gradient
+        The potentials (M,) and the gradients of L.
 
-    Raises SceneError as `pressure`, and for a sphere of no size.
+    Raises
+    ------
+    SceneError
+        As `pressure`, and for a sphere of no size.
 
+    Examples
+    --------
     >>> import midair
     >>> array, points = midair.Array.preset("paper20"), [[0, 0, 0.1]]
     >>> drive = midair.solve(midair.Scene(array, points, signature="trap")).drive
@@ -162,12 +242,29 @@ def force(
     density: float | None = None,
     sound_speed: float | None = None,
 ) -> Gradient:
-    """The force -grad U (M, 3) in N on a small sphere at points, without its weight, and its gradients.
+    """Compute the force -grad U in N on a small sphere at points, without its weight, and its gradients.
 
-    cotangent : (M, 3) real, dL by the force, or one number for all; the rest as in `gorkov`
+    Parameters
+    ----------
+    scene, drive, points : optional
+        As `pressure` takes them.
+    cotangent : (M, 3) array_like, optional
+        dL by the force, real, or one number for all.
+    radius, density, sound_speed : float, optional
+        Of the sphere, as in `gorkov`.
 
-    Raises SceneError as `gorkov`.
+    Returns
+    -------
+    Gradient
+        The forces (M, 3) and the gradients of L.
 
+    Raises
+    ------
+    SceneError
+        As `gorkov`.
+
+    Examples
+    --------
     >>> import midair
     >>> by = midair.grad.force(midair.Array([[0, 0, 0]]), [1], [[0, 0, 0.1]], [[0, 0, 1]])
     >>> by.value.shape, by.points.shape
@@ -187,12 +284,29 @@ def stiffness(
     density: float | None = None,
     sound_speed: float | None = None,
 ) -> Gradient:
-    """The stiffness -dF/ds (M, 3) in N/m of a small sphere at points along x, y and z, and its gradients.
+    """Compute the stiffness -dF/ds in N/m of a small sphere at points along x, y and z, and its gradients.
 
-    cotangent : (M, 3) real, dL by the stiffness, or one number for all; the rest as in `gorkov`
+    Parameters
+    ----------
+    scene, drive, points : optional
+        As `pressure` takes them.
+    cotangent : (M, 3) array_like, optional
+        dL by the stiffness, real, or one number for all.
+    radius, density, sound_speed : float, optional
+        Of the sphere, as in `gorkov`.
 
-    Raises SceneError as `gorkov`.
+    Returns
+    -------
+    Gradient
+        The stiffnesses (M, 3) and the gradients of L.
 
+    Raises
+    ------
+    SceneError
+        As `gorkov`.
+
+    Examples
+    --------
     >>> import midair
     >>> by = midair.grad.stiffness(midair.Array([[0, 0, 0]]), [1], [[0, 0, 0.1]], [[0, 0, 1]])
     >>> by.value.shape, by.drive.shape

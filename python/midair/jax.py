@@ -2,6 +2,15 @@
 
 `field` has a vector-Jacobian product of its own: `jax.grad`, `jax.jit` and `jax.vmap` take it. It needs the
 extra `midair[jax]`.
+
+Examples
+--------
+>>> import jax, midair
+>>> array, points = midair.Array.preset("paper20"), [[0.0, 0.0, 0.15]]
+>>> def loudness(drive):
+...     return midair.jax.field(array, drive, points, "amplitude").sum()
+>>> jax.grad(loudness)(jax.numpy.ones(400)).shape
+(400,)
 """
 
 from collections.abc import Mapping
@@ -34,20 +43,43 @@ def field(
     sound_speed: Any = None,
     bead: Mapping[str, float] | None = None,
 ) -> "jax.Array":
-    """A quantity of the field of a drive at points, as a JAX array with gradients.
+    """Compute a quantity of the field of a drive at points, as a JAX array with gradients.
 
-    scene : a midair.Scene, an Array in its own air, or a Solution, whose scene is meant
-    drive : (N,), real or complex; its precision is that of the answer
-    points : (M, 3) in m
-    quantity : "pressure" (M,) complex, "amplitude" or "radiation" (M,) in Pa, "gorkov" (M,) in J, "force"
-        (M, 3) in N or "stiffness" (M, 3) in N/m
-    positions, normals : (N, 3), in place of the array's; a normal may have any length
-    sound_speed : in m/s, in place of the air's
-    bead : radius, density and sound_speed of the sphere that feels forces, as in `midair.gorkov`
+    Parameters
+    ----------
+    scene : midair.Scene, midair.Array or midair.Solution
+        A scene, an array in its own air, or a solution, which gives its scene.
+    drive : (N,) array_like
+        Real or complex; its precision is that of the answer.
+    points : (M, 3) array_like
+        Points in m.
+    quantity : str, optional
+        "pressure" (M,) complex, "amplitude" or "radiation" (M,) in Pa, "gorkov" (M,) in J, "force" (M, 3) in
+        N or "stiffness" (M, 3) in N/m.
+    positions, normals : (N, 3) array_like, optional
+        In place of the array's; a normal may have any length.
+    sound_speed : float, optional
+        In m/s, in place of the air's.
+    bead : mapping, optional
+        radius, density and sound_speed of the sphere for forces, as in `midair.gorkov`.
 
-    Computed on the CPU in double precision; forward mode and second derivatives are refused by JAX.
+    Returns
+    -------
+    jax.Array
+        The quantity, computed on the CPU in double precision. JAX refuses forward mode and second
+        derivatives.
 
-    Raises SceneError as `midair.grad`, and where JAX is missing.
+    Raises
+    ------
+    SceneError
+        As `midair.grad`, and where JAX is missing.
+
+    Examples
+    --------
+    >>> import jax, midair
+    >>> array = midair.Array.preset("paper20")
+    >>> midair.jax.field(array, jax.numpy.ones(400), [[0.0, 0.0, 0.15]]).shape
+    (1,)
     """
     try:
         import jax

@@ -2,6 +2,15 @@
 
 `field` is an autograd function: `loss.backward()` gives the gradients by drive, points, positions, normals
 and sound speed. It needs the extra `midair[torch]`.
+
+Examples
+--------
+>>> import midair, torch
+>>> drive = torch.ones(400, dtype=torch.complex64, requires_grad=True)
+>>> array = midair.Array.preset("paper20")
+>>> midair.torch.field(array, drive, [[0.0, 0.0, 0.15]], "amplitude").sum().backward()
+>>> drive.grad.shape
+torch.Size([400])
 """
 
 from collections.abc import Mapping
@@ -75,20 +84,42 @@ def field(
     sound_speed: Any = None,
     bead: Mapping[str, float] | None = None,
 ) -> "torch.Tensor":
-    """A quantity of the field of a drive at points, as a tensor with gradients.
+    """Compute a quantity of the field of a drive at points, as a tensor with gradients.
 
-    scene : a midair.Scene, an Array in its own air, or a Solution, whose scene is meant
-    drive : (N,), real or complex; its precision is that of the answer
-    points : (M, 3) in m
-    quantity : "pressure" (M,) complex, "amplitude" or "radiation" (M,) in Pa, "gorkov" (M,) in J, "force"
-        (M, 3) in N or "stiffness" (M, 3) in N/m
-    positions, normals : (N, 3), in place of the array's; a normal may have any length
-    sound_speed : in m/s, in place of the air's
-    bead : radius, density and sound_speed of the sphere that feels forces, as in `midair.gorkov`
+    Parameters
+    ----------
+    scene : midair.Scene, midair.Array or midair.Solution
+        A scene, an array in its own air, or a solution, which gives its scene.
+    drive : (N,) tensor or array_like
+        Real or complex; its precision is that of the answer.
+    points : (M, 3) tensor or array_like
+        Points in m.
+    quantity : str, optional
+        "pressure" (M,) complex, "amplitude" or "radiation" (M,) in Pa, "gorkov" (M,) in J, "force" (M, 3) in
+        N or "stiffness" (M, 3) in N/m.
+    positions, normals : (N, 3) tensor or array_like, optional
+        In place of the array's; a normal may have any length.
+    sound_speed : float or tensor, optional
+        In m/s, in place of the air's.
+    bead : mapping, optional
+        radius, density and sound_speed of the sphere for forces, as in `midair.gorkov`.
 
-    Computed on the CPU in double precision. Second derivatives are refused by PyTorch.
+    Returns
+    -------
+    torch.Tensor
+        The quantity, computed on the CPU in double precision. PyTorch refuses second derivatives.
 
-    Raises SceneError as `midair.grad`, and where PyTorch is missing.
+    Raises
+    ------
+    SceneError
+        As `midair.grad`, and where PyTorch is missing.
+
+    Examples
+    --------
+    >>> import midair, torch
+    >>> array = midair.Array.preset("paper20")
+    >>> midair.torch.field(array, torch.ones(400), [[0.0, 0.0, 0.15]]).shape
+    torch.Size([1])
     """
     torch, function = _function()
     values = (drive, points, positions, normals, sound_speed)

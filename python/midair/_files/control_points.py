@@ -32,12 +32,18 @@ Numbers = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class ControlPoints:
-    """Control points in time, as in a file.
+    """Keep control points in time, as in a file.
 
-    times : (T,) in s
-    points : (T, M, 3) in m
-    intensities : (T, M), 0 to 1
-    frequencies : (T, M) in Hz at which points are modulated, or None
+    Attributes
+    ----------
+    times : (T,) ndarray
+        In s.
+    points : (T, M, 3) ndarray
+        In m.
+    intensities : (T, M) ndarray
+        From 0 to 1.
+    frequencies : (T, M) ndarray or None
+        In Hz, at which points are modulated.
     """
 
     times: Numbers

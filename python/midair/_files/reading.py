@@ -31,6 +31,25 @@ def read(
 ) -> Solution | Sequence | NDArray[np.complex64] | ControlPoints:
     """Read a file of `midair.write`, `save` or another program.
 
+    Parameters
+    ----------
+    path : str or path
+        File to read; nothing in it is executed.
+    board : midair.Board, str or path, optional
+        Board of the frames of a .bin, its name or .pat file.
+
+    Returns
+    -------
+    midair.Solution, midair.Sequence, ndarray of complex64 or ControlPoints
+        By the ending and content, below.
+
+    Raises
+    ------
+    SceneError
+        For a file with an error, naming the line.
+
+    Notes
+    -----
     | file | result |
     |---|---|
     | `.npz`, `.json` | the Solution or Sequence, or drives alone |
@@ -38,11 +57,17 @@ def read(
     | `.csv` of a drive | the drive (N,) |
     | `.csv` of control points | times, points, intensities and frequencies: midair._files.ControlPoints |
 
-    board : the midair.Board of the frames of a .bin, its name or .pat file
-
     The first row of a .csv identifies its kind; Ultraino's has none and is identified by its name. Drives
     of 512 transducers from AcousTools are in the order of the board's array, by default `openmpd_pair`.
-    Nothing in a file is executed. Raises SceneError for a file with an error, naming the line.
+
+    Examples
+    --------
+    >>> import midair, tempfile
+    >>> solution = midair.solve(midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]]))
+    >>> path = f"{tempfile.gettempdir()}/focus.npz"
+    >>> midair.write(path, solution)
+    >>> midair.read(path) == solution
+    True
     """
     ending, player = path_of("path", path).suffix.lower(), known(board)
     array = None if player is None else player.array
@@ -93,8 +118,27 @@ ENDINGS = (
 
 
 def read_array(path: str | PathLike[str], **parts: Any) -> Array:
-    """An array from a file, in m: given keywords count, else the values of the file or its format.
+    """Read an array from a file; a keyword replaces the values of the file or its format.
 
+    Parameters
+    ----------
+    path : str or path
+        File to read; its ending chooses the format, below.
+    **parts
+        Keywords of `midair.Array`: source_pressure, directivity, response, mask, channels, quantization.
+
+    Returns
+    -------
+    midair.Array
+        The array; positions are those of the file in m, not centred.
+
+    Raises
+    ------
+    SceneError
+        For a file with an error, naming the line; FileNotFoundError for a missing one.
+
+    Notes
+    -----
     - `.pat`, a board of OpenMPD: P0 3.4 Pa m, piston of 4.5 mm, the board's grid; gains are responses.
     - `.xml.gz` or `.xml` of Ultraino, by orderNumber: P0 is `power`, else 2.53; sinc of
       `apperture`, else 9 mm. Its y is up: (x, y, z) is here (x, -z, y).
@@ -102,12 +146,9 @@ def read_array(path: str | PathLike[str], **parts: Any) -> Array:
     - `.json` of AUTD3, as Geometry.to_json writes, board after board: as the preset `autd3`.
     - `.csv`: x,y,z or x,y,z,nx,ny,nz, as scene files read them.
 
-    What no file says is that of `midair.Array`. All but `.csv` are of boards: scenes on them that state no
-    medium have air of 25 degrees C. Positions are those of the file, not centred; a flat board
-    of OpenMPD, Ultraino or HandyBeam lies in z = 0 and radiates to +z. Phase corrections are no part of an
-    array: a board applies them when it plays.
-
-    Raises SceneError for a file that is not in order, naming the line; FileNotFoundError where there is none.
+    Other parts have the values of `midair.Array`. All but `.csv` are of boards: scenes on them that state no
+    medium have air of 25 degrees C. A flat board of OpenMPD, Ultraino or HandyBeam lies in z = 0 and radiates
+    to +z. Phase corrections are no part of an array: a board applies them when it plays.
     """
     found = _layout(path)
     given = {name: value for name, value in parts.items() if value is not None}

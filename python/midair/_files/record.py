@@ -29,8 +29,17 @@ CURE = "give what Solution.save, Sequence.save or midair.write wrote"
 def save(solution: Solution, path: str | PathLike[str]) -> None:
     """Write the solution as .npz, .json or (the drive alone) .csv, by the path's ending, whole or not at all.
 
-    Raises SceneError for another ending, and for a path that cannot be written. docs/files.md
-    lists the keys of a file.
+    Parameters
+    ----------
+    solution : midair.Solution
+        What is written.
+    path : str or path
+        File to write; docs/files.md lists its keys.
+
+    Raises
+    ------
+    SceneError
+        For another ending, and for a path that cannot be written.
     """
     scene = solution.scene
     if scene is None:
@@ -45,8 +54,22 @@ def save(solution: Solution, path: str | PathLike[str]) -> None:
 def load(path: str | PathLike[str]) -> Solution:
     """Read an equal solution from a .npz or .json file of `save` or `midair solve -o`. Never executes a file.
 
-    Raises SceneError for a file with an error or whose drive does not give its pressures,
-    FileNotFoundError for a missing file.
+    Parameters
+    ----------
+    path : str or path
+        File to read.
+
+    Returns
+    -------
+    midair.Solution
+        An equal solution.
+
+    Raises
+    ------
+    SceneError
+        For a file with an error or whose drive does not give its pressures.
+    FileNotFoundError
+        For a missing file.
     """
     path = path_of("path", path)
     name = " ".join(str(path).split())

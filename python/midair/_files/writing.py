@@ -35,10 +35,28 @@ def write(
 ) -> None:
     """Write drives (or control points) to a file, whole or not at all.
 
-    drives : a Solution, a Sequence, or complex drives (N,) or (T, N), |q| <= 1
-    board : a midair.Board, its name or .pat file; needed for .bin, and the array of drives without one
-    layout : of a .csv, below; by default it follows from the content
+    Parameters
+    ----------
+    path : str or path
+        File to write; its ending chooses the format, below.
+    drives : midair.Solution, midair.Sequence, (N,) or (T, N) array_like, or midair.path.Path
+        Complex drives of |q| <= 1; for "points" places (M, 3) or (T, M, 3) in m, a path or a sequence.
+    board : midair.Board, str or path, optional
+        A board, its name or .pat file; needed for .bin, and the array of drives without one.
+    layout : str, optional
+        Of a .csv, below; by default it follows from the content.
+    rate : float, optional
+        Frames a second of "points".
+    modulate : float, optional
+        Frequency in Hz at which the device modulates "points".
 
+    Raises
+    ------
+    SceneError
+        For data that a format cannot store and for a path that cannot be written.
+
+    Notes
+    -----
     | ending | content | of |
     |---|---|---|
     | `.npz` | the file of `save` of a Solution or Sequence; of numbers `drive` or `drives` | any |
@@ -51,11 +69,16 @@ def write(
     | `.csv`, "points" | t,x,y,z,intensity[,frequency]: for Ultraleap's devices, no drives | points |
 
     Drives of 512 transducers in `.holo` and "acoustools" are those of two OpenMPD boards and are put into
-    AcousTools' order. A name with 0_Phase is Ultraino's without a layout, too. Points are a midair.path, a
-    Sequence, or numbers (M, 3) or (T, M, 3) in m. For them `rate` is in frames a second, and `modulate`
-    is the frequency in Hz at which the device modulates them.
+    AcousTools' order. A name with 0_Phase is Ultraino's without a layout, too.
 
-    Raises SceneError for data that a format cannot store and for a path that cannot be written.
+    Examples
+    --------
+    >>> import midair, pathlib, tempfile
+    >>> solution = midair.solve(midair.Scene(midair.Array.preset("sonicsurface"), [[0, 0, 0.15]]))
+    >>> path = pathlib.Path(tempfile.gettempdir(), "frame.bin")
+    >>> midair.write(path, solution, board="sonicsurface")
+    >>> path.stat().st_size
+    258
     """
     file = path_of("path", path)
     output.check(file, ENDINGS)

@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import Array, Plane, Scene, solve_batch
-from .._motion.felt import FAST, threshold
-from .._motion.sheet import Sheet
-from .._motion.skin import HIGHEST, squares
+from .._motion.felt import FAST, HIGHEST, threshold
+from .._motion.sheet import Sheet, squares
 
 #: Foci beside a curve: so far apart at least, in m, and at most about this many.
 APART, BESIDE = 4e-3, 250

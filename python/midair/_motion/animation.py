@@ -1,4 +1,4 @@
-"""Animations: |p| in a plane, frame after frame, as .gif, .webp or .mp4."""
+"""Animations: |p| in a plane, frame after frame, or beads on their ways, as .gif, .webp or .mp4."""
 
 from __future__ import annotations
 
@@ -16,8 +16,10 @@ from .._pictures.colours import MAPS
 from .._pictures.panel import POINT, sides
 from .._support.arguments import callback, whole
 from . import files
+from .picture import across, beads
 
 if TYPE_CHECKING:
+    from .fly import Flight
     from .judged import JudgedFrames
 
 ENDINGS = (".gif", ".webp", ".mp4")
@@ -56,6 +58,41 @@ def animate(
         try:
             for done, frame in enumerate(chosen, start=1):
                 made.add(picture.show(int(frame)))
+                if progress is not None:
+                    progress(done, count)
+            made.finish()
+        finally:
+            made.close()
+
+
+def film_of_beads(
+    flight: Flight,
+    path: str | PathLike[str],
+    frames: int | None,
+    fps: int,
+    progress: Callable[[int, int], object] | None,
+) -> None:
+    """Draw the beads of a flight on their ways, and write the pictures by the path's ending."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    callback(progress, "pictures drawn, pictures")
+    count = min(len(flight.times), PICTURES if frames is None else whole("frames", frames, least=1))
+    fps = whole("fps", fps, least=1)
+    figure = Figure(figsize=(5.2, 4.6), dpi=DPI, layout="constrained")
+    canvas = cast(Any, FigureCanvasAgg)(figure)
+    ax = figure.subplots()
+    beads(flight, "path", ax)
+    first, second = across(flight)
+    (dots,) = ax.plot([], [], "o", color="black", markersize=5)
+    with files.whole(path, ENDINGS) as part:
+        made = film(part, fps)
+        try:
+            for done, k in enumerate(np.arange(count) * len(flight.times) // count, start=1):
+                dots.set_data(1e3 * flight.places[k, :, first], 1e3 * flight.places[k, :, second])
+                ax.set_title(f"{1e3 * flight.times[k]:.1f} ms", fontsize="medium")
+                canvas.draw()
+                made.add(np.asarray(canvas.buffer_rgba())[..., :3].copy())
                 if progress is not None:
                     progress(done, count)
             made.finish()

@@ -16,6 +16,9 @@ from .envelope import Envelope
 #: Samples/s of the envelope; parts above half of it fold back at least 30 dB down.
 SAMPLES = 160e3
 
+#: Nothing is felt above, in Hz.
+HIGHEST = 1000.0
+
 #: Audible frequencies, in Hz.
 RECEIVED = (20.0, 16e3)
 
@@ -119,13 +122,26 @@ def threshold(
 
 @dataclass(frozen=True, eq=False)
 class Felt:
-    """Force in mN, or radiation pressure in Pa, in time and by frequency.
+    """Give a force in mN, or a radiation pressure in Pa, in time and by frequency; from `Sequence.felt`.
 
-    times, values : (T,) in s, and in `unit`
-    frequencies, spectrum : (T//2 + 1,) in Hz, and the amplitude (peak) of each line, the mean at 0 Hz
-    static : mean over time
-    bands, rms : (low, high) in Hz, low <= f < high, and the rms of each: sqrt(sum of spectrum^2 / 2)
-    unit : "mN" where an area was given, else "Pa"
+    Attributes
+    ----------
+    times, values : (T,) ndarray
+        In s, and in `unit`.
+    frequencies, spectrum : (T//2 + 1,) ndarray
+        In Hz, and the amplitude (peak) of each line, the mean at 0 Hz.
+    bands : tuple of (float, float)
+        (low, high) in Hz, low <= f < high.
+    unit : str
+        "mN" where an area was given, else "Pa".
+
+    Examples
+    --------
+    >>> import midair
+    >>> scene = midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15]])
+    >>> felt = midair.solve(scene).modulated(200).felt([0, 0, 0.15])
+    >>> float(felt.frequencies[felt.spectrum[1:].argmax() + 1])
+    200.0
     """
 
     times: NDArray[np.float64]
@@ -142,12 +158,12 @@ class Felt:
 
     @property
     def rms(self) -> NDArray[np.float64]:
-        """The rms of each band, in `unit`; 0 where it has no line."""
+        """Rms of each band, in `unit`: sqrt(sum of spectrum^2 / 2); 0 where it has no line."""
         return np.array([rms(self.frequencies, self.spectrum, band) for band in self.bands])
 
     @property
     def thresholds(self) -> NDArray[np.float64]:
-        """The least peak displacement of the palm that is felt at each frequency, in m; inf beyond 1 kHz.
+        """Smallest peak displacement of the palm that is felt at each frequency, in m; inf beyond 1 kHz.
 
         Verrillo 1963 and Bolanowski et al. 1988. `midair.skin` compares displacements with it.
         """
@@ -186,3 +202,12 @@ def rms(frequencies: NDArray[np.float64], lines: NDArray[np.float64], band: Sequ
     """The rms of a band: that of its lines, sqrt(sum of amplitude^2 / 2)."""
     inside = (frequencies >= band[0]) & (frequencies < band[1])
     return float(np.sqrt(np.sum(lines[inside] ** 2) / 2))
+
+
+def weighted(
+    squares: NDArray[np.floating], frequencies: NDArray[np.float64], channel: tuple[tuple[float, float], ...]
+) -> NDArray[np.float64]:
+    """Sum over the lines (L, P) of squares over those of the channel's threshold."""
+    weights = threshold(frequencies, [channel]) ** -2.0
+    found: NDArray[np.float64] = weights @ squares.astype(np.float64)
+    return found

@@ -7,18 +7,18 @@ from dataclasses import dataclass
 from html import escape
 from math import ceil
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Literal, cast, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Bead, Scene, SceneError
-from .._support.arguments import callback, number, real, refused, whole
+from .._support.arguments import number, real, refused
 from ..path._optimal import poised
-from . import files
-from .animation import DPI, ENDINGS, film
+from .animation import film_of_beads
 from .envelope import Hold
 from .judged import SETTLING, TAU
+from .picture import beads
 from .propagation import TERMS, Course, Forces
 from .sequence import Sequence
 
@@ -61,25 +61,42 @@ def fly(
     sound_speed: float | None = None,
     gravity: ArrayLike | None = None,
 ) -> Flight:
-    """Motion of beads in the traps of a sequence: which stay, how far each strays, which are lost and when.
+    """Simulate how beads move in the traps of a sequence: which stay, how far they stray, which are lost.
 
-    sequence : of traps: signature="trap"
-    beads : places (B, 3) in m to begin at; left out, one at each point that is there in the first frame,
-        where it rests as its point moves
-    speeds : (B, 3) in m/s; left out, those of the points of a closed sequence, which has been going on, or 0
-    duration : in s; left out, the sequence's, and of a closed one as many laps as take a second, at most 100
-    tau, hold : the transducers' time constant in s and the board between frames, as `sequence.between` has
-        them
-    radius, density, sound_speed, gravity : of the beads, as for `midair.gorkov`
+    Parameters
+    ----------
+    sequence : midair.Sequence
+        Of traps: signature="trap".
+    beads : (B, 3) array_like, optional
+        Places in m at the start; by default where it rests at each point that is there in the first frame.
+    speeds : (B, 3) array_like, optional
+        In m/s. By default those of the points of a closed sequence, which repeats, or 0.
+    duration : float, optional
+        In s. By default the sequence's, and of a closed one as many laps as take a second, at most 100.
+    tau, hold : optional
+        Time constant of the transducers in s and board between frames, as for `Sequence.between`.
+    radius, density, sound_speed, gravity : optional
+        Of the beads, as for `midair.gorkov`.
 
-    Each bead obeys m x'' = F + weight - buoyancy - drag: Gor'kov's force in the field that the transducers
-    radiate at that time, Schiller and Naumann's drag in air at rest, and with m half the mass of the air in
-    the bead's place. Beads do not feel one another. The force is a polynomial around each point, exact to
-    1e-3 of the largest (docs/traps.md); its knots are 1 ms apart at most. A bead is lost where it is more
-    than half a wavelength from its point.
+    Returns
+    -------
+    midair.Flight
+        Places of the beads over time.
 
-    Raises SceneError for arguments that are not in order, and for a bead in an obstacle.
+    Raises
+    ------
+    SceneError
+        For wrong arguments, and for a bead in an obstacle.
 
+    Notes
+    -----
+    Each bead obeys m x'' = F + weight - buoyancy - drag. F is Gor'kov's force in the field at that time, the
+    drag Schiller and Naumann's in air at rest. m includes half the mass of the air in the bead's place.
+    Beads do not act on one another. The force is a polynomial around each point, exact to 1e-3 of the
+    largest (docs/traps.md). A bead is lost when it is more than half a wavelength from its point.
+
+    Examples
+    --------
     >>> import midair
     >>> boards = midair.Array.preset("openmpd_pair", quantization={})
     >>> ring = midair.path.circle([0, 0, 0], 0.01, speed=0.1)
@@ -244,13 +261,27 @@ class Group:
 
 @dataclass(frozen=True, eq=False)
 class Flight:
-    """How beads flew.
+    """Give the ways of beads; from `midair.fly`.
 
-    times : (T,) in s
-    places : (T, B, 3) in m; NaN from the time on at which a bead is lost
-    points : (T, B, 3) in m, where each bead's point is
-    lost : (B,) in s, when it is first more than half a wavelength from its point; NaN where it stays
-    beads : (B,) the number of each bead's point in the sequence
+    Attributes
+    ----------
+    times : (T,) ndarray
+        In s.
+    places, points : (T, B, 3) ndarray
+        Of the beads (NaN when lost) and of their points, in m.
+    lost : (B,) ndarray
+        Time in s when it is lost; NaN where it stays.
+    beads : (B,) ndarray of int
+        Number of each bead's point in the sequence.
+
+    Examples
+    --------
+    >>> import midair
+    >>> boards = midair.Array.preset("openmpd_pair", quantization={})
+    >>> still = midair.path.still([0, 0, 0], duration=0.02)
+    >>> flight = midair.fly(midair.sequence(boards, still, rate=1000, signature="trap"))
+    >>> flight.places.shape[1:], bool(flight.farthest[0] < 2e-3)
+    ((1, 3), True)
     """
 
     times: NDArray[np.float64]
@@ -272,7 +303,7 @@ class Flight:
 
     @property
     def farthest(self) -> NDArray[np.float64]:
-        """The largest distance (B,) in m of each bead from its point before it is lost."""
+        """Largest distance (B,) in m of each bead from its point before it is lost."""
         found: NDArray[np.float64] = np.fmax.reduce(self.distances, axis=0, initial=0.0)
         return found
 
@@ -283,23 +314,36 @@ class Flight:
         panels: Panel | Iterable[Panel] | None = None,
         size: Size | None = None,
     ) -> Figure:
-        """Ways of beads and points as seen along the axis of least extent, and distances over time.
+        """Draw ways of beads and points along the axis of least extent, and distances over time.
 
-        ax : axes of your own for one panel, the first of those requested
-        panels : "path", "distance" or both; left out, both
-        size : of the figure in inches, its width or (width, height)
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes of your own for one panel, the first of `panels`.
+        panels : {"path", "distance"} or list of them, optional
+            What is drawn; by default both. A cross is where a bead was lost.
+        size : float or (float, float), optional
+            Size of the figure in inches: its width, or (width, height).
 
-        A cross is where a bead was lost. Raises SceneError for another panel or size.
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure.
+
+        Raises
+        ------
+        SceneError
+            For another panel or size.
         """
         from .._pictures.sheet import chosen, sheet, whole
 
         names = chosen(panels, get_args(Panel), ax)
         if ax is not None:
-            self._draw(names[0], ax)
+            beads(self, names[0], ax)
             return whole(ax)
         figure = sheet(4.8 * len(names), 4.0, size)
         for name, one in zip(names, figure.subplots(1, len(names), squeeze=False)[0], strict=True):
-            self._draw(name, one)
+            beads(self, name, one)
         return figure
 
     def animate(
@@ -312,61 +356,21 @@ class Flight:
     ) -> None:
         """Write the beads on their ways as .webp, .gif or, by ffmpeg, .mp4.
 
-        frames : how many pictures, evenly chosen; left out, 100 at most
-        fps : pictures a second
-        progress : called with (pictures drawn, pictures)
+        Parameters
+        ----------
+        path : str or path
+            File to write, whole or not at all.
+        frames, fps : int, optional
+            Number of pictures, evenly chosen, by default at most 100; pictures a second.
+        progress : callable, optional
+            Called with (pictures drawn, pictures).
 
-        The file is written whole or not at all. Raises SceneError for another ending, a path that cannot be
-        written, or frames and fps that are not in order.
+        Raises
+        ------
+        SceneError
+            For another ending, a path that cannot be written, or wrong frames and fps.
         """
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-
-        callback(progress, "pictures drawn, pictures")
-        count = min(len(self.times), 100 if frames is None else whole("frames", frames, least=1))
-        fps = whole("fps", fps, least=1)
-        figure = Figure(figsize=(5.2, 4.6), dpi=DPI, layout="constrained")
-        canvas = cast(Any, FigureCanvasAgg)(figure)
-        ax = figure.subplots()
-        self._draw("path", ax)
-        first, second = self._across()
-        (dots,) = ax.plot([], [], "o", color="black", markersize=5)
-        with files.whole(path, ENDINGS) as part:
-            made = film(part, fps)
-            try:
-                for done, k in enumerate(np.arange(count) * len(self.times) // count, start=1):
-                    dots.set_data(1e3 * self.places[k, :, first], 1e3 * self.places[k, :, second])
-                    ax.set_title(f"{1e3 * self.times[k]:.1f} ms", fontsize="medium")
-                    canvas.draw()
-                    made.add(np.asarray(canvas.buffer_rgba())[..., :3].copy())
-                    if progress is not None:
-                        progress(done, count)
-                made.finish()
-            finally:
-                made.close()
-
-    def _across(self) -> list[int]:
-        """The two axes along which the points go farthest."""
-        sides = np.ptp(self.points, axis=(0, 1))
-        return sorted(np.argsort(-sides, kind="stable")[:2].tolist())
-
-    def _draw(self, panel: Panel, ax: Axes) -> None:
-        if panel == "distance":
-            for one, distances in enumerate(1e3 * self.distances.T):
-                ax.plot(1e3 * self.times, distances, linewidth=0.9, label=f"bead {one + 1}")
-            ax.set(xlabel="time / ms", ylabel="distance from its point / mm", ylim=(0, None))
-            if len(self.lost) > 1:
-                ax.legend(loc="best", fontsize="small")
-            return
-        first, second = self._across()
-        for one in range(len(self.lost)):
-            point, place = 1e3 * self.points[:, one], 1e3 * self.places[:, one]
-            ax.plot(point[:, first], point[:, second], color="lightgrey", linewidth=2.5, zorder=1)
-            ax.plot(place[:, first], place[:, second], linewidth=0.9, zorder=2)
-            there = np.flatnonzero(~np.isnan(place[:, 0]))
-            if not self.held[one] and len(there):
-                ax.plot(*place[there[-1], [first, second]], "x", color="red", zorder=3)
-        ax.set(aspect="equal", xlabel=f"{'xyz'[first]} / mm", ylabel=f"{'xyz'[second]} / mm")
+        film_of_beads(self, path, frames, fps, progress)
 
     def __repr__(self) -> str:
         lasts = 1e3 * (self.times[-1] - self.times[0])

@@ -54,17 +54,17 @@ class Frames:
 
     @property
     def array(self) -> Array:
-        """The transducers."""
+        """Transducers."""
         return self._scene.array
 
     @property
     def points(self) -> NDArray[np.float64]:
-        """The points (T, M, 3) of each frame, in m."""
+        """Points (T, M, 3) of each frame in m."""
         return self._points
 
     @property
     def targets(self) -> NDArray[np.float64]:
-        """The targets (T, M) in Pa, 0 where a point is not there."""
+        """Targets (T, M) in Pa, 0 where a point is not there."""
         return self._targets
 
     @property
@@ -79,17 +79,17 @@ class Frames:
 
     @property
     def change(self) -> float | None:
-        """The bound of the phase change in rad a frame of the solve, or None."""
+        """Bound of the phase change in rad a frame of the solve, or None."""
         return self._change
 
     @property
     def quantization(self) -> dict[str, Any] | None:
-        """The board, as `midair.Array.quantization` tells of one, or None for any drive."""
+        """Board, as `midair.Array.quantization` describes one, or None for any drive."""
         return self._quantization
 
     @property
     def solver(self) -> str:
-        """The name of what solved it."""
+        """Name of the solver."""
         return self._solver
 
     @property
@@ -99,7 +99,7 @@ class Frames:
 
     @property
     def drives(self) -> NDArray[np.complex64]:
-        """The drives (T, N), |q| <= 1; of codes, made of them at each call, 0 where a transducer is off."""
+        """Drives (T, N), |q| <= 1; made of codes at each call, 0 where a transducer is off."""
         return self._drives[:]
 
     def __len__(self) -> int:
@@ -158,7 +158,7 @@ class Frames:
         return f"Sequence of {size}: {how}"
 
     def setting(self) -> dict[str, Any]:
-        """All but array, obstacles, signature, points, targets and drives: arguments that make it again."""
+        """Return arguments that make it again: not array, obstacles, signature, points, targets, drives."""
         return {**self._setting(), **self._medium()}
 
     def _setting(self) -> dict[str, Any]:

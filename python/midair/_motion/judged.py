@@ -31,14 +31,30 @@ SETTLING = np.errstate(under="ignore")
 
 @dataclass(frozen=True)
 class SequenceMetrics:
-    """How good a sequence is, over the points that are there, x_j(t) = |p_j(t)| / target_j(t).
+    """Describe the quality of a sequence over the points that are there, x_j(t) = |p_j(t)| / target_j(t).
 
-    level : mean over time of mean_j x_j
-    uniformity, uniformity_median : least and median over time of min_j x_j / max_j x_j
-    largest_change : of the phase of any transducer from a frame to the next, in rad; the seam is not counted
-    seam : largest change from the last frame to the first, in rad; None where the sequence is open
-    dip : least over time and points of x_j over its mean over time
-    noise : dB re full amplitude modulation at 200 Hz of the same array; -200 for silence
+    Attributes
+    ----------
+    level : float
+        Mean over time of mean_j x_j.
+    uniformity, uniformity_median : float
+        Least and median over time of min_j x_j / max_j x_j.
+    largest_change : float
+        Largest phase change in rad of any transducer from a frame to the next; the seam does not count.
+    seam : float or None
+        Largest change from the last frame to the first, in rad; None where the sequence is open.
+    dip : float
+        Least over time and points of x_j over its mean over time.
+    noise : float
+        dB re full amplitude modulation at 200 Hz of the same array; -200 for silence.
+
+    Examples
+    --------
+    >>> import midair
+    >>> ring = midair.path.circle([0, 0, 0.15], 0.01, frequency=50)
+    >>> metrics = midair.sequence(midair.Array.preset("autd3"), ring, rate=10e3).metrics
+    >>> metrics.uniformity, metrics.asdict()["seam"] == metrics.seam
+    (1.0, True)
     """
 
     level: float
@@ -50,7 +66,7 @@ class SequenceMetrics:
     noise: float
 
     def asdict(self) -> dict[str, float | None]:
-        """The metrics by name."""
+        """Return the metrics by name."""
         return asdict(self)
 
     def __repr__(self) -> str:
@@ -103,20 +119,46 @@ class JudgedFrames(Frames):
 
     @property
     def times(self) -> NDArray[np.float64]:
-        """The start (T,) of each frame, in s."""
+        """Start (T,) of each frame in s."""
         return np.arange(len(self)) / self._rate
 
     def drive(self, frame: int) -> NDArray[np.complex64]:
-        """The drive (N,) of a frame.
+        """Return the drive of a frame.
 
-        Raises IndexError where there is no such frame.
+        Parameters
+        ----------
+        frame : int
+            Number of the frame.
+
+        Returns
+        -------
+        (N,) ndarray of complex64
+            Its drive.
+
+        Raises
+        ------
+        IndexError
+            Where there is no such frame.
         """
         return self._drives[frame]
 
     def scene(self, frame: int) -> Scene:
-        """A frame's points that are there and their targets, as a scene; all points where none is there.
+        """Return a frame's points that are there and their targets, as a scene.
 
-        Raises IndexError where there is no such frame.
+        Parameters
+        ----------
+        frame : int
+            Number of the frame.
+
+        Returns
+        -------
+        midair.Scene
+            The scene; with all points where none is there.
+
+        Raises
+        ------
+        IndexError
+            Where there is no such frame.
         """
         there = self._targets[frame] > 0
         if not there.any():
@@ -124,9 +166,24 @@ class JudgedFrames(Frames):
         return self._scene.replace(points=self._points[frame][there], pressures=self._targets[frame][there])
 
     def field(self, frame: int, plane: Plane | None = None) -> Field:
-        """The field of a frame at rest in a plane, by `midair.field`.
+        """Compute the field of a frame at rest.
 
-        Raises IndexError where there is no such frame.
+        Parameters
+        ----------
+        frame : int
+            Number of the frame.
+        plane : midair.Plane, optional
+            As for `midair.field`.
+
+        Returns
+        -------
+        midair.Field
+            The field.
+
+        Raises
+        ------
+        IndexError
+            Where there is no such frame.
         """
         return field(self.scene(frame), self.drive(frame), plane)
 
@@ -142,7 +199,7 @@ class JudgedFrames(Frames):
 
     @cached_property
     def changes(self) -> NDArray[np.float64]:
-        """The largest |phase change| (T,) in rad of any transducer to the frame before.
+        """Largest |phase change| (T,) in rad of any transducer to the frame before.
 
         Frame 0 is compared with the last one where the sequence is closed, else 0. A transducer whose
         amplitude is 0 in one of the two frames does not count.
@@ -153,7 +210,18 @@ class JudgedFrames(Frames):
         return _fixed(largest)
 
     def each_change(self, start: int, stop: int) -> NDArray[np.float32]:
-        """|Phase change| (stop - start, N) in rad of every transducer in some frames, as in `changes`."""
+        """Return the |phase change| of every transducer in some frames, as in `changes`.
+
+        Parameters
+        ----------
+        start, stop : int
+            First frame, and the one after the last.
+
+        Returns
+        -------
+        (stop - start, N) ndarray of float32
+            In rad.
+        """
         first, last, _ = slice(start, stop).indices(len(self))
         return self._drives.changes(slice(first, max(first, last)), self._closed)
 
@@ -164,11 +232,24 @@ class JudgedFrames(Frames):
 
     @SETTLING
     def judge(self, tau: float | None = None, *, hold: Hold = "hold", substeps: int = 4) -> SequenceMetrics:
-        """Metrics in motion: of the pressures inside the frames, as `between` has them.
+        """Compute metrics in motion: of the pressures inside the frames, as `between` returns them.
 
-        Left out, tau means frames at rest, and 0.2 ms for the noise. A target holds for its frame.
+        Parameters
+        ----------
+        tau : float, optional
+            Time constant in s of the transducers. By default frames are at rest, and 0.2 ms for the noise.
+        hold, substeps : optional
+            As `between` takes them; a target is that of its frame.
 
-        Raises SceneError for a tau below 0, an unknown hold and substeps below 1.
+        Returns
+        -------
+        midair.SequenceMetrics
+            The metrics.
+
+        Raises
+        ------
+        SceneError
+            For a tau below 0, an unknown hold and substeps below 1.
         """
         received = self._envelope(TAU if tau is None else tau, hold)
         steps = arguments.substeps(substeps)
@@ -180,23 +261,38 @@ class JudgedFrames(Frames):
 
     @property
     def summary(self) -> str:
-        """The sequence's size and its metrics, as a table of text."""
+        """Size of the sequence and its metrics, as a table of text."""
         return f"{self._heading()}\n{self.metrics!r}"
 
     @SETTLING
     def between(self, tau: float, hold: Hold = "hold", substeps: int = 4) -> Between:
-        """`times` (T substeps,) in s and |p| `pressures` (T substeps, M) in Pa inside the frames.
+        """Compute the pressures inside the frames.
 
-        tau : time constant in s of the transducers, y' = (q - y)/tau; 0 for none. By a bandwidth B at -6 dB,
-            tau = sqrt(3)/(pi B)
-        hold : "hold" where the board keeps each drive for its frame, "linear" where it goes on to the next
-            frame's amplitude and, the shorter way round, phase in equal steps, as AUTD3's Silencer does
-        substeps : times a frame, at (t + k/substeps)/rate
+        Parameters
+        ----------
+        tau : float
+            Time constant in s of the transducers, y' = (q - y)/tau; 0 for none. By a bandwidth B at -6 dB,
+            tau = sqrt(3)/(pi B).
+        hold : {"hold", "linear"}, optional
+            "hold": the board keeps each drive for its frame. "linear": it goes on to the next frame's
+            amplitude and, the shorter way round, phase in equal steps, as AUTD3's Silencer does.
+        substeps : int, optional
+            Times a frame, at (t + k/substeps)/rate.
 
+        Returns
+        -------
+        Between
+            `times` (T substeps,) in s and |p| `pressures` (T substeps, M) in Pa.
+
+        Raises
+        ------
+        SceneError
+            For a tau below 0, an unknown hold and substeps below 1.
+
+        Notes
+        -----
         The answer y of the transducers is exact at these times. Points go straight from frame to frame. The
         first drive of an open sequence has been played for ever before it begins; a closed one repeats.
-
-        Raises SceneError for a tau below 0, an unknown hold and substeps below 1.
         """
         return self._between(self._envelope(tau, hold), arguments.substeps(substeps))
 
@@ -204,19 +300,34 @@ class JudgedFrames(Frames):
     def felt(
         self, place: ArrayLike, *, area: float | None = None, bands: Any = BANDS, tau: float = 0.0
     ) -> Felt:
-        """Radiation pressure at a fixed place (3,), or its mean over a patch (K, 3), at each frame's start.
+        """Compute the radiation pressure at a fixed place, or its mean over a patch, at each frame's start.
 
-        It is |p|^2/(rho c^2) in Pa, on a wall at normal incidence; with the patch's `area` in m^2, the force
-        area times mean in mN.
+        Parameters
+        ----------
+        place : (3,) or (K, 3) array_like
+            A place in m, or the places of a patch.
+        area : float, optional
+            Area of the patch in m^2: the result is then a force, area times mean, in mN.
+        bands : sequence of (float, float), optional
+            Pairs (low, high) in Hz whose rms is reported; 0 for a band without a line.
+        tau : float, optional
+            Time constant of the transducers in s, 0 for none.
 
-        bands : pairs (low, high) in Hz whose rms is reported; 0 for a band without a line
-        tau : time constant of the transducers in s, 0 for none
+        Returns
+        -------
+        midair.Felt
+            |p|^2/(rho c^2) in Pa, on a wall at normal incidence, or the force in mN.
 
-        The spectrum takes the sequence as repeated: its lines are rate/len(sequence) apart, so a lap of
-        12.5 ms has lines at 80, 160, 240 Hz and so on, whatever the bands. Amplitude modulation (1 + cos)/2
-        has 3/8 of the force of full amplitude as its static part, sqrt((1 + cos)/2) has 1/2 and one line.
+        Raises
+        ------
+        SceneError
+            For a wrong place, area, tau or bands.
 
-        Raises SceneError for a place, area, tau or bands that are not in order.
+        Notes
+        -----
+        The spectrum takes the sequence as repeated: its lines are rate/len(sequence) apart. A lap of 12.5 ms
+        has lines at 80, 160, 240 Hz and so on, whatever the bands. Amplitude modulation (1 + cos)/2 has 3/8
+        of the force of full amplitude as its static part, sqrt((1 + cos)/2) has 1/2 and one line.
         """
         places = arguments.places(place)
         size = None if area is None else number("area", area, above=0)

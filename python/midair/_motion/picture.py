@@ -1,4 +1,4 @@
-"""A sequence's picture: waterfalls of |p| / target and of phase changes, and a spectrum."""
+"""Pictures of a sequence (waterfalls of |p| / target and phase changes, a spectrum), a flight, a skin."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from .._midair import Mesh
 from .._pictures.colours import MAPS
 from .._support.text import counted
 from .drives import blocks
-from .felt import BANDS, rms, spectrum
+from .felt import BANDS, HIGHEST, rms, spectrum, threshold
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,7 +21,9 @@ if TYPE_CHECKING:
 
     from .._pictures.colours import Map
     from .._pictures.sheet import Size
+    from .fly import Flight
     from .judged import JudgedFrames
+    from .skin import Skin
 
 #: The parts of a sequence's picture.
 Panel = Literal["pressures", "changes", "spectrum"]
@@ -175,3 +178,66 @@ def _spectrum(sequence: JudgedFrames, ax: Axes) -> None:
     ax.set(xlabel="frequency / Hz", ylabel="radiation pressure / Pa")
     ax.grid(alpha=0.3)
     ax.legend(loc="best")
+
+
+def across(flight: Flight) -> list[int]:
+    """The two axes along which the points of a flight go farthest."""
+    sides = np.ptp(flight.points, axis=(0, 1))
+    return sorted(np.argsort(-sides, kind="stable")[:2].tolist())
+
+
+def beads(flight: Flight, panel: str, ax: Axes) -> None:
+    """Draws a panel of a flight: "path" or "distance"."""
+    if panel == "distance":
+        for one, distances in enumerate(1e3 * flight.distances.T):
+            ax.plot(1e3 * flight.times, distances, linewidth=0.9, label=f"bead {one + 1}")
+        ax.set(xlabel="time / ms", ylabel="distance from its point / mm", ylim=(0, None))
+        if len(flight.lost) > 1:
+            ax.legend(loc="best", fontsize="small")
+        return
+    first, second = across(flight)
+    for one in range(len(flight.lost)):
+        point, place = 1e3 * flight.points[:, one], 1e3 * flight.places[:, one]
+        ax.plot(point[:, first], point[:, second], color="lightgrey", linewidth=2.5, zorder=1)
+        ax.plot(place[:, first], place[:, second], linewidth=0.9, zorder=2)
+        there = np.flatnonzero(~np.isnan(place[:, 0]))
+        if not flight.held[one] and len(there):
+            ax.plot(*place[there[-1], [first, second]], "x", color="red", zorder=3)
+    ax.set(aspect="equal", xlabel=f"{'xyz'[first]} / mm", ylabel=f"{'xyz'[second]} / mm")
+
+
+def touched(skin: Skin, panel: str, ax: Axes, colours: Map, best: int) -> None:
+    """Draws a panel of a skin: "pressure", "motion" or "spectrum", with the place of number `best`."""
+    if panel == "pressure":
+        _map(skin, ax, skin.pressure, "radiation pressure, mean / Pa", colours)
+        return
+    if panel == "motion":
+        _map(skin, ax, 1e6 * skin.rms, "skin motion, rms / um", colours)
+        first, second = _widest(skin)
+        ax.plot(1e3 * skin.places[best, first], 1e3 * skin.places[best, second], "+", color="tab:cyan")
+        return
+    lines = 1e6 * np.abs(skin.displacement[:, best])
+    audible = np.geomspace(3, HIGHEST, 200)
+    ax.vlines(skin.frequencies, 1e-4, np.maximum(lines, 1e-4), color="tab:blue", label="skin at +")
+    ax.plot(audible, 1e6 * threshold(audible), color="black", linewidth=0.9, label="just felt")
+    ax.set(xscale="log", yscale="log", xlim=(3, HIGHEST), ylim=(1e-2, 100))
+    ax.set(xlabel="frequency / Hz", ylabel="displacement / um", title=f"{skin.level:.0f} dB at most")
+    ax.legend(loc="lower left", fontsize="small")
+
+
+def _widest(skin: Skin) -> list[int]:
+    """The two axes along which the places lie, or a mesh is widest."""
+    sides = np.ptp(skin.places, axis=0)
+    return [axis for axis in range(3) if axis != int(sides.argmin())]
+
+
+def _map(skin: Skin, ax: Axes, values: NDArray[np.float64], label: str, colours: Map) -> None:
+    from matplotlib.tri import Triangulation
+
+    first, second = _widest(skin)
+    x, y = 1e3 * skin.places[:, first], 1e3 * skin.places[:, second]
+    faces = skin.hand.faces if isinstance(skin.hand, Mesh) else None
+    drawn = ax.tripcolor(Triangulation(x, y, faces), values, cmap=colours, shading="gouraud")
+    ax.margins(0)
+    ax.set(aspect="equal", xlabel=f"{'xyz'[first]} / mm", ylabel=f"{'xyz'[second]} / mm")
+    ax.figure.colorbar(drawn, ax=ax, label=label)

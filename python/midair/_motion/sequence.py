@@ -27,22 +27,47 @@ if TYPE_CHECKING:
 
 
 class Sequence(JudgedFrames):
-    """Frames of points and drives that follow one another, wherever they come from.
+    """Keep frames of points and drives that follow one another, from any source.
 
-    array : the midair.Array
-    points : (T, M, 3) in m, the points of each frame
-    targets : (T, M) in Pa, (M,) or one number; 0 where a point is not there in that frame
-    drives : (T, N), complex of |q| <= 1, or whole numbers: codes l of the phases 2 pi l/L at full amplitude
-    rate : frames a second; frame t is played from t/rate to (t + 1)/rate
-    closed : whether the first frame follows the last
-    change : the bound of the solve, in rad a frame, if any
-    quantization : the board, as `midair.Array` takes it; left out, the array's own; codes need its phases
-    solver : the name of what solved it
-    medium : frequency, sound_speed or temperature, absorption, density, obstacles, signature and
-        bead, as for `midair.Scene`
+    Parameters
+    ----------
+    array : midair.Array
+        N transducers.
+    points : (T, M, 3) array_like
+        Points of each frame in m.
+    targets : (T, M) or (M,) array_like, or float
+        Peak pressures in Pa; 0 where a point is not there in that frame.
+    drives : (T, N) array_like
+        Complex, |q| <= 1. Or whole numbers: codes l of the phases 2 pi l/L at full amplitude.
+    rate : float
+        Frames a second; frame t is played from t/rate to (t + 1)/rate.
+    closed : bool, optional
+        Whether the first frame follows the last.
+    change : float, optional
+        Bound of the solve, in rad a frame.
+    quantization : mapping, optional
+        The board, as `midair.Array` takes it; by default the array's own; codes need its phases.
+    solver : str, optional
+        Name of the solver.
+    **medium
+        frequency, sound_speed or temperature, absorption, density, obstacles, signature and bead, as for
+        `midair.Scene`.
 
-    A sequence does not change, compares by value and pickles. Raises SceneError for whatever is not in order.
+    Raises
+    ------
+    SceneError
+        For wrong arguments.
 
+    See Also
+    --------
+    midair.sequence : solves for points that move.
+
+    Notes
+    -----
+    A sequence does not change, compares by value and pickles.
+
+    Examples
+    --------
     >>> import midair, numpy as np
     >>> array, angle = midair.Array.preset("autd3"), np.linspace(0, 2 * np.pi, 50, endpoint=False)
     >>> points = np.stack([0.01 * np.cos(angle), 0.01 * np.sin(angle), 0.15 + 0 * angle], axis=1)
@@ -62,14 +87,28 @@ class Sequence(JudgedFrames):
         panels: Panel | Iterable[Panel] | None = None,
         size: Size | None = None,
     ) -> Figure:
-        """Waterfalls of |p| / target and of phase changes, and the spectrum of the radiation pressure.
+        """Draw waterfalls of |p| / target and of phase changes, and the spectrum of the radiation pressure.
 
-        ax : axes of your own for one panel, the first of `panels`
-        cmap : a colour map of matplotlib or its name
-        panels : "pressures", "changes", "spectrum" or several; left out, all
-        size : of the figure in inches, its width or (width, height)
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes of your own for one panel, the first of `panels`.
+        cmap : str or Colormap, optional
+            A colour map of matplotlib.
+        panels : {"pressures", "changes", "spectrum"} or list of them, optional
+            What is drawn; by default all.
+        size : float or (float, float), optional
+            Size of the figure in inches: its width, or (width, height).
 
-        Returns the figure. Raises SceneError for another colour map, panel or size.
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure.
+
+        Raises
+        ------
+        SceneError
+            For another colour map, panel or size.
         """
         return motion(self, ax, cmap=cmap, panels=panels, size=size)
 
@@ -84,24 +123,40 @@ class Sequence(JudgedFrames):
     ) -> None:
         """Write |p| in a plane, frame after frame, as .webp, .gif or, by ffmpeg, .mp4.
 
-        plane : left out, one through the points of all frames
-        frames : how many of the frames are shown, evenly chosen; left out, 100 at most
-        fps : pictures a second
-        progress : called with (pictures drawn, pictures)
+        Parameters
+        ----------
+        path : str or path
+            File to write, whole or not at all; Ctrl-C leaves nothing.
+        plane : midair.Plane, optional
+            By default one through the points of all frames.
+        frames : int, optional
+            Number of frames shown, evenly chosen; by default at most 100.
+        fps : int, optional
+            Pictures a second.
+        progress : callable, optional
+            Called with (pictures drawn, pictures).
 
-        The file is written whole or not at all, and Ctrl-C leaves nothing.
-
-        Raises SceneError for another ending, a path that cannot be written, or frames and fps that are not in
-        order.
+        Raises
+        ------
+        SceneError
+            For another ending, a path that cannot be written, or wrong frames and fps.
         """
         animate(self, path, plane, frames, fps, progress)
 
     exposure = Later("_judging.exposure", "exposure")
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write it as .npz: points, targets, drives (or codes), scene (array and air) and setting as JSON.
+        """Write the sequence as .npz: points, targets, drives (or codes), scene (array and air) and settings.
 
-        Raises SceneError for another ending, and for a path that cannot be written.
+        Parameters
+        ----------
+        path : str or path
+            File to write.
+
+        Raises
+        ------
+        SceneError
+            For another ending, and for a path that cannot be written.
         """
         arrays = {"points": self._points, "targets": self._targets, "drives": self._drives.kept}
         files.save(path, arrays, self._scene, self.setting())
@@ -110,7 +165,20 @@ class Sequence(JudgedFrames):
     def load(path: str | PathLike[str]) -> Sequence:
         """Read what `save` wrote, to the last bit. A file is never run.
 
-        Raises SceneError for a file that is not in order, FileNotFoundError where there is none.
+        Parameters
+        ----------
+        path : str or path
+            File to read.
+
+        Returns
+        -------
+        midair.Sequence
+            An equal sequence.
+
+        Raises
+        ------
+        SceneError
+            For a file with an error; FileNotFoundError for a missing one.
         """
         source = path_of("path", path)
         name = " ".join(str(source).split())
@@ -127,9 +195,17 @@ class Sequence(JudgedFrames):
             ) from error
 
     def to_xarray(self) -> Dataset:
-        """Points, targets, pressures, changes and drives (or codes), with dimensions, as xarray.Dataset.
+        """Return points, targets, pressures, changes and drives (or codes), with dimensions.
 
-        Raises SceneError where xarray is missing.
+        Returns
+        -------
+        xarray.Dataset
+            The arrays over time, point, transducer and axis.
+
+        Raises
+        ------
+        SceneError
+            Where xarray is missing.
         """
         return dataset(self)
 

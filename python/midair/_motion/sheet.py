@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import SceneError
+from .._midair import Mesh, Plane, SceneError
 
 #: Of the integral of K_nu: samples, and its end, where e^(-z cosh t) is nothing for every |z| from 1e-5 on.
 SAMPLES, END = 221, 16.0
@@ -180,3 +180,20 @@ def _dissected(corners: NDArray[np.int64], vertices: NDArray[np.float64], graph:
         return list(corners)
     halves = (_dissected(half, vertices, graph) for half in (first, second[~touches]))
     return [*next(halves), *next(halves), *second[touches]]
+
+
+@lru_cache(maxsize=2)
+def triangles(hand: Mesh) -> Triangles:
+    """The triangles of a hand's mesh."""
+    return Triangles(hand.vertices, hand.faces)
+
+
+def squares(plane: Plane) -> NDArray[np.float64]:
+    """Places (pixels^2, 3) of a plane, row after row upwards."""
+    axes = [plane.along(name) for name in "xyz"]
+    across, up = (axis for axis in axes if axis is not None)
+    first, second = (values.ravel() for values in np.meshgrid(across, up))
+    columns = iter((first, second))
+    return np.stack(
+        [np.full(len(first), plane.at) if axis is None else next(columns) for axis in axes], axis=1
+    )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import lru_cache
 from html import escape
 from typing import TYPE_CHECKING, Literal, get_args
 
@@ -16,9 +15,10 @@ from .._pictures.colours import MAPS
 from .._support.arguments import number, refused, vector
 from ..path._piece import instants
 from . import arguments
-from .felt import FAST, SLOW, threshold
+from .felt import FAST, HIGHEST, SLOW, weighted
+from .picture import touched
 from .sequence import Sequence
-from .sheet import Sheet, Triangles
+from .sheet import Sheet, squares, triangles
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,9 +33,6 @@ SIDE, MARGIN = 64, 0.02
 #: The parts of a skin's picture.
 Panel = Literal["pressure", "motion", "spectrum"]
 
-#: The highest frequency that is felt, in Hz.
-HIGHEST = 1000.0
-
 
 def skin(
     sequence: Sequence,
@@ -47,26 +44,47 @@ def skin(
     reach: float = 2e-3,
     tau: float = 0.0,
 ) -> Skin:
-    """The skin's motion under a sequence that repeats for ever, and what is felt of it: a model.
+    """Compute the skin's motion under a sequence that repeats for ever, and its felt strength: a model.
 
-    hand : a midair.Plane; a midair.Mesh, closed, of the extra midair[mesh]; left out, a plane of 64 x 64
-        places through the points, square to the way from the array to them
-    speed : of waves on the skin in m/s: 5 to 8 (Frier et al., EuroHaptics 2018)
-    loss : loss factor; 0.4 lets waves of 200 Hz fall to 1/e in 26 mm, and of 400 Hz in half of that
-    mass : that moves, in kg/m^2; fitted to the threshold of 0.4 mN at 200 Hz on the finger (Dalecki et al.,
-        J. Acoust. Soc. Am. 97, 3165, 1995)
-    reach : over which the slow channel compares displacements, in m: the radius of the receptive field of a
-        fast-adapting unit, 13 mm^2 (Johansson and Vallbo 1983)
-    tau : time constant of the transducers in s, 0 for none
+    Parameters
+    ----------
+    sequence : midair.Sequence
+        The frames.
+    hand : midair.Plane or midair.Mesh, optional
+        A closed mesh needs the extra midair[mesh]. By default a plane of 64 x 64 places through the points.
+    speed : float, optional
+        Of waves on the skin in m/s: 5 to 8 (Frier et al., EuroHaptics 2018).
+    loss : float, optional
+        Loss factor; 0.4 lets waves of 200 Hz fall to 1/e in 26 mm, of 400 Hz in half of that.
+    mass : float, optional
+        That moves, in kg/m^2; fitted to the threshold of 0.4 mN at 200 Hz on the finger (Dalecki et al., J.
+        Acoust. Soc. Am. 97, 3165, 1995).
+    reach : float, optional
+        Distance in m over which the slow channel compares displacements: the radius of the receptive field
+        of a fast-adapting unit, 13 mm^2 (Johansson and Vallbo 1983).
+    tau : float, optional
+        Time constant of the transducers in s, 0 for none.
 
+    Returns
+    -------
+    midair.Skin
+        Motion and strength at each place.
+
+    Raises
+    ------
+    SceneError
+        For wrong arguments, places on a transducer, and where SciPy is missing.
+
+    Notes
+    -----
     The skin is an endless membrane (of a mesh, its surface) pushed by the radiation pressure
     |p|^2/(rho c^2), on a mesh times the squared cosine of the incidence, and by none on its far side. Each
     line of the sequence's spectrum up to 1 kHz is solved by itself, which is exact: the sheet is linear. The
     steady push is left out, and so is what pushes beside the hand. A frame lasts until the next one, and
     its steps are in the spectrum. `docs/touch.md` lists which published orders the model has, and which not.
 
-    Raises SceneError for arguments that are not in order, places on a transducer, and where SciPy is missing.
-
+    Examples
+    --------
     >>> import midair
     >>> array = midair.Array.preset("autd3")
     >>> ring = midair.path.circle([0, 0, 0.15], 0.02, speed=7)
@@ -89,7 +107,7 @@ def skin(
         moved = sheet.on_plane(frequencies, lines[1:].reshape(-1, *shape), step)
         slopes = [sum(np.abs(g) ** 2 for g in np.gradient(line, step)).ravel() for line in moved]
     elif isinstance(hand, Mesh):
-        mesh = _triangles(hand)
+        mesh = triangles(hand)
         places = hand.vertices
         ways = places - sequence.array.positions.mean(axis=0)
         cosines = -np.einsum("pk,pk->p", mesh.normals, ways) / np.linalg.norm(ways, axis=1)
@@ -102,23 +120,39 @@ def skin(
     else:
         raise refused("hand", hand, "give a midair.Plane or a midair.Mesh")
     displacement = moved.reshape(len(frequencies), len(places))
-    slow = width * np.sqrt(_weighted(np.array(slopes).reshape(displacement.shape), frequencies, SLOW))
-    fast = np.sqrt(_weighted(np.abs(displacement) ** 2, frequencies, FAST))
+    slow = width * np.sqrt(weighted(np.array(slopes).reshape(displacement.shape), frequencies, SLOW))
+    fast = np.sqrt(weighted(np.abs(displacement) ** 2, frequencies, FAST))
     return Skin(places, hand, lines[0].real.astype(np.float64), frequencies, displacement, slow, fast)
 
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """How the skin moves, line by line, and how strongly that is felt.
+    """Give the motion of the skin, line by line, and its felt strength; from `midair.skin`.
 
-    places : (P, 3) in m
-    hand : the midair.Plane, row after row of its pixels, or the midair.Mesh
-    pressure : (P,) in Pa, the radiation pressure in the mean over time
-    frequencies : (L,) in Hz, the lines above 0 up to 1 kHz
-    displacement : (L, P) in m, complex: the real part times e^(2 pi j f t) is the motion
-    slow, fast : (P,) by how much each channel exceeds its threshold, sqrt(sum of |amplitude / threshold|^2)
-        over the lines: the slow one (non-Pacinian) by differences of displacement over `reach`, the fast one
-        (Pacinian) by displacement; 1 is just felt
+    Attributes
+    ----------
+    places : (P, 3) ndarray
+        In m.
+    hand : midair.Plane or midair.Mesh
+        The plane, row after row of its pixels, or the mesh.
+    pressure : (P,) ndarray
+        Radiation pressure in Pa, the mean over time.
+    frequencies : (L,) ndarray
+        The lines in Hz, above 0 up to 1 kHz.
+    displacement : (L, P) ndarray of complex64
+        In m: the real part times e^(2 pi j f t) is the motion.
+    slow, fast : (P,) ndarray
+        How far each channel exceeds its threshold, sqrt(sum of |amplitude / threshold|^2) over the lines; 1
+        is just felt. The slow one (non-Pacinian) feels differences of displacement over `reach`, the fast
+        one (Pacinian) displacement.
+
+    Examples
+    --------
+    >>> import midair
+    >>> scene = midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15]])
+    >>> touch = midair.skin(midair.solve(scene).modulated(200))
+    >>> touch.strength.shape, 0.001 < touch.width() < 0.1
+    ((4096,), True)
     """
 
     places: NDArray[np.float64]
@@ -131,10 +165,9 @@ class Skin:
 
     @property
     def strength(self) -> NDArray[np.float64]:
-        """How strongly it is felt at each place (P,): 1 is just felt.
+        """Felt strength at each place (P,): 1 is just felt.
 
-        The stronger channel and half of the weaker one (Hollins and Roy, Somatosensory and Motor Research 13,
-        1996).
+        The stronger channel, half of the weaker (Hollins and Roy, Somatosens. Mot. Res. 13, 1996).
         """
         found: NDArray[np.float64] = np.maximum(self.slow, self.fast) + np.minimum(self.slow, self.fast) / 2
         return found
@@ -152,38 +185,102 @@ class Skin:
         return found
 
     def spectrum(self, place: ArrayLike) -> NDArray[np.float64]:
-        """The peak displacement (L,) in m of each line, at the place (3,) nearest to that given.
+        """Return the peak displacement of each line at the place nearest to one.
 
-        Raises SceneError for a place that is not in order.
+        Parameters
+        ----------
+        place : (3,) array_like
+            In m.
+
+        Returns
+        -------
+        (L,) ndarray
+            In m.
+
+        Raises
+        ------
+        SceneError
+            For a wrong place.
         """
         return np.abs(self.displacement[:, self._nearest(place)]).astype(np.float64)
 
     def along(self, places: ArrayLike) -> NDArray[np.float64]:
-        """Strength (K,) at the places nearest to those given (K, 3).
+        """Return the strength at the places nearest to some.
 
-        Raises SceneError for places that are not in order.
+        Parameters
+        ----------
+        places : (K, 3) array_like
+            In m.
+
+        Returns
+        -------
+        (K,) ndarray
+            Strength; 1 is just felt.
+
+        Raises
+        ------
+        SceneError
+            For wrong places.
         """
         return self.strength[[self._nearest(place) for place in arguments.places(places)]]
 
     def width(self, place: ArrayLike | None = None) -> float:
-        """Felt width in m: twice the way from a place to the nearest one where strength is below its half.
+        """Return the felt width: twice the way from a place to the nearest of less than half its strength.
 
-        Left out, the strongest place. inf where strength is nowhere below. Raises SceneError for a place
-        that is not in order.
+        Parameters
+        ----------
+        place : (3,) array_like, optional
+            In m; by default the strongest place.
+
+        Returns
+        -------
+        float
+            In m; inf where strength is nowhere below.
+
+        Raises
+        ------
+        SceneError
+            For a wrong place.
         """
         return self._width(self.strength, place)
 
     def focus_width(self, place: ArrayLike | None = None) -> float:
-        """The same of the radiation pressure, from the place of its maximum where left out.
+        """Return the width of the radiation pressure, as `width` of the strength.
 
-        Raises SceneError for a place that is not in order.
+        Parameters
+        ----------
+        place : (3,) array_like, optional
+            In m; by default the place of its maximum.
+
+        Returns
+        -------
+        float
+            In m.
+
+        Raises
+        ------
+        SceneError
+            For a wrong place.
         """
         return self._width(self.pressure, place)
 
     def motion(self, times: ArrayLike) -> NDArray[np.float32]:
-        """Displacement (K, P) in m at times (K,) in s; without the steady part.
+        """Return the displacement at some times, without the steady part.
 
-        Raises SceneError for times that are not in order.
+        Parameters
+        ----------
+        times : (K,) array_like
+            In s.
+
+        Returns
+        -------
+        (K, P) ndarray of float32
+            In m.
+
+        Raises
+        ------
+        SceneError
+            For wrong times.
         """
         turned = np.exp(2j * np.pi * np.outer(instants(times), self.frequencies))
         moved: NDArray[np.float32] = (turned.astype(np.complex64) @ self.displacement).real
@@ -198,14 +295,30 @@ class Skin:
         panels: Panel | Iterable[Panel] | None = None,
         size: Size | None = None,
     ) -> Figure:
-        """Pressure, skin motion (rms) and the spectrum at a place, left out the strongest, side by side.
+        """Draw pressure, skin motion (rms) and the spectrum at a place; a mesh as the array sees it.
 
-        ax : axes of your own for one panel, the first of `panels`
-        cmap : a colour map of matplotlib or its name
-        panels : "pressure", "motion", "spectrum" or several; left out, all
-        size : (width, height) in inches
+        Parameters
+        ----------
+        place : (3,) array_like, optional
+            Of the spectrum, in m; by default the strongest.
+        ax : matplotlib.axes.Axes, optional
+            Axes of your own for one panel, the first of `panels`.
+        cmap : str or Colormap, optional
+            A colour map of matplotlib.
+        panels : {"pressure", "motion", "spectrum"} or list of them, optional
+            What is drawn; by default all, side by side.
+        size : float or (float, float), optional
+            Size of the figure in inches: its width, or (width, height).
 
-        Of a mesh, its places as the array sees them. Raises SceneError for arguments that are not in order.
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure.
+
+        Raises
+        ------
+        SceneError
+            For wrong arguments.
         """
         from .._pictures.sheet import chosen, colour_map, sheet, whole
 
@@ -213,45 +326,12 @@ class Skin:
         colours = colour_map(cmap, MAPS["pressure"])
         best = int(self.strength.argmax()) if place is None else self._nearest(place)
         if ax is not None:
-            self._draw(names[0], ax, colours, best)
+            touched(self, names[0], ax, colours, best)
             return whole(ax)
         figure = sheet(3.6 * len(names), 3.4, size)
         for name, one in zip(names, figure.subplots(1, len(names), squeeze=False)[0], strict=True):
-            self._draw(name, one, colours, best)
+            touched(self, name, one, colours, best)
         return figure
-
-    def _draw(self, panel: Panel, ax: Axes, colours: Map, best: int) -> None:
-        if panel == "pressure":
-            self._map(ax, self.pressure, "radiation pressure, mean / Pa", colours)
-            return
-        if panel == "motion":
-            self._map(ax, 1e6 * self.rms, "skin motion, rms / um", colours)
-            first, second = self._across()
-            ax.plot(1e3 * self.places[best, first], 1e3 * self.places[best, second], "+", color="tab:cyan")
-            return
-        lines = 1e6 * np.abs(self.displacement[:, best])
-        audible = np.geomspace(3, HIGHEST, 200)
-        ax.vlines(self.frequencies, 1e-4, np.maximum(lines, 1e-4), color="tab:blue", label="skin at +")
-        ax.plot(audible, 1e6 * threshold(audible), color="black", linewidth=0.9, label="just felt")
-        ax.set(xscale="log", yscale="log", xlim=(3, HIGHEST), ylim=(1e-2, 100))
-        ax.set(xlabel="frequency / Hz", ylabel="displacement / um", title=f"{self.level:.0f} dB at most")
-        ax.legend(loc="lower left", fontsize="small")
-
-    def _across(self) -> list[int]:
-        """The two axes along which the places lie, or a mesh is widest."""
-        sides = np.ptp(self.places, axis=0)
-        return [axis for axis in range(3) if axis != int(sides.argmin())]
-
-    def _map(self, ax: Axes, values: NDArray[np.float64], label: str, colours: Map) -> None:
-        from matplotlib.tri import Triangulation
-
-        first, second = self._across()
-        x, y = 1e3 * self.places[:, first], 1e3 * self.places[:, second]
-        faces = self.hand.faces if isinstance(self.hand, Mesh) else None
-        drawn = ax.tripcolor(Triangulation(x, y, faces), values, cmap=colours, shading="gouraud")
-        ax.margins(0)
-        ax.set(aspect="equal", xlabel=f"{'xyz'[first]} / mm", ylabel=f"{'xyz'[second]} / mm")
-        ax.figure.colorbar(drawn, ax=ax, label=label)
 
     def _nearest(self, place: ArrayLike) -> int:
         return int(np.square(self.places - vector("place", place)).sum(axis=1).argmin())
@@ -284,11 +364,6 @@ class Skin:
         ]
 
 
-@lru_cache(maxsize=2)
-def _triangles(hand: Mesh) -> Triangles:
-    return Triangles(hand.vertices, hand.faces)
-
-
 def _decibels(strength: float) -> float:
     return float(20 * np.log10(max(strength, 1e-10)))
 
@@ -303,17 +378,6 @@ def _around(sequence: Sequence) -> Plane:
     size = float(np.ptp(points, axis=0)[across].max()) + 2 * MARGIN
     center = (float(middle[across[0]]), float(middle[across[1]]))
     return Plane(axis="xyz"[normal], at=float(middle[normal]), size=size, pixels=SIDE, center=center)
-
-
-def squares(plane: Plane) -> NDArray[np.float64]:
-    """Places (pixels^2, 3) of a plane, row after row upwards."""
-    axes = [plane.along(name) for name in "xyz"]
-    across, up = (axis for axis in axes if axis is not None)
-    first, second = (values.ravel() for values in np.meshgrid(across, up))
-    columns = iter((first, second))
-    return np.stack(
-        [np.full(len(first), plane.at) if axis is None else next(columns) for axis in axes], axis=1
-    )
 
 
 def _lines(
@@ -334,12 +398,3 @@ def _lines(
         waves = kept * np.exp(-2j * np.pi / count * turns).astype(np.complex64)
         lines[1:] += waves @ values
     return (harmonics * (sequence.rate / count)).astype(np.float64), lines.astype(np.complex64)
-
-
-def _weighted(
-    squares: NDArray[np.floating], frequencies: NDArray[np.float64], channel: tuple[tuple[float, float], ...]
-) -> NDArray[np.float64]:
-    """Sum over the lines (L, P) of squares over those of the channel's threshold."""
-    weights = threshold(frequencies, [channel]) ** -2.0
-    found: NDArray[np.float64] = weights @ squares.astype(np.float64)
-    return found

@@ -45,31 +45,60 @@ def sequence(
     resume: str | PathLike[str] | None = None,
     **options: Any,
 ) -> Sequence:
-    """Drives for points that move, frame after frame, no phase changing by more than a bound.
+    """Solve for points that move, frame after frame, no phase changing by more than a bound.
 
-    path : a `midair.path`, or points (T, M, 3) in m, a frame a row
-    solver : "glide" holds the bound; others are started from the last drive where they use a start, and hold
-        the bound if they have an option `change`
-    rate : frames a second
-    change, change_rate : the bound, in rad a frame or in rad/s; left out pi/16 a frame, pi for none
-    tau : time constant of the transducers' envelopes in s, which `glide` takes into account
-    closed : whether the last frame goes on to the first; left out, as the path does. With ahead="all" that
-        step is within the bound, too, which closed=True demands; else `metrics.seam` tells it
-    ahead : 0, each frame knows the one before; n, the next n frames, too; "all", tracks over the whole
-        sequence
-    pressures : targets in Pa: one, (M,) or (T, M), 0 where a point is not there; left out the
-        path's own, else the balanced level of the first frame, times modulation and fades
-    aim : "target" or "max", as `midair.solve` has it; by default "max" if only points are given
-    progress : called with (frames done, frames)
-    resume : an .npz file written as the frames are found, in the memory of a block; stopped and called
-        again with the same arguments it goes on, to the same bits
-    options : of the solver, and the air: frequency, sound_speed, temperature, absorption, density, obstacles;
+    Parameters
+    ----------
+    array : midair.Array
+        N transducers.
+    path : midair.path.Path or (T, M, 3) array_like
+        A path, or points in m, a frame a row.
+    solver : str, optional
+        "glide" keeps the bound. Others start from the last drive where they use a start, and keep the bound
+        if they have an option `change`.
+    rate : float
+        Frames a second.
+    change, change_rate : float, optional
+        The bound, in rad a frame or in rad/s; by default pi/16 a frame, pi for none.
+    tau : float, optional
+        Time constant of the transducers' envelopes in s, which `glide` takes into account.
+    closed : bool, optional
+        Whether the last frame goes on to the first; by default as in the path. With ahead="all" that step is
+        within the bound, too, which closed=True demands; else `metrics.seam` reports it.
+    ahead : int or "all", optional
+        0: each frame knows the one before; n: the next n frames, too; "all": tracks over the whole sequence.
+    pressures : float, (M,) or (T, M) array_like, optional
+        Targets in Pa, 0 where a point is not there. By default the path's own, else the balanced level of
+        the first frame, times modulation and fades.
+    aim : {"target", "max"}, optional
+        As for `midair.solve`; by default "max" if only points are given.
+    progress : callable, optional
+        Called with (frames done, frames).
+    resume : str or path, optional
+        An .npz file written as the frames are found, in the memory of a block. Stopped and called again with
+        the same arguments the solve goes on, to the same bits.
+    **options
+        Of the solver, and the air: frequency, sound_speed, temperature, absorption, density, obstacles.
         signature="trap" moves traps: pressures left out as stiff as can be for `bead`, each carrying its
-        bead along; else foci are solved for them. Targets and pressures are those of the foci
+        bead along; else foci are solved for them. Targets and pressures are those of the foci.
 
-    Warns where points move faster than the bound allows, or than traps can pull a bead. Raises SceneError for
-    whatever is not in order.
+    Returns
+    -------
+    midair.Sequence
+        The frames and their drives.
 
+    Raises
+    ------
+    SceneError
+        For wrong arguments.
+
+    Warns
+    -----
+    SceneWarning
+        Where points move faster than the bound allows, or than traps can pull a bead.
+
+    Examples
+    --------
     >>> import midair
     >>> array = midair.Array.preset("autd3")
     >>> ring = midair.path.circle([0, 0, 0.15], 0.01, frequency=50, points=2)
@@ -128,14 +157,36 @@ def modulated(
     samples_rate: float | None = None,
     rate: float = 4e3,
 ) -> Sequence:
-    """A solution's drive, its amplitude modulated as `path.modulated` says, as a closed sequence.
+    """Modulate the amplitude of a solution's drive, as `path.Path.modulated` does, as a closed sequence.
 
-    frequency, shape, depth, samples_rate : in Hz; or samples (S,) from 0 to 1, this many a second
-    rate : frames a second; at least twice the frequency, or as many as there are samples
+    Parameters
+    ----------
+    solution : midair.Solution
+        A solution with a scene.
+    frequency : float or (S,) array_like
+        In Hz; or samples from 0 to 1 that repeat.
+    shape : {"sqrt", "cosine", "square"}, optional
+        Shape of a period.
+    depth : float, optional
+        From 0, no modulation, to 1.
+    samples_rate : float, optional
+        Samples a second.
+    rate : float, optional
+        Frames a second; at least twice the frequency, or as many as there are samples.
 
-    Raises SceneError for a solution without a scene, a modulation that is not in order, and a rate of which
-    no 1024 frames or fewer hold whole periods.
+    Returns
+    -------
+    midair.Sequence
+        Frames of whole periods.
 
+    Raises
+    ------
+    SceneError
+        For a solution without a scene, a wrong modulation, and a rate of which no 1024 frames or fewer make
+        whole periods.
+
+    Examples
+    --------
     >>> import midair
     >>> scene = midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15]])
     >>> len(midair.solve(scene).modulated(200)), len(midair.solve(scene).modulated([1, 0], samples_rate=400))
@@ -189,14 +240,32 @@ def stream(
     aim: str | None = None,
     **options: Any,
 ) -> Iterator[NDArray[np.complex64]]:
-    """The drive (N,) of each of endless frames, as it comes; with `ahead`, this many frames later.
+    """Yield the drive of each of endless frames, as it comes; with `ahead`, this many frames later.
 
-    A frame is points (M, 3), or a pair of points and pressures (M,). The arguments are those of
-    `midair.sequence`. M may change: what appears or vanishes at once makes a jolt as large as the bound lets
-    it be.
+    Parameters
+    ----------
+    array : midair.Array
+        N transducers.
+    frames : iterable
+        Of points (M, 3) in m, or of pairs of points and pressures (M,) in Pa. M may change: a point that
+        appears or vanishes at once makes a jolt as large as the bound lets it be.
+    solver, rate, change, change_rate, tau, ahead, aim : optional
+        As `midair.sequence` takes them.
+    **options
+        Of the solver, and the air, as there.
 
-    Raises SceneError for whatever is not in order, a frame at its turn.
+    Yields
+    ------
+    (N,) ndarray of complex64
+        The drive of a frame.
 
+    Raises
+    ------
+    SceneError
+        For wrong arguments, and for a wrong frame at its turn.
+
+    Examples
+    --------
     >>> import midair
     >>> array = midair.Array.preset("autd3")
     >>> hand = ([[0.001 * t, 0.0, 0.15]] for t in range(5))

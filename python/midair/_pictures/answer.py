@@ -128,18 +128,34 @@ def answer(
     panels: Panel | Iterable[Panel] | None = None,
     size: Size | None = None,
 ) -> Figure:
-    """Targets and pressures of each point, in Pa, and the field in the planes through the points.
+    """Draw targets and pressures of each point, in Pa, and the field in the planes through the points.
 
-    Of drawings, more than 40 points in one plane, the field has three panels: wanted, made, difference.
+    Parameters
+    ----------
+    solution : midair.Solution
+        Of drawings, more than 40 points in one plane, the field has three panels: wanted, made, difference.
+    ax : matplotlib.axes.Axes, optional
+        Axes of your own for one panel, that of the field in the first plane if `panels` is left out.
+    plane : midair.Plane, optional
+        Plane of the field in place of those through the points.
+    quantity : {"pressure", "radiation", "spl", "phase"}, optional
+        What the field's picture shows.
+    cmap : str or Colormap, optional
+        A colour map of matplotlib; by default the quantity's own.
+    panels : {"field", "points"} or list of them, optional
+        What is drawn; by default both, but of a single point the field alone.
+    size : float or (float, float), optional
+        Size of the figure in inches: its width, or (width, height).
 
-    ax : axes of your own for one panel, that of the field in the first plane if `panels` is left out
-    plane : the midair.Plane of the field in place of those through the points
-    quantity : what the field's picture shows: "pressure", "radiation", "spl" or "phase"
-    cmap : a colour map of matplotlib or its name; left out, the quantity's own
-    panels : "field", "points" or both; left out, both, but of a single point the field alone
-    size : of the figure in inches, its width or (width, height)
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure.
 
-    Returns the figure. Raises SceneError for another quantity, colour map, panel or size.
+    Raises
+    ------
+    SceneError
+        For another quantity, colour map, panel or size.
     """
     from .sheet import chosen, head, sheet, whole
 

@@ -227,7 +227,19 @@ class Solvers(dict[str, SolverInfo]):
 
 
 def solvers() -> Solvers:
-    """Every solver by name: a dictionary that prints as a table."""
+    """List every solver by name, with its options and its source.
+
+    Returns
+    -------
+    dict of str to midair.SolverInfo
+        A dictionary that prints as a table.
+
+    Examples
+    --------
+    >>> import midair
+    >>> midair.solvers()["greedy"].options["phases"].default
+    16
+    """
     return Solvers(_midair.solvers())
 
 

@@ -60,23 +60,49 @@ def plot(
 ) -> Axes | Figure:
     """Draw a field on a plane, the field of a solution in the plane through its points, or a sequence.
 
-    ax : the axes to draw in; left out, matplotlib's present ones
-    plane : of a solution, the midair.Plane in place of those through its points
-    quantity : |p| in Pa ("pressure"), the radiation pressure on a wall in Pa ("radiation"), the sound
-        pressure level in dB ("spl") or the phase of p ("phase")
-    vmax : the value at the top of the colour scale, in Pa or dB; left out, the picture's largest, unless that
-        is over twice as loud as all within two wavelengths of the points, as a transducer is
-    cmap : a colour map of matplotlib or its name; left out, the quantity's own
-    size : of a new figure in inches, its width or (width, height)
+    Parameters
+    ----------
+    what : midair.Field, midair.Solution, or anything with a method `plot`
+        A `midair.Sequence` or a table of `midair.compare` is drawn by its own method, with those of these
+        arguments that it takes.
+    ax : matplotlib.axes.Axes, optional
+        The axes to draw in; by default matplotlib's present ones.
+    plane : midair.Plane, optional
+        Plane of a solution's field, in place of those through its points.
+    quantity : {"pressure", "radiation", "spl", "phase"}, optional
+        |p| in Pa, the radiation pressure on a wall in Pa, the sound pressure level in dB, or the phase of p.
+    vmax : float, optional
+        Value at the top of the colour scale, in Pa or dB. By default the picture's largest, unless that is
+        over twice as loud as all within two wavelengths of the points, as a transducer is.
+    cmap : str or Colormap, optional
+        A colour map of matplotlib; by default the quantity's own.
+    size : float or (float, float), optional
+        Size of a new figure in inches: its width, or (width, height).
 
+    Returns
+    -------
+    matplotlib.axes.Axes or matplotlib.figure.Figure
+        The (first) axes; the figure of what has a method `plot`.
+
+    Raises
+    ------
+    SceneError
+        For another quantity, colour map or size, a field at single points and a solution of a matrix.
+    TypeError
+        For anything else to draw.
+
+    Notes
+    -----
     Points of the plane are dots, quiet ones crosses; points off it are hollow rings where they project. Where
-    it takes several planes to show the points, each has a panel if ax is left out. Returns the (first) axes.
+    it takes several planes to show the points, each has a panel if ax is left out.
 
-    What has a method `plot` of its own, as a `midair.Sequence` or a table of `midair.compare` has, is drawn
-    by it, with those of these arguments that it takes. Returns what it returns, the figure.
-
-    Raises SceneError for another quantity, colour map or size, a field at single points and a solution of a
-    matrix; TypeError for anything else to draw.
+    Examples
+    --------
+    >>> import midair
+    >>> solution = midair.solve(midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]]))
+    >>> axes = midair.plot(solution, quantity="spl")
+    >>> axes.get_xlabel()
+    'x / mm'
     """
     from .sheet import head, whole
 

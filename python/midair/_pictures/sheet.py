@@ -73,14 +73,29 @@ STYLES = {
 def style(name: str) -> AbstractContextManager[object]:
     """Draw figures as a journal wants them, from now on or within a `with` statement.
 
-    name : "ieee": columns of 3.5 and 7.16 inches, letters of 8 points, TrueType fonts
+    Parameters
+    ----------
+    name : {"ieee"}
+        Columns of 3.5 and 7.16 inches, letters of 8 points, TrueType fonts.
 
-    Figures of midair are then one column wide, or a page wide where they have several panels, and have no
-    heading: that is the caption's. The setting is matplotlib's, so that figures of your own follow, and
-    `matplotlib.rcdefaults()` ends it. Returns what a `with` statement takes; at its end all is as before.
+    Returns
+    -------
+    context manager
+        For a `with` statement; at its end all is as before.
 
-    Raises SceneError for another name.
+    Raises
+    ------
+    SceneError
+        For another name.
 
+    Notes
+    -----
+    Figures of midair are then one column wide, or a page wide where they have several panels. They have no
+    heading: that is the caption's. The setting is matplotlib's: figures of your own follow it, and
+    `matplotlib.rcdefaults()` ends it.
+
+    Examples
+    --------
     >>> import midair
     >>> array = midair.Array.preset("paper20")
     >>> solution = midair.solve(midair.Scene(array, [[-0.02, 0, 0.15], [0.02, 0, 0.15]]))

@@ -23,10 +23,15 @@ MOST_POINTS = 100_000
 
 @dataclass(frozen=True, eq=False)
 class Ear:
-    """A box of quiet points, from `midair.ear`.
+    """Describe a box of quiet points; from `midair.ear`.
 
-    points : (M, 3) in m
+    Attributes
+    ----------
+    points : (M, 3) ndarray
+        Points in m.
 
+    Examples
+    --------
     >>> import midair
     >>> scene = midair.Scene(midair.Array.grid(20, 20, 10e-3), [[0, 0, 0.15]], pressures=500)
     >>> ear = midair.ear([0.0, 0.1, 0.15])
@@ -38,11 +43,24 @@ class Ear:
     points: NDArray[np.float64]
 
     def quieten(self, scene: Scene) -> Scene:
-        """The scene with the box's points added, quiet: 0 Pa and weight 1.
+        """Return a scene with the box's points added, quiet: 0 Pa and weight 1.
 
-        Where its pressures were left out, they become the balanced level (`scene.reach().level`).
+        Parameters
+        ----------
+        scene : midair.Scene
+            Where it has no pressures, they become the balanced level (`scene.reach().level`).
 
-        Raises SceneError for a point nearer than lambda/100 to a transducer; TypeError for what is no scene.
+        Returns
+        -------
+        midair.Scene
+            The scene with the box.
+
+        Raises
+        ------
+        SceneError
+            For a point nearer than lambda/100 to a transducer.
+        TypeError
+            For another type of scene.
         """
         if not isinstance(scene, Scene):
             raise TypeError(f"expected a midair.Scene first, not {type(scene).__qualname__}")
@@ -53,27 +71,62 @@ class Ear:
         return scene.replace(points=points, pressures=np.r_[own, silence], weights=weights)
 
     def spl(self, scene: Scene, drive: ArrayLike | Solution) -> float:
-        """The highest sound pressure level at the box's points: 20 log10(|p|/sqrt(2)/20 uPa) in dB.
+        """Return the highest sound pressure level at the box's points: 20 log10(|p|/sqrt(2)/20 uPa).
 
-        `drive` (N,), or a solution of the scene with or without the box. -inf in silence.
+        Parameters
+        ----------
+        scene : midair.Scene
+            Array, air and obstacles.
+        drive : (N,) array_like or midair.Solution
+            A drive, or a solution of the scene with or without the box.
 
-        Raises SceneError for a drive of another shape or not finite.
+        Returns
+        -------
+        float
+            Level in dB; -inf in silence.
+
+        Raises
+        ------
+        SceneError
+            For a drive of another shape or not finite.
         """
         loudest = float(np.abs(field(scene, drive, self.points).pressure).max())
         return -np.inf if loudest == 0.0 else float(20 * np.log10(loudest / np.sqrt(2) / REFERENCE))
 
 
 def ear(position: Any, *, size: float = 0.01, step: float = STEP) -> Ear:
-    """A cube of quiet points around a position (3,) in m.
+    """Make a cube of quiet points around a position.
 
-    size : its side in m
-    step : between neighbouring points at most, in m: a quarter of a wavelength
-        leaves nothing loud between them
+    Parameters
+    ----------
+    position : (3,) array_like
+        Middle of the cube in m.
+    size : float, optional
+        Its side in m.
+    step : float, optional
+        Largest distance in m between neighbouring points: a quarter of a wavelength leaves nothing loud
+        between them.
 
-    Solvers that hold quiet points to a tolerance (`quiet=` of `uniform` and `best`) silence it to that part
+    Returns
+    -------
+    midair.Ear
+        The points.
+
+    Raises
+    ------
+    SceneError
+        For a wrong position, size or step, and for too many points.
+
+    Notes
+    -----
+    Solvers with a tolerance of quiet points (`quiet=` of `uniform` and `best`) silence the cube to that part
     of the loudest point. The level says what is left, not what an ear bears.
 
-    Raises SceneError for a position, size or step that is not in order, and for too many points.
+    Examples
+    --------
+    >>> import midair
+    >>> len(midair.ear([0.0, 0.1, 0.15], size=0.01, step=0.005).points)
+    27
     """
     middle = vector("position", position)
     size, step = number("size", size, above=0), number("step", step, above=0)

@@ -29,11 +29,25 @@ PITCH = 2 * STEP
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A picture as points, from `midair.image`; `midair.Scene(array, **picture)` is its scene.
+    """Keep a picture as points, from `midair.image`; `midair.Scene(array, **picture)` is its scene.
 
-    points : (M, 3) in m
-    pressures : (M,) in Pa, 0 of quiet points
-    weights : (M,), all 1
+    Attributes
+    ----------
+    points : (M, 3) ndarray
+        Places in m.
+    pressures : (M,) ndarray
+        Peak pressures in Pa, 0 of quiet points.
+    weights : (M,) ndarray
+        Weights, all 1.
+
+    Examples
+    --------
+    >>> import midair, tempfile
+    >>> import matplotlib.pyplot as plt
+    >>> plt.imsave(f"{tempfile.gettempdir()}/ring.png", [[1, 1, 1], [1, 0, 1], [1, 1, 1]], cmap="gray")
+    >>> picture = midair.image(f"{tempfile.gettempdir()}/ring.png", size=0.02, z=0.15, pixels=3)
+    >>> len(midair.Scene(midair.Array.preset("autd3"), **picture).points)
+    8
     """
 
     points: NDArray[np.float64]
@@ -41,7 +55,7 @@ class Picture:
     weights: NDArray[np.float64]
 
     def keys(self) -> tuple[str, ...]:
-        """The names of its arrays, as `midair.Scene` calls them."""
+        """Return the names of its arrays, as `midair.Scene` calls them."""
         return ("points", "pressures", "weights")
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
@@ -60,19 +74,43 @@ def image(
     pressure: float = 1000.0,
     quiet: bool = False,
 ) -> Picture:
-    """A picture as points of a grid in the plane at z, its middle at x = y = 0, y up.
+    """Turn a picture into points of a grid in the plane at z, its middle at x = y = 0, y up.
 
-    size : the longer side of the picture, in m
-    pixels : along the longer side, size / pixels apart; left out, half a wavelength (4.25 mm at 40 kHz), as
-        what nearer neighbours ask for contradicts itself
-    pressure : of white, in Pa; a grey pixel asks for its part of it, brightness / 255
-    quiet : whether dark pixels, below 5 % of white, are quiet points; left out of it otherwise
+    Parameters
+    ----------
+    path : str or path
+        A picture; colours are read as their brightness, and what is transparent as black.
+    size : float
+        Longer side of the picture, in m.
+    z : float
+        Height of the plane in m.
+    pixels : int, optional
+        Pixels along the longer side, size / pixels apart. By default half a wavelength (4.25 mm at 40 kHz)
+        apart, as targets of nearer neighbours contradict each other.
+    pressure : float, optional
+        Pressure of white in Pa; a grey pixel has the target brightness / 255 of it.
+    quiet : bool, optional
+        Whether dark pixels, below 5 % of white, are quiet points; otherwise they are left out.
 
-    Colours are read as their brightness, and what is transparent as black. Every weight is 1. With aim="max"
-    only the ratios of the pressures count: the picture becomes as loud as the array can.
+    Returns
+    -------
+    midair.Picture
+        Points, pressures and weights. With aim="max" only the ratios of the pressures count: the picture
+        becomes as loud as the array can.
 
-    Raises SceneError for a file that is not there, is no picture or is dark everywhere, for numbers that are
-    not in order, and for more points than 100000.
+    Raises
+    ------
+    SceneError
+        For a file that is missing, is no picture or is dark everywhere, for wrong numbers, and for more than
+        100000 points.
+
+    Examples
+    --------
+    >>> import midair, tempfile
+    >>> import matplotlib.pyplot as plt
+    >>> plt.imsave(f"{tempfile.gettempdir()}/line.png", [[0, 0, 0], [1, 1, 1], [0, 0, 0]], cmap="gray")
+    >>> midair.image(f"{tempfile.gettempdir()}/line.png", size=0.03, z=0.15, pixels=3).points[:, 0].round(3)
+    array([-0.01,  0.  ,  0.01])
     """
     size, z, pressure = number("size", size, above=0), number("z", z), number("pressure", pressure, above=0)
     quiet = flag("quiet", quiet)

@@ -19,10 +19,27 @@ if TYPE_CHECKING:
 def view(what: Scene | Solution) -> View:
     """Show a scene as a picture whose points can be dragged, in a notebook. Needs anywidget.
 
-    what : the midair.Scene, or a midair.Solution, whose scene is shown and whose solver is method A
+    Parameters
+    ----------
+    what : midair.Scene or midair.Solution
+        A solution shows its scene, its solver as method A.
 
-    Points, pressures and scene as they are shown are attributes of the answer; what is set there is shown.
-    Raises SceneError for scenes with more than the page knows of (docs/studio.md).
+    Returns
+    -------
+    midair.View
+        The picture. Its attributes are the points, pressures and scene as shown; setting one shows it.
+
+    Raises
+    ------
+    SceneError
+        For scenes with more than the page can show (docs/studio.md), and where anywidget is missing.
+
+    Examples
+    --------
+    >>> import midair
+    >>> scene = midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15]])
+    >>> midair.view(scene).points.tolist()  # doctest: +SKIP
+    [[0.0, 0.0, 0.15]]
     """
     if not isinstance(what, Scene | Solution):
         raise TypeError(f"expected a midair.Scene or midair.Solution, not {type(what).__qualname__}")
@@ -30,8 +47,10 @@ def view(what: Scene | Solution) -> View:
 
 
 class View:
-    """The studio in a notebook: the last line of a cell shows it. `midair.view` makes one.
+    """Show the studio in a notebook: the last line of a cell shows it. `midair.view` makes one.
 
+    Examples
+    --------
     >>> import midair
     >>> scene = midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15]])
     >>> picture = midair.view(scene)  # doctest: +SKIP
@@ -54,12 +73,12 @@ class View:
 
     @property
     def widget(self) -> Widget:
-        """The anywidget behind it, for layouts, `observe(function, "state")` and `close()`."""
+        """Underlying anywidget, for layouts, `observe(function, "state")` and `close()`."""
         return self._widget
 
     @property
     def scene(self) -> Scene:
-        """The scene that is shown now, its solver method A; a scene set here is shown."""
+        """Scene that is shown now, its solver method A; setting a scene shows it."""
         return shown_scene(self._state()) if self._given is None else self._given
 
     @scene.setter
@@ -71,7 +90,7 @@ class View:
 
     @property
     def points(self) -> NDArray[np.float64]:
-        """The points (M, 3) in m, wherever they were dragged to; those set here are shown."""
+        """Points (M, 3) in m, as they were dragged; setting points shows them."""
         if self._given is not None:
             return self._given.points
         return np.array(self._state()["points"], dtype=float).reshape(-1, 3)
@@ -91,7 +110,7 @@ class View:
 
     @property
     def pressures(self) -> NDArray[np.float64] | None:
-        """What the points (M,) are to feel in Pa, None for as much as all can; those set here are shown."""
+        """Target pressures (M,) in Pa, None for as loud as the array can; setting them shows them."""
         if self._given is not None:
             pressures = self._given.pressures
             return None if pressures is None else pressures.real
@@ -104,7 +123,7 @@ class View:
 
     @property
     def methods(self) -> tuple[str, ...]:
-        """The two methods that the page compares; empty until it is up."""
+        """Two methods that the page compares; empty before it has started."""
         return tuple(self._state()["methods"]) if self._widget.state else ()
 
     @property

@@ -35,21 +35,43 @@ def sweep(
     threads: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> dict[str, np.ndarray[Any, Any]]:
-    """Solve every problem of a sweep; returns the table, a column (rows,) for each name.
+    """Solve every problem of a sweep.
 
-    request : a sweep file (TOML or JSON, docs/sweeps.md) or a mapping of its keys; there an Array may stand
-        for an array's table, a Scene for a scene file
-    output : a file for the table, .csv or .parquet
-    drives : a folder for a Zarr group of drives, points and pressures, a row for each row of the table; one
-        that is there is replaced if a sweep made it
-    scheduler : address of a Dask scheduler; left out, threads of this process work
-    threads : how many of them at most; left out, one a processor
-    progress : called with (problems done, problems)
+    Parameters
+    ----------
+    request : str, path or mapping
+        A sweep file (TOML or JSON, docs/sweeps.md) or a mapping of its keys. There an Array may stand for an
+        array's table, a Scene for a scene file.
+    output : str or path, optional
+        A file for the table, .csv or .parquet. A stopped sweep continues where it was.
+    drives : str or path, optional
+        A folder for a Zarr group of drives, points and pressures, a row for each row of the table. An old
+        group is replaced if a sweep made it.
+    scheduler : str, optional
+        Address of a Dask scheduler; by default threads of this process work.
+    threads : int, optional
+        Largest number of threads; by default one a processor.
+    progress : callable, optional
+        Called with (problems done, problems).
 
-    The numbers depend on the request alone: not on threads, workers, or an interruption. With an output a
-    stopped sweep goes on where it was. Raises SceneError for whatever is not in order; warns once, with
-    counts, of problems that ask for more than the array reaches, or for weak foci unbalanced.
+    Returns
+    -------
+    dict of str to (rows,) ndarray
+        The table by column. The numbers depend on the request alone: not on threads, workers, or an
+        interruption.
 
+    Raises
+    ------
+    SceneError
+        For a wrong request and for files that cannot be written.
+
+    Warns
+    -----
+    SceneWarning
+        Once, with counts, of problems with targets beyond reach, or with weak foci unbalanced.
+
+    Examples
+    --------
     >>> import midair
     >>> table = midair.sweep({
     ...     "array": {"preset": "paper20"},

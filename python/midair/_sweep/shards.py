@@ -41,15 +41,40 @@ MANIFEST, SPLITS = "dataset.json", ("train", "held_out")
 
 @dataclass(frozen=True)
 class Dataset:
-    """A data set in a folder: `Dataset("folder")` opens one that `midair.dataset` made.
+    """Open a data set that `midair.dataset` made.
 
-    folder : where its files are
+    Parameters
+    ----------
+    folder : str or path
+        Folder of its files.
 
+    Attributes
+    ----------
+    folder : path
+        Folder of its files.
+
+    Raises
+    ------
+    SceneError
+        For a folder without a data set.
+
+    Notes
+    -----
     Files of both parts, "train" and "held_out", have a row for each scene: trial; points (M, 3) in m; targets
     (M,) in Pa where the request has pressures; pressures (M,) and drive (N,), complex numbers as re and im in
     turn; scale; the metrics; status; the bound, if requested.
 
-    Raises SceneError for a folder without a data set.
+    Examples
+    --------
+    >>> import midair, tempfile
+    >>> folder = tempfile.mkdtemp()
+    >>> made = midair.dataset({
+    ...     "array": {"preset": "paper20"}, "solver": {"name": "fast"}, "seeds": 20,
+    ...     "points": {"count": 4, "x": [-0.05, 0.05], "y": [-0.05, 0.05], "z": 0.15},
+    ... }, folder)
+    >>> for part in midair.Dataset(folder).read("held_out"):
+    ...     print(part["points"].shape, part["drive"].shape)
+    (2, 4, 3) (2, 400)
     """
 
     folder: Path
@@ -62,7 +87,7 @@ class Dataset:
 
     @cached_property
     def manifest(self) -> dict[str, Any]:
-        """The request's blocks, the version, and how many scenes there are."""
+        """Blocks of the request, the version, and the number of scenes."""
         try:
             found: dict[str, Any] = json.loads((self.folder / MANIFEST).read_text(encoding="utf-8"))
             _ = found["blocks"], found["scenes"]
@@ -72,22 +97,48 @@ class Dataset:
 
     @property
     def array(self) -> Array:
-        """The array of all scenes."""
+        """Array of all scenes."""
         return array_and_medium(self.manifest["blocks"][0])[0]
 
     def files(self, split: str = "train") -> list[Path]:
-        """The Parquet files of a part, in order. Raises SceneError for a part of another name."""
+        """Return the Parquet files of a part, in order.
+
+        Parameters
+        ----------
+        split : {"train", "held_out"}, optional
+            The part.
+
+        Returns
+        -------
+        list of path
+            The files.
+
+        Raises
+        ------
+        SceneError
+            For a part of another name.
+        """
         if split not in SPLITS:
             raise SceneError(f'split is "{split}": give "train" or "held_out"')
         return sorted(self.folder.glob(f"{split}-*.parquet"))
 
     def read(self, split: str = "train") -> Iterator[dict[str, NDArray[Any]]]:
-        """One file after another as arrays of B rows: points (B, M, 3), drive (B, N) and so on.
+        """Yield one file after another as arrays of B rows.
 
-        Raises SceneError for a part of another name.
+        Parameters
+        ----------
+        split : {"train", "held_out"}, optional
+            The part.
 
-        >>> for part in midair.Dataset("scenes").read("held_out"):  # doctest: +SKIP
-        ...     learn(part["points"], part["drive"])
+        Yields
+        ------
+        dict of str to ndarray
+            points (B, M, 3), drive (B, N) and so on.
+
+        Raises
+        ------
+        SceneError
+            For a part of another name.
         """
         from pyarrow import parquet
 
@@ -95,10 +146,22 @@ class Dataset:
             yield _arrays(parquet.read_table(file))
 
     def judge(self, drives: Any) -> dict[str, NDArray[np.float64]]:
-        """The metrics of other drives (B, N) for the B held-out scenes, in their order.
+        """Compute the metrics of other drives for the B held-out scenes, in their order.
 
-        Each is an array (B,); "reference_accuracy" and so on are those of the data set's own drives. Targets
-        are the request's; without pressures each scene's are equal. Raises SceneError for another shape.
+        Parameters
+        ----------
+        drives : (B, N) array_like
+            Complex drives. Targets are the request's; without pressures each scene's are equal.
+
+        Returns
+        -------
+        dict of str to (B,) ndarray
+            Metrics by name; "reference_accuracy" and so on are those of the data set's own drives.
+
+        Raises
+        ------
+        SceneError
+            For drives of another shape.
         """
         given = np.asarray(drives)
         count = sum(part["trial"].size for part in self.read("held_out"))
@@ -127,16 +190,36 @@ def dataset(
     threads: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Dataset:
-    """Make a data set of random scenes and their drives; started again, it goes on where it was.
+    """Make a data set of random scenes and their drives. Started again, it continues where it was.
 
-    request : as of `midair.sweep`, with arrays of one size and one solver; all scenes share a solver's seed
-    folder : where the Parquet files and dataset.json go; one that holds the same set is completed
-    bounds : whether each scene's bound, which no drive exceeds, is computed too
-    scheduler, threads, progress : as of `midair.sweep`
+    Parameters
+    ----------
+    request : str, path or mapping
+        As of `midair.sweep`, with arrays of one size and one solver; all scenes share a solver's seed.
+    folder : str or path
+        Folder of the Parquet files and dataset.json; one that has the same set is completed.
+    bounds : bool, optional
+        Whether each scene's bound, which no drive exceeds, is computed too.
+    scheduler, threads, progress : optional
+        As of `midair.sweep`.
 
-    Every tenth trial is held out, in files of its own. The numbers depend on the request alone. Raises
-    SceneError for a request that is not in order or a folder that holds anything else; warns as a sweep does.
+    Returns
+    -------
+    midair.Dataset
+        The set. Every tenth trial is held out, in files of its own. The numbers depend on the request alone.
 
+    Raises
+    ------
+    SceneError
+        For a wrong request or a folder with other contents.
+
+    Warns
+    -----
+    SceneWarning
+        As `midair.sweep`.
+
+    Examples
+    --------
     >>> import midair, tempfile
     >>> made = midair.dataset({
     ...     "array": {"preset": "paper20"}, "solver": {"name": "fast"}, "seeds": 50,

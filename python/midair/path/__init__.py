@@ -1,5 +1,11 @@
 """Paths: control points that move, at constant speed along curves, and their targets in time.
 
+Each function returns a `Path`: `.at(times)` are places (T, M, 3) in m, `.targets(times)` targets (T, M), in
+Pa if `pressures` were given, else relative to full. Speed is in m/s along the curve, frequency in laps a
+second. `a & b` are both at the same time, `a.then(b)` one after the other, `a.with_am(200)` is modulated.
+
+Examples
+--------
 >>> import midair
 >>> ring = midair.path.circle([0, 0, 0.15], 0.02, frequency=50, points=3)
 >>> ring
@@ -7,10 +13,6 @@ Path(points=3, duration=0.02, closed=True)
 >>> points, targets = ring.with_am(200).frames(rate=10e3)
 >>> points.shape, targets.shape
 ((200, 3, 3), (200, 3))
-
-Each function returns a `Path`: `.at(times)` are places (T, M, 3) in m, `.targets(times)` targets (T, M), in
-Pa if `pressures` were given, else relative to full. Speed is in m/s along the curve, frequency in laps a
-second. `a & b` are both at the same time, `a.then(b)` one after the other, `a.with_am(200)` is modulated.
 """
 
 from .._support import slips as _slips

@@ -33,19 +33,44 @@ def circle(
     points: int = 1,
     pressures: ArrayLike | None = None,
 ) -> Path:
-    """Points, evenly spaced, that move around a circle, counterclockwise seen against its normal.
+    """Move points, evenly spaced, around a circle, counterclockwise seen against its normal.
 
-    center : (3,) in m
-    radius : in m
-    speed : in m/s; or
-    frequency : turns a second
-    turns : their number; a path of whole turns is closed
-    start_angle : of the first point, in rad, from x (if the plane allows it, else from y)
-    normal : (3,), of any length
-    points : their number, M
-    pressures : in Pa, one number or (M,); by default balanced
+    Parameters
+    ----------
+    center : (3,) array_like
+        Center in m.
+    radius : float
+        Radius in m.
+    speed : float, optional
+        In m/s; or give `frequency`.
+    frequency : float, optional
+        Turns a second.
+    turns : float, optional
+        Number of turns; a path of whole turns is closed.
+    start_angle : float, optional
+        Angle of the first point in rad, from x (if the plane allows it, else from y).
+    normal : (3,) array_like, optional
+        Normal of the plane, of any length.
+    points : int, optional
+        Number M of points.
+    pressures : float or (M,) array_like, optional
+        Peak pressures in Pa; by default balanced.
 
-    Raises SceneError for wrong numbers, and unless either a speed or a frequency above 0 is given.
+    Returns
+    -------
+    Path
+        The path.
+
+    Raises
+    ------
+    SceneError
+        For wrong numbers, and unless either a speed or a frequency above 0 is given.
+
+    Examples
+    --------
+    >>> import midair
+    >>> midair.path.circle([0, 0, 0.15], 0.02, frequency=50, points=2)
+    Path(points=2, duration=0.02, closed=True)
     """
     radius, turns = number("radius", radius), number("turns", turns, above=0)
     angle, count = number("start_angle", start_angle), whole("points", points, least=1)
@@ -64,16 +89,37 @@ def line(
     there_and_back: bool = False,
     pressures: ArrayLike | None = None,
 ) -> Path:
-    """A point that moves from start to end, and back with there_and_back, which is a closed path.
+    """Move a point from start to end, and back with there_and_back, which is a closed path.
 
-    start, end : (3,) in m
-    speed : in m/s; or
-    frequency : times a second; there and back count once
-    there_and_back : whether it returns
-    pressures : in Pa; by default balanced
+    Parameters
+    ----------
+    start, end : (3,) array_like
+        Places in m.
+    speed : float, optional
+        In m/s; or give `frequency`.
+    frequency : float, optional
+        Times a second; there and back count once.
+    there_and_back : bool, optional
+        Whether the point returns.
+    pressures : float, optional
+        Peak pressure in Pa; by default balanced.
 
-    Raises SceneError for an end that is the start, for wrong numbers, and unless either a speed or a
-    frequency above 0 is given.
+    Returns
+    -------
+    Path
+        The path.
+
+    Raises
+    ------
+    SceneError
+        For an end that is the start, for wrong numbers, and unless either a speed or a frequency above 0 is
+        given.
+
+    Examples
+    --------
+    >>> import midair
+    >>> midair.path.line([-0.02, 0, 0.15], [0.02, 0, 0.15], speed=0.1)
+    Path(points=1, duration=0.4, closed=False)
     """
     curve = Curve.line(vector("start", start), vector("end", end), flag("there_and_back", there_and_back))
     return walk(curve, speed=speed, frequency=frequency, pressures=pressures)
@@ -87,14 +133,38 @@ def polyline(
     closed: bool = False,
     pressures: ArrayLike | None = None,
 ) -> Path:
-    """A point along straight lines between corners (K, 3) in m, closed or not.
+    """Move a point along straight lines between corners.
 
-    speed : in m/s; or
-    frequency : times a second along the whole way
-    pressures : in Pa; by default balanced
+    Parameters
+    ----------
+    corners : (K, 3) array_like
+        Corners in m.
+    speed : float, optional
+        In m/s; or give `frequency`.
+    frequency : float, optional
+        Times a second along the whole way.
+    closed : bool, optional
+        Whether a line leads from the last corner to the first.
+    pressures : float, optional
+        Peak pressure in Pa; by default balanced.
 
-    Raises SceneError for corners in one place, for wrong numbers, and unless either a speed or a frequency
-    above 0 is given.
+    Returns
+    -------
+    Path
+        The path.
+
+    Raises
+    ------
+    SceneError
+        For corners in one place, for wrong numbers, and unless either a speed or a frequency above 0 is
+        given.
+
+    Examples
+    --------
+    >>> import midair
+    >>> corners = [[0, 0, 0.15], [0.02, 0, 0.15], [0.02, 0.02, 0.15]]
+    >>> midair.path.polyline(corners, speed=0.1)
+    Path(points=1, duration=0.4, closed=False)
     """
     curve = Curve.lines("corners", vectors("corners", corners), flag("closed", closed))
     return walk(curve, speed=speed, frequency=frequency, pressures=pressures)
@@ -110,17 +180,40 @@ def lissajous(
     frequency: float | None = None,
     pressures: ArrayLike | None = None,
 ) -> Path:
-    """A point along x = width / 2 sin(a u + phase), y = height / 2 sin(b u) around a center.
+    """Move a point along x = width / 2 sin(a u + phase), y = height / 2 sin(b u) around a center.
 
-    center : (3,) in m
-    size : width and height of the whole, in m
-    ratio : a : b, two whole numbers; 1 : 1 is an ellipse, 1 : 2 with phase 0 an eight
-    phase : in rad
-    speed : in m/s, constant along the figure (a sine in time would not be); or
-    frequency : figures a second
-    pressures : in Pa; by default balanced
+    Parameters
+    ----------
+    center : (3,) array_like
+        Center in m.
+    size : (float, float)
+        Width and height of the whole, in m.
+    ratio : (int, int)
+        a and b, two whole numbers; 1, 1 is an ellipse, 1, 2 with phase 0 an eight.
+    phase : float, optional
+        In rad.
+    speed : float, optional
+        In m/s, constant along the figure (a sine in time would not be); or give `frequency`.
+    frequency : float, optional
+        Figures a second.
+    pressures : float, optional
+        Peak pressure in Pa; by default balanced.
 
-    Raises SceneError for a wrong size or ratio, and unless either a speed or a frequency above 0 is given.
+    Returns
+    -------
+    Path
+        The closed path.
+
+    Raises
+    ------
+    SceneError
+        For a wrong size or ratio, and unless either a speed or a frequency above 0 is given.
+
+    Examples
+    --------
+    >>> import midair
+    >>> midair.path.lissajous([0, 0, 0.15], (0.04, 0.02), (1, 2), phase=0, frequency=5)
+    Path(points=1, duration=0.2, closed=True)
     """
     middle, phase = vector("center", center), number("phase", phase)
     sizes, lobes = real("size", size, "give (width, height) in m"), real("ratio", ratio, "give (a, b)")

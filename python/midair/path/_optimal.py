@@ -50,22 +50,41 @@ def fastest(
     gravity: ArrayLike | None = None,
     **air: Any,
 ) -> Path:
-    """The fastest run of a bead along a smooth curve.
+    """Find the fastest run of a bead along a smooth curve.
 
-    points : (K, 3) in m, at least 4, that a smooth curve goes through
-    array : what traps the bead; or a midair.Scene, whose array, air and obstacles count
-    closed : whether the curve goes on from the last point to the first, for ever; else from rest to rest
-    margin : the part of a trap's largest force along each of its axes that the run may take, below 1
-    radius, density, sound_speed, gravity : of the bead, as for `midair.gorkov`
-    air : of an array: frequency, temperature, absorption, obstacles
+    Parameters
+    ----------
+    points : (K, 3) array_like
+        Places in m, at least 4, that a smooth curve goes through.
+    array : midair.Array or midair.Scene
+        What traps the bead; of a scene array, air and obstacles count.
+    closed : bool, optional
+        Whether the curve goes on from the last point to the first, for ever; else from rest to rest.
+    margin : float, optional
+        Part of a trap's largest force along each of its axes that the run may take, below 1. The rest is for
+        a board's steps, other points and draught; `midair.fly` shows whether it suffices.
+    radius, density, sound_speed, gravity : optional
+        Of the bead, as for `midair.gorkov`.
+    **air
+        Of an array: frequency, temperature, absorption, obstacles.
 
-    The trap of a single point is solved at places along the curve, and the least force that `midair.rest`
-    reports along each of its axes bounds the run, drag counted in. The path is the bead's: `midair.sequence`
-    has each trap give the force that the path takes at that place. What `margin` leaves is for a board's
-    steps, other points and draught; `midair.fly` shows whether it is enough.
+    Returns
+    -------
+    Path
+        The bead's path: `midair.sequence` has each trap give the force that the path takes at that place.
 
-    Raises SceneError where no trap holds the bead, and for arguments that are not in order.
+    Raises
+    ------
+    SceneError
+        Where no trap holds the bead, and for wrong arguments.
 
+    Notes
+    -----
+    The trap of a single point is solved at places along the curve. The least force that `midair.rest`
+    reports along each of its axes bounds the run, drag counted in.
+
+    Examples
+    --------
     >>> import midair, numpy as np
     >>> boards = midair.Array.preset("openmpd_pair", quantization={})
     >>> angle = np.linspace(0, 2 * np.pi, 24, endpoint=False)

@@ -117,13 +117,24 @@ MOST_FRAMES = 100_000_000
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Path:
-    """M control points that move for a time, with a target for each; immutable.
+    """Move M control points for a time, with a target for each; immutable.
 
+    The functions of `midair.path` make paths. `a & b` are the points of both at the same time, `a.then(b)`
+    those of b after those of a.
+
+    Notes
+    -----
     Targets are in Pa (peak) if `pressures` were given, and then `pascals` is true. Otherwise targets are
     relative to full: 1, times modulation and fades, for a solver that balances. A point whose target is 0
     is absent: leave it out of that frame's scene.
 
-    `a & b` are the points of both at the same time, `a.then(b)` those of b after those of a.
+    Examples
+    --------
+    >>> import midair
+    >>> there = midair.path.line([-0.02, 0, 0.15], [0.02, 0, 0.15], speed=0.1)
+    >>> back = midair.path.line([0.02, 0, 0.15], [-0.02, 0, 0.15], speed=0.2)
+    >>> there.then(back)
+    Path(points=1, duration=0.6, closed=True)
     """
 
     _piece: Piece
@@ -149,36 +160,85 @@ class Path:
         return self._piece.pascals
 
     def at(self, times: ArrayLike) -> Numbers:
-        """Places (T, M, 3) in m at times (T,) in s.
+        """Return places at some times; a closed path repeats, an open one rests before and after.
 
-        A closed path repeats; an open one stands still before its start and after its end.
+        Parameters
+        ----------
+        times : (T,) array_like
+            Times in s.
 
-        Raises SceneError for times that are no finite numbers.
+        Returns
+        -------
+        (T, M, 3) ndarray
+            Places in m.
+
+        Raises
+        ------
+        SceneError
+            For times that are no finite numbers.
         """
         return self._piece.place(self._piece.within(instants(times)))
 
     def targets(self, times: ArrayLike) -> Numbers:
-        """Targets (T, M) at times (T,) in s: in Pa if pressures were given, else relative to full.
+        """Return targets at some times: in Pa if pressures were given, else relative to full.
 
-        Raises SceneError for times that are no finite numbers.
+        Parameters
+        ----------
+        times : (T,) array_like
+            Times in s.
+
+        Returns
+        -------
+        (T, M) ndarray
+            Targets.
+
+        Raises
+        ------
+        SceneError
+            For times that are no finite numbers.
         """
         return self._piece.level(self._piece.within(instants(times)))
 
     def speed(self, times: ArrayLike) -> Numbers:
-        """Speeds (T, M) in m/s at times (T,) in s within the path; at a corner, the speed after it.
+        """Return speeds at some times within the path; at a corner, the speed after it.
 
-        Raises SceneError for times that are no finite numbers.
+        Parameters
+        ----------
+        times : (T,) array_like
+            Times in s.
+
+        Returns
+        -------
+        (T, M) ndarray
+            Speeds in m/s.
+
+        Raises
+        ------
+        SceneError
+            For times that are no finite numbers.
         """
         return self._piece.pace(self._piece.within(instants(times)))
 
     def frames(self, rate: float) -> tuple[Numbers, Numbers]:
-        """Places (T, M, 3) and targets (T, M) at i / rate, i = 0, 1, ..., of round(duration rate) frames.
+        """Return places and targets of round(duration rate) frames at times i / rate, i = 0, 1, ...
 
-        An open path has one more, its end. The step over the seam of a closed path is like any other if
-        duration times rate is whole.
+        Parameters
+        ----------
+        rate : float
+            Frames a second. The step over the seam of a closed path is like any other if duration times rate
+            is whole.
 
-        Raises SceneError for a rate that gives less than two frames, too many for one answer, or too few for
-        the modulation.
+        Returns
+        -------
+        places : (T, M, 3) ndarray
+            Places in m; an open path has one more, its end.
+        targets : (T, M) ndarray
+            Targets, as `targets` returns them.
+
+        Raises
+        ------
+        SceneError
+            For a rate that gives less than two frames, too many at once, or too few for the modulation.
         """
         rate = number("rate", rate, above=0)
         # The end of an open path is a frame, that of a closed one the first.
@@ -199,12 +259,23 @@ class Path:
         return self.at(times), self.targets(times)
 
     def beside(self, other: Path) -> Path:
-        """The points of both at the same time: this path's first; also `path & other`.
+        """Join two paths at the same time: this path's points first; also `path & other`.
 
-        Both have the same duration; or both are closed, with durations in a ratio of whole numbers, and
-        repeat until both are at their start again.
+        Parameters
+        ----------
+        other : Path
+            Of the same duration. Or both are closed, with durations in a ratio of whole numbers: they repeat
+            until both are at their start again.
 
-        Raises SceneError for paths of other durations, or of which one has pressures and one has none.
+        Returns
+        -------
+        Path
+            The points of both.
+
+        Raises
+        ------
+        SceneError
+            For paths of other durations, or of which one has pressures and one has none.
         """
         return Path(beside(self._piece, _piece("other", other)))
 
@@ -213,29 +284,57 @@ class Path:
         return self.beside(other)
 
     def then(self, other: Path, fade: float | None = None) -> Path:
-        """The other path after this one.
+        """Join two paths, the other after this one.
 
-        fade : in s, for paths whose end and start differ in points, places or targets. During the fade all
-            points stand still, and targets change from one value to the other (to and from 0 for points
-            that vanish and appear) along a raised cosine. Without a fade such paths are rejected.
+        Parameters
+        ----------
+        other : Path
+            What follows.
+        fade : float, optional
+            Time in s, for paths whose end and start differ in points, places or targets. During the fade all
+            points stand still, and targets change from one value to the other along a raised cosine; points
+            that vanish and appear change to and from 0. Without a fade such paths are rejected.
 
-        The new path is closed if its end joins its start.
+        Returns
+        -------
+        Path
+            Both; closed if its end joins its start.
 
-        Raises SceneError for paths that do not join without a fade, or of which one has pressures and one has
-        none.
+        Raises
+        ------
+        SceneError
+            For paths that do not join without a fade, or of which one has pressures and one has none.
         """
         seconds = None if fade is None else number("fade", fade, above=0)
         return Path(then(self._piece, _piece("other", other), seconds))
 
     def with_am(self, frequency: float, shape: Shape = "sqrt", depth: float = 1.0) -> Path:
-        """The path with its targets times 1 - depth + depth s(t): amplitude modulation at a frequency in Hz.
+        """Modulate the amplitude: targets times 1 - depth + depth s(t).
 
-        With c = cos(2 pi frequency t), s is sqrt((1 + c) / 2) for "sqrt", whose force on a hand has one line
-        in its spectrum and the mean 1/2; (1 + c) / 2 for "cosine", of mean force 3/8; 1, then 0 for "square".
-        A closed path needs a whole number of periods.
+        Parameters
+        ----------
+        frequency : float
+            In Hz; a closed path needs a whole number of periods.
+        shape : {"sqrt", "cosine", "square"}, optional
+            Shape of s(t), below.
+        depth : float, optional
+            From 0, no modulation, to 1.
 
-        Raises SceneError for an unknown shape, a depth beyond 0 to 1, and a frequency that does not fit a
-        closed path.
+        Returns
+        -------
+        Path
+            The modulated path.
+
+        Raises
+        ------
+        SceneError
+            For an unknown shape, a depth beyond 0 to 1, and a frequency that does not fit a closed path.
+
+        Notes
+        -----
+        With c = cos(2 pi frequency t), s is sqrt((1 + c) / 2) for "sqrt". Its force on a hand has one line in
+        its spectrum and the mean 1/2. For "cosine" s is (1 + c) / 2, of mean force 3/8; for "square" it is 1,
+        then 0.
         """
         return self.modulated(frequency, shape, depth)
 
@@ -247,11 +346,26 @@ class Path:
         *,
         samples_rate: float | None = None,
     ) -> Path:
-        """The same by a frequency in Hz and a shape, or by any samples (S,) from 0 to 1 that repeat.
+        """Modulate the amplitude as `with_am` does, or by any samples that repeat.
 
-        samples_rate : samples a second; `shape` is not used then
+        Parameters
+        ----------
+        frequency : float or (S,) array_like
+            A frequency in Hz, or samples of s from 0 to 1.
+        shape, depth : optional
+            As `with_am` takes them; `shape` is not used for samples.
+        samples_rate : float, optional
+            Samples a second.
 
-        Raises the errors of `with_am`, and SceneError for wrong samples or a wrong rate.
+        Returns
+        -------
+        Path
+            The modulated path.
+
+        Raises
+        ------
+        SceneError
+            As `with_am`, and for wrong samples or a wrong rate.
         """
         return Path(modulated(self._piece, wave(frequency, shape, depth, samples_rate)))
 

@@ -35,17 +35,40 @@ def svg(
     frequency: float | None = None,
     pressures: ArrayLike | None = None,
 ) -> Path:
-    """A point that moves along the outline of an SVG file, or of SVG text, its middle at (0, 0, z), y up.
+    """Move a point along the outline of an SVG drawing, its middle at (0, 0, z), y up.
 
-    size : the longer side of the drawing, in m
-    speed : in m/s; or
-    frequency : times a second along the outline
-    pressures : in Pa; by default balanced
+    Parameters
+    ----------
+    path : str or path
+        An SVG file, or SVG text. A drawing of several outlines is rejected.
+    size : float
+        Longer side of the drawing, in m.
+    z : float
+        Height of its plane in m.
+    speed : float, optional
+        In m/s; or give `frequency`.
+    frequency : float, optional
+        Times a second along the outline.
+    pressures : float, optional
+        Peak pressure in Pa; by default balanced.
 
-    The path is closed if the outline is. A drawing of several outlines is rejected.
+    Returns
+    -------
+    Path
+        The path, closed if the outline is.
 
-    Raises SceneError for a missing file or one that draws more than one outline, and unless either a speed
-    or a frequency above 0 is given.
+    Raises
+    ------
+    SceneError
+        For a missing file or one that draws more than one outline, and unless either a speed or a frequency
+        above 0 is given.
+
+    Examples
+    --------
+    >>> import midair
+    >>> drawing = '<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0 H10 V10 H0 Z"/></svg>'
+    >>> midair.path.svg(drawing, size=0.02, z=0.15, frequency=5)
+    Path(points=1, duration=0.2, closed=True)
     """
     contours = outlines("path.svg", path, size, z)
     if len(contours) > 1:
@@ -63,12 +86,34 @@ class Frames(NamedTuple):
 
 
 def read(path: Path | ArrayLike, rate: float, pressures: ArrayLike | None = None) -> Frames:
-    """Frames of a path at a rate in Hz; or those of an array (T, M, 3), or of a list of frames, unchanged.
+    """Return frames of a path at a rate; or those of an array, or of a list of frames, unchanged.
 
-    Targets are in Pa if the path has pressures, or if `pressures` (one number, (M,) or (T, M)) are given,
-    times modulation and fades of the path. Without either they are relative to full, and None if all are 1.
+    Parameters
+    ----------
+    path : Path or (T, M, 3) array_like
+        A path, or points in m.
+    rate : float
+        Frames a second.
+    pressures : float, (M,) or (T, M) array_like, optional
+        Peak pressures in Pa.
 
-    Raises SceneError for points that are no frames, a rate that is not above 0, and pressures given twice.
+    Returns
+    -------
+    Frames
+        `points` and `targets`. Targets are in Pa if there are pressures, times modulation and fades of the
+        path. Else they are relative to full, and None if all are 1.
+
+    Raises
+    ------
+    SceneError
+        For points that are no frames, a rate that is not above 0, and pressures given twice.
+
+    Examples
+    --------
+    >>> import midair
+    >>> ring = midair.path.circle([0, 0, 0.15], 0.02, frequency=50)
+    >>> midair.path.read(ring, 1000, pressures=500).points.shape
+    (20, 1, 3)
     """
     rate = number("rate", rate, above=0)
     if isinstance(path, Path):
@@ -122,12 +167,34 @@ class Samples(Piece):
 def from_array(
     points: ArrayLike, *, rate: float, pressures: ArrayLike | None = None, closed: bool = False
 ) -> Path:
-    """A path through frames of points (T, M, 3) in m, at `rate` frames a second, straight between them.
+    """Make a path through frames of points, straight between them.
 
-    pressures : in Pa, one number, (M,) or (T, M), straight between frames, too; by default balanced
-    closed : whether the last frame continues to the first
+    Parameters
+    ----------
+    points : (T, M, 3) array_like
+        Places in m.
+    rate : float
+        Frames a second.
+    pressures : float, (M,) or (T, M) array_like, optional
+        Peak pressures in Pa, straight between frames, too; by default balanced.
+    closed : bool, optional
+        Whether the last frame continues to the first.
 
-    Raises SceneError for wrong points, pressures or rate, and for fewer than two frames.
+    Returns
+    -------
+    Path
+        The path.
+
+    Raises
+    ------
+    SceneError
+        For wrong points, pressures or rate, and for fewer than two frames.
+
+    Examples
+    --------
+    >>> import midair
+    >>> midair.path.from_array([[[0, 0, 0.15]], [[0.01, 0, 0.15]], [[0.02, 0, 0.15]]], rate=10)
+    Path(points=1, duration=0.2, closed=False)
     """
     rate, closed = number("rate", rate, above=0), flag("closed", closed)
     frames = point_sets("points", points)
@@ -144,14 +211,34 @@ def morph(
     speed: float | None = None,
     pressures: ArrayLike | None = None,
 ) -> Path:
-    """A path from points (M, 3) to as many others in m, each straight and at constant speed.
+    """Move points to as many others, each straight and at constant speed.
 
-    duration : in s; or
-    speed : in m/s, of the point with the longest way
-    pressures : in Pa, one number or (M,); by default balanced
+    Parameters
+    ----------
+    from_points, to_points : (M, 3) array_like
+        Places in m at the start and at the end.
+    duration : float, optional
+        In s; or give `speed`.
+    speed : float, optional
+        In m/s, of the point with the longest way.
+    pressures : float or (M,) array_like, optional
+        Peak pressures in Pa; by default balanced.
 
-    Raises SceneError for sets of different numbers of points, and unless either a duration or a speed above 0
-    is given.
+    Returns
+    -------
+    Path
+        The path.
+
+    Raises
+    ------
+    SceneError
+        For sets of different numbers of points, and unless either a duration or a speed above 0 is given.
+
+    Examples
+    --------
+    >>> import midair
+    >>> midair.path.morph([[0, 0, 0.15]], [[0, 0, 0.2]], duration=1).at([0.5]).tolist()
+    [[[0.0, 0.0, 0.175]]]
     """
     if duration is not None and speed is not None:
         raise SceneError(
@@ -177,12 +264,32 @@ def morph(
 
 
 def still(places: ArrayLike, *, duration: float, pressures: ArrayLike | None = None) -> Path:
-    """Points (3,) or (M, 3) in m at rest, for a modulated or joined focus.
+    """Keep points at rest, for a modulated or joined focus.
 
-    duration : in s, after which it repeats: it is closed
-    pressures : in Pa, one number or (M,); by default balanced
+    Parameters
+    ----------
+    places : (3,) or (M, 3) array_like
+        Places in m.
+    duration : float
+        In s, after which the path repeats: it is closed.
+    pressures : float or (M,) array_like, optional
+        Peak pressures in Pa; by default balanced.
 
-    Raises SceneError for wrong places, duration or pressures.
+    Returns
+    -------
+    Path
+        The closed path.
+
+    Raises
+    ------
+    SceneError
+        For wrong places, duration or pressures.
+
+    Examples
+    --------
+    >>> import midair
+    >>> midair.path.still([0, 0, 0.15], duration=0.1).with_am(200)
+    Path(points=1, duration=0.1, closed=True)
     """
     points = _set("places", np.atleast_2d(real("places", places, "give (3,) or (M, 3) in m")))
     lasts = number("duration", duration, above=0)

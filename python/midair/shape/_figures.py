@@ -22,13 +22,30 @@ PIECES = 128
 
 
 def line(start: ArrayLike, end: ArrayLike, *, step: float = STEP) -> Points:
-    """Points (M, 3) in m from start to end, both included.
+    """Return points from start to end, both included.
 
-    start, end : (3,) in m
-    step : between neighbours, in m
+    Parameters
+    ----------
+    start, end : (3,) array_like
+        Places in m.
+    step : float, optional
+        Distance between neighbours in m.
 
-    Raises SceneError for an end that is the start, for numbers that are not in order, and for more points
-    than 100000.
+    Returns
+    -------
+    (M, 3) ndarray
+        Points in m.
+
+    Raises
+    ------
+    SceneError
+        For an end that is the start, for wrong numbers, and for more than 100000 points.
+
+    Examples
+    --------
+    >>> import midair
+    >>> midair.shape.line([0, 0, 0.1], [0, 0, 0.13], step=0.01)[:, 2].round(3).tolist()
+    [0.1, 0.11, 0.12, 0.13]
     """
     curve = Curve.line(vector("start", start), vector("end", end), False)
     return curve.points(number("step", step))
@@ -37,50 +54,104 @@ def line(start: ArrayLike, end: ArrayLike, *, step: float = STEP) -> Points:
 def circle(
     center: ArrayLike, radius: float, *, step: float = STEP, normal: ArrayLike = (0.0, 0.0, 1.0)
 ) -> Points:
-    """Points (M, 3) in m of a circle around `center`, in the plane normal to `normal`.
+    """Return points on a circle. The first lies along x, as far as the plane allows (else along y).
 
-    center : (3,) in m
-    radius : in m
-    step : between neighbours, in m
-    normal : (3,), of any length
+    Parameters
+    ----------
+    center : (3,) array_like
+        Center in m.
+    radius : float
+        Radius in m.
+    step : float, optional
+        Distance between neighbours in m.
+    normal : (3,) array_like, optional
+        Normal of the plane, of any length; the points follow counterclockwise, seen against it.
 
-    The first lies along x, as far as the plane allows (else along y); the others follow counterclockwise,
-    seen against the normal.
+    Returns
+    -------
+    (M, 3) ndarray
+        Points in m.
 
-    Raises SceneError for a radius or step not above 0, a normal of no length, and for more points than
-    100000.
+    Raises
+    ------
+    SceneError
+        For a radius or step not above 0, a normal of no length, and for more than 100000 points.
+
+    Examples
+    --------
+    >>> import midair
+    >>> midair.shape.circle([0, 0, 0.15], 0.02, step=0.01).shape
+    (13, 3)
     """
     curve = Curve.circle(vector("center", center), number("radius", radius), vector("normal", normal), 0.0)
     return curve.points(number("step", step))
 
 
 def polyline(points: ArrayLike, *, step: float = STEP, closed: bool = False) -> Points:
-    """Points (M, 3) in m along straight lines between `points` (K, 3), closed or not.
+    """Return points along straight lines. Steps run on around corners.
 
-    points : (K, 3) in m
-    step : between neighbours, in m
-    closed : whether a line leads from the last back to the first
+    Parameters
+    ----------
+    points : (K, 3) array_like
+        Corners in m; the first is among the points, and the last if they do not close.
+    step : float, optional
+        Distance between neighbours in m.
+    closed : bool, optional
+        Whether a line leads from the last corner back to the first.
 
-    The first of `points` is among them, and the last if they do not close; steps run on around corners.
+    Returns
+    -------
+    (M, 3) ndarray
+        Points in m.
 
-    Raises SceneError for points that are all in one place, for numbers that are not in order, and for more
-    points than 100000.
+    Raises
+    ------
+    SceneError
+        For points that are all in one place, for wrong numbers, and for more than 100000 points.
+
+    Examples
+    --------
+    >>> import midair
+    >>> corners = [[0, 0, 0.15], [0.03, 0, 0.15], [0.03, 0.03, 0.15], [0, 0.03, 0.15]]
+    >>> len(midair.shape.polyline(corners, step=0.01, closed=True))
+    12
     """
     curve = Curve.lines("points", vectors("points", points), flag("closed", closed))
     return curve.points(number("step", step))
 
 
 def text(string: str, *, height: float, z: float, step: float = STEP, font: str | None = None) -> Points:
-    """Points (M, 3) in m on the outlines of a line of text in the plane at z, its middle at x = y = 0.
+    """Return points on the outlines of a line of text, in the plane at z, its middle at x = y = 0.
 
-    string : one line
-    height : of a capital H, in m
-    z : where the plane is, in m
-    step : between neighbours, in m
-    font : the name of a font that matplotlib finds; left out, DejaVu Sans, which it brings along
+    Parameters
+    ----------
+    string : str
+        One line.
+    height : float
+        Height of a capital H in m.
+    z : float
+        Height of the plane in m.
+    step : float, optional
+        Distance between neighbours in m.
+    font : str, optional
+        Name of a font that matplotlib finds; by default DejaVu Sans, which comes with it.
 
-    Raises SceneError for text without outlines, an unknown font, sizes not above 0, and for more points than
-    100000.
+    Returns
+    -------
+    (M, 3) ndarray
+        Points in m.
+
+    Raises
+    ------
+    SceneError
+        For text without outlines, an unknown font, sizes not above 0, and for more than 100000 points.
+
+    Examples
+    --------
+    >>> import midair
+    >>> points = midair.shape.text("A", height=0.03, z=0.15)
+    >>> round(float(points[:, 1].max() - points[:, 1].min()), 2)
+    0.03
     """
     step, height, z = number("step", step), number("height", height, above=0), number("z", z)
     if not word("string", string).strip():

@@ -28,18 +28,39 @@ LONG, PASSED = ("d", "points"), ("href", "{http://www.w3.org/1999/xlink}href")
 
 
 def svg(path: str | PathLike[str], *, size: float, z: float, step: float = STEP) -> Points:
-    """Points (M, 3) in m on the paths and basic shapes of an SVG file or text, their middle at (0, 0, z).
+    """Return points on the paths and basic shapes of an SVG drawing, its middle at (0, 0, z), y up.
 
-    path : a file, or text that begins with "<"
-    size : the longer side of what is drawn, in m
-    z : where its plane is, in m
-    step : between neighbours, in m
+    Parameters
+    ----------
+    path : str or path
+        A file, or text that begins with "<".
+    size : float
+        Longer side of the drawing, in m.
+    z : float
+        Height of its plane in m.
+    step : float, optional
+        Distance between neighbours in m.
 
-    y points up, as in the picture. Colours, widths and fillings are passed over, and so is text that was not
-    turned into paths.
+    Returns
+    -------
+    (M, 3) ndarray
+        Points in m.
 
-    Raises SceneError for a file that is not there or draws nothing, sizes not above 0, and for more points
-    than 100000.
+    Raises
+    ------
+    SceneError
+        For a missing file or one that draws nothing, sizes not above 0, and for more than 100000 points.
+
+    Notes
+    -----
+    Colours, widths and fillings have no effect. Text is left out unless it was turned into paths.
+
+    Examples
+    --------
+    >>> import midair
+    >>> drawing = '<svg xmlns="http://www.w3.org/2000/svg"><circle r="5"/></svg>'
+    >>> midair.shape.svg(drawing, size=0.04, z=0.15).shape
+    (59, 3)
     """
     return points_along(outlines("shape.svg", path, size, z), number("step", step))
 
