@@ -3,23 +3,11 @@
 from __future__ import annotations
 
 import inspect
-import re
 from typing import Any
 
 import griffe
 
 from midair import _midair as compiled
-
-#: An entry of a list in a docstring, `points : (M, 3) in m`, and its further lines, which are indented.
-ENTRY = re.compile(r"^(\w+(?:, \w+)*) : (.*(?:\n +.*)*)$", re.MULTILINE)
-#: An example and its output, up to the next empty line.
-EXAMPLE = re.compile(r"^>>> .*(?:\n.+)*", re.MULTILINE)
-
-
-def markdown(text: str) -> str:
-    """A docstring as Markdown: entries as a list, examples as code."""
-    text = EXAMPLE.sub(lambda found: f"\n```pycon\n{found[0]}\n```\n", inspect.cleandoc(text))
-    return ENTRY.sub(lambda found: f"\n- **{found[1]}**: {found[2]}", text)
 
 
 def signature(name: str, thing: Any, parent: griffe.Module | griffe.Class) -> griffe.Function:
@@ -60,15 +48,6 @@ def describe(described: griffe.Object, thing: Any) -> None:
                 describe(member, getattr(thing, name))
 
 
-def rewrite(described: griffe.Object) -> None:
-    """Makes the docstrings of an object and of all within it Markdown."""
-    if described.docstring:
-        described.docstring.value = markdown(described.docstring.value)
-    for member in described.members.values():
-        if not member.is_alias:
-            rewrite(member)
-
-
 class Docstrings(griffe.Extension):
     """Fills the stubs of `midair._midair` once the package is read and before its names are followed."""
 
@@ -81,4 +60,3 @@ class Docstrings(griffe.Extension):
             if name not in stubs.members:
                 stubs.set_member(name, signature(name, thing, stubs))
             describe(stubs.members[name], thing)
-        rewrite(pkg)

@@ -70,6 +70,16 @@ METHODS: dict[type, dict[str, Later]] = {
     },
 }
 
+#: Types of the keywords that the core declares, by their kind, as docstrings give them.
+TYPES = {
+    "real": "float",
+    "directivity": "str or mapping",
+    "complexes": "(N,) array_like",
+    "flags": "(N,) array_like of bool",
+    "indices": "(N,) array_like of int",
+    "quantization": "mapping",
+}
+
 #: Functions that the extension calls: for a scene file's tables, for a mesh's file, to write and to warn.
 CALLED = {
     "points": ("_points.drawn", "points"),
@@ -133,9 +143,10 @@ def declared() -> None:
     parts = {name: keys["array"][name][1] for name in _midair.array_parts()}
     for name, about in parts.items():
         setattr(Array, name, property(lambda array, name=name: array._part(name), doc=about))  # type: ignore[misc]
+    kinds = {**dict.fromkeys(air, "real"), **_midair.array_parts()}
     for owner, place, named in ((Scene, "{medium}", air), (Array, "{parts}", parts)):
-        lines = "\n".join(f"{name} : {about.removesuffix('.')}" for name, about in named.items())
-        owner.__doc__ = (owner.__doc__ or "").replace(place, lines)
+        entries = (f"{name} : {TYPES[kinds[name]]}, optional\n    {about}" for name, about in named.items())
+        owner.__doc__ = (owner.__doc__ or "").replace(place, "\n".join(entries))
     Scene.__doc__ = (Scene.__doc__ or "").replace("{parts}", ", ".join(parts))
 
 

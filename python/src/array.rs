@@ -19,16 +19,33 @@ use crate::ready::{Kept, Ready};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// N transducers: their places and their radiation.
+/// Describe N transducers: their places and their radiation.
 ///
-/// positions, normals : (N, 3) in m and as directions, which are normalised; +z by default
+/// Parameters
+/// ----------
+/// positions : (N, 3) array_like
+///     Places in m.
+/// normals : (N, 3) array_like, optional
+///     Directions, which are normalised; by default +z.
 /// {parts}
 ///
+/// Raises
+/// ------
+/// SceneError
+///     For numbers of another shape or not finite, values out of their range, and unknown names.
+///
+/// See Also
+/// --------
+/// Array.preset, Array.grid, Array.from_file : other ways to make one.
+///
+/// Notes
+/// -----
 /// docs/conventions.md lists the directivities. A quantization has the phases and amplitudes of a board, such as
-/// {"phases": 256, "amplitudes": [0, 0.5, 1]}: every drive then lies on that grid. A missing part, or None, is continuous.
+/// {"phases": 256, "amplitudes": [0, 0.5, 1]}: every drive then lies on that grid. A missing part, or None, is
+/// continuous.
 ///
-/// Raises SceneError for numbers of another shape or not finite, values out of their range, and unknown names.
-///
+/// Examples
+/// --------
 /// >>> import midair
 /// >>> midair.Array([[0, 0, 0], [0.01, 0, 0]]).positions.shape
 /// (2, 3)
@@ -96,10 +113,26 @@ impl Array {
         Self::from(array).with_parts(parts::keywords("Array", parts)?)
     }
 
-    /// A flat grid of nx x ny transducers, pitch metres apart, centred in z = 0, x fastest. The keywords are those of
-    /// `Array`.
+    /// Make a flat grid of nx x ny transducers, centred in z = 0, x fastest.
     ///
-    /// Raises SceneError for less than one transducer, a pitch that is not above 0, and keywords that `Array` rejects.
+    /// Parameters
+    /// ----------
+    /// nx, ny : int
+    ///     Transducers along x and y.
+    /// pitch : float
+    ///     Distance between neighbours in m.
+    /// **parts
+    ///     Keywords of `Array`.
+    ///
+    /// Returns
+    /// -------
+    /// midair.Array
+    ///     The array.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     For less than one transducer, a pitch that is not above 0, and keywords that `Array` rejects.
     #[staticmethod]
     #[pyo3(signature = (nx, ny, pitch, **parts))]
     fn grid(
@@ -115,10 +148,26 @@ impl Array {
         Self::from(array).with_parts(parts::keywords("Array.grid", parts)?)
     }
 
-    /// A known board or the paper's array; tiles = (x, y) boards. The keywords, those of `Array`, override the preset's
-    /// values.
+    /// Make the array of a known board, or the paper's.
     ///
-    /// Raises SceneError for an unknown name, for tiles of a preset that has none, and keywords that `Array` rejects.
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     Name of a preset; `midair.presets()` lists them.
+    /// tiles : (int, int), optional
+    ///     Boards along x and y.
+    /// **parts
+    ///     Keywords of `Array`, which override the preset's values.
+    ///
+    /// Returns
+    /// -------
+    /// midair.Array
+    ///     The array.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     For an unknown name, for tiles of a preset that has none, and keywords that `Array` rejects.
     #[staticmethod]
     #[pyo3(signature = (name, tiles=None, **parts))]
     fn preset(name: &Bound<'_, PyAny>, tiles: Argument<'_, '_>, parts: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
@@ -129,7 +178,7 @@ impl Array {
         Self::from(array).with_parts(parts::keywords("Array.preset", parts)?)
     }
 
-    /// The names of the presets; `midair.presets()` describes them.
+    /// Return the names of the presets; `midair.presets()` describes them.
     #[staticmethod]
     fn presets() -> Vec<&'static str> {
         midair::presets::PRESETS.iter().map(|preset| preset.name).collect()
@@ -199,10 +248,13 @@ getters! {
     /// Unit normals (N, 3).
     normals(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, self.inner.normals());
 
-    /// Numbers of the air of its scenes by name, unless a scene has others: 25 degrees C, 50 % humidity and 101.325 kPa
-    /// for
-    /// presets of hardware, else the paper's 340 m/s without absorption.
+    /// Numbers of the air of its scenes by name, unless a scene has others.
     ///
+    /// 25 degrees C, 50 % humidity and 101.325 kPa for presets of hardware, else the paper's 340 m/s without
+    /// absorption.
+    ///
+    /// Examples
+    /// --------
     /// >>> import midair
     /// >>> midair.Array.preset("paper20").medium.get("sound_speed")
     /// 340.0
@@ -213,7 +265,14 @@ getters! {
     _hardware(self) -> Option<f64> = self.inner.hardware();
 }
 
-/// Description of a preset.
+/// Describe a preset; from `midair.presets`.
+///
+/// Examples
+/// --------
+/// >>> import midair
+/// >>> autd3 = midair.presets()["autd3"]
+/// >>> autd3.count, autd3.board
+/// (249, 'autd3')
 #[pyclass(frozen, get_all, eq, module = "midair")]
 #[derive(PartialEq)]
 pub(crate) struct PresetInfo {
@@ -255,7 +314,18 @@ impl PresetInfo {
     }
 }
 
-/// Every preset by name.
+/// List every preset by name.
+///
+/// Returns
+/// -------
+/// dict of str to midair.PresetInfo
+///     The presets; `midair.Array.preset` makes the arrays.
+///
+/// Examples
+/// --------
+/// >>> import midair
+/// >>> midair.presets()["sonicsurface"].count
+/// 256
 #[pyfunction]
 pub(crate) fn presets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);

@@ -25,7 +25,14 @@ use crate::solution::Solution;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// The solutions of B problems of M points each; `batch[i]` is the Solution of one.
+/// Keep the solutions of B problems of M points each; `batch[i]` is the Solution of one.
+///
+/// Examples
+/// --------
+/// >>> import midair
+/// >>> batch = midair.solve_batch(midair.Array.preset("paper20"), [[[0, 0, 0.15]], [[0.02, 0, 0.15]]])
+/// >>> batch.drives.shape, batch[1].status
+/// ((2, 400), 'done')
 #[pyclass(frozen, module = "midair")]
 pub(crate) struct Batch {
     drives: Py<PyArray2<Complex32>>,
@@ -202,24 +209,50 @@ getters! {
     elapsed(self) -> f64 = self.elapsed;
 }
 
-/// Solves B problems at once, each with the bits of `solve`.
+/// Solve B problems at once, each with the bits of `solve`.
 ///
-/// scene : array and medium: a Scene, or an Array with a Scene's keywords (frequency, sound_speed, ...), or a Propagation, a
-///     matrix for B targets
-/// points : (B, M, 3) in m; none for a matrix
-/// pressures : in Pa, a number, (M,) or (B, M); for a matrix (B, M)
-/// weights : a number, (M,) or (B, M); a weight of 0 pads problems with fewer points
-/// solver : a name of `solvers()`, as in `solve`
-/// start : complex drives (B, N) or real point phases (B, M) in rad
-/// out : (B, N), complex64 and C-contiguous, into which the drives are written
-/// threads : the largest number of threads; the solutions do not depend on it
-/// progress : called with (done, problems, mean residual); False stops the batch, and unsolved problems have the
-///     status "stopped" and a drive of 0
-/// options : of the solver, and `balance`, `aim`, and quantization and mask in place of the array's
+/// Parameters
+/// ----------
+/// scene : midair.Scene, midair.Array or midair.Propagation
+///     Array and medium: a scene, or an array with a scene's keywords (frequency, sound_speed, ...). Or a matrix for B
+///     targets.
+/// points : (B, M, 3) array_like, optional
+///     Points in m; none for a matrix.
+/// pressures : float, (M,) or (B, M) array_like, optional
+///     Peak pressures in Pa; for a matrix (B, M).
+/// solver : str, optional
+///     A name of `solvers()`, as in `solve`.
+/// weights : float, (M,) or (B, M) array_like, optional
+///     Weights; a weight of 0 pads problems with fewer points.
+/// start : (B, N) or (B, M) array_like, optional
+///     Complex drives (B, N), or real point phases (B, M) in rad.
+/// out : (B, N) ndarray of complex64, optional
+///     C-contiguous array for the drives.
+/// threads : int, optional
+///     Largest number of threads; the solutions do not depend on it.
+/// progress : callable, optional
+///     Called with (done, problems, mean residual). False stops the batch: unsolved problems have the status "stopped"
+///     and a drive of 0.
+/// **options
+///     Of the solver, and `balance`, `aim`, and quantization and mask in place of the array's.
 ///
-/// Raises the errors of `solve`, SceneError with the number of the problem and before any solve, also for an out that cannot be
-/// written; warns of each kind once, with counts.
+/// Returns
+/// -------
+/// midair.Batch
+///     Drives (B, N), metrics and status of each problem.
 ///
+/// Raises
+/// ------
+/// SceneError
+///     As `solve`, with the number of the problem and before any solve; also for an out that cannot be written.
+///
+/// Warns
+/// -----
+/// SceneWarning
+///     As `solve`, each kind once, with counts.
+///
+/// Examples
+/// --------
 /// >>> import midair, numpy
 /// >>> points = numpy.random.default_rng(1).uniform(-0.05, 0.05, (10, 4, 3)) + [0, 0, 0.15]
 /// >>> batch = midair.solve_batch(midair.Array.preset("paper20"), points, solver="fast")

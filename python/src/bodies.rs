@@ -137,41 +137,71 @@ macro_rules! bodies {
 }
 
 bodies! {
-    /// A plane without end that sends waves back, of a scene's `obstacles`: through point (3,) in m, facing along normal (3,).
+    /// Describe an infinite plane that reflects waves, for a scene's `obstacles`.
     ///
-    /// Sound is on the array's side, whichever way the normal points; it tells the side only of a wall that the array lies in.
-    /// kind is "rigid" (a solid: on it |p| doubles) or "soft" (it gives way: on it p = 0). Its name is not Plane, which is the
-    /// plane of a picture.
+    /// Parameters
+    /// ----------
+    /// point : (3,) array_like
+    ///     Any point of it in m.
+    /// normal : (3,) array_like
+    ///     Direction that it faces. Sound is on the array's side, whichever way the normal points; the normal chooses
+    ///     the side only where the array lies in the wall.
+    /// kind : {"rigid", "soft"}, optional
+    ///     "rigid" is a solid: on it |p| doubles. "soft" gives way: on it p = 0.
     ///
-    /// Raises SceneError for a place that is no place or another kind; for a normal of no length when a scene takes it.
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     For a place that is no place or another kind; for a normal of no length when a scene takes it.
     ///
+    /// See Also
+    /// --------
+    /// midair.Plane : the plane of a picture.
+    ///
+    /// Examples
+    /// --------
     /// >>> import midair
     /// >>> table = midair.Wall([0, 0, 0.2], [0, 0, -1])
     /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]], obstacles=[table])
     /// >>> scene.obstacles
     /// [Wall(point=(0.0, 0.0, 0.2), normal=(0.0, 0.0, -1.0), kind="rigid")]
     Wall {
-        /// Any point of it (x, y, z) in m.
+        /// Any point of the wall (x, y, z) in m.
         point: (f64, f64, f64),
-        /// The direction that it faces (x, y, z), as given.
+        /// Direction that it faces (x, y, z), as given.
         normal: (f64, f64, f64),
     }
-    /// A sphere that waves go around, the only one of a scene's `obstacles`: center (3,) and radius in m, up to 12 wavelengths.
+    /// Describe a sphere that scatters waves, the only one of a scene's `obstacles`.
     ///
-    /// kind is "rigid" (a solid) or "soft" (it gives way, p = 0). What it sends on is exact, by its series.
+    /// Parameters
+    /// ----------
+    /// center : (3,) array_like
+    ///     Middle in m.
+    /// radius : float
+    ///     Radius in m, up to 12 wavelengths.
+    /// kind : {"rigid", "soft"}, optional
+    ///     "rigid" is a solid; "soft" gives way: on it p = 0.
     ///
-    /// Raises SceneError for a center that is no place or another kind; for its size, and points inside, when a scene takes
-    /// it.
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     For a center that is no place or another kind; for its size, and points inside, when a scene takes it.
     ///
+    /// Notes
+    /// -----
+    /// The scattered wave is exact, by its series.
+    ///
+    /// Examples
+    /// --------
     /// >>> import midair
     /// >>> ball = midair.Sphere([0, 0, 0.1], 0.02)
     /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]], obstacles=[ball])
     /// >>> scene.obstacles
     /// [Sphere(center=(0.0, 0.0, 0.1), radius=0.02, kind="rigid")]
     Sphere {
-        /// Its middle (x, y, z) in m.
+        /// Middle (x, y, z) in m.
         center: (f64, f64, f64),
-        /// Its radius in m.
+        /// Radius in m.
         radius: f64,
     }
 }

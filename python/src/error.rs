@@ -9,13 +9,31 @@ pyo3::create_exception!(
     midair,
     SceneError,
     pyo3::exceptions::PyValueError,
-    "A request that cannot be answered: one line that names the item, its value and what to change."
+    "Report a request that cannot be answered: one line that names the item, its value and what to change.
+
+Examples
+--------
+>>> import midair
+>>> try:
+...     midair.Array.grid(0, 3, 0.01)
+... except midair.SceneError as error:
+...     print(error)
+array.grid.nx is 0: give at least 1 transducer"
 );
 pyo3::create_exception!(
     midair,
     SceneWarning,
     pyo3::exceptions::PyUserWarning,
-    "A request that is answered, but hardly meant that way."
+    "Warn of a request that is answered, but hardly meant that way.
+
+Examples
+--------
+>>> import midair, warnings
+>>> with warnings.catch_warnings(record=True) as caught:
+...     warnings.simplefilter('always')
+...     scene = midair.Scene(midair.Array.preset('autd3'), [[0, 0, 0.15]], temperature=293)
+>>> caught[0].category.__name__
+'SceneWarning'"
 );
 
 /// A core error as the exception that users see.

@@ -17,7 +17,15 @@ use crate::read;
 use crate::scene::Scene;
 use crate::solution::{Solution, about, played};
 
-/// The field of a drive on a plane or at points.
+/// Keep the field of a drive on a plane or at points; from `midair.field`.
+///
+/// Examples
+/// --------
+/// >>> import midair
+/// >>> solution = midair.solve(midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]]))
+/// >>> field = midair.field(solution, midair.Plane(z=0.15, size=0.1, pixels=11))
+/// >>> field.pressure.shape, bool(abs(field.pressure).argmax() == 60)
+/// ((11, 11), True)
 #[pyclass(frozen, eq, module = "midair")]
 pub(crate) struct Field {
     scene: Scene,
@@ -99,9 +107,9 @@ impl Field {
         Some(give::list(py, shown))
     }
 
-    /// The field in each plane that is necessary to show the scene's points, at most four (for traps: two each of
-    /// four), and
-    /// its bodies: itself first, and alone if its plane was given.
+    /// Field in each plane that is necessary to show the scene's points, at most four, and its bodies.
+    ///
+    /// Itself comes first, and alone if its plane was given. Traps have two planes each, of four at most.
     #[getter]
     fn panels(&self, py: Python<'_>) -> Vec<Self> {
         let panel = |picture: &Picture| Self {
@@ -177,16 +185,50 @@ getters! {
     scale(self) -> f64 = self.solution.as_ref().map_or(1.0, |solution| solution.get().inner.scale);
 }
 
-/// The field p = G q of a drive (N,), or of a Solution times its scale, on a plane or at points (P, 3) in m.
+/// Compute the field p = G q of a drive on a plane or at points; inside an obstacle it is 0.
 ///
-/// Inside an obstacle it is 0. The default plane is the scene's own, else one through its points: normal to z, y or x, and
-/// several if they do not lie in one (`panels`). Traps have two upright planes each, because a trap is a node; a body that
-/// no plane cuts has one more.
+/// Parameters
+/// ----------
+/// scene : midair.Scene or midair.Solution
+///     A solution alone gives its scene and its drive: `midair.field(solution, plane)`, or `solution.field(plane)`.
+/// drive : (N,) array_like or midair.Solution, optional
+///     A complex drive, or a solution, whose scale counts.
+/// plane : midair.Plane or (P, 3) array_like, optional
+///     A plane, or points in m. By default the scene's own plane, else one through its points: normal to z, y or x, and
+///     several if they do not lie in one (`panels`).
 ///
-/// A Solution alone gives its scene and its drive: `midair.field(solution, plane)`, or `solution.field(plane)`.
+/// Returns
+/// -------
+/// midair.Field
+///     Complex pressure in Pa and radiation pressure.
 ///
-/// Raises SceneError for a drive or points of another shape or not finite, TypeError if scene is neither, MemoryError
-/// for more than MIDAIR_MEMORY allows. Warns, by a SceneWarning, of a given plane that contains no point.
+/// Raises
+/// ------
+/// SceneError
+///     For a drive or points of another shape or not finite.
+/// TypeError
+///     For another type of scene.
+/// MemoryError
+///     For more than MIDAIR_MEMORY allows.
+///
+/// Warns
+/// -----
+/// SceneWarning
+///     Of a given plane that contains no point.
+///
+/// Notes
+/// -----
+/// Eq. (5) of Suzuki et al., IEEE Trans. Haptics 14, 914 (2021). Traps have two upright planes each, because a trap is
+/// a node; a body that no plane cuts has one more.
+///
+/// Examples
+/// --------
+/// >>> import midair
+/// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]])
+/// >>> solution = midair.solve(scene)
+/// >>> pressure = midair.field(scene, solution.drive, [[0, 0, 0.15]]).pressure
+/// >>> bool(abs(pressure - solution.pressures).max() < 1e-3)
+/// True
 #[pyfunction]
 #[pyo3(signature = (scene, drive=None, plane=None))]
 pub(crate) fn field<'py>(
@@ -230,9 +272,22 @@ pub(crate) fn field<'py>(
 
 #[pymethods]
 impl Solution {
-    /// Its field on a midair.Plane or at points (P, 3) in m: `midair.field` of its scene and drive, times its scale.
+    /// Compute its field: `midair.field` of its scene and drive, times its scale.
     ///
-    /// Raises SceneError for wrong points, and for a solution without a scene.
+    /// Parameters
+    /// ----------
+    /// plane : midair.Plane or (P, 3) array_like, optional
+    ///     As for `midair.field`.
+    ///
+    /// Returns
+    /// -------
+    /// midair.Field
+    ///     The field.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     For wrong points, and for a solution without a scene.
     #[pyo3(signature = (plane=None))]
     fn field<'py>(slf: &Bound<'py, Self>, plane: Option<Bound<'py, PyAny>>) -> PyResult<Field> {
         field(slf.py(), slf, None, plane)

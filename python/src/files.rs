@@ -5,13 +5,14 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use midair::Key;
-use midair::files::{self, Format, MOST_BYTES, Source};
+use midair::files::{self, Format, MOST_BYTES, Provenance, Source};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyString};
 
 use crate::draw;
 use crate::error::{invalid, refused};
+use crate::scene::Scene;
 use crate::toolbox;
 
 /// An error of the file system, as Python's own file functions raise it.
@@ -60,6 +61,76 @@ pub(crate) fn parse(text: &Bound<'_, PyAny>, name: &str, folder: Option<&Path>) 
 /// Writes a file whole or not at all, as every result is written.
 pub(crate) fn save(py: Python<'_>, path: &Path, text: &str) -> PyResult<()> {
     toolbox::call(py, "write", (path, text.as_bytes())).map(drop)
+}
+
+#[pymethods]
+impl Scene {
+    /// Read a scene file: JSON by its ending .json, TOML by .toml, else by its content.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or path
+    ///     File to read.
+    ///
+    /// Returns
+    /// -------
+    /// midair.Scene
+    ///     The scene.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     For an error in it, with line, column and a correct line as an example.
+    /// OSError
+    ///     If it cannot be read, such as FileNotFoundError.
+    #[staticmethod]
+    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        Self::of(load(py, &path)?)?.reported(py)
+    }
+
+    /// Read a scene from text, TOML or JSON by its content.
+    ///
+    /// Parameters
+    /// ----------
+    /// text : str or bytes
+    ///     The text.
+    /// name : str, optional
+    ///     Name of the text in errors.
+    /// folder : str or path, optional
+    ///     Folder of the files that the text names, which are rejected without one.
+    ///
+    /// Returns
+    /// -------
+    /// midair.Scene
+    ///     The scene.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     For an error in it, with line, column and a correct line as an example.
+    #[staticmethod]
+    #[pyo3(signature = (text, *, name="scene", folder=None))]
+    fn parse(text: &Bound<'_, PyAny>, name: &str, folder: Option<PathBuf>) -> PyResult<Self> {
+        Self::of(parse(text, name, folder.as_deref())?)?.reported(text.py())
+    }
+
+    /// Write the scene as TOML or (by the ending .json) JSON, whole or not at all.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or path
+    ///     File to write.
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     If it cannot be written.
+    /// SceneError
+    ///     For parts that no file can store, such as a signature of your own factors.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let text = files::write(&self.inner, Format::of(&path.to_string_lossy()), &Provenance::default());
+        save(py, &path, &text.map_err(refused)?)
+    }
 }
 
 /// The files that a scene file consists of: itself, and those that it names. What can be read but once is given.

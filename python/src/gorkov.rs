@@ -15,7 +15,15 @@ use crate::solution::{Solution, about, played};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// What a small sphere feels at some points (P,).
+/// Keep potential, force and stiffness of a small sphere at P points; from `midair.gorkov`.
+///
+/// Examples
+/// --------
+/// >>> import midair
+/// >>> scene = midair.Scene(midair.Array.grid(16, 16, 10.5e-3), [[0, 0, 0.08]], signature="trap")
+/// >>> trap = midair.solve(scene).gorkov()
+/// >>> trap.force.shape, trap.hessian.shape
+/// ((1, 3), (1, 3, 3))
 #[pyclass(frozen, eq, module = "midair")]
 #[derive(PartialEq)]
 pub(crate) struct Gorkov {
@@ -87,9 +95,17 @@ getters! {
         give::list(py, self.hessian.as_flattened().as_flattened().to_vec()).reshape([self.hessian.len(), 3, 3]);
 }
 
-/// Where beads come to rest that start at some points (P,), and what holds them there.
+/// Keep where beads come to rest that start at P points, and what restores them; from `midair.rest`.
 ///
 /// For a bead that is not trapped all but `place` is NaN.
+///
+/// Examples
+/// --------
+/// >>> import midair
+/// >>> boards = midair.Array.preset("openmpd_pair", quantization={})
+/// >>> bead = midair.solve(midair.Scene(boards, [[0, 0, 0]], signature="trap")).rest()
+/// >>> bead.place.shape, bool((bead.frequencies > 10).all())
+/// ((1, 3), True)
 #[pyclass(frozen, module = "midair")]
 pub(crate) struct Rest {
     inner: midair::Rest,
@@ -187,25 +203,51 @@ fn requested<'py>(
 /// In m/s^2, down the z axis.
 pub(crate) const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
-/// Gor'kov potential, force and stiffness of a small sphere in the field of a drive (N,), or of a Solution with its scale
-/// counted in, at points (P, 3) in m; left out they are the scene's.
+/// Compute Gor'kov's potential, force and stiffness of a small sphere in the field of a drive.
 ///
-/// A Solution alone stands for its scene and its drive: `midair.gorkov(solution, points)`, or `solution.gorkov(points)`.
+/// Parameters
+/// ----------
+/// scene : midair.Scene or midair.Solution
+///     A solution alone gives its scene and its drive: `midair.gorkov(solution, points)`, or `solution.gorkov(points)`.
+/// drive : (N,) array_like or midair.Solution, optional
+///     A complex drive, or a solution, whose scale counts.
+/// points : (P, 3) array_like, optional
+///     Points in m; by default the scene's.
+/// radius : float, optional
+///     Of the sphere in m; by default that of the scene's bead, 1e-3 unless it has another.
+/// density : float, optional
+///     Of the sphere in kg/m^3; by default the bead's, 29 (expanded polystyrene: Marzo et al., Nature Communications 6,
+///     8661, 2015).
+/// sound_speed : float, optional
+///     In the sphere in m/s; by default the bead's, 900.
+/// gravity : (3,) array_like, optional
+///     In m/s^2, for `net` and `weight`; by default the bead's, 9.81 down the z axis.
 ///
-/// radius in m, density in kg/m^3 and sound_speed in m/s are the sphere's, gravity (3,) in m/s^2 is for `net` and `weight`;
-/// left out they are those of the scene's bead: of expanded polystyrene, 1e-3, 29 (Marzo et al., Nature Communications 6,
-/// 8661, 2015) and 900, and 9.81 down the z axis, unless it has another. The field is the real one, without the scene's signature, in its air and beside its
-/// obstacles. U = V [f1 <p^2>/(2 rho c^2) - 3/4 f2 rho <v^2>] after Bruus, Lab on a Chip 12, 1014 (2012), which
-/// is for spheres small beside the wavelength, without viscosity and the push of waves that run. Derivatives are
-/// exact, in double precision; those of sound that spheres and meshes send on are exact to 1e-5.
+/// Returns
+/// -------
+/// midair.Gorkov
+///     Potential, force, stiffness and weight at each point.
 ///
-/// From a radius of an eighth of the wavelength on, up to three, the sphere is rigid, and its force that of its series of waves,
-/// the push of waves that run counted in. It has no potential, which is NaN; `hessian` and `stiffness` are differences of the force.
+/// Raises
+/// ------
+/// SceneError
+///     For a drive or points of another shape or not finite, a sphere's value that is not above 0 or a radius above
+///     three wavelengths. For a point inside an obstacle or within a hundredth of a wavelength of a sphere or mesh, or
+///     a large sphere that reaches so far.
 ///
-/// Raises SceneError for a drive or points of another shape or not finite, a sphere's value that is not above 0 or a radius
-/// above three wavelengths, and a point inside an obstacle or within a hundredth of a wavelength of a sphere or mesh, or a large
-/// sphere that reaches so far.
+/// Notes
+/// -----
+/// U = V [f1 <p^2>/(2 rho c^2) - 3/4 f2 rho <v^2>] after Bruus, Lab on a Chip 12, 1014 (2012). It is for spheres small
+/// beside the wavelength, without viscosity and the push of travelling waves. The field is the real one, without the
+/// scene's signature, in its air and beside its obstacles. Derivatives are exact, in double precision; those of waves
+/// that spheres and meshes scatter are exact to 1e-5.
 ///
+/// From a radius of an eighth of the wavelength on, up to three, the sphere is rigid. Its force is that of its series
+/// of waves, which includes the push of travelling waves. It has no potential, which is NaN; `hessian` and `stiffness`
+/// are differences of the force.
+///
+/// Examples
+/// --------
 /// >>> import midair
 /// >>> scene = midair.Scene(midair.Array.grid(16, 16, 10.5e-3), [[0, 0, 0.08]], signature="trap")
 /// >>> trap = midair.gorkov(scene, midair.solve(scene))
@@ -233,15 +275,33 @@ pub(crate) fn gorkov<'py>(
     Ok(Gorkov { potential, force, hessian, weight, mass })
 }
 
-/// Where small spheres that start at points (P, 3) in m come to rest in the field of a drive (N,), or of a Solution with its
-/// scale counted in, and what holds them there; points left out are the scene's.
+/// Find where small spheres that start at some points come to rest, and what restores them.
 ///
-/// The net force, Gor'kov's, weight and buoyancy, is followed to the place where it is 0. Along each axis of the stiffness there,
-/// `basin` and `restoring` say how far and how strongly it pulls back, `frequencies` and `acceleration` what that does to the
-/// bead. Arguments are those of `midair.gorkov`; a Solution alone stands for its scene and drive.
+/// Parameters
+/// ----------
+/// scene, drive, points : optional
+///     As `midair.gorkov` takes them; points are where the spheres start.
+/// radius, density, sound_speed, gravity : optional
+///     Of the spheres, as there.
 ///
-/// Raises SceneError as `midair.gorkov`.
+/// Returns
+/// -------
+/// midair.Rest
+///     Places, stiffness and natural frequencies.
 ///
+/// Raises
+/// ------
+/// SceneError
+///     As `midair.gorkov`.
+///
+/// Notes
+/// -----
+/// The net force, Gor'kov's, weight and buoyancy, is followed to the place where it is 0. Along each axis of the
+/// stiffness there, `basin` and `restoring` say how far and how strongly it pulls back, `frequencies` and
+/// `acceleration` how the bead then moves.
+///
+/// Examples
+/// --------
 /// >>> import midair
 /// >>> boards = midair.Array.preset("openmpd_pair", quantization={})
 /// >>> bead = midair.rest(midair.solve(midair.Scene(boards, [[0, 0, 0]], signature="trap")))
@@ -271,9 +331,22 @@ pub(crate) fn rest<'py>(
 
 #[pymethods]
 impl Solution {
-    /// Potential, force and stiffness of a small sphere in its field: `midair.gorkov` of its scene and drive.
+    /// Compute potential, force and stiffness of a small sphere: `midair.gorkov` of its scene and drive.
     ///
-    /// Raises SceneError as `midair.gorkov`, and where it has no scene.
+    /// Parameters
+    /// ----------
+    /// points, radius, density, sound_speed, gravity : optional
+    ///     As `midair.gorkov` takes them.
+    ///
+    /// Returns
+    /// -------
+    /// midair.Gorkov
+    ///     At each point.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     As `midair.gorkov`, and where it has no scene.
     #[pyo3(signature = (points=None, *, radius=None, density=None, sound_speed=None, gravity=None))]
     fn gorkov<'py>(
         slf: &Bound<'py, Self>,
@@ -286,9 +359,22 @@ impl Solution {
         gorkov(slf.py(), slf, None, points, radius, density, sound_speed, gravity)
     }
 
-    /// Where small spheres come to rest in its field: `midair.rest` of its scene and drive.
+    /// Find where small spheres come to rest in its field: `midair.rest` of its scene and drive.
     ///
-    /// Raises SceneError as `midair.rest`, and where it has no scene.
+    /// Parameters
+    /// ----------
+    /// points, radius, density, sound_speed, gravity : optional
+    ///     As `midair.rest` takes them.
+    ///
+    /// Returns
+    /// -------
+    /// midair.Rest
+    ///     Of each sphere.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     As `midair.rest`, and where it has no scene.
     #[pyo3(signature = (points=None, *, radius=None, density=None, sound_speed=None, gravity=None))]
     fn rest<'py>(
         slf: &Bound<'py, Self>,

@@ -23,14 +23,38 @@ use crate::subject::{Beside, Subject};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// An upper bound on the level min |p| / target over the points with a pressure: no drive, quantised or not, exceeds it.
+/// Compute an upper bound on the level min |p| / target over the points with a pressure.
 ///
-/// Up to three points it is the highest level itself, to 1e-4. For more it is the value of a semidefinite relaxation, some
-/// 8 to 9 % above the best known field; above 64 points it is looser.
-/// pressures in Pa (one number or (M,)), weights (M,) and mask (N,) are for a Propagation, or replace a scene's own.
+/// Parameters
+/// ----------
+/// scene : midair.Scene or midair.Propagation
+///     The request.
+/// pressures : float or (M,) array_like, optional
+///     Peak pressures in Pa for a matrix; or in place of a scene's own.
+/// weights : (M,) array_like, optional
+///     Weights, likewise.
+/// mask : (N,) array_like of bool, optional
+///     Transducers that are on, likewise.
 ///
-/// Raises SceneError for no pressure above 0, TypeError if scene is neither.
+/// Returns
+/// -------
+/// float
+///     No drive, quantised or not, exceeds it.
 ///
+/// Raises
+/// ------
+/// SceneError
+///     For no pressure above 0.
+/// TypeError
+///     For another type of scene.
+///
+/// Notes
+/// -----
+/// Up to three points it is the highest level itself, to 1e-4. For more it is the value of a semidefinite relaxation,
+/// some 8 to 9 % above the best known field; above 64 points it is looser.
+///
+/// Examples
+/// --------
 /// >>> import midair
 /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
 /// >>> level = midair.solve(scene, "best").metrics.level
@@ -49,17 +73,42 @@ pub(crate) fn bound(
     attend(py, None, |mut control| midair::bound(&subject.problem(false, &mut control)?, &mut control))
 }
 
-/// The metrics of a drive (N,), or of a Solution times its scale; for many drives a table.
+/// Compute the metrics of a drive, or of many drives as a table.
 ///
-/// scene : a Scene or a Propagation; a Solution alone gives its scene and its drive
-/// drive : (N,), or (B, N) for a BatchMetrics of B: at a scene's own points, at `points`, or for a matrix's B targets
-/// points : of many drives, (B, M, 3) in m; the first argument may then be an Array
-/// pressures, weights, mask : for a Propagation or `points`, or replace a scene's own; for many drives as in `solve_batch`
-/// precision : "single" is exact to 1e-4 of the array's reach at a point; "double" to 1e-9, in double precision
-/// threads, progress : for many drives, as in `solve_batch`; if progress returns False the rest of the table is NaN
+/// Parameters
+/// ----------
+/// scene : midair.Scene, midair.Propagation, midair.Solution or midair.Array
+///     A solution alone gives its scene and its drive; an array goes with `points`.
+/// drive : (N,) or (B, N) array_like, or midair.Solution, optional
+///     A drive, or a solution, whose scale counts. Of B drives: at a scene's own points, at `points`, or for a matrix's
+///     B targets.
+/// points : (B, M, 3) array_like, optional
+///     Points in m of many drives.
+/// pressures, weights, mask : array_like, optional
+///     For a matrix or `points`; or in place of a scene's own. For many drives as in `solve_batch`.
+/// precision : {"single", "double"}, optional
+///     "single" is exact to 1e-4 of the array's reach at a point, "double" to 1e-9.
+/// threads, progress : optional
+///     For many drives, as in `solve_batch`; if progress returns False the rest of the table is NaN.
 ///
-/// Raises SceneError for a drive of another shape or not finite, TypeError if scene is neither.
+/// Returns
+/// -------
+/// midair.Metrics or midair.BatchMetrics
+///     Of one drive, or of B drives.
 ///
+/// Raises
+/// ------
+/// SceneError
+///     For a drive of another shape or not finite.
+/// TypeError
+///     For another type of scene.
+///
+/// Notes
+/// -----
+/// accuracy is eq. (12), sigma eq. (13) of Suzuki et al., IEEE Trans. Haptics 14, 914 (2021).
+///
+/// Examples
+/// --------
 /// >>> import midair, numpy
 /// >>> array = midair.Array.preset("paper20")
 /// >>> points = numpy.random.default_rng(1).uniform(-0.05, 0.05, (10, 4, 3)) + [0, 0, 0.15]
@@ -229,9 +278,22 @@ fn answered(solution: &Bound<'_, Solution>, beside: Beside<'_, '_>) -> PyResult<
 
 #[pymethods]
 impl Solution {
-    /// Its metrics, times its scale: `midair.judge` of its scene and its drive.
+    /// Compute its metrics, times its scale: `midair.judge` of its scene and its drive.
     ///
-    /// Raises SceneError for wrong pressures, weights, mask or precision.
+    /// Parameters
+    /// ----------
+    /// pressures, weights, mask, precision : optional
+    ///     As `midair.judge` takes them.
+    ///
+    /// Returns
+    /// -------
+    /// midair.Metrics
+    ///     The metrics.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     For wrong pressures, weights, mask or precision.
     #[pyo3(signature = (*, pressures=None, weights=None, mask=None, precision=None))]
     fn judge<'py>(
         slf: &Bound<'py, Self>,

@@ -19,14 +19,28 @@ use crate::pickle::{Reduced, restored};
 use crate::read;
 use crate::toolbox;
 
-/// A body of any shape, of a scene's `obstacles`: vertices (V, 3) in m and faces (F, 3), three indices of vertices each,
-/// counterclockwise as seen from outside; the surface is closed.
+/// Describe a body of any shape that scatters waves, for a scene's `obstacles`.
 ///
-/// kind is "rigid" (a solid) or "soft" (it gives way, p = 0). The sound on its surface is solved by boundary elements, once
-/// for an array, by the extra midair[mesh]. `Mesh.from_file` reads files of modellers.
+/// Parameters
+/// ----------
+/// vertices : (V, 3) array_like
+///     Corners in m.
+/// faces : (F, 3) array_like of int
+///     Three indices of vertices each, counterclockwise as seen from outside; the surface is closed.
+/// kind : {"rigid", "soft"}, optional
+///     "rigid" is a solid; "soft" gives way: on it p = 0.
 ///
-/// Raises SceneError for vertices and faces that are not in order, and for a surface that is not closed.
+/// Raises
+/// ------
+/// SceneError
+///     For wrong vertices and faces, and for a surface that is not closed.
 ///
+/// Notes
+/// -----
+/// The sound on its surface is solved by boundary elements, once for an array, by the extra midair[mesh].
+///
+/// Examples
+/// --------
 /// >>> import midair
 /// >>> corners = [[0, 0, 0.1], [0.02, 0, 0.1], [0, 0.02, 0.1], [0, 0, 0.12]]
 /// >>> midair.Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
@@ -58,12 +72,28 @@ impl Mesh {
         Self::of(read::vectors("mesh.vertices", vertices)?, indices(faces)?, kind)
     }
 
-    /// A file of a modeller: .stl, .obj, .ply, .off or .glb (the extra midair[mesh]).
+    /// Read a file of a modeller: .stl, .obj, .ply, .off or .glb (the extra midair[mesh]).
     ///
-    /// scale is the metres of its unit, 1e-3 of a file in millimetres; offset (3,) in m is added then.
+    /// Parameters
+    /// ----------
+    /// path : str or path
+    ///     File to read.
+    /// scale : float, optional
+    ///     Metres of its unit, 1e-3 of a file in millimetres.
+    /// offset : (3,) array_like, optional
+    ///     Added after that, in m.
+    /// kind : {"rigid", "soft"}, optional
+    ///     As for `Mesh`.
     ///
-    /// Raises SceneError for a file that is not there, cannot be read or holds no closed surface, and where trimesh is
-    /// missing.
+    /// Returns
+    /// -------
+    /// midair.Mesh
+    ///     The body.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     For a missing file, one that cannot be read or has no closed surface, and where trimesh is missing.
     #[staticmethod]
     #[pyo3(signature = (path, *, scale=None, offset=None, kind="rigid"))]
     fn from_file(
@@ -81,7 +111,7 @@ impl Mesh {
         Self::of(read::vectors("mesh.vertices", &vertices)?, indices(&faces)?, kind)
     }
 
-    /// The faces (F, 3), three indices of vertices each.
+    /// Faces (F, 3), three indices of vertices each.
     #[getter]
     fn faces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
         let flat = PyArray1::from_slice(py, self.inner.faces().as_flattened());
@@ -110,13 +140,13 @@ impl Mesh {
 getters! {
     Mesh:
 
-    /// The vertices (V, 3) in m.
+    /// Vertices (V, 3) in m.
     vertices(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, self.inner.vertices());
 
     /// "rigid" or "soft".
     kind(self) -> &'static str = self.inner.kind().name();
 
-    /// What it encloses, in m^3.
+    /// Enclosed volume in m^3.
     volume(self) -> f64 = self.inner.volume();
 }
 

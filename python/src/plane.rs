@@ -15,11 +15,30 @@ use crate::read;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// A square of pixels x pixels samples, side size (all in m), around center: at height z, center (x, y); or normal to
-/// axis "y", center (x, z), or "x", center (y, z), at the place `at` along it.
+/// Describe a square of pixels x pixels samples: at height z, or normal to another axis.
 ///
-/// Raises SceneError for a plane without a place, and a wrong size, pixels, center or axis.
+/// Parameters
+/// ----------
+/// z : float, optional
+///     Height in m of a plane normal to z.
+/// size : float
+///     Side in m.
+/// pixels : int, optional
+///     Samples along each side.
+/// center : (float, float), optional
+///     Middle in m, across and up: (x, y), of axis "y" (x, z), of axis "x" (y, z).
+/// axis : {"z", "y", "x"}, optional
+///     Axis that the plane is normal to.
+/// at : float, optional
+///     Place along that axis in m.
 ///
+/// Raises
+/// ------
+/// SceneError
+///     For a plane without a place, and a wrong size, pixels, center or axis.
+///
+/// Examples
+/// --------
 /// >>> import midair
 /// >>> float(midair.Plane(z=0.15, size=0.1, pixels=3).x[0])
 /// -0.05
@@ -85,9 +104,22 @@ impl Plane {
         Ok(Self { inner })
     }
 
-    /// Samples along an axis (pixels,) in m, or None for the normal of the plane.
+    /// Return the samples along an axis.
     ///
-    /// Raises SceneError for an axis other than "x", "y" and "z".
+    /// Parameters
+    /// ----------
+    /// axis : {"x", "y", "z"}
+    ///     The axis.
+    ///
+    /// Returns
+    /// -------
+    /// (pixels,) ndarray or None
+    ///     In m; None for the normal of the plane.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     For another axis.
     fn along<'py>(&self, py: Python<'py>, axis: &Bound<'py, PyAny>) -> PyResult<Samples<'py>> {
         Ok(self.samples(py, read_axis(axis)?))
     }

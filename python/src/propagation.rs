@@ -9,13 +9,25 @@ use crate::give;
 use crate::pickle::Reduced;
 use crate::read;
 
-/// A user's own G (M, N) in Pa: measured, or computed with obstacles.
+/// Take a matrix of your own as the propagation G: measured, or computed with obstacles.
 ///
+/// Parameters
+/// ----------
+/// matrix : (M, N) array_like
+///     Complex pressure in Pa at each point by each transducer at full drive.
+///
+/// Raises
+/// ------
+/// SceneError
+///     For a matrix that is not (M, N) or has entries that are not finite.
+///
+/// Notes
+/// -----
 /// Pressures and weights, and quantization, mask and positions of its array, are arguments of `solve`, `Solver`,
 /// `solve_batch`, `judge` and `bound`.
 ///
-/// Raises SceneError for a matrix that is not (M, N) or has entries that are not finite.
-///
+/// Examples
+/// --------
 /// >>> import midair, numpy as np
 /// >>> solution = midair.solve(midair.Propagation(np.ones((1, 4))), pressures=4.0)
 /// >>> round(solution.metrics.accuracy, 6)

@@ -6,7 +6,14 @@ use pyo3::prelude::*;
 use crate::give;
 use crate::pickle::{Reduced, restored};
 
-/// Capability of an array at a scene's points.
+/// Describe the capability of an array at a scene's points; from `Scene.reach`.
+///
+/// Examples
+/// --------
+/// >>> import midair
+/// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
+/// >>> bool((scene.reach().level < scene.reach().alone).all())
+/// True
 #[pyclass(frozen, eq, module = "midair")]
 #[derive(PartialEq)]
 pub(crate) struct Reach {

@@ -18,12 +18,27 @@ use crate::signature::read_signature;
 // Here, not beside the class: `Keywords` itself reads scenes.
 #[pymethods]
 impl Scene {
-    /// The same scene with other parts, named as the constructor names them, or another `plane`; what is left out stays,
-    /// the solver of a scene file too. None takes pressures, weights or the plane away and leaves anything else as it is.
+    /// Return the same scene with other parts; what is left out stays, the solver of a scene file too.
     ///
-    /// Raises SceneError for a part of another name, for what `Scene` refuses, and for pressures and weights of another
-    /// number of points.
+    /// Parameters
+    /// ----------
+    /// **changes
+    ///     Named as the constructor names them, or `plane`. None removes pressures, weights or the plane and leaves
+    ///     anything else as it is.
     ///
+    /// Returns
+    /// -------
+    /// midair.Scene
+    ///     The new scene.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     For a part of another name, for what `Scene` refuses, and for pressures and weights of another number of
+    ///     points.
+    ///
+    /// Examples
+    /// --------
     /// >>> import midair
     /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]], 100.0)
     /// >>> scene.replace(pressures=200.0).pressures

@@ -1,10 +1,8 @@
 //! `midair.Scene`.
 
 use std::hash::{Hash, Hasher};
-use std::path::PathBuf;
 use std::sync::Arc;
 
-use midair::files::{self, Format, Provenance};
 use midair::{Bead, Complex32, Control, Doubt, Medium, Request};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyTypeError;
@@ -31,30 +29,53 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// Arguments of the constructor beside the air and the array's parts.
 pub(crate) const ARGUMENTS: [&str; 7] = ["array", "points", "pressures", "weights", "signature", "bead", "obstacles"];
 
-/// A request: an array, points in the air, and a pressure for each point.
+/// Describe a request: an array, points in the air, and a pressure for each point.
 ///
-/// array : the midair.Array, N transducers
-/// points : (M, 3) in m
-/// pressures : (M,) peak |p| in Pa, or one for all; 0 means a quiet point; by default all are the balanced level s, which
-///     the array can reach together: sum_j (s/p1_j)^2 = 1, p1_j = sum_i |G_ji|. Complex ones ask for phases, too, of the
-///     methods that use them
-/// weights : (M,) or one for all: they multiply the points' terms of eq. (7); a point of weight 0 has no effect
+/// Parameters
+/// ----------
+/// array : midair.Array
+///     N transducers.
+/// points : (M, 3) array_like
+///     Points in m.
+/// pressures : float or (M,) array_like, optional
+///     Peak |p| in Pa; 0 means a quiet point. By default all are the balanced level s, which the array can reach
+///     together: sum_j (s/p1_j)^2 = 1, p1_j = sum_i |G_ji|. Complex ones are targets of phase, too, for the methods
+///     that use them.
+/// weights : float or (M,) array_like, optional
+///     They multiply the points' terms of eq. (7); a point of weight 0 has no effect.
+/// signature : str, array_like or list, optional
+///     Turns the foci into traps: "trap", "twin", "vortex", or complex factors (N,) or (M, N) of modulus 1. They
+///     multiply the responses c while it is solved; pressures are then those of the foci, and `field` and `gorkov` use
+///     the real responses. A list has a name, or None for a focus, for each point.
+/// bead : mapping, optional
+///     Sphere that traps are made for: radius in m, density in kg/m^3, sound_speed in m/s and gravity (3,) in m/s^2. By
+///     default a bead of expanded polystyrene, and 9.81 down the z axis.
+/// obstacles : list, optional
+///     Bodies that reflect the waves: midair.Wall, Sphere, Mesh and the like.
 /// {medium}
-/// {parts} : in place of the array's
-/// signature : turns the foci into traps: "trap", "twin", "vortex" or complex factors (N,) or (M, N) of modulus 1, which
-///     multiply the responses c while it is solved; pressures are then those of the foci, and `field` and `gorkov` use the
-///     real responses; a list has a name, or None for a focus, for each point
-/// bead : the sphere that traps are made for, a dict of radius in m, density in kg/m^3, sound_speed in m/s and gravity (3,) in
-///     m/s^2; left out a bead of expanded polystyrene, and 9.81 down the z axis
-/// obstacles : bodies that reflect the waves, a list of midair.Wall, Sphere, Mesh and the like
+/// {parts} : optional
+///     In place of the array's.
 ///
-/// A drive q makes p_j = sum_i G_ji q_i, G_ji = P0/r D(theta) e^(-alpha r) e^(jkr) c_i: eq. (5) of Suzuki et al., IEEE Trans.
-/// Haptics 14, 914 (2021), with directivity, absorption and response.
+/// Raises
+/// ------
+/// SceneError
+///     For numbers of another shape or not finite, points too far away or without sound, and contradictions, such as a
+///     sound speed beside a temperature.
+/// TypeError
+///     For an array of another type.
 ///
-/// Raises SceneError for numbers of another shape or not finite, points too far away or without sound, and
-/// contradictions, such as a sound speed beside a temperature; TypeError for an array of another type. Warns, by a
-/// SceneWarning, of values that are probably mistakes.
+/// Warns
+/// -----
+/// SceneWarning
+///     Of values that are probably mistakes.
 ///
+/// Notes
+/// -----
+/// A drive q makes p_j = sum_i G_ji q_i, G_ji = P0/r D(theta) e^(-alpha r) e^(jkr) c_i: eq. (5) of Suzuki et al., IEEE
+/// Trans. Haptics 14, 914 (2021), with directivity, absorption and response.
+///
+/// Examples
+/// --------
 /// >>> import midair
 /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]])
 /// >>> round(float(abs(scene.propagation()).sum()), 5)
@@ -155,36 +176,6 @@ impl Scene {
         Self::with(&array, scene.map_err(refused)?)?.reported(py)
     }
 
-    /// Reads a scene file: JSON by its ending .json, TOML by .toml, else by its content.
-    ///
-    /// Raises SceneError for an error in it, with line, column and a correct line as an example; OSError, such
-    /// as FileNotFoundError, if it cannot be read.
-    #[staticmethod]
-    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        Self::of(crate::files::load(py, &path)?)?.reported(py)
-    }
-
-    /// Reads a scene from text (str or bytes), TOML or JSON by its content.
-    ///
-    /// name appears in errors; files in the text are relative to folder, and rejected without one.
-    ///
-    /// Raises SceneError for an error in it, with line, column and a correct line as an example.
-    #[staticmethod]
-    #[pyo3(signature = (text, *, name="scene", folder=None))]
-    fn parse(text: &Bound<'_, PyAny>, name: &str, folder: Option<PathBuf>) -> PyResult<Self> {
-        Self::of(crate::files::parse(text, name, folder.as_deref())?)?.reported(text.py())
-    }
-
-    /// Writes the scene as TOML or (by the ending .json) JSON, whole or not at all.
-    ///
-    /// Raises OSError if it cannot be written, and SceneError for parts that no file can store, such as a signature of
-    /// your
-    /// own factors.
-    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        let text = files::write(&self.inner, Format::of(&path.to_string_lossy()), &Provenance::default());
-        crate::files::save(py, &path, &text.map_err(refused)?)
-    }
-
     /// The array.
     #[getter]
     pub(crate) fn array(&self) -> Array {
@@ -208,19 +199,36 @@ impl Scene {
         Ok(Some((choice.name.clone(), read::option_dict(py, &choice.table())?)))
     }
 
-    /// G (M, N) in Pa, complex64: the pressure at point j of transducer i at full drive, eq. (5), times the signature.
+    /// Compute G: the pressure at point j of transducer i at full drive, eq. (5), times the signature.
     ///
-    /// Raises SceneError for a point nearer than lambda/100 to a transducer, MemoryError for more than MIDAIR_MEMORY
-    /// allows.
+    /// Returns
+    /// -------
+    /// (M, N) ndarray of complex64
+    ///     In Pa.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     For a point nearer than lambda/100 to a transducer.
+    /// MemoryError
+    ///     For more than MIDAIR_MEMORY allows.
     fn propagation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
         let matrix = |mut control: Control<'_>| self.model().propagation(self.inner.points())?.matrix(&mut control);
         let matrix = attend(py, None, matrix)?;
         give::table(py, matrix, [self.inner.points().len(), self.inner.array().len()])
     }
 
-    /// Capability of the array at the points: the highest pressure at each alone, and at all of them together.
+    /// Compute the highest pressure at each point alone, and at all of them together.
     ///
-    /// Raises SceneError for a point nearer than lambda/100 to a transducer.
+    /// Returns
+    /// -------
+    /// midair.Reach
+    ///     In Pa.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     For a point nearer than lambda/100 to a transducer.
     fn reach(&self, py: Python<'_>) -> PyResult<Reach> {
         let reach = |mut control: Control<'_>| self.problem(false, &mut control)?.reach(&mut control);
         let midair::Reach { alone, level, .. } = attend(py, None, reach)?;

@@ -22,7 +22,14 @@ use crate::read;
 use crate::scene::Scene;
 use crate::subject::{Beside, Subject};
 
-/// A drive and its pressures at the points.
+/// Keep a drive and its pressures at the points; from `midair.solve`.
+///
+/// Examples
+/// --------
+/// >>> import midair
+/// >>> solution = midair.solve(midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]]))
+/// >>> solution.drive.shape, solution.pressures.shape, solution.status
+/// ((400,), (2,), 'done')
 #[pyclass(frozen, eq, hash, module = "midair")]
 pub(crate) struct Solution {
     pub(crate) inner: midair::Solution,
@@ -263,9 +270,22 @@ pub(crate) fn begin(start: &Bound<'_, PyAny>) -> PyResult<midair::Start> {
 // Here, not beside the class: a solution has its scene already.
 #[pymethods]
 impl Scene {
-    /// The scene as JSON text; with a solution, as the record of its solve.
+    /// Return the scene as JSON text; with a solution, as the record of its solve.
     ///
-    /// Raises SceneError for parts that no file can store, such as a signature of your own factors.
+    /// Parameters
+    /// ----------
+    /// solution : midair.Solution, optional
+    ///     A solution of the scene.
+    ///
+    /// Returns
+    /// -------
+    /// str
+    ///     JSON.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     For parts that no file can store, such as a signature of your own factors.
     #[pyo3(signature = (solution=None))]
     fn json(&self, solution: Option<&Bound<'_, Solution>>) -> PyResult<String> {
         let Some(solution) = solution else {

@@ -18,27 +18,63 @@ use crate::subject::{Beside, Subject};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// Finds a drive q (N,), |q| <= 1, whose pressures p = G q are near the targets, and returns a Solution.
+/// Find a drive q, |q| <= 1, whose pressures p = G q are near the targets.
 ///
-/// scene : a Scene, or a matrix G (`Propagation`) with the keywords below
-/// solver : a name of `solvers()`; by default the scene file's, else `uniform`. Or a function: solver(propagation, targets,
+/// Parameters
+/// ----------
+/// scene : midair.Scene or midair.Propagation
+///     A scene, or a matrix G with the keywords below.
+/// solver : str or callable, optional
+///     A name of `solvers()`; by default the scene file's, else `uniform`. Or a function: solver(propagation, targets,
 ///     weights, **options) gets G (M, N) in Pa, targets (M,) in Pa and weights (M,), the largest 1, of the points of
-///     weight above 0, and returns a drive (N,) of moduli up to 1
-/// pressures, weights, quantization, mask : for a matrix; beside a scene they replace its own
-/// positions : (N, 3) in m, for a matrix only
-/// balance : True solves at the level the array can reach and reduces the drives afterwards; None is the method's default
-/// aim : "target" meets the targets, "max" is as loud as possible, for the methods that use it
-/// start : a drive (N,), point phases (M,) in rad or a Solution, for the methods that use it
-/// progress : called with (step, steps, residual) at every step; False stops with the best drive so far
-/// trace : True stores the residuals, sum w (target - |p|)^2 / sum w target^2: eq. (7) relative to silence
-/// options : of the solver; `solvers()` lists them with their sources. greedy's objective may be a function:
-///     objective(pressures, targets, weights) gets the pressures (K, M) in Pa of each of K candidates, and
-///     returns the cost of each (K,); greedy takes the lowest, one transducer after another
+///     weight above 0, and returns a drive (N,) of moduli up to 1.
+/// pressures, weights, quantization, mask : optional
+///     For a matrix, as `Scene` takes them; beside a scene they replace its own.
+/// positions : (N, 3) array_like, optional
+///     Places of the transducers in m, for a matrix only.
+/// balance : bool, optional
+///     True solves at the level the array can reach and reduces the drives afterwards; None is the method's default.
+/// aim : {"target", "max"}, optional
+///     "target" meets the targets, "max" is as loud as possible, for the methods that use it.
+/// start : (N,) or (M,) array_like, or midair.Solution, optional
+///     A drive (N,), point phases (M,) in rad or a solution, for the methods that use it.
+/// progress : callable, optional
+///     Called with (step, steps, residual) at every step; False stops with the best drive so far.
+/// trace : bool, optional
+///     Whether the residuals, eq. (7) relative to silence, are stored: sum w (target - |p|)^2 / sum w target^2.
+/// **options
+///     Of the solver; `solvers()` lists them with their sources. greedy's objective may be a function:
+///     objective(pressures, targets, weights) gets the pressures (K, M) in Pa of each of K candidates, and returns the
+///     cost of each (K,); greedy takes the lowest, one transducer after another.
 ///
-/// Raises SceneError for an unknown solver or option, a wrong value, a point nearer than lambda/100 to a
-/// transducer, and a pressure that no transducer reaches; TypeError if scene is neither; MemoryError for more than
-/// MIDAIR_MEMORY allows. A function's own errors pass through. Warns, by a SceneWarning, of pressures beyond reach.
+/// Returns
+/// -------
+/// midair.Solution
+///     The drive, its pressures and its metrics.
 ///
+/// Raises
+/// ------
+/// SceneError
+///     For an unknown solver or option, a wrong value, a point nearer than lambda/100 to a transducer, and a pressure
+///     that no transducer reaches. A function's own errors pass through.
+/// TypeError
+///     For another type of scene.
+/// MemoryError
+///     For more than MIDAIR_MEMORY allows.
+///
+/// Warns
+/// -----
+/// SceneWarning
+///     Of pressures beyond reach.
+///
+/// See Also
+/// --------
+/// midair.solve_batch : many problems at once.
+/// midair.Solver : many requests one after another.
+/// midair.compare : several methods beside each other.
+///
+/// Examples
+/// --------
 /// >>> import midair
 /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
 /// >>> solution = midair.solve(scene, "greedy", phases=16, seed=1)

@@ -3,9 +3,9 @@
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 use std::time::Instant;
 
-use midair::solvers::{Info, Last, unused};
+use midair::solvers::{Info, unused};
 use midair::{Complex32, Frames, Request, Session, SolveRequest};
-use numpy::{Ix1, Ix2, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{Ix1, Ix2, PyArray1, PyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -24,21 +24,33 @@ use crate::solution::{Solution, begin};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// State of `glide`, as Python's objects.
-type Remembered<'py> = (Bound<'py, PyArray2<Complex32>>, Bound<'py, PyArray1<f32>>, f32, Bound<'py, PyArray2<f64>>);
-
-/// One array, one method, many requests: it owns its memory, and from its second call on it allocates nothing
-/// if `out` is given.
+/// Solve many requests of one array by one method, in memory of its own.
 ///
-/// scene : array and medium: a Scene, or an Array with a Scene's keywords (frequency, sound_speed, ...), or a Propagation, a
-///     matrix for many targets
-/// solver : a name of `solvers()`, as in `solve`
-/// points : the largest number of points of a call, if there is one
-/// options : of the solver, and `balance`, `aim`, and quantization and mask in place of the array's
+/// Parameters
+/// ----------
+/// scene : midair.Scene, midair.Array or midair.Propagation
+///     Array and medium: a scene, or an array with a scene's keywords (frequency, sound_speed, ...). Or a matrix for
+///     many targets.
+/// solver : str, optional
+///     A name of `solvers()`, as in `solve`.
+/// points : int, optional
+///     Largest number of points of a call, if there is one.
+/// **options
+///     Of the solver, and `balance`, `aim`, and quantization and mask in place of the array's.
 ///
-/// Raises SceneError for an unknown solver or option and a wrong value, TypeError if scene is none
-/// of these; a call raises the errors of `solve`.
+/// Raises
+/// ------
+/// SceneError
+///     For an unknown solver or option and a wrong value; a call raises the errors of `solve`.
+/// TypeError
+///     For another type of scene.
 ///
+/// Notes
+/// -----
+/// From the second call on it allocates nothing if `out` is given.
+///
+/// Examples
+/// --------
 /// >>> import midair, numpy
 /// >>> solver = midair.Solver(midair.Array.preset("paper20"), "fast")
 /// >>> drive = numpy.empty(400, numpy.complex64)
@@ -56,14 +68,14 @@ pub(crate) struct Solver {
 }
 
 /// The part that a call changes.
-struct State {
-    session: Session,
+pub(crate) struct State {
+    pub(crate) session: Session,
     ask: SolveRequest,
     elapsed: f64,
 }
 
 impl Solver {
-    fn state(&self) -> PyResult<MutexGuard<'_, State>> {
+    pub(crate) fn state(&self) -> PyResult<MutexGuard<'_, State>> {
         match self.state.try_lock() {
             Ok(state) => Ok(state),
             // A call that panicked leaves nothing that the next one reads.
@@ -158,10 +170,26 @@ impl Solver {
         })
     }
 
-    /// Finds a drive for points (M, 3) in m, as `solve` does; a matrix has its own points. Without out it
-    /// returns a new Solution. With out, a complex64 array (N,), it writes the drive there and returns the solver
-    /// itself:
-    /// its drive, pressures, metrics and status are those of the last call.
+    /// Find a drive for some points, as `solve` does.
+    ///
+    /// Parameters
+    /// ----------
+    /// points : (M, 3) array_like, optional
+    ///     Points in m; none for a matrix.
+    /// pressures, weights, start : optional
+    ///     As `midair.solve` takes them.
+    /// out : (N,) ndarray of complex64, optional
+    ///     Array for the drive.
+    ///
+    /// Returns
+    /// -------
+    /// midair.Solution or midair.Solver
+    ///     A new solution. With out the solver itself: its drive, pressures, metrics and status are those of the last call.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     As `midair.solve`.
     #[pyo3(signature = (points=None, pressures=None, *, weights=None, start=None, out=None, **others))]
     fn __call__<'py>(
         slf: &Bound<'py, Self>,
@@ -221,12 +249,30 @@ impl Solver {
         Ok(Bound::new(py, solution)?.into_any().unbind())
     }
 
-    /// Drives (T, N), complex64, of T frames one after another: points (T, M, 3) in m, pressures (T, M) in Pa, 0 where a
-    /// point is absent; by default all points have the balanced level. `glide` continues from its last frame, from call
-    /// to call; a solver with a start gets the last drive of this call. A frame without points is silent. With a `margin`,
-    /// points (T + 2 margin, M, 3) have this many frames more on both sides, from which traps know the acceleration of points.
+    /// Solve T frames one after another.
     ///
-    /// Raises SceneError for wrong points and pressures, naming the frame.
+    /// `glide` continues from its last frame, from call to call; a solver with a start gets the last drive of this
+    /// call.
+    ///
+    /// Parameters
+    /// ----------
+    /// points : (T, M, 3) array_like
+    ///     Points in m; a frame without points is silent.
+    /// pressures : (T, M) array_like, optional
+    ///     Peak pressures in Pa, 0 where a point is absent; by default all points have the balanced level.
+    /// margin : int, optional
+    ///     Frames before the first and after the last in `points`, which then is (T + 2 margin, M, 3). They give traps the
+    ///     acceleration of points.
+    ///
+    /// Returns
+    /// -------
+    /// (T, N) ndarray of complex64
+    ///     The drives.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     For wrong points and pressures, naming the frame.
     #[pyo3(signature = (points, pressures=None, margin=0))]
     fn follow<'py>(
         &self,
@@ -259,53 +305,9 @@ impl Solver {
         give::table(py, drives, [frames, transducers])
     }
 
-    /// Deletes the last frame: the next one is solved as the first.
+    /// Delete the last frame: the next one is solved as the first.
     fn reset(&self) -> PyResult<()> {
         self.state()?.session.last().clear();
-        Ok(())
-    }
-
-    /// State of `glide` after its last frame, for `restore`: complex64 (3, N) drives at full amplitude as
-    /// found and as played, and the envelopes; float32 (M,) weights, and the unevenness of the points; of traps (K, 3)
-    /// places in m, velocities and accelerations. None before the first.
-    fn last<'py>(&self, py: Python<'py>) -> PyResult<Option<Remembered<'py>>> {
-        let mut state = self.state()?;
-        let last = state.session.last();
-        if last.is_empty() {
-            return Ok(None);
-        }
-        let (drives, weights, unevenness) = last.parts();
-        let table = give::table(py, drives.concat(), [3, drives[0].len()])?;
-        Ok(Some((table, give::list(py, weights.to_vec()), unevenness, give::rows(py, last.motion())?)))
-    }
-
-    /// Restores the state from `last`: drives (3, N), weights (M,), unevenness, motion (K, 3).
-    ///
-    /// Raises SceneError for arrays of another shape than in `last`, TypeError for other types.
-    fn restore(
-        &self,
-        drives: PyReadonlyArray2<'_, Complex32>,
-        weights: PyReadonlyArray1<'_, f32>,
-        unevenness: f32,
-        motion: PyReadonlyArray2<'_, f64>,
-    ) -> PyResult<()> {
-        let mut state = self.state()?;
-        let (shape, transducers) = (drives.shape(), state.session.transducers());
-        if shape != [3, transducers] {
-            return Err(invalid(
-                "drives",
-                &format!("of shape {shape:?}"),
-                &format!("give (3, {transducers}), of last()"),
-            ));
-        }
-        if motion.shape()[1] != 3 {
-            let shape = format!("of shape {:?}", motion.shape());
-            return Err(invalid("motion", &shape, "give (K, 3), of last()"));
-        }
-        let rows = drives.as_array();
-        let parts = [0, 1, 2].map(|k| rows.row(k).to_vec());
-        let motion = motion.as_array().rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect();
-        *state.session.last() = Last::restore(parts, weights.as_array().to_vec(), unevenness, motion);
         Ok(())
     }
 

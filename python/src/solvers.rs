@@ -8,10 +8,17 @@ use crate::getters::getters;
 use crate::pickle::{Reduced, restored};
 use crate::read;
 
-/// One option of a solver.
+/// Describe one option of a solver; from `midair.solvers`.
+///
+/// Examples
+/// --------
+/// >>> import midair
+/// >>> option = midair.solvers()["greedy"].options["order"]
+/// >>> option.default in option.words
+/// True
 #[pyclass(frozen, get_all, module = "midair")]
 pub(crate) struct OptionInfo {
-    /// Its default.
+    /// Default.
     default: Py<PyAny>,
     /// Description in one line.
     doc: String,
@@ -43,10 +50,17 @@ impl OptionInfo {
     }
 }
 
-/// Description of a solver.
+/// Describe a solver; from `midair.solvers`.
+///
+/// Examples
+/// --------
+/// >>> import midair
+/// >>> fast = midair.solvers()["fast"]
+/// >>> fast.name, "seed" in fast.options
+/// ('fast', False)
 #[pyclass(frozen, module = "midair")]
 pub(crate) struct SolverInfo {
-    /// Its name.
+    /// Name.
     #[pyo3(get)]
     name: String,
     /// Description in one line.
@@ -60,7 +74,7 @@ pub(crate) struct SolverInfo {
     balance: bool,
     /// Whether it uses the phases of complex pressures, a start and an aim.
     uses: [bool; 3],
-    /// Its options by name.
+    /// Options by name.
     #[pyo3(get)]
     options: Py<PyDict>,
 }

@@ -1,21 +1,15 @@
-"""The documentation, run, and its numbers looked at: docstrings, Python blocks, scene files, commands."""
+"""The documentation, run, and its numbers looked at: Python blocks, scene files, commands."""
 
-import dataclasses
-import doctest
-import inspect
 import re
 import runpy
 import shlex
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import ModuleType
 
 import pytest
 
 import midair
-import midair._midair
 from midair._reproduce import tables
 from sane import columns, printed, sane, written
 
@@ -33,66 +27,6 @@ def named(page: Path) -> str:
 
 def blocks(page: Path, language: str) -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)
-
-
-@pytest.mark.slow
-def test_docstrings_run() -> None:
-    finder, runner = doctest.DocTestFinder(), doctest.DocTestRunner()
-    things = {"midair": midair, **{name: getattr(midair._midair, name) for name in midair._midair.__all__}}
-    for name, thing in things.items():
-        for example in finder.find(thing, name, module=False, globs={}):
-            runner.run(example)
-    assert runner.failures == 0
-    assert runner.tries > 10
-
-
-def test_everything_public_has_a_docstring() -> None:
-    for name in midair.__all__:
-        thing = getattr(midair, name)
-        assert thing.__doc__, name
-        for attribute, value in vars(thing).items() if isinstance(thing, type) else ():
-            assert attribute.startswith("_") or getattr(value, "__doc__", None), f"{name}.{attribute}"
-
-
-def test_every_field_of_what_is_handed_out_is_reported() -> None:
-    for name in midair.__all__:
-        thing = getattr(midair, name)
-        if dataclasses.is_dataclass(thing):
-            entries = re.findall(r"^ *(\w+(?:, \w+)*) : ", thing.__doc__ or "", re.MULTILINE)
-            reported = {one for entry in entries for one in entry.split(", ")}
-            own = {field.name for field in dataclasses.fields(thing) if not field.name.startswith("_")}
-            assert own <= reported, f"{name}: {own - reported}"
-
-
-#: Functions that take arguments and refuse none of them; objects that functions make and users do not.
-REFUSE_NOTHING = {"Sequence.each_change", "grad.Gradient", "Connection", "View"}
-
-
-def callables() -> Iterator[tuple[str, Callable[..., object]]]:
-    """Every public function, method and class that takes arguments, by name; no dataclasses and errors."""
-    things = {name: getattr(midair, name) for name in midair.__all__}
-    modules = [thing for thing in things.values() if isinstance(thing, ModuleType)]
-    for module in modules:
-        own = {name: getattr(module, name) for name in module.__all__}
-        things |= {f"{module.__name__.removeprefix('midair.')}.{name}": thing for name, thing in own.items()}
-    for name, thing in things.items():
-        if isinstance(thing, type):
-            made = not dataclasses.is_dataclass(thing) and not issubclass(thing, Exception)
-            own = [
-                key for base in thing.__mro__ if base.__module__.startswith("midair") for key in vars(base)
-            ]
-            members = {f"{name}.{key}": getattr(thing, key) for key in own if not key.startswith("_")}
-            found = {**members, **({name: thing} if made else {})}
-        else:
-            found = {name: thing}
-        for key, one in found.items():
-            if callable(one) and set(inspect.signature(one).parameters) - {"self"}:
-                yield key, one
-
-
-def test_everything_that_can_refuse_says_what_it_raises() -> None:
-    silent = {name for name, thing in callables() if not re.search(r"\bRaises\b", thing.__doc__ or "")}
-    assert silent == REFUSE_NOTHING
 
 
 @pytest.mark.slow

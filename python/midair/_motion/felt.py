@@ -16,7 +16,7 @@ from .envelope import Envelope
 #: Samples/s of the envelope; parts above half of it fold back at least 30 dB down.
 SAMPLES = 160e3
 
-#: Nothing is felt above, in Hz.
+#: The highest frequency that is felt, in Hz.
 HIGHEST = 1000.0
 
 #: Audible frequencies, in Hz.
