@@ -2,7 +2,6 @@
 
 import dataclasses
 import doctest
-import importlib
 import inspect
 import re
 from collections.abc import Callable, Iterator
