@@ -25,7 +25,7 @@ RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml $(shell find cor
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards gateware test-studio npm test-npm unity test-unity lint fuzz sanitize bench bench-capi bench-peers gallery figures motion touch exposure measuring obstacles pictures look paper docs schema golden map header stubs pins wheels release clean
+.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards gateware test-studio npm test-npm unity test-unity lint fuzz sanitize bench bench-capi bench-peers gallery figures motion touch exposure measuring obstacles pictures look paper docs api schema golden map header stubs pins wheels release clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -246,6 +246,9 @@ book/.venv/ready studio/.venv/ready: %/.venv/ready: %/requirements.txt .venv/rea
 	echo "import site; site.addsitedir('$$(echo $(CURDIR)/.venv/lib/python*/site-packages)')" \
 		> "$$(echo $(@D)/lib/python*/site-packages)/midair.pth"
 	touch $@
+
+api: .venv/extension ## Write docs/api.md anew, the page of public names of the Python package
+	$(PYTHON) book/reference.py
 
 schema: .venv/extension ## Write docs/*.schema.json, docs/columns.md and fuzz/*.dict anew, from the tables of keys and columns
 	$(PYTHON) book/schema.py

@@ -1,12 +1,20 @@
-"""The reference pages that are written at build time: package, methods, presets, command line, scene file."""
+"""The reference pages that are written at build time: package, methods, presets, command line, scene file.
+
+As a program it writes docs/api.md, the page of all names, which is in the tree.
+"""
 
 from __future__ import annotations
 
+import inspect
+import re
 from collections.abc import Iterator
+from pathlib import Path
 
 import midair
 import schema
 from midair._cli.app import COMMANDS, app, explain
+
+ROOT = Path(__file__).parents[1]
 
 #: Every public name of the package, a page a theme: file, title, subject, names.
 PYTHON = [
@@ -26,20 +34,20 @@ PYTHON = [
     (
         "judging",
         "Judging and pictures",
-        "What a drive does: metrics, fields, forces, loudness elsewhere, faults.",
+        "Metrics of a drive, its field, forces, levels elsewhere, faults.",
         "judge Metrics BatchMetrics field Field plot style gorkov Gorkov rest Rest ear Ear exposure Exposure "
         "Exposed streaming Streaming tolerate Tolerance Kept",
     ),
     (
         "gradients",
         "Gradients",
-        "What a field changes by, for optimisation.",
+        "Derivatives of the field, for optimisation.",
         "grad torch jax",
     ),
     (
         "drawing",
         "Shapes and paths",
-        "Points of what people draw, at rest and in motion.",
+        "Points of shapes and drawings, at rest and in motion.",
         "shape image Picture path",
     ),
     (
@@ -57,7 +65,7 @@ PYTHON = [
     (
         "boards",
         "Boards and files",
-        "What is solved, played and exchanged.",
+        "Boards that play drives, and files for exchange.",
         "connect Connection Board ports Port BoardError BoardBusy BoardLost BoardNotFound BoardPermission "
         "BoardTimeout read write",
     ),
@@ -69,6 +77,14 @@ PYTHON = [
     ),
     ("notebooks", "Notebooks", "The studio in a cell.", "view View"),
 ]
+
+INDEX = """\
+# Public names of the Python package
+
+`help(midair.solve)` prints a docstring: parameters with shapes and units, results, errors and an example. A
+link leads to the file in which it is written. `make docs` builds the pages of all functions and methods, with
+types.
+"""
 
 METHODS = """\
 # Methods and their options
@@ -108,6 +124,29 @@ def python() -> Iterator[tuple[str, str]]:
         blocks = [f"# {title}\n\n{about} Units and shapes: [conventions](../../conventions.md)."]
         blocks += [entry(name) for name in names.split()]
         yield f"reference/python/{file}.md", "\n\n".join(blocks) + "\n"
+
+
+def source(name: str) -> str:
+    """The file of the repository in which a public name and its docstring are written."""
+    if name not in midair._midair.__all__:
+        return Path(inspect.getfile(inspect.unwrap(getattr(midair, name)))).relative_to(ROOT).as_posix()
+    written = re.compile(
+        rf"^pub\(crate\) fn {name}\b|^ *pub\(crate\) struct {name}\b|^    {name}( \{{|,)$", re.MULTILINE
+    )
+    files = [path for path in ROOT.glob("python/src/*.rs") if written.search(path.read_text())]
+    assert len(files) == 1, f"{name} is written in {files}"
+    return files[0].relative_to(ROOT).as_posix()
+
+
+def index() -> str:
+    """The page of all names, which is in the tree: docs/api.md."""
+    text = INDEX
+    for _, title, about, names in PYTHON:
+        text += f"\n## {title}\n\n{about}\n\n" + row("name", "summary") + row("---", "---")
+        for name in names.split():
+            summary = inspect.getdoc(getattr(midair, name)) or ""
+            text += row(f"[`{name}`](../{source(name)})", summary.partition("\n")[0])
+    return text
 
 
 def row(*cells: object) -> str:
@@ -168,3 +207,7 @@ def pages() -> Iterator[tuple[str, str]]:
     yield "reference/presets.md", presets()
     yield "reference/command-line.md", command_line()
     yield "reference/scene-file.md", schema.page()
+
+
+if __name__ == "__main__":
+    ROOT.joinpath("docs", "api.md").write_text(index(), encoding="utf-8")

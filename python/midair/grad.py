@@ -41,7 +41,7 @@ def __dir__() -> list[str]:
 
 
 class Gradient(NamedTuple):
-    """Give a value at M points, and the gradients of L = Re(sum of conj(cotangent) value).
+    """Value at M points, and the gradients of L = Re(sum of conj(cotangent) value).
 
     Attributes
     ----------
@@ -325,7 +325,10 @@ def run(
 ) -> tuple[Any, ...]:
     """The value of a quantity, and with a cotangent its gradients, for a scene or its substitute.
 
-    given : drive and points; positions, normals and sound_speed where they are not the scene's
+    Parameters
+    ----------
+    given
+        Drive and points; positions, normals and sound_speed where they are not the scene's.
     """
     points = np.asarray(given["points"], float)
     subject = scene

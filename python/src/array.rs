@@ -19,7 +19,7 @@ use crate::ready::{Kept, Ready};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// Describe N transducers: their places and their radiation.
+/// Array of N transducers: their places and their radiation.
 ///
 /// Parameters
 /// ----------
@@ -265,7 +265,7 @@ getters! {
     _hardware(self) -> Option<f64> = self.inner.hardware();
 }
 
-/// Describe a preset; from `midair.presets`.
+/// Description of a preset; from `midair.presets`.
 ///
 /// Examples
 /// --------

@@ -25,7 +25,7 @@ use crate::solution::Solution;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// Keep the solutions of B problems of M points each; `batch[i]` is the Solution of one.
+/// Solutions of B problems of M points each; `batch[i]` is the Solution of one.
 ///
 /// Examples
 /// --------

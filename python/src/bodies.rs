@@ -137,7 +137,7 @@ macro_rules! bodies {
 }
 
 bodies! {
-    /// Describe an infinite plane that reflects waves, for a scene's `obstacles`.
+    /// Infinite plane that reflects waves, for a scene's `obstacles`.
     ///
     /// Parameters
     /// ----------
@@ -171,7 +171,7 @@ bodies! {
         /// Direction that it faces (x, y, z), as given.
         normal: (f64, f64, f64),
     }
-    /// Describe a sphere that scatters waves, the only one of a scene's `obstacles`.
+    /// Sphere that scatters waves, the only one of a scene's `obstacles`.
     ///
     /// Parameters
     /// ----------

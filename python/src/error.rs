@@ -9,7 +9,7 @@ pyo3::create_exception!(
     midair,
     SceneError,
     pyo3::exceptions::PyValueError,
-    "Report a request that cannot be answered: one line that names the item, its value and what to change.
+    "Request that cannot be answered: one line names the item, its value and the cure.
 
 Examples
 --------
@@ -24,7 +24,7 @@ pyo3::create_exception!(
     midair,
     SceneWarning,
     pyo3::exceptions::PyUserWarning,
-    "Warn of a request that is answered, but hardly meant that way.
+    "Request that is answered, but probably a mistake.
 
 Examples
 --------

@@ -17,7 +17,7 @@ use crate::read;
 use crate::scene::Scene;
 use crate::solution::{Solution, about, played};
 
-/// Keep the field of a drive on a plane or at points; from `midair.field`.
+/// Field of a drive on a plane or at points; from `midair.field`.
 ///
 /// Examples
 /// --------

@@ -15,7 +15,7 @@ use crate::solution::{Solution, about, played};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// Keep potential, force and stiffness of a small sphere at P points; from `midair.gorkov`.
+/// Potential, force and stiffness of a small sphere at P points; from `midair.gorkov`.
 ///
 /// Examples
 /// --------
@@ -95,7 +95,7 @@ getters! {
         give::list(py, self.hessian.as_flattened().as_flattened().to_vec()).reshape([self.hessian.len(), 3, 3]);
 }
 
-/// Keep where beads come to rest that start at P points, and what restores them; from `midair.rest`.
+/// Places of rest of beads that start at P points, and the forces that restore them; from `midair.rest`.
 ///
 /// For a bead that is not trapped all but `place` is NaN.
 ///
@@ -275,7 +275,7 @@ pub(crate) fn gorkov<'py>(
     Ok(Gorkov { potential, force, hessian, weight, mass })
 }
 
-/// Find where small spheres that start at some points come to rest, and what restores them.
+/// Find where small spheres that start at some points come to rest, and the forces that restore them.
 ///
 /// Parameters
 /// ----------

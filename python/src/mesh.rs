@@ -19,7 +19,7 @@ use crate::pickle::{Reduced, restored};
 use crate::read;
 use crate::toolbox;
 
-/// Describe a body of any shape that scatters waves, for a scene's `obstacles`.
+/// Body of any shape that scatters waves, for a scene's `obstacles`.
 ///
 /// Parameters
 /// ----------

@@ -13,7 +13,7 @@ use midair::Metrics as Core;
 
 macro_rules! define {
     ($($(#[$text:meta])* $name:ident)*) => {
-        /// Describe the quality of a drive, over the points with a pressure and a weight above 0, x = |p| / target.
+        /// Quality of a drive, over the points with a pressure and a weight above 0, x = |p| / target.
         ///
         /// Examples
         /// --------
@@ -84,7 +84,7 @@ impl Metrics {
     }
 }
 
-/// Describe the quality of the drives of a batch: each metric an array (B,); see `Metrics`.
+/// Quality of the drives of a batch: each metric an array (B,); see `Metrics`.
 ///
 /// Examples
 /// --------

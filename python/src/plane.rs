@@ -15,7 +15,7 @@ use crate::read;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// Describe a square of pixels x pixels samples: at height z, or normal to another axis.
+/// Square of pixels x pixels samples: at height z, or normal to another axis.
 ///
 /// Parameters
 /// ----------

@@ -9,7 +9,7 @@ use crate::give;
 use crate::pickle::Reduced;
 use crate::read;
 
-/// Take a matrix of your own as the propagation G: measured, or computed with obstacles.
+/// Propagation matrix G of your own: measured, or computed with obstacles.
 ///
 /// Parameters
 /// ----------

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use crate::give;
 use crate::pickle::{Reduced, restored};
 
-/// Describe the capability of an array at a scene's points; from `Scene.reach`.
+/// Capability of an array at a scene's points; from `Scene.reach`.
 ///
 /// Examples
 /// --------

@@ -29,7 +29,7 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// Arguments of the constructor beside the air and the array's parts.
 pub(crate) const ARGUMENTS: [&str; 7] = ["array", "points", "pressures", "weights", "signature", "bead", "obstacles"];
 
-/// Describe a request: an array, points in the air, and a pressure for each point.
+/// Request: an array, points in the air, and a pressure for each point.
 ///
 /// Parameters
 /// ----------

@@ -22,7 +22,7 @@ use crate::read;
 use crate::scene::Scene;
 use crate::subject::{Beside, Subject};
 
-/// Keep a drive and its pressures at the points; from `midair.solve`.
+/// Drive and its pressures at the points; from `midair.solve`.
 ///
 /// Examples
 /// --------

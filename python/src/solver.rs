@@ -24,7 +24,7 @@ use crate::solution::{Solution, begin};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// Solve many requests of one array by one method, in memory of its own.
+/// Solver of many requests of one array by one method, in memory of its own.
 ///
 /// Parameters
 /// ----------

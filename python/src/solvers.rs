@@ -8,7 +8,7 @@ use crate::getters::getters;
 use crate::pickle::{Reduced, restored};
 use crate::read;
 
-/// Describe one option of a solver; from `midair.solvers`.
+/// Option of a solver; from `midair.solvers`.
 ///
 /// Examples
 /// --------
@@ -50,7 +50,7 @@ impl OptionInfo {
     }
 }
 
-/// Describe a solver; from `midair.solvers`.
+/// Description of a solver; from `midair.solvers`.
 ///
 /// Examples
 /// --------

@@ -17,8 +17,12 @@ HEADER, STEP = struct.Struct("<BBH"), struct.Struct("<BBI")
 class Fake:
     """A chain of boards at `address`; `steps` has of each board the frames that it took, behind their header.
 
-    version : of the protocol that they speak, 5 or one that counts steps as 3 does
-    firmware : of processor and FPGA, as they report it
+    Parameters
+    ----------
+    version
+        Of the protocol that they speak, 5 or one that counts steps as 3 does.
+    firmware
+        Of processor and FPGA, as they report it.
     """
 
     def __init__(self, version: int, boards: int, firmware: bytes = bytes([0, 13, 0, 0, 13, 0])) -> None:

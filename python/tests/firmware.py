@@ -329,11 +329,18 @@ class Homies:
 class Kind:
     """The properties of a kind of board.
 
-    lines : the lines of this many boards and what listens to them
-    length : bytes of a frame of this many boards
-    off : whether a frame of this many boards says in the board's own word that nothing plays
-    ticks : of a period, or their lengths; 0 of a board that is sent codes instead of pulses
-    widths : of pulses in ticks; left out, half a period or none
+    Attributes
+    ----------
+    lines
+        The lines of this many boards and what listens to them.
+    length
+        Bytes of a frame of this many boards.
+    off
+        Whether a frame of this many boards says in the board's own word that nothing plays.
+    ticks
+        Of a period, or their lengths; 0 of a board that is sent codes instead of pulses.
+    widths
+        Of pulses in ticks; left out, half a period or none.
     """
 
     lines: Callable[[int], Sequence[Line]]

@@ -20,10 +20,17 @@ from scipy.special import spherical_jn, spherical_yn
 def hankel_ratios(x, terms):
     """Ratios h_n(x)/h_{n-1}(x) of spherical Hankel functions of the first kind, forward recurrence (stable).
 
-    x : (P,), above 0
-    terms : an integer
+    Parameters
+    ----------
+    x
+        (P,), above 0.
+    terms
+        An integer.
 
-    Returns (terms, P): row n is h_n/h_{n-1}; row 0 is 1 and means nothing.
+    Returns
+    -------
+    (terms, P) ndarray
+        Row n is h_n/h_{n-1}; row 0 is 1 and means nothing.
     """
     x = np.asarray(x, float)
     ratios = np.ones((terms, x.size), complex)
@@ -40,11 +47,18 @@ def surface_coefficients(x, terms, kind):
     Up to n = x + 20 the functions themselves are used, j_n may vanish there; above, where j_n is positive and
     h_n large, the Wronskian j_n h_n = (i/x^2) / (h_n'/h_n - j_n'/j_n), j_{n+1}/j_n by downward recurrence.
 
-    x : a number
-    terms : an integer
-    kind : "rigid" or "soft"
+    Parameters
+    ----------
+    x
+        A number.
+    terms
+        An integer.
+    kind
+        "rigid" or "soft".
 
-    Returns (terms,).
+    Returns
+    -------
+    (terms,) ndarray
     """
     n = np.arange(terms)
     direct = n <= x + 20
@@ -111,15 +125,30 @@ def scattered(points, sources, center, radius, k, kind):
 def total(points, sources, center, radius, k, kind):
     """Total pressure of unit monopoles e^{ikr}/r beside a sphere.
 
-    points : (P, 3) in m, outside the sphere or on it
-    sources : (N, 3) in m, outside
-    center : (3,) in m
-    radius : in m
-    k : in rad/m
-    kind : "rigid" (dp/dn = 0) or "soft" (p = 0)
+    Parameters
+    ----------
+    points
+        (P, 3) in m, outside the sphere or on it.
+    sources
+        (N, 3) in m, outside.
+    center
+        (3,) in m.
+    radius
+        In m.
+    k
+        In rad/m.
+    kind
+        "rigid" (dp/dn = 0) or "soft" (p = 0).
 
-    Returns (N, P) in 1/m: times P0 in Pa m it is the pressure. A point or source inside the sphere, or
-    another kind, is a ValueError.
+    Returns
+    -------
+    (N, P) ndarray
+        In 1/m: times P0 in Pa m it is the pressure.
+
+    Raises
+    ------
+    ValueError
+        For a point or source inside the sphere, or another kind.
     """
     points, sources = np.atleast_2d(points), np.atleast_2d(sources)
     distance = np.linalg.norm(sources[:, None] - points[None], axis=2)

@@ -77,6 +77,10 @@ def test_the_page_of_columns_is_what_the_package_prints(monkeypatch: pytest.Monk
     assert (ROOT / "docs" / "columns.md").read_text() == page, "run `make schema`"
 
 
+def test_the_page_of_names_is_what_the_docstrings_say(reference: ModuleType) -> None:
+    assert (ROOT / "docs" / "api.md").read_text(encoding="utf-8") == reference.index(), "run `make api`"
+
+
 def test_the_landing_page_leads_to_what_most_people_want() -> None:
     landing = (ROOT / "docs" / "index.md").read_text()
     wanted = [

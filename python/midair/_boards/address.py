@@ -156,7 +156,7 @@ ADAPTERS: dict[tuple[int | None, int | None], str] = {
 
 @dataclass(frozen=True)
 class Port:
-    """Describe a serial port; from `midair.ports`.
+    """Serial port; from `midair.ports`.
 
     Attributes
     ----------

@@ -71,9 +71,17 @@ class Info(NamedTuple):
 class Chain:
     """A given number of boards at an address, numbered from 0 on and synchronised.
 
-    address : "autd3" (searches every network interface), "autd3:eth0" (one interface) or "autd3:[IPv6]:PORT"
+    Parameters
+    ----------
+    address
+        "autd3" (searches every network interface), "autd3:eth0" (one interface) or "autd3:[IPv6]:PORT".
 
-    Raises BoardNotFound for none, fewer or more boards, BoardError for firmware with another protocol.
+    Raises
+    ------
+    BoardNotFound
+        For none, fewer or more boards.
+    BoardError
+        For firmware with another protocol.
     """
 
     def __init__(self, address: str, boards: int) -> None:

@@ -66,8 +66,12 @@ _SETTINGS = struct.pack(
 class Protocol(NamedTuple):
     """A protocol, by its number, and the firmware that has it.
 
-    counted : whether steps carry a count, by which a board drops a repeated step
-    paired : whether codes are in pairs of phase and intensity, or all phases before all intensities
+    Attributes
+    ----------
+    counted
+        Whether steps carry a count, by which a board drops a repeated step.
+    paired
+        Whether codes are in pairs of phase and intensity, or all phases before all intensities.
     """
 
     number: int

@@ -16,7 +16,7 @@ from .layout import changed
 
 
 class Board:
-    """Describe the boards of an array: their phases and amplitudes, and the bytes that play a drive.
+    """Boards of an array: their phases and amplitudes, and the bytes that play a drive.
 
     Parameters
     ----------

@@ -49,7 +49,7 @@ LATE = {"skip": Late.SKIP, "wait": Late.WAIT, "error": Late.ERROR}
 
 
 class Connection:
-    """Play on a board until a `with` block ends, which turns it off or raises BoardLost; from `connect`.
+    """Connection to a board, which the end of a `with` block turns off; from `midair.connect`.
 
     A guard process owns the device. It turns everything off when the connection is closed and when the
     program ends for any reason. It also does so when no call to send, stream, upload, modulate or off

@@ -47,10 +47,17 @@ MISSING = 'serve needs websockets and python-osc: pip install "midair[serve]"'
 class Doors:
     """Serves a board until it is closed.
 
-    port, osc : of 127.0.0.1, for WebSocket and for OSC; 0 for free ones
-    origins : of web pages that may connect, such as "http://localhost:8000"
+    Parameters
+    ----------
+    port, osc
+        Of 127.0.0.1, for WebSocket and for OSC; 0 for free ones.
+    origins
+        Of web pages that may connect, such as "http://localhost:8000".
 
-    Raises SceneError for ports that cannot be had, and where websockets or python-osc is missing.
+    Raises
+    ------
+    SceneError
+        For ports that cannot be had, and where websockets or python-osc is missing.
     """
 
     def __init__(self, live: Live, port: int = 0, osc: int = 0, origins: Iterable[str] = ()) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class BoardError(Exception):
-    """Report that a board cannot do what a call requests, or that the link to it does not work.
+    """Failure of a board or of the link to it.
 
     See Also
     --------
@@ -22,7 +22,7 @@ class BoardError(Exception):
 
 
 class BoardNotFound(BoardError):
-    """Report that there is no such port or device.
+    """Missing port or device.
 
     Examples
     --------
@@ -36,7 +36,7 @@ class BoardNotFound(BoardError):
 
 
 class BoardBusy(BoardError):
-    """Report that another program uses the port or device.
+    """Port or device that another program uses.
 
     Examples
     --------
@@ -50,7 +50,7 @@ class BoardBusy(BoardError):
 
 
 class BoardPermission(BoardError):
-    """Report that the user may not open the port or device.
+    """Port or device that the user may not open.
 
     Examples
     --------
@@ -64,7 +64,7 @@ class BoardPermission(BoardError):
 
 
 class BoardLost(BoardError):
-    """Report that the device or its guard is gone: unplugged, rebooted or ended.
+    """Device or guard that is gone: unplugged, rebooted or ended.
 
     Examples
     --------
@@ -78,7 +78,7 @@ class BoardLost(BoardError):
 
 
 class BoardTimeout(BoardError):
-    """Report that the device did not accept bytes in time.
+    """Device that did not accept bytes in time.
 
     Examples
     --------

@@ -27,10 +27,15 @@ TIMED_OUT = (60, 110)
 class FifoTransport:
     """Boards with a FIFO each; a frame is divided among them in parts of equal length.
 
-    places : the chip's serial number and the interface (2 for the second one of an FT2232H) of each FIFO, in
-        the order of a frame's parts
-    length : bytes of a frame
-    silence : hexadecimal, the frames that make the boards silent from any state
+    Parameters
+    ----------
+    places
+        The chip's serial number and the interface (2 for the second one of an FT2232H) of each FIFO, in the
+        order of a frame's parts.
+    length
+        Bytes of a frame.
+    silence
+        Hexadecimal, the frames that make the boards silent from any state.
     """
 
     def __init__(self, *, places: list[tuple[str, int]], length: int, silence: str) -> None:

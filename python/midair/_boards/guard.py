@@ -53,9 +53,14 @@ class Waiting:
 class Guard:
     """State of the guard: the transport, the playing frame, and the time since the last call.
 
-    hold : s without a call after which everything is turned off
-    parent : the number of the owner's process
-    inbox, replies : source of messages, and the pipe for answers
+    Parameters
+    ----------
+    hold
+        S without a call after which everything is turned off.
+    parent
+        The number of the owner's process.
+    inbox, replies
+        Source of messages, and the pipe for answers.
     """
 
     def __init__(

@@ -28,9 +28,13 @@ ROUNDING = 1e-6
 class Limit:
     """Rejects drives that are too loud at some places.
 
-    given : {"positions": (K, 3) in m or a midair.Ear, "pressure": peak |p| in Pa, one or (K,)}; other
-        entries are for `midair.Scene`: temperature, sound_speed, ...
-    array : the playing array
+    Parameters
+    ----------
+    given
+        {"positions": (K, 3) in m or a midair.Ear, "pressure": peak |p| in Pa, one or (K,)}; other entries are
+        for `midair.Scene`: temperature, sound_speed, ...
+    array
+        The playing array.
     """
 
     def __init__(self, given: Any, array: Array) -> None:

@@ -29,10 +29,16 @@ DELAYED = 0.1
 class LineTransport(ABC):
     """Paces frames and modulates by swaps; a subclass has the line itself.
 
-    baud : bits a second; a byte takes 10
-    silence : hexadecimal, the bytes that make the device silent from any state
-    off : hexadecimal, a frame that plays nothing
-    swap : hexadecimal, the byte by which a device of two banks plays the other one; None for one bank
+    Parameters
+    ----------
+    baud
+        Bits a second; a byte takes 10.
+    silence
+        Hexadecimal, the bytes that make the device silent from any state.
+    off
+        Hexadecimal, a frame that plays nothing.
+    swap
+        Hexadecimal, the byte by which a device of two banks plays the other one; None for one bank.
     """
 
     def __init__(self, *, baud: int, silence: str, off: str, swap: str | None = None) -> None:

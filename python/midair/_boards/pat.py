@@ -34,11 +34,18 @@ LINES = (
 class Pat:
     """A board of OpenMPD: its transducers in the order of the file, index t = 16 x + y.
 
-    positions : (256, 3) in m, in z = 0, radiating to +z
-    divisions : phases of a period
-    pins : (256,), the place of each transducer's byte in a frame
-    corrections : (256,) in degrees; sent = wanted - correction
-    gains : (256,), 0 where a transducer is dead
+    Attributes
+    ----------
+    positions
+        (256, 3) in m, in z = 0, radiating to +z.
+    divisions
+        Phases of a period.
+    pins
+        (256,), the place of each transducer's byte in a frame.
+    corrections
+        (256,) in degrees; sent = wanted - correction.
+    gains
+        (256,), 0 where a transducer is dead.
     """
 
     serial: str

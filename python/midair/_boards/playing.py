@@ -118,8 +118,12 @@ class Wanted:
 class Live:
     """Plays the newest points on a board, each frame within a bound of the one before; off in silence.
 
-    rate : frames a second; left out, as many as the board takes
-    change : the bound in rad a frame; left out, that of `midair.stream`
+    Parameters
+    ----------
+    rate
+        Frames a second; left out, as many as the board takes.
+    change
+        The bound in rad a frame; left out, that of `midair.stream`.
     """
 
     def __init__(

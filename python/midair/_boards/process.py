@@ -39,7 +39,7 @@ CLOSED = "this connection is closed: connect again"
 
 @dataclass(frozen=True)
 class Stats:
-    """Count the frames of a connection.
+    """Counts of the frames of a connection.
 
     Attributes
     ----------
@@ -64,8 +64,12 @@ class GuardProcess:
 
     Signals interrupt only the main thread, so no message is ever cut.
 
-    transport : description for `open_transport`
-    hold : s without a call after which the guard turns everything off
+    Parameters
+    ----------
+    transport
+        Description for `open_transport`.
+    hold
+        S without a call after which the guard turns everything off.
     """
 
     def __init__(self, transport: dict[str, Any], hold: float) -> None:

@@ -37,10 +37,16 @@ with suppress(ImportError):
 class SerialTransport(LineTransport):
     """A board at a serial port.
 
-    port : its name, "/dev/ttyUSB0" or "COM3"
-    restarts : whether opening the port may restart the board, as with an Arduino
-    exclusive : whether no other program may open the port meanwhile
-    line : arguments of a LineTransport
+    Parameters
+    ----------
+    port
+        Its name, "/dev/ttyUSB0" or "COM3".
+    restarts
+        Whether opening the port may restart the board, as with an Arduino.
+    exclusive
+        Whether no other program may open the port meanwhile.
+    line
+        Arguments of a LineTransport.
     """
 
     def __init__(self, *, port: str, restarts: bool = False, exclusive: bool = True, **line: Any) -> None:

@@ -34,8 +34,12 @@ class NullTransport:
 class FileTransport(NullTransport):
     """Writes frames one after another, the first and the last off.
 
-    path : the file, which is replaced
-    off : hexadecimal, a frame that plays nothing
+    Parameters
+    ----------
+    path
+        The file, which is replaced.
+    off
+        Hexadecimal, a frame that plays nothing.
     """
 
     def __init__(self, *, path: str, off: str) -> None:

@@ -32,7 +32,7 @@ Numbers = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class ControlPoints:
-    """Keep control points in time, as in a file.
+    """Control points in time, as in a file.
 
     Attributes
     ----------

@@ -40,7 +40,7 @@ Solvers: TypeAlias = Entry | Iterable[Entry] | None
 
 @dataclass(frozen=True, repr=False)
 class Comparison:
-    """List the solutions of one scene by several solvers, from `midair.compare`.
+    """Solutions of one scene by several solvers, from `midair.compare`.
 
     Prints as a table; `["greedy"]` and `[0]` are its solutions.
 

@@ -22,10 +22,14 @@ from .._support.arguments import number, refused, vector, warn
 class Limit:
     """A level that a standard or an author names as a limit.
 
-    name : the name of the limit
-    spl : in dB re 20 uPa
-    band : lowest and highest frequency in Hz that it is meant for
-    source : who says so, and for whom
+    Attributes
+    ----------
+    name, source : str
+        Name of the limit, and the document with those for whom it is.
+    spl : float
+        In dB re 20 uPa.
+    band : (float, float)
+        Lowest and highest frequency in Hz that it is meant for.
     """
 
     name: str
@@ -142,7 +146,7 @@ Blocks: TypeAlias = Callable[[Points], Iterator[NDArray[np.float64]]]
 
 @dataclass(frozen=True)
 class Exposed:
-    """Give the level at one place of a `midair.Exposure`.
+    """Level at one place of a `midair.Exposure`.
 
     Attributes
     ----------
@@ -170,7 +174,7 @@ class Exposed:
 
 @dataclass(frozen=True, repr=False)
 class Exposure:
-    """List levels at named places, from `midair.exposure`: prints as a table, `["left ear"]` is a place.
+    """Levels at named places, from `midair.exposure`: prints as a table, `["left ear"]` is a place.
 
     Attributes
     ----------

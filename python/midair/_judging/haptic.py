@@ -41,9 +41,14 @@ USUAL, SPEEDS = 7.0, (5.0, 6.0, 8.0, 10.0)
 class Technique:
     """Where foci are along a shape, frame after frame.
 
-    name : as it is reported
-    ways : (T, M) along the shape, 0 to 1
-    amplitudes : (T,) of the drive
+    Attributes
+    ----------
+    name
+        As it is reported.
+    ways
+        (T, M) along the shape, 0 to 1.
+    amplitudes
+        (T,) of the drive.
     """
 
     name: str
@@ -53,7 +58,7 @@ class Technique:
 
 @dataclass(frozen=True, eq=False)
 class Haptic:
-    """Give a shape to be felt, and its predicted strength; from `midair.haptic`, a model (docs/touch.md).
+    """Shape to be felt, and its predicted strength; from `midair.haptic`, a model (docs/touch.md).
 
     Attributes
     ----------

@@ -35,11 +35,17 @@ LEVELLING = 0.3
 class Foci:
     """Single foci that a schedule chooses from, and how a curve answers.
 
-    places : (F, 3) in m
-    drives, levels : (F, N), and |p| (F,) in Pa at each place
-    answers : (L, X, F) of each line, place of the curve and focus: displacement over the threshold of the
-        fast channel, of a focus that plays in one frame of the schedule; the largest is 1
-    frames : T of the schedule
+    Attributes
+    ----------
+    places
+        (F, 3) in m.
+    drives, levels
+        (F, N), and |p| (F,) in Pa at each place.
+    answers
+        (L, X, F) of each line, place of the curve and focus: displacement over the threshold of the fast
+        channel, of a focus that plays in one frame of the schedule; the largest is 1.
+    frames
+        T of the schedule.
     """
 
     places: NDArray[np.float64]
@@ -95,7 +101,10 @@ class Foci:
     def climb(self, start: NDArray[np.int64], aim: str) -> NDArray[np.int64]:
         """The schedule (T,), -1 where nothing plays, that an ascent from another one ends at.
 
-        aim : "strong", the largest mean strength; "even", the largest at the weakest place
+        Parameters
+        ----------
+        aim
+            "strong", the largest mean strength; "even", the largest at the weakest place.
         """
         schedule, best, most, idle = start, start, 0.0, 0
         weights = np.ones(self.answers.shape[1])

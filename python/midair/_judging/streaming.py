@@ -70,7 +70,7 @@ PART = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Streaming:
-    """Give the body force of the sound on the air; from `midair.streaming`.
+    """Body force of the sound on the air; from `midair.streaming`.
 
     Attributes
     ----------

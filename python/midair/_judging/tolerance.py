@@ -180,7 +180,7 @@ TOGETHER = "together"
 
 @dataclass(frozen=True, eq=False)
 class Kept:
-    """Keep the fractions of level and uniformity that remain in trials with some faults.
+    """Fractions of level and uniformity that remain in trials with some faults.
 
     Attributes
     ----------
@@ -209,7 +209,7 @@ class Kept:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Tolerance:
-    """List what level and uniformity remain with faults, from `midair.tolerate`.
+    """Fractions of level and uniformity that remain with each fault, from `midair.tolerate`.
 
     Prints as a table; `["phase"]` is a row.
 

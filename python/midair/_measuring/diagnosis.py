@@ -51,14 +51,24 @@ ROUNDS, STEPS = 8, 3
 class Diagnosis:
     """Model of boards after the diagnosis.
 
-    base : name of the order of the whole wiring, "" for the expected one
-    order : (N,) the place of each channel's transducer
-    cycles : channels that are exchanged beyond that order, pairs and rings
-    middle : (B,) complex, the usual response of each board relative to the array's
-    relative : (N,) complex, each response relative to that of its board; error : (N,) of re and im
-    spread : of living responses about their board's, of re and im
-    calibration : of the channels at their places, with sound speed and microphones
-    unexplained : residual of the readings, as a part of their root mean square
+    Attributes
+    ----------
+    base
+        Name of the order of the whole wiring, "" for the expected one.
+    order
+        (N,) the place of each channel's transducer.
+    cycles
+        Channels that are exchanged beyond that order, pairs and rings.
+    middle
+        (B,) complex, the usual response of each board relative to the array's.
+    relative
+        (N,) complex, each response relative to that of its board; error : (N,) of re and im.
+    spread
+        Of living responses about their board's, of re and im.
+    calibration
+        Of the channels at their places, with sound speed and microphones.
+    unexplained
+        Residual of the readings, as a part of their root mean square.
     """
 
     base: str
@@ -86,8 +96,12 @@ def diagnose(
 ) -> Diagnosis:
     """Diagnose the array of a scene whose points are the microphones.
 
-    boards : (N,) the board of each channel, from 0 on
-    drives, readings, microphones_error : arguments of `midair.calibrate`
+    Parameters
+    ----------
+    boards
+        (N,) the board of each channel, from 0 on.
+    drives, readings, microphones_error
+        Arguments of `midair.calibrate`.
     """
     own = np.ones(len(scene.array), complex) if scene.array.response is None else scene.array.response
     best = (-1.0, "", np.arange(len(own)), 0.0, np.ones(1, complex))

@@ -193,8 +193,12 @@ class Belief:
     A response is normal about what is believed of it, or about the opposite of that, or it is exactly 0. One
     normal number stands for the three, with their mean and spread by how probable each is.
 
-    mean, spread : (2N + F,) how far each unknown is from what is believed, and its standard deviation
-    chances : (3, N) how probable it is that a transducer is alive, dead or reversed
+    Parameters
+    ----------
+    mean, spread
+        (2N + F,) how far each unknown is from what is believed, and its standard deviation.
+    chances
+        (3, N) how probable it is that a transducer is alive, dead or reversed.
     """
 
     def __init__(self, model: Model, believed: Real, prior: float | None) -> None:

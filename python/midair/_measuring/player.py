@@ -24,7 +24,7 @@ Status = Literal["done", "out_of_readings", "stopped", "failed"]
 
 @dataclass(frozen=True, eq=False)
 class Tuning:
-    """Keep the best drive that `midair.tune` found, and its readings.
+    """Best drive that `midair.tune` found, and its readings.
 
     Attributes
     ----------
@@ -172,7 +172,7 @@ REPORTS = (".txt", ".json")
 
 @dataclass(frozen=True)
 class Fault:
-    """Name one fault of a board; from `midair.doctor`.
+    """Fault of a board; from `midair.doctor`.
 
     Attributes
     ----------
@@ -201,7 +201,7 @@ class Fault:
 
 @dataclass(frozen=True, eq=False)
 class Report:
-    """List the faults that `midair.doctor` found, and the numbers that it found them in.
+    """Faults that `midair.doctor` found, and the numbers that it found them in.
 
     Attributes
     ----------

@@ -99,7 +99,7 @@ ENDINGS = (".npz", ".toml", ".json")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Calibration:
-    """Describe an array as `midair.calibrate` found it, by K drives at M microphones.
+    """Array as `midair.calibrate` found it, by K drives at M microphones.
 
     Errors are standard deviations.
 

@@ -38,8 +38,12 @@ class Drives:
 
     `kept` is in memory, or in a file.
 
-    live : (N,) False where a transducer is masked or dead, whose drive is 0
-    phases : L, or None for complex drives
+    Attributes
+    ----------
+    live
+        (N,) False where a transducer is masked or dead, whose drive is 0.
+    phases
+        L, or None for complex drives.
     """
 
     kept: NDArray[Any] | Stored

@@ -122,7 +122,7 @@ def threshold(
 
 @dataclass(frozen=True, eq=False)
 class Felt:
-    """Give a force in mN, or a radiation pressure in Pa, in time and by frequency; from `Sequence.felt`.
+    """Force in mN, or radiation pressure in Pa, in time and by frequency; from `Sequence.felt`.
 
     Attributes
     ----------

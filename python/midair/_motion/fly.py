@@ -261,7 +261,7 @@ class Group:
 
 @dataclass(frozen=True, eq=False)
 class Flight:
-    """Give the ways of beads; from `midair.fly`.
+    """Ways of beads; from `midair.fly`.
 
     Attributes
     ----------

@@ -46,10 +46,16 @@ ROUNDS_MORE = 5
 class Tracks:
     """The search of tracks and their drives, for frames of the array and the air of a scene.
 
-    change : the bound in rad a frame
-    board : the board's quantization, which has phases
-    lowered : whether amplitudes bring frames down to their targets
-    coded : whether codes tell all
+    Attributes
+    ----------
+    change
+        The bound in rad a frame.
+    board
+        The board's quantization, which has phases.
+    lowered
+        Whether amplitudes bring frames down to their targets.
+    coded
+        Whether codes tell all.
     """
 
     scene: Scene
@@ -70,8 +76,12 @@ class Tracks:
     ) -> NDArray[np.uint16]:
         """Codes (T, N) for points (T, M, 3) and targets (T, M).
 
-        start : codes (T, N) to begin with, the first of which stay
-        first : the number of frames before these, by which errors name them
+        Parameters
+        ----------
+        start
+            Codes (T, N) to begin with, the first of which stay.
+        first
+            The number of frames before these, by which errors name them.
         """
         if not (targets > 0).any():
             still = np.zeros((1, len(self.scene.array)), np.uint16) if start is None else start[:1]
@@ -143,8 +153,11 @@ Frame = tuple[NDArray[np.float64], NDArray[np.float64]]
 class Horizon:
     """An iterator over codes (N,), `ahead` frames behind the frames that it is given.
 
-    done, state : to go on, how many frames were handed out, and the `state` of then; `frames` begin
-        with the last of them
+    Parameters
+    ----------
+    done, state
+        To go on, how many frames were handed out, and the `state` of then; `frames` begin with the last of
+        them.
     """
 
     def __init__(
@@ -257,7 +270,10 @@ REMEMBERED = ("drives", "weights", "unevenness", "motion")
 class Found(Protocol):
     """Finds frames in their order.
 
-    board : the quantization of the drives, None for that of the array
+    Attributes
+    ----------
+    board
+        The quantization of the drives, None for that of the array.
     """
 
     board: dict[str, Any] | None

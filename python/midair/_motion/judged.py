@@ -31,7 +31,7 @@ SETTLING = np.errstate(under="ignore")
 
 @dataclass(frozen=True)
 class SequenceMetrics:
-    """Describe the quality of a sequence over the points that are there, x_j(t) = |p_j(t)| / target_j(t).
+    """Quality of a sequence over the points that are there, x_j(t) = |p_j(t)| / target_j(t).
 
     Attributes
     ----------

@@ -119,11 +119,18 @@ SETTLED = 0.25e-3
 class Course:
     """Knots of frames: the transducers' radiation at each, and the points' places.
 
-    drives : (K, N) at the knots of a lap, or of all frames where they are open
-    frames : (T, M, 3) in m, the points of each frame
-    envelope : what radiates
-    spacing : s from a knot to the next
-    start : s of the first, in the middle of the first part of the first frame
+    Attributes
+    ----------
+    drives
+        (K, N) at the knots of a lap, or of all frames where they are open.
+    frames
+        (T, M, 3) in m, the points of each frame.
+    envelope
+        What radiates.
+    spacing
+        S from a knot to the next.
+    start
+        S of the first, in the middle of the first part of the first frame.
     """
 
     drives: NDArray[np.complex64]

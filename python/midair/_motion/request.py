@@ -30,9 +30,14 @@ LOOKED = 200
 class Request:
     """Points (T, M, 3) in m, targets (T, M) in Pa, and the settings of the solve.
 
-    scene : the array, its air and the first frame
-    aim : "target", or "max" if only points are given
-    stiff : whether only points are given, and they are traps
+    Attributes
+    ----------
+    scene
+        The array, its air and the first frame.
+    aim
+        "target", or "max" if only points are given.
+    stiff
+        Whether only points are given, and they are traps.
     """
 
     array: Array

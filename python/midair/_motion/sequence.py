@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 class Sequence(JudgedFrames):
-    """Keep frames of points and drives that follow one another, from any source.
+    """Frames of points and drives that follow one another, from any source.
 
     Parameters
     ----------

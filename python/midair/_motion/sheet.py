@@ -129,9 +129,14 @@ def _table(turn: float) -> tuple[NDArray[np.float64], NDArray[np.complex128]]:
 class Triangles:
     """A surface of triangles by linear elements, of SciPy's sparse matrices.
 
-    stiffness : (V, V), the integral of the product of gradients
-    areas_of_corners : (V, V), a third of the triangles around each corner, on the diagonal
-    order : (V,), of corners, in which factors of such matrices stay sparse
+    Parameters
+    ----------
+    stiffness
+        (V, V), the integral of the product of gradients.
+    areas_of_corners
+        (V, V), a third of the triangles around each corner, on the diagonal.
+    order
+        (V,), of corners, in which factors of such matrices stay sparse.
     """
 
     def __init__(self, vertices: NDArray[np.float64], faces: NDArray[Any]) -> None:

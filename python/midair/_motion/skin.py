@@ -127,7 +127,7 @@ def skin(
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """Give the motion of the skin, line by line, and its felt strength; from `midair.skin`.
+    """Motion of the skin, line by line, and its felt strength; from `midair.skin`.
 
     Attributes
     ----------
@@ -167,7 +167,7 @@ class Skin:
     def strength(self) -> NDArray[np.float64]:
         """Felt strength at each place (P,): 1 is just felt.
 
-        The stronger channel, half of the weaker (Hollins and Roy, Somatosens. Mot. Res. 13, 1996).
+        The stronger channel, half of the weaker (Hollins and Roy, Somatosens. Motor Res. 13, 1996).
         """
         found: NDArray[np.float64] = np.maximum(self.slow, self.fast) + np.minimum(self.slow, self.fast) / 2
         return found

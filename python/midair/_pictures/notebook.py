@@ -44,9 +44,14 @@ def above(
 ) -> str:
     """Rings at the points (M, 3) in m over the dots of the transducers.
 
-    quiet : which points (M,) are to be silent; they are drawn in blue
-    got : |p| / target (M,), whose share of each ring is filled: the disc's radius is that part of the ring's
-    drive : (N,), whose phases colour the transducers; those that are off stay grey
+    Parameters
+    ----------
+    quiet
+        Which points (M,) are to be silent; they are drawn in blue.
+    got
+        |p| / target (M,), whose share of each ring is filled: the disc's radius is that part of the ring's.
+    drive
+        (N,), whose phases colour the transducers; those that are off stay grey.
     """
     view = _View(array, points)
     chosen = slice(None, None, -(-len(points) // MOST_POINTS))

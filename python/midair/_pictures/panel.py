@@ -175,8 +175,12 @@ def paint(
 ) -> AxesImage:
     """An image in the plane of a field, with its obstacles.
 
-    values : (pixels, pixels)
-    ends : those at the ends of the colour map
+    Parameters
+    ----------
+    values
+        (pixels, pixels).
+    ends
+        Those at the ends of the colour map.
     """
     across, up = ("xyz"[axis] for axis in sides(field))
     u, v = (getattr(field, name) * 1e3 for name in (across, up))

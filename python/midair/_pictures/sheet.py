@@ -32,8 +32,12 @@ FONTS: dict[Any, Any] = {"pdf.fonttype": 42, "ps.fonttype": 42, "svg.fonttype": 
 class Style:
     """How a journal wants figures.
 
-    columns : widths of one column and of a page in inches
-    settings : matplotlib's; a style holds while figure.figsize is its own
+    Attributes
+    ----------
+    columns
+        Widths of one column and of a page in inches.
+    settings
+        Matplotlib's; a style holds while figure.figsize is its own.
     """
 
     columns: tuple[float, float]
@@ -141,9 +145,15 @@ def sheet(
 ) -> Sheet:
     """A new sheet of `size`, else as wide as the style's column or page, else of width and height in inches.
 
-    make : pyplot's `figure`, where the picture is to have a window
+    Parameters
+    ----------
+    make
+        Pyplot's `figure`, where the picture is to have a window.
 
-    Raises SceneError for another size.
+    Raises
+    ------
+    SceneError
+        For another size.
     """
     style = holding()
     if size is None:

@@ -30,8 +30,12 @@ def read(
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Vertices (V, 3) in m, each place once, and faces (F, 3), all bodies of the file together.
 
-    scale : metres of the file's unit
-    offset : what is added then (3,), in m
+    Parameters
+    ----------
+    scale
+        Metres of the file's unit.
+    offset
+        What is added then (3,), in m.
     """
     scale = number("scale", scale, least=0)
     if scale == 0:

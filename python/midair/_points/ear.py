@@ -23,7 +23,7 @@ MOST_POINTS = 100_000
 
 @dataclass(frozen=True, eq=False)
 class Ear:
-    """Describe a box of quiet points; from `midair.ear`.
+    """Box of quiet points; from `midair.ear`.
 
     Attributes
     ----------

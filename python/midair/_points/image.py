@@ -29,7 +29,7 @@ PITCH = 2 * STEP
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """Keep a picture as points, from `midair.image`; `midair.Scene(array, **picture)` is its scene.
+    """Picture as points, from `midair.image`; `midair.Scene(array, **picture)` is its scene.
 
     Attributes
     ----------

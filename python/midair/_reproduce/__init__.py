@@ -50,13 +50,22 @@ def reproduce(
 ) -> list[tuple[str, Verdict]]:
     """Write NAME.png, NAME.svg and NAME.csv for each figure, and verdicts.csv, into the folder `output`.
 
-    figures : names of FIGURES, or "all"
-    trials : random scenes of figs. 3 and 4, random orders of fig. 7; timing takes 15 rounds at most
-    scheduler : address of a Dask scheduler for all but what is timed
-    progress : opened with the name of each figure; gives what is called with (items done, items)
+    Parameters
+    ----------
+    figures
+        Names of FIGURES, or "all".
+    trials
+        Random scenes of figs. 3 and 4, random orders of fig. 7; timing takes 15 rounds at most.
+    scheduler
+        Address of a Dask scheduler for all but what is timed.
+    progress
+        Opened with the name of each figure; gives what is called with (items done, items).
 
-    Returns the verdicts, each with the name of its figure. What is finished is kept in `output`/.chunks, and
-    a run that was stopped goes on there.
+    Returns
+    -------
+    list of (str, Verdict)
+        The verdicts, each with the name of its figure. Finished parts stay in `output`/.chunks, from which a
+        stopped run continues.
     """
     names = [name for requested in figures for name in (FIGURES if requested == "all" else [requested])]
     for name in names:

@@ -100,7 +100,10 @@ class PagesBoard:
 class Server(ThreadingHTTPServer):
     """Serves the built page, a scene's JSON text at /scene.json, and a board at /board, until it is stopped.
 
-    port : of 127.0.0.1; 0 for a free one. Raises SceneError where it cannot be had, or nothing is built.
+    Parameters
+    ----------
+    port
+        Of 127.0.0.1; 0 for a free one. Raises SceneError where it cannot be had, or nothing is built.
     """
 
     daemon_threads = True

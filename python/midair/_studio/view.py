@@ -47,7 +47,7 @@ def view(what: Scene | Solution) -> View:
 
 
 class View:
-    """Show the studio in a notebook: the last line of a cell shows it. `midair.view` makes one.
+    """Studio in a notebook: the last line of a cell shows it. `midair.view` makes one.
 
     Examples
     --------

@@ -49,8 +49,12 @@ def guided(value: Any, name: str) -> Any:
 class Later:
     """A method that a module has, loaded when it is first looked up, and guided in its keywords.
 
-    home, name : the module, below midair, and what it is called there
-    static : whether it takes no instance
+    Parameters
+    ----------
+    home, name
+        The module, below midair, and what it is called there.
+    static
+        Whether it takes no instance.
     """
 
     def __init__(self, home: str, name: str, *, static: bool = False) -> None:

@@ -146,12 +146,20 @@ def run(
 ) -> None:
     """Do the jobs and hand each result to `receive`, in the order of the jobs.
 
-    chunks : folder that keeps each result as soon as it is there; a job found in it is not done again
-    scheduler : address of a Dask scheduler; left out, the work is done by threads of this process
-    threads : how many at most; left out, one a processor
-    keep : called with each new result as soon as it is there, in any order
-    tell : called with the number of items of each job that is done
-    fits : whether a kept result can be the job's; else it is done again
+    Parameters
+    ----------
+    chunks
+        Folder that keeps each result as soon as it is there; a job found in it is not done again.
+    scheduler
+        Address of a Dask scheduler; left out, the work is done by threads of this process.
+    threads
+        How many at most; left out, one a processor.
+    keep
+        Called with each new result as soon as it is there, in any order.
+    tell
+        Called with the number of items of each job that is done.
+    fits
+        Whether a kept result can be the job's; else it is done again.
     """
     stop = threading.Event()
     with (

@@ -81,7 +81,10 @@ def read_sets(
 ) -> tuple[Sets, list[Path]]:
     """Settings and columns of each array or scene along each axis, and the files that they were read from.
 
-    common : seed, seeds and drives of all settings
+    Parameters
+    ----------
+    common
+        Seed, seeds and drives of all settings.
     """
     with warnings.catch_warnings(record=True) as reported:
         warnings.simplefilter("always")

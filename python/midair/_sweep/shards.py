@@ -41,7 +41,7 @@ MANIFEST, SPLITS = "dataset.json", ("train", "held_out")
 
 @dataclass(frozen=True)
 class Dataset:
-    """Open a data set that `midair.dataset` made.
+    """Data set that `midair.dataset` made; `Dataset("folder")` opens one.
 
     Parameters
     ----------

@@ -123,10 +123,16 @@ def fastest(
 class _Curve(NamedTuple):
     """A curve at steps of one length, its start and its end included.
 
-    step : in m
-    places : (S, 3) in m
-    tangents : (S, 3), of length 1
-    bends : (S, 3), the slope of the tangent in 1/m
+    Attributes
+    ----------
+    step
+        In m.
+    places
+        (S, 3) in m.
+    tangents
+        (S, 3), of length 1.
+    bends
+        (S, 3), the slope of the tangent in 1/m.
     """
 
     step: float
@@ -206,8 +212,12 @@ def _second(corners: Numbers, chords: Numbers, loop: bool) -> Numbers:
 class _Traps(NamedTuple):
     """Traps at the steps of a curve, each that of the nearest place looked at.
 
-    axes : (S, 3, 3), a unit vector a row
-    most : (S, 3) in N, the least of both ways that it pulls back with
+    Attributes
+    ----------
+    axes
+        (S, 3, 3), a unit vector a row.
+    most
+        (S, 3) in N, the least of both ways that it pulls back with.
     """
 
     axes: Numbers

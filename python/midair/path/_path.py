@@ -28,11 +28,18 @@ SHAPES: dict[str, Callable[[Numbers], Numbers]] = {
 class Wave:
     """A modulation: factors of the targets that repeat.
 
-    frequency : in Hz
-    finest : the highest frequency that frames must follow, in Hz
-    depth : 1 - depth + depth s
-    shape : of s, without samples
-    samples : (S,) of s in a period
+    Attributes
+    ----------
+    frequency
+        In Hz.
+    finest
+        The highest frequency that frames must follow, in Hz.
+    depth
+        1 - depth + depth s.
+    shape
+        Of s, without samples.
+    samples
+        (S,) of s in a period.
     """
 
     frequency: float
@@ -117,7 +124,7 @@ MOST_FRAMES = 100_000_000
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Path:
-    """Move M control points for a time, with a target for each; immutable.
+    """Path of M control points for a time, with a target for each; immutable.
 
     The functions of `midair.path` make paths. `a & b` are the points of both at the same time, `a.then(b)`
     those of b after those of a.
