@@ -128,8 +128,9 @@ def python() -> Iterator[tuple[str, str]]:
 
 def source(name: str) -> str:
     """The file of the repository in which a public name and its docstring are written."""
-    if name not in midair._midair.__all__:
-        return Path(inspect.getfile(inspect.unwrap(getattr(midair, name)))).relative_to(ROOT).as_posix()
+    thing = getattr(midair, name)
+    if thing is not getattr(midair._midair, name, None):
+        return Path(inspect.getfile(inspect.unwrap(thing))).relative_to(ROOT).as_posix()
     written = re.compile(
         rf"^pub\(crate\) fn {name}\b|^ *pub\(crate\) struct {name}\b|^    {name}( \{{|,)$", re.MULTILINE
     )

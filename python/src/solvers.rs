@@ -57,7 +57,7 @@ impl OptionInfo {
 /// >>> import midair
 /// >>> fast = midair.solvers()["fast"]
 /// >>> fast.name, "seed" in fast.options
-/// ('fast', False)
+/// ('fast', True)
 #[pyclass(frozen, module = "midair")]
 pub(crate) struct SolverInfo {
     /// Name.

@@ -45,7 +45,6 @@ LAYERS = (
 #: Modules of fewer than 40 lines, each with its reason.
 SHORT = {
     "midair.__main__": "python -m midair",
-    "midair._boards.errors": "the guard's process imports it, and nothing that loads NumPy",
     "midair._boards.start": "the guard's process begins here, before it imports what a board needs",
     "midair._studio.widget": "imports anywidget, an extra",
 }

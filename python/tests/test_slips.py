@@ -114,7 +114,7 @@ def test_functions_stay_what_they_were() -> None:
     assert pickle.loads(pickle.dumps(midair.path.circle)) is midair.path.circle
     assert list(inspect.signature(midair.Wall).parameters) == ["point", "normal", "kind"]
     assert str(inspect.signature(midair.shape.circle)).startswith("(center")
-    assert (midair.solve.__name__, midair.solve.__doc__[:5]) == ("solve", "Finds")
+    assert (midair.solve.__name__, midair.solve.__doc__[:5]) == ("solve", "Find ")
 
 
 def test_a_warning_points_at_the_line_of_the_caller() -> None:

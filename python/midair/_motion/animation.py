@@ -19,7 +19,6 @@ from . import files
 from .picture import across, beads
 
 if TYPE_CHECKING:
-    from .fly import Flight
     from .judged import JudgedFrames
 
 ENDINGS = (".gif", ".webp", ".mp4")
@@ -66,13 +65,13 @@ def animate(
 
 
 def film_of_beads(
-    flight: Flight,
+    flight: Any,
     path: str | PathLike[str],
     frames: int | None,
     fps: int,
     progress: Callable[[int, int], object] | None,
 ) -> None:
-    """Draw the beads of a flight on their ways, and write the pictures by the path's ending."""
+    """Draw the beads of a `midair.Flight` on their ways, and write the pictures by the path's ending."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

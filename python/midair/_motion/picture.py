@@ -21,9 +21,7 @@ if TYPE_CHECKING:
 
     from .._pictures.colours import Map
     from .._pictures.sheet import Size
-    from .fly import Flight
     from .judged import JudgedFrames
-    from .skin import Skin
 
 #: The parts of a sequence's picture.
 Panel = Literal["pressures", "changes", "spectrum"]
@@ -180,14 +178,14 @@ def _spectrum(sequence: JudgedFrames, ax: Axes) -> None:
     ax.legend(loc="best")
 
 
-def across(flight: Flight) -> list[int]:
+def across(flight: Any) -> list[int]:
     """The two axes along which the points of a flight go farthest."""
     sides = np.ptp(flight.points, axis=(0, 1))
     return sorted(np.argsort(-sides, kind="stable")[:2].tolist())
 
 
-def beads(flight: Flight, panel: str, ax: Axes) -> None:
-    """Draws a panel of a flight: "path" or "distance"."""
+def beads(flight: Any, panel: str, ax: Axes) -> None:
+    """Draws a panel of a `midair.Flight`: "path" or "distance"."""
     if panel == "distance":
         for one, distances in enumerate(1e3 * flight.distances.T):
             ax.plot(1e3 * flight.times, distances, linewidth=0.9, label=f"bead {one + 1}")
@@ -206,8 +204,8 @@ def beads(flight: Flight, panel: str, ax: Axes) -> None:
     ax.set(aspect="equal", xlabel=f"{'xyz'[first]} / mm", ylabel=f"{'xyz'[second]} / mm")
 
 
-def touched(skin: Skin, panel: str, ax: Axes, colours: Map, best: int) -> None:
-    """Draws a panel of a skin: "pressure", "motion" or "spectrum", with the place of number `best`."""
+def touched(skin: Any, panel: str, ax: Axes, colours: Map, best: int) -> None:
+    """Draws a panel of a `midair.Skin`: "pressure", "motion" or "spectrum", the place `best` marked."""
     if panel == "pressure":
         _map(skin, ax, skin.pressure, "radiation pressure, mean / Pa", colours)
         return
@@ -225,13 +223,13 @@ def touched(skin: Skin, panel: str, ax: Axes, colours: Map, best: int) -> None:
     ax.legend(loc="lower left", fontsize="small")
 
 
-def _widest(skin: Skin) -> list[int]:
+def _widest(skin: Any) -> list[int]:
     """The two axes along which the places lie, or a mesh is widest."""
     sides = np.ptp(skin.places, axis=0)
     return [axis for axis in range(3) if axis != int(sides.argmin())]
 
 
-def _map(skin: Skin, ax: Axes, values: NDArray[np.float64], label: str, colours: Map) -> None:
+def _map(skin: Any, ax: Axes, values: NDArray[np.float64], label: str, colours: Map) -> None:
     from matplotlib.tri import Triangulation
 
     first, second = _widest(skin)
