@@ -32,7 +32,7 @@ def batch(points: np.ndarray, **keywords: float) -> midair.Batch:
     return midair.solve_batch(ARRAY, points, solver="fast", **keywords)
 
 
-#: Way in, and how the warning begins.
+#: The call, and the beginning of its warning.
 SLIPS: dict[str, tuple[Callable[[], object], str]] = {
     "pitch": (lambda: midair.Scene(midair.Array.grid(9, 9, 1.05), POINTS), "array.grid.pitch is 1.05 m"),
     "points": (lambda: scene(POINTS * 1e3), "points[0].position is [-20, 0, 150] m (and 1 more)"),

@@ -49,7 +49,7 @@ test("other lines stay as they are", () => {
 
 const MESSAGES = `${import.meta.dirname}/../src`;
 
-/** Where a line of the page is made, words that it has there, the line, and how it begins in Japanese. */
+/** The file that makes a line of the page, words of the line there, the line, and its beginning in Japanese. */
 test.each([
   ["exchange.ts", "give .toml, .json", "a.txt: give .toml, .json, .csv, .svg, .png or .jpg", "a.txt: 開けるファイルは .toml"],
   ["scene_file.ts", "the page has at most", "points is 80: the page has at most 64", "点が 80 個あります: "],

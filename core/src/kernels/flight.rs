@@ -190,7 +190,7 @@ fn monomials<S: Doubles>(one: V<S>, [x, y, z]: [V<S>; 3]) -> [V<S>; TERMS] {
 }
 
 impl Laws {
-    /// Drag over mass and speed at a speed, straight between those that are kept.
+    /// Drag over mass and speed at a speed, interpolated linearly between stored values.
     #[inline(always)]
     fn dragged(&self, speed: f64) -> f64 {
         let last = self.drag.len() - 1;

@@ -65,7 +65,7 @@ LIMITS = {
 
 
 def limit_of(scene: Scene, requested: Any) -> Limit:
-    """The limit by its name, or by a level in dB of one's own; refused where it is not meant for."""
+    """The limit by its name, or by a level in dB; rejected for frequencies that it does not cover."""
     if not isinstance(requested, str):
         return Limit("own", number("limit", requested), (0.0, float("inf")), "a level of one's own")
     found = LIMITS.get(requested.lower().replace("-", " ").replace("_", " "))

@@ -7,8 +7,9 @@
 //! ds = sum_i Re(dq_i h_i),   h_i = sum_k (ds/dRe c_k - j ds/dIm c_k) C_ki
 //! ```
 //!
-//! and each stiffness K alike, so that each drive in turn takes that of the three phases around its own by which |s|^2, less the
-//! soft minimum of K, is least. A pass begins with the places and the stiffness as they are.
+//! Each stiffness K changes in the same way. So each drive in turn takes one of the three phases around its own: the
+//! one for which |s|^2, less the soft minimum of K, is least. A pass begins with the places and the stiffness as they
+//! are.
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 

@@ -27,7 +27,7 @@ pub trait Energy: Send + Sync {
     /// candidate after another.
     ///
     /// # Errors
-    /// Whatever ends the solve; the best so far is lost then.
+    /// Any error that ends the solve; the best drive so far is then lost.
     fn evaluate(&self, fields: &[Complex32], request: &ActiveRequest, values: &mut [f64]) -> Result<(), Error>;
 }
 
