@@ -61,6 +61,14 @@ for (const view of VIEWS) {
     if (pictures) await page.screenshot({ path: `${pictures}/${name.replaceAll("/", "-")}-${view.viewport.width}.png`, fullPage: name !== "paper" && !name.startsWith("reference") });
     await page.close();
   }
+  const page = await context.newPage();
+  page.on("pageerror", (error) => fault(`studio ${view.viewport.width}: ${error.message}`));
+  const studio = await page.goto(`${home}/studio/index.html?scene=smiley`);
+  if (studio.ok()) {
+    await page.waitForFunction(() => window.midair, { timeout: 60_000 }).catch(() => fault("studio: no page"));
+    const points = await page.evaluate(async () => (await window.midair.settled(), window.midair.state().points.length));
+    if (points !== 37) fault(`studio: the scene of the address has ${points} points`);
+  }
   await context.close();
 }
 await browser.close();
