@@ -31,6 +31,7 @@ from .._support.arguments import json_object, number, real, refused
 from .adaptics import Client, Player
 from .errors import BoardError
 from .playing import SILENCE, Live
+from .transport import before_what_computes
 
 #: The largest message in bytes, the largest pattern of Adaptics, and numbers of a point in a binary message.
 MOST_BYTES, MOST_PATTERN, ROW = 1 << 16, 1 << 20, 4
@@ -90,7 +91,7 @@ class Doors:
             ) from error
         self.port = self._server.socket.getsockname()[1]
         self.osc = self._udp.getsockname()[1]
-        for serves in (self._server.serve_forever, self._listen):
+        for serves in (self._accept, self._listen):
             threading.Thread(target=serves, daemon=True).start()
 
     @property
@@ -163,6 +164,11 @@ class Doors:
             return None
         return connection.respond(HTTPStatus.FORBIDDEN, "the token that midair serve printed is missing\n")
 
+    def _accept(self) -> None:
+        """Serve clients by WebSocket; the threads that read them are begun here, and inherit the order."""
+        before_what_computes()
+        self._server.serve_forever()
+
     def _serve(self, client: Any) -> None:
         with suppress(self._closed):
             if urlsplit(client.request.path).path == "/adaptics":
@@ -193,6 +199,7 @@ class Doors:
 
     def _listen(self) -> None:
         """Obey datagrams of OSC whose first argument is the token; others are dropped without an answer."""
+        before_what_computes()
         while True:
             try:
                 data, sender = self._udp.recvfrom(MOST_BYTES)

@@ -299,6 +299,7 @@ def _reported(error: Exception) -> dict[str, str]:
 
 def _listen(requests: int, inbox: SimpleQueue[Message], served: list[Guard]) -> None:
     """Pass beats to the guard at once, other messages to the inbox, and close when the owner is gone."""
+    before_what_computes()
     with suppress(wire.Gone):
         while True:
             kind, number, content = wire.read(requests)

@@ -21,6 +21,7 @@ from ..path import Path
 from . import connection as connections
 from .connection import Connection
 from .errors import BoardError
+from .transport import before_what_computes
 from .wire import Kind
 
 #: Time in s after which a drive is sent again, well before a connection's `hold` expires.
@@ -224,6 +225,7 @@ class Live:
         return self._wanted is not None and time.monotonic() - self._signed < SILENCE
 
     def _run(self) -> None:
+        before_what_computes()
         while not self._ended:
             with self._news:
                 self._news.wait_for(lambda: self._ended or self._lives())

@@ -20,7 +20,7 @@ from typing import Any
 
 from . import wire
 from .errors import KINDS, BoardError, BoardLost, BoardTimeout
-from .transport import SIMULATED, open_transport
+from .transport import SIMULATED, before_what_computes, open_transport
 from .watcher import Stops
 from .wire import Kind
 
@@ -173,6 +173,7 @@ class GuardProcess:
 
     def _write(self) -> None:
         """Pass messages on until there are no more."""
+        before_what_computes()
         assert self._process.stdin is not None
         with self._process.stdin as pipe, suppress(wire.Gone):
             while (message := self._outbox.get()) is not None:
@@ -180,6 +181,7 @@ class GuardProcess:
 
     def _read(self) -> None:
         """Pass answers to waiting callers; turn off at the end of a guard that was not closed."""
+        before_what_computes()
         assert self._process.stdout is not None
         with self._process.stdout as pipe, suppress(wire.Gone):
             while True:

@@ -1,0 +1,184 @@
+"""`midair serve`: from a client's message to the frame that it changes, beside a busy program.
+
+`python bench/serve.py [BUSY PROGRAMS] [MESSAGES]` starts the server on a board that writes its frames, 1,000
+a second as AUTD3's, into a pipe, and a program that never rests. It reads the clock before each message and
+at the first changed frame.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from websockets.sync.client import connect
+
+import midair
+from midair._boards.transport import before_what_computes
+
+#: Messages of each kind, and s between two of them.
+MESSAGES, APART = 400, (0.02, 0.04)
+
+BUSY = "while True: pass"
+
+Frame = tuple[float, bytes]
+
+
+class Frames:
+    """Frames from a pipe, each with the time at which it came."""
+
+    def __init__(self, pipe: Path) -> None:
+        self.length = len(midair.Board("autd3").off_frame)
+        self.came: list[Frame] = []
+        self._news = threading.Condition()
+        self._pipe = pipe
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def _read(self) -> None:
+        before_what_computes()
+        with self._pipe.open("rb", buffering=0) as stream:
+            data = b""
+            while read := stream.read(self.length - len(data)):
+                data += read
+                if len(data) == self.length:
+                    with self._news:
+                        self.came.append((time.monotonic(), data))
+                        self._news.notify()
+                    data = b""
+
+    def first(self, after: int, fits: Callable[[bytes], bool]) -> float:
+        """When the first frame came that fits, after so many others."""
+        with self._news:
+            while True:
+                for came, frame in self.came[after:]:
+                    if fits(frame):
+                        return came
+                if not self._news.wait(5):
+                    raise TimeoutError("no frame came")
+
+
+def points(address: str, frames: Frames, messages: int) -> list[float]:
+    """From a point in a binary message to the first frame that is another one."""
+    found, random = [], np.random.default_rng(0)
+    with connect(address, max_queue=None) as client:
+        client.recv()
+        for k in range(messages):
+            at = [0.01 * (k % 2), 0.002 * (k % 7), 0.15, 0.0]
+            seen = len(frames.came)
+            before = frames.came[-1][1]
+            begin = time.monotonic()
+            client.send(np.array(at, "<f4").tobytes())
+            found.append(frames.first(seen, lambda frame, before=before: frame != before) - begin)
+            rest(random, lambda: client.send('{"keep": true}'))
+    return found
+
+
+def parameters(address: str, frames: Frames, messages: int) -> list[float]:
+    """From a parameter of a tacton of Adaptics, its intensity, to the first frame that is off or on."""
+    off = midair.Board("autd3").off_frame
+    constant = {"name": "linear", "params": {}}
+
+    def value(given: Any) -> dict[str, Any]:
+        return {"type": "param" if isinstance(given, str) else "f64", "value": given}
+
+    place = {"coords": {"x": 0, "y": 0, "z": 0}, "transition": constant}
+    ring = {"name": "circle", "params": {"radius": value(10), "am_freq": value(0)}}
+    strength = {"name": "constant", "params": {"value": value("on")}}
+    keyframe = {
+        "time": 0,
+        "type": "standard",
+        "cjumps": [],
+        "coords": place,
+        "brush": {"brush": ring, "transition": constant},
+        "intensity": {"intensity": strength, "transition": constant},
+    }
+    pattern = {
+        "$DATA_FORMAT": "MidAirHapticsAnimationFileFormat",
+        "$REVISION": "0.1.0-alpha.3",
+        "name": "",
+        "keyframes": [keyframe],
+        "pattern_transform": {
+            "geometric_transforms": {
+                "translate": {axis: value(150 * (axis == "z")) for axis in "xyz"},
+                "rotation": value(0),
+                "scale": {axis: value(1) for axis in "xyz"},
+            },
+            "intensity_factor": value(1),
+            "playback_speed": value(1),
+        },
+        "user_parameter_definitions": {"on": {"default": 1, "step": 1}},
+    }
+    found, random = [], np.random.default_rng(0)
+    with connect(address, max_queue=None) as client:
+        threading.Thread(target=lambda: [None for _ in client], daemon=True).start()
+
+        def send(command: str, **data: Any) -> None:
+            client.send(json.dumps({"cmd": command, "data": data}))
+
+        send("update_pattern", pattern_json=json.dumps(pattern))
+        send("update_playstart", playstart=1, playstart_offset=0)
+        time.sleep(0.5)
+        unmoved = np.eye(4).tolist()
+        for k in range(messages):
+            given = {"time": 0, "user_parameters": {"on": k % 2}, "geometric_transform": unmoved}
+            seen = len(frames.came)
+            begin = time.monotonic()
+            send("update_parameters", evaluator_params=given)
+            found.append(frames.first(seen, lambda frame, on=k % 2: (frame != off) == bool(on)) - begin)
+            rest(random, lambda: None)
+    return found
+
+
+def rest(random: np.random.Generator, live: Callable[[], None]) -> None:
+    """Wait for a random time with a sign of life in its middle."""
+    pause = random.uniform(*APART) / 2
+    time.sleep(pause)
+    live()
+    time.sleep(pause)
+
+
+def main(programs: int = 1, messages: int = MESSAGES) -> None:
+    busy = [subprocess.Popen([sys.executable, "-c", BUSY]) for _ in range(programs)]
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            measure(Path(folder) / "frames.bin", messages)
+    finally:
+        for each in busy:
+            each.kill()
+
+
+def measure(pipe: Path, messages: int) -> None:
+    """Print the quantiles of each kind of message."""
+    os.mkfifo(pipe)
+    frames = Frames(pipe)
+    command = [sys.executable, "-m", "midair", "serve", "--on", f"file:{pipe}"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
+        assert server.stdout is not None
+        # The client is no part of what is measured.
+        before_what_computes()
+        address, _, adaptics = (server.stdout.readline().split()[0] for _ in range(3))
+        while not frames.came:
+            time.sleep(0.01)
+        for name, measured in (
+            ("a point at rest", points(address, frames, messages)),
+            ("a parameter of a tacton in motion", parameters(adaptics, frames, messages)),
+        ):
+            took = 1e3 * np.sort(measured)
+            shown = ", ".join(
+                f"{label} {np.quantile(took, share):.2f}"
+                for label, share in (("median", 0.5), ("p90", 0.9), ("p99", 0.99), ("most", 1.0))
+            )
+            print(f"{name}: {len(took)} messages, {shown} ms")
+        server.terminate()
+
+
+if __name__ == "__main__":
+    main(*map(int, sys.argv[1:]))

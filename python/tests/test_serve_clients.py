@@ -1,0 +1,107 @@
+"""The clients of examples/serve against `midair serve`: Python's, and that of a web page, in Node."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import midair
+
+pytest.importorskip("websockets")
+pytest.importorskip("pythonosc")
+
+from pythonosc.osc_message_builder import OscMessageBuilder
+
+from midair._boards.doors import Doors
+from midair._boards.playing import SILENCE, Live
+
+pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore::midair.SceneWarning")]
+
+CLIENTS = Path(__file__).parents[2] / "examples" / "serve"
+
+#: A page around the script of client.html: the mouse moves for .4 s, then leaves.
+PAGE = """
+const parts = { hand: {}, state: {}, address: {} };
+globalThis.document = { getElementById: (name) => parts[name] };
+%s
+parts.address.onchange({ target: { value: process.argv[2] } });
+setTimeout(() => hand.onpointermove({ offsetX: 250, offsetY: 150 }), 300);
+setTimeout(() => { hand.onpointerleave(); console.log(parts.state.textContent); }, 1500);
+setTimeout(() => process.exit(), 1800);
+"""
+
+
+@pytest.fixture
+def doors() -> Iterator[Doors]:
+    with midair.connect("sonicsurface:loop", hold=SILENCE) as board, Doors(Live(board)) as found:
+        yield found
+
+
+def places(doors: Doors, program: subprocess.Popen[str]) -> list[list[float]]:
+    """The points that the board played while a client ran; its end is the board's."""
+    found: list[list[float]] = []
+    begin = time.monotonic()
+    while program.poll() is None and time.monotonic() - begin < 60:
+        if doors._live._wanted is not None and doors._live._played is not None:
+            (point,) = doors._live._played[0].points.tolist()
+            if not found or found[-1] != point:
+                found.append(point)
+        time.sleep(0.005)
+    assert program.wait(10) == 0
+    begin = time.monotonic()
+    while doors._live.connection.state != "off":
+        assert time.monotonic() - begin < SILENCE + 0.3
+        time.sleep(0.01)
+    return found
+
+
+def test_python(doors: Doors) -> None:
+    command = [sys.executable, str(CLIENTS / "client.py"), doors.address]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
+        found = np.array(places(doors, program))
+        assert program.stdout is not None
+        greeting, state = program.stdout.read().splitlines()
+    assert '"board": "sonicsurface"' in greeting
+    assert '"error": null' in state
+    assert len(found) > 50
+    np.testing.assert_allclose(np.hypot(found[:, 0], found[:, 1]), 0.02, atol=1e-9)
+    np.testing.assert_allclose(found[:, 2], 0.15)
+
+
+def test_a_web_page(doors: Doors, tmp_path: Path) -> None:
+    node = shutil.which("node")
+    probe = ["--experimental-websocket", "--eval", "WebSocket"]
+    if node is None or subprocess.run([node, *probe], capture_output=True, check=False).returncode:
+        pytest.skip("there is no Node with WebSocket, 20.10 or newer")
+    (script,) = re.findall(r"<script>(.*?)</script>", (CLIENTS / "client.html").read_text("utf-8"), re.S)
+    page = tmp_path / "page.mjs"
+    page.write_text(PAGE % script, "utf-8")
+    command = [node, "--experimental-websocket", str(page), doors.address]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
+        found = places(doors, program)
+        assert program.stdout is not None
+        assert '"transducers": 256' in program.stdout.read()
+    np.testing.assert_allclose(found, [[0.01, 0.01, 0.15]], atol=1e-8)
+
+
+def test_processing_sends_what_the_server_reads(doors: Doors) -> None:
+    """oscP5 writes text as s and float as f, in the order of its calls."""
+    program = (CLIENTS / "client.pde").read_text("utf-8")
+    assert re.findall(r"OscMessage\(\"(.*?)\"\)", program) == ["/midair/points"]
+    added = re.findall(r"message\.add\((.*)\);", program)
+    assert added == ["TOKEN", "(mouseX - 200) / 5000.0", "(200 - mouseY) / 5000.0", "0.15"]
+    built = OscMessageBuilder("/midair/points")
+    for value in (doors.token, *(float(eval(each, {"mouseX": 250, "mouseY": 150})) for each in added[1:])):
+        built.add_arg(value)
+    assert built.build().dgram.count(b",sfff") == 1
+    doors._by_osc("points", [0.01, 0.01, 0.15])
+    time.sleep(0.1)
+    assert doors._live.connection.state == "playing"
