@@ -7,6 +7,8 @@
 //! x1 = x + h v + h^2/360 (323 a - 264 a' + 159 a'' - 38 a''')   v1 = v + h/24 (55 a - 59 a' + 37 a'' - 9 a''')
 //! x+ = x + h v + h^2/360 (38 a1 + 171 a - 36 a' + 7 a'')        v+ = v + h/24 (9 a1 + 19 a - 5 a' + a''),   a1 = a(t + h, x1, v1)
 //! ```
+//!
+//! Near its centre a bead needs few terms of a force: those of a degree are left out where all that follow are too small there.
 #![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
 
 use alloc::vec::Vec;
@@ -17,8 +19,23 @@ use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 /// Monomials x^a y^b z^c of degree up to 6, in the order of [`super::derivatives::TERMS`].
 pub(crate) const TERMS: usize = 84;
 
+/// The degree of the last ones.
+const DEGREE: usize = 6;
+
+/// Degrees at which a force may end: the last one has all terms.
+const ENDS: [usize; 5] = [2, 3, 4, 5, DEGREE];
+
+/// Terms that are left out change a force by no more than this part of what its linear terms are in one unit.
+const LEAST: f64 = 1e-5;
+
+/// Steps to those radii: to a thousandth of a unit.
+const BISECTIONS: usize = 10;
+
 /// Forces on eight beads in N: of each monomial its coefficient along x, y and z.
 pub(crate) type Forces = [[Eight; 3]; TERMS];
+
+/// Coordinates from the centre, in units, up to which terms of the first degree of [`ENDS`] suffice, of the second and so on.
+pub(crate) type Radii = [f64; ENDS.len() - 1];
 
 /// Vectors of eight beads.
 pub(crate) type Vectors = [Eight; 3];
@@ -45,7 +62,7 @@ pub(crate) struct Beads<'a> {
     pub(crate) place: &'a mut Vectors,
     pub(crate) speed: &'a mut Vectors,
     pub(crate) pulls: &'a mut [Vectors; 4],
-    /// Squares of the distances in m^2 from the centres at which a step is the last.
+    /// Squares of the distances in m^2 from the centres at which a step is the last; NaN in a lane without a bead.
     pub(crate) reach: Eight,
 }
 
@@ -54,7 +71,7 @@ pub(crate) struct Beads<'a> {
 pub(crate) fn advance(
     set: InstructionSet,
     laws: &Laws,
-    forces: [&Forces; 2],
+    (forces, radii): ([&Forces; 2], Radii),
     centres: &[Vectors],
     first: usize,
     beads: &mut Beads<'_>,
@@ -62,8 +79,15 @@ pub(crate) fn advance(
     dispatch!(set, s => {
         for i in first + 1..centres.len() {
             let share = i as f64 / (centres.len() - 1) as f64;
-            for at in (0..EIGHT).step_by(width(s)) {
-                step(s, laws, (forces, share), &centres[i], at, beads);
+            let ahead = predicted(s, laws, beads);
+            let pulled = (forces, share);
+            let apart = beads.apart(&ahead[0], &centres[i], laws.unit);
+            match radii.iter().filter(|&&radius| radius < apart).count() {
+                0 => correct::<_, 2>(s, laws, pulled, &centres[i], &ahead, beads),
+                1 => correct::<_, 3>(s, laws, pulled, &centres[i], &ahead, beads),
+                2 => correct::<_, 4>(s, laws, pulled, &centres[i], &ahead, beads),
+                3 => correct::<_, 5>(s, laws, pulled, &centres[i], &ahead, beads),
+                _ => correct::<_, DEGREE>(s, laws, pulled, &centres[i], &ahead, beads),
             }
             if beads.far(&centres[i]) {
                 return i;
@@ -73,6 +97,50 @@ pub(crate) fn advance(
     })
 }
 
+/// Up to which coordinates few terms of each of some forces suffice.
+pub(crate) fn radii(set: InstructionSet, forces: &[Forces]) -> Vec<Radii> {
+    dispatch!(set, s => {
+        let _ = s;
+        forces.iter().map(enough).collect()
+    })
+}
+
+#[inline(always)]
+fn enough(forces: &Forces) -> Radii {
+    // Of each degree what all terms are in one unit at most.
+    let mut sums = [0.0_f64; DEGREE + 1];
+    let mut first = 0;
+    for (degree, sum) in sums.iter_mut().enumerate() {
+        let terms = &forces[first..first + count(degree)];
+        let mut lanes = [[0.0; EIGHT]; 3];
+        for term in terms {
+            for axis in 0..3 {
+                for lane in 0..EIGHT {
+                    lanes[axis][lane] += term[axis][lane].abs();
+                }
+            }
+        }
+        *sum = lanes.as_flattened().iter().fold(0.0, |most, lane| lane.max(most));
+        first += terms.len();
+    }
+    core::array::from_fn(|end| {
+        let after = |radius: f64| sums[ENDS[end] + 1..].iter().rev().fold(0.0, |all, sum| radius * (all + sum));
+        let most = LEAST * sums[1];
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            let all = (0..ENDS[end]).fold(after(middle), |all, _| all * middle);
+            if all <= most { low = middle } else { high = middle }
+        }
+        low
+    })
+}
+
+/// Monomials of a degree.
+const fn count(degree: usize) -> usize {
+    (degree + 1) * (degree + 2) / 2
+}
+
 /// Sets all accelerations to those of the first step's forces: before it, beads moved as they do then.
 pub(crate) fn begin(set: InstructionSet, laws: &Laws, forces: &Forces, centre: &Vectors, beads: &mut Beads<'_>) {
     dispatch!(set, s => {
@@ -80,7 +148,7 @@ pub(crate) fn begin(set: InstructionSet, laws: &Laws, forces: &Forces, centre: &
             let at = at.min(EIGHT - width(s));
             let of = |all: &Vectors| [V::of(s, &all[0][at..]), V::of(s, &all[1][at..]), V::of(s, &all[2][at..])];
             let (place, speed) = (of(beads.place), of(beads.speed));
-            let pull = pull(s, laws, ([forces, forces], 0.0), (centre, at), place, speed);
+            let pull = pull::<_, DEGREE>(s, laws, ([forces, forces], 0.0), (centre, at), place, speed);
             for pulls in &mut *beads.pulls {
                 for axis in 0..3 {
                     pull[axis].put(&mut pulls[axis][at..]);
@@ -91,9 +159,23 @@ pub(crate) fn begin(set: InstructionSet, laws: &Laws, forces: &Forces, centre: &
 }
 
 impl Beads<'_> {
+    #[inline(always)]
     pub(crate) fn far(&self, centre: &Vectors) -> bool {
         let square = |i: usize| (0..3).map(|axis| self.place[axis][i] - centre[axis][i]).map(|x| x * x).sum::<f64>();
         (0..EIGHT).any(|i| square(i) > self.reach[i])
+    }
+
+    /// The largest coordinate of beads at places, from a centre, in units.
+    #[inline(always)]
+    fn apart(&self, places: &Vectors, centre: &Vectors, unit: f64) -> f64 {
+        let mut most = 0.0_f64;
+        for axis in 0..3 {
+            for i in 0..EIGHT {
+                let apart = (places[axis][i] - centre[axis][i]).abs();
+                most = if apart > most && !self.reach[i].is_nan() { apart } else { most };
+            }
+        }
+        most / unit
     }
 }
 
@@ -102,40 +184,56 @@ fn width<S: Doubles>(_: S) -> usize {
     S::WIDTH
 }
 
+/// Places and speeds after a step, of all beads.
 #[inline(always)]
-fn step<S: Doubles>(
+fn predicted<S: Doubles>(s: S, laws: &Laws, beads: &Beads<'_>) -> [Vectors; 2] {
+    let mut ahead = [[[0.0; EIGHT]; 3]; 2];
+    let (h, half) = (laws.step / 24.0, laws.step * laws.step / 360.0);
+    for at in (0..EIGHT).step_by(width(s)) {
+        // What the compiler is to know, so that it checks no load.
+        let at = at.min(EIGHT - S::WIDTH);
+        for i in 0..3 {
+            let [place, speed] = [&beads.place, &beads.speed].map(|all| V::of(s, &all[i][at..]));
+            let [a, b, c, d] = beads.pulls.each_ref().map(|all| V::of(s, &all[i][at..]));
+            let there = (a * 323.0 - b * 264.0 + c * 159.0 - d * 38.0) * half;
+            (place + speed * laws.step + there).put(&mut ahead[0][i][at..]);
+            (speed + (a * 55.0 - b * 59.0 + c * 37.0 - d * 9.0) * h).put(&mut ahead[1][i][at..]);
+        }
+    }
+    ahead
+}
+
+/// A step by the terms up to degree D of the forces at places and speeds `ahead`.
+#[inline(always)]
+fn correct<S: Doubles, const D: usize>(
     s: S,
     laws: &Laws,
     forces: ([&Forces; 2], f64),
     centre: &Vectors,
-    at: usize,
+    ahead: &[Vectors; 2],
     beads: &mut Beads<'_>,
 ) {
-    // Facts that the compiler needs to leave out checks of loads.
-    let at = at.min(EIGHT - S::WIDTH);
-    let of = |all: &Vectors| [V::of(s, &all[0][at..]), V::of(s, &all[1][at..]), V::of(s, &all[2][at..])];
-    let (place, speed) = (of(beads.place), of(beads.speed));
-    let [a, b, c, d] = [of(&beads.pulls[0]), of(&beads.pulls[1]), of(&beads.pulls[2]), of(&beads.pulls[3])];
     let (h, half) = (laws.step / 24.0, laws.step * laws.step / 360.0);
-    let (mut there, mut then) = (place, speed);
-    for i in 0..3 {
-        there[i] = place[i] + speed[i] * laws.step + (a[i] * 323.0 - b[i] * 264.0 + c[i] * 159.0 - d[i] * 38.0) * half;
-        then[i] = speed[i] + (a[i] * 55.0 - b[i] * 59.0 + c[i] * 37.0 - d[i] * 9.0) * h;
-    }
-    let new = pull(s, laws, forces, (centre, at), there, then);
-    for i in 0..3 {
-        let corrected = (new[i] * 38.0 + a[i] * 171.0 - b[i] * 36.0 + c[i] * 7.0) * half;
-        (place[i] + speed[i] * laws.step + corrected).put(&mut beads.place[i][at..]);
-        (speed[i] + (new[i] * 9.0 + a[i] * 19.0 - b[i] * 5.0 + c[i]) * h).put(&mut beads.speed[i][at..]);
-        for (pulls, pull) in beads.pulls.iter_mut().zip([new[i], a[i], b[i], c[i]]) {
-            pull.put(&mut pulls[i][at..]);
+    for at in (0..EIGHT).step_by(width(s)) {
+        let at = at.min(EIGHT - S::WIDTH);
+        let of = |all: &Vectors| [V::of(s, &all[0][at..]), V::of(s, &all[1][at..]), V::of(s, &all[2][at..])];
+        let new = pull::<_, D>(s, laws, forces, (centre, at), of(&ahead[0]), of(&ahead[1]));
+        let (place, speed) = (of(beads.place), of(beads.speed));
+        let [a, b, c, _] = [of(&beads.pulls[0]), of(&beads.pulls[1]), of(&beads.pulls[2]), of(&beads.pulls[3])];
+        for i in 0..3 {
+            let corrected = (new[i] * 38.0 + a[i] * 171.0 - b[i] * 36.0 + c[i] * 7.0) * half;
+            (place[i] + speed[i] * laws.step + corrected).put(&mut beads.place[i][at..]);
+            (speed[i] + (new[i] * 9.0 + a[i] * 19.0 - b[i] * 5.0 + c[i]) * h).put(&mut beads.speed[i][at..]);
+            for (pulls, pull) in beads.pulls.iter_mut().zip([new[i], a[i], b[i], c[i]]) {
+                pull.put(&mut pulls[i][at..]);
+            }
         }
     }
 }
 
-/// The acceleration of beads.
+/// The acceleration of beads by the terms of a force up to degree D.
 #[inline(always)]
-fn pull<S: Doubles>(
+fn pull<S: Doubles, const D: usize>(
     s: S,
     laws: &Laws,
     (forces, share): ([&Forces; 2], f64),
@@ -147,17 +245,17 @@ fn pull<S: Doubles>(
     for i in 0..3 {
         x[i] = (place[i] - V::of(s, &centre[i][at..])) * (1.0 / laws.unit);
     }
-    let monomials = monomials(V::all(s, 1.0), x);
+    let monomials = monomials::<_, D>(V::all(s, 1.0), x);
     let [from, to] = forces;
     // Sums of even and of odd terms, so that they need not wait for one another.
     let mut sums = [[V::all(s, 0.0); 3]; 2];
-    for t in (0..TERMS).step_by(2) {
-        for (k, sum) in sums.iter_mut().enumerate() {
-            for i in 0..3 {
-                let before = V::of(s, &from[t + k][i][at..]);
-                let own = before + (V::of(s, &to[t + k][i][at..]) - before) * share;
-                sum[i] = sum[i] + own * monomials[t + k];
-            }
+    let terms = (D + 1) * (D + 2) * (D + 3) / 6;
+    for t in 0..terms {
+        let sum = &mut sums[t % 2];
+        for i in 0..3 {
+            let before = V::of(s, &from[t][i][at..]);
+            let own = before + (V::of(s, &to[t][i][at..]) - before) * share;
+            sum[i] = sum[i] + own * monomials[t];
         }
     }
     let [mut sum, odd] = sums;
@@ -169,12 +267,12 @@ fn pull<S: Doubles>(
     sum
 }
 
-/// All monomials: those of a degree are those of the one before times x, the last of these times y, and the very last times z.
+/// Monomials up to degree D, and 1 for the others: those of a degree are those of the one before times x, the last of these times y, and the very last times z.
 #[inline(always)]
-fn monomials<S: Doubles>(one: V<S>, [x, y, z]: [V<S>; 3]) -> [V<S>; TERMS] {
+fn monomials<S: Doubles, const D: usize>(one: V<S>, [x, y, z]: [V<S>; 3]) -> [V<S>; TERMS] {
     let mut all = [one; TERMS];
     let (mut below, mut next) = (0, 1);
-    for degree in 1..7 {
+    for degree in 1..=D {
         let count = degree * (degree + 1) / 2;
         for k in 0..count {
             all[next + k] = all[below + k] * x;

@@ -10,14 +10,15 @@ use alloc::vec::Vec;
 use crate::control::Control;
 use crate::error::{Error, real};
 use crate::kernels::InstructionSet;
-use crate::kernels::flight::{Beads, Laws, advance, begin};
+use crate::kernels::flight::{Beads, Laws, advance, begin, radii};
 use crate::scene::Medium;
 use crate::scene::Particle;
 use crate::scene::geometry::vector;
 
-/// Speeds of the table of drag: up to 8 m/s in steps of 2 mm/s, where the drag over the speed is straight to 1e-4.
-const SPEEDS: usize = 4096;
-const SPACING: f64 = 2e-3;
+/// Speeds of the table of drag: up to 8 m/s in steps of 8 mm/s. Between them the drag over the speed is straight to 2e-4 from
+/// .1 m/s on; below that the difference is less than 1e-4 of the weight of a bead of expanded polystyrene.
+const SPEEDS: usize = 1024;
+const SPACING: f64 = 8e-3;
 
 /// The force on eight beads at a knot, in N: of x^a y^b z^c up to degree 6 the coefficients along x, y and z, where x, y, z are
 /// the place from a centre in units of [`Flight::unit`]. Monomials stand by degree, and of one by exponents that fall.
@@ -44,8 +45,9 @@ pub struct Flight {
 
 impl Flight {
     /// Moves eight beads under `forces` (K,), one a knot, around `centres` (steps (K - 1) + 1,), one a step, from step `from`
-    /// on, and writes `places` (K,), those at the knots that are reached. Returns the step that was the last: all of them, or the
-    /// first after which a bead is farther from its centre than its `reach` in m. Accelerations of NaN are those of the first forces:
+    /// on, and writes `places` (P,), those at the knots that are reached. Where P is larger than K, forces and centres begin again:
+    /// the last are the first of the next lap. Returns the step that was the last: all of them, or the first after which a bead
+    /// is farther from its centre than its `reach` in m, which is NaN in a lane without a bead. Accelerations of NaN are those of the first forces:
     /// before them, beads moved as they do then.
     ///
     /// ```text
@@ -69,11 +71,12 @@ impl Flight {
         control: &mut Control,
     ) -> Result<usize, Error> {
         let laws = self.laws(medium)?;
-        let knots = forces.len();
-        if knots < 2 || centres.len() != self.steps * (knots - 1) + 1 || places.len() != knots {
-            let given = format!("{}, centres {}, places {}", knots, centres.len(), places.len());
-            return Err(Error::invalid("forces", given, "give steps (K - 1) + 1 centres and K places, K at least 2"));
+        let (lap, knots) = (forces.len().saturating_sub(1), places.len());
+        if lap == 0 || centres.len() != self.steps * lap + 1 || knots < 2 {
+            let given = format!("{}, centres {}, places {}", forces.len(), centres.len(), knots);
+            return Err(Error::invalid("forces", given, "give steps (K - 1) + 1 centres, K and places at least 2"));
         }
+        let radii = radii(set, forces);
         let [place, speed, pulls @ ..] = state;
         let mut beads = Beads { place, speed, pulls, reach: reach.map(|x| x * x) };
         if beads.pulls[0].as_flattened().iter().any(|pull| pull.is_nan()) {
@@ -84,10 +87,11 @@ impl Flight {
         }
         for knot in from / self.steps..knots - 1 {
             control.pulse()?;
-            let first = knot * self.steps;
-            let centres = &centres[first..=first + self.steps];
-            let ends = [&forces[knot], &forces[knot + 1]];
-            let last = advance(set, &laws, ends, centres, from.max(first) - first, &mut beads);
+            let (first, own) = (knot * self.steps, knot % lap);
+            let centres = &centres[own * self.steps..=(own + 1) * self.steps];
+            let ends = [&forces[own], &forces[own + 1]];
+            let near = core::array::from_fn(|end| radii[own][end].min(radii[own + 1][end]));
+            let last = advance(set, &laws, (ends, near), centres, from.max(first) - first, &mut beads);
             if last == self.steps {
                 places[knot + 1] = *beads.place;
             }

@@ -37,6 +37,9 @@ ANGLE = 0.3
 #: Knots whose forces are found together, and how many of them are kept for the next laps: some 500 MB.
 KNOTS, KEPT = 256, 128
 
+#: Knots that beads fly at once, and once one has left its cell: it may be lost.
+FLOWN, SOON = 2048, 16
+
 #: From a cell to the next, in radii of a cell: a cell's place is well inside of the ball around its middle.
 LATTICE = 0.8
 
@@ -112,11 +115,12 @@ def fly(
     knots = course.knots(None if duration is None else number("duration", duration, above=0))
     start, points = _start(sequence, course, bead, beads, speeds)
     flown, lost = np.empty((knots, len(points), 3)), np.empty(len(points))
+    times, ways = course.times(np.arange(knots)), course.ways(knots, points)
     for first in range(0, len(points), LANES):
         some = slice(first, first + LANES)
-        flown[:, some], lost[some] = Group(scene, course, bead, points[some], start[:, some]).flown(knots)
-    times = course.times(np.arange(knots))
-    return Flight(times, flown, course.points(times)[:, points], lost, points)
+        group = Group(scene, course, bead, points[some], start[:, some], knots)
+        lost[some] = group.flown(ways[:, some], flown[:, some])
+    return Flight(times, flown, ways, lost, points)
 
 
 def _start(
@@ -156,78 +160,93 @@ class Group:
         bead: Bead,
         points: NDArray[np.intp],
         start: NDArray[np.float64],
+        knots: int,
     ) -> None:
+        # The knot after the last of a lap, or of the flight where that is shorter.
+        self._end = min(len(course.drives), knots - 1)
         self._course, self._bead, self._points, self._count = course, bead, points, len(points)
         self._forces = Forces(scene, bead.factors)
         # Cells lie on a lattice, by whole numbers.
         self._cells = np.zeros((self._count, 3), np.intp)
         self._there = np.full(self._count, True)
-        self._kept: dict[tuple[int, ...], NDArray[np.float64]] = {}
+        self._kept: dict[tuple[int, ...], tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
         self._state = np.full((6, 3, LANES), np.nan)
         self._state[:2] = 0
         self._state[:2, :, : self._count] = start.swapaxes(1, 2)
-        self._settle(self._ways(0, 0, 1)[0])
-        self._steps = self._fine(self._around(0, min(KNOTS, len(course.drives) - 1)))
+        self._steps = 1
+        self._settle(self._centres(0, 0)[0])
+        first = self._stretch(0)
+        forces, _ = self._around(*first)
+        self._steps = self._fine(forces)
+        self._kept = {name: (forces, self._centres(*first)) for name in self._kept}
 
-    def flown(self, knots: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Places (K, B, 3) at the knots, and when each bead was lost, else NaN."""
-        course, flown = self._course, np.full((knots, self._count, 3), np.nan)
-        lost = np.full(self._count, np.nan)
-        # A closed lap goes on to its first knot; several short ones are found together.
-        lap = len(course.drives)
-        stretches = lap * max(KNOTS // lap, 1) if course.envelope.closed else lap - 1
+    def flown(self, ways: NDArray[np.float64], flown: NDArray[np.float64]) -> NDArray[np.float64]:
+        """When each bead was lost, else NaN. Writes its places (K, B, 3) at knots, with points at `ways`."""
+        lost, most = np.full(self._count, np.nan), (LOST * self._forces.wavelength) ** 2
         first = 0
-        while first < knots - 1 and self._there.any():
-            own = first % stretches
-            last = min(first + min(KNOTS, stretches - own), knots - 1)
-            places = self._through(first, own, last - first)
-            apart = np.linalg.norm(places - self._ways(first, last, 1, lag=0.0), axis=2)
-            for one in np.flatnonzero(self._there):
-                out = np.flatnonzero(apart[:, one] > LOST * self._forces.wavelength)
-                end = out[0] if len(out) else len(places)
-                flown[first : first + end, one] = places[:end, one]
-                if len(out):
-                    lost[one] = course.times(np.array([first + end]))[0]
-                    self._there[one] = False
-            first = last
-        return flown, lost
+        while first < len(ways) - 1 and self._there.any():
+            places = self._through(first, len(ways) - 1 - first)
+            part = slice(first, first + len(places))
+            flown[part] = places
+            flown[part, ~self._there] = np.nan
+            apart = places - ways[part]
+            out = np.einsum("kbx,kbx->kb", apart, apart) > most
+            for one in np.flatnonzero(self._there & out.any(axis=0)):
+                end = first + int(out[:, one].argmax())
+                lost[one] = self._course.times(np.array([end]))[0]
+                self._there[one] = False
+                flown[end:, one] = np.nan
+            first = part.stop - 1
+        flown[first + 1 :] = np.nan
+        return lost
 
-    def _through(self, first: int, own: int, count: int) -> NDArray[np.float64]:
-        """Places (count + 1, B, 3) at knots `first` and on, which are `own` and on in their lap."""
-        course, unit = self._course, self._forces.unit
-        ways = self._ways(first, first + count, self._steps)
-        places = np.full((count + 1, 3, LANES), np.nan)
-        step, last = 0, count * self._steps
+    def _stretch(self, knot: int) -> tuple[int, int]:
+        """The knot at which forces begin that are found together with those of a knot, and how many."""
+        first = knot % len(self._course.drives) // KNOTS * KNOTS
+        return first, min(KNOTS, self._end - first)
+
+    def _through(self, first: int, most: int) -> NDArray[np.float64]:
+        """Places (K, B, 3) at the knots from `first` on, at most so many more, as long as it is easy."""
+        (begin, count), lap = self._stretch(first), len(self._course.drives)
+        own = first % lap - begin
+        # A short lap is flown again and again.
+        most = min(most, FLOWN if count == lap else count - own)
+        places = np.full((own + most + 1, 3, LANES), np.nan)
+        places[own] = self._state[0]
+        step, last = own * self._steps, (own + most) * self._steps
         while step < last:
-            centres = np.zeros((last + 1, 3, LANES))
-            centres[:, :, : self._count] = (ways + self._offsets()).swapaxes(1, 2)
-            reach = np.full(LANES, np.inf)
-            reach[: self._count][self._there] = unit
-            time = course.spacing / self._steps, self._steps, unit
-            step = self._bead.fly(
-                self._state, reach.tolist(), self._around(own, count), centres, step, places, time
-            )
-            self._settle(ways[step])
-        return places[:, :, : self._count].swapaxes(1, 2)
+            forces, centres = self._around(begin, count)
+            reach = np.full(LANES, np.nan)
+            reach[: self._count][self._there] = self._forces.unit
+            time = self._course.spacing / self._steps, self._steps, self._forces.unit
+            some = places[: last // self._steps + 1]
+            step = self._bead.fly(self._state, reach.tolist(), forces, centres, step, some, time)
+            if step < last:
+                last = min(last, (step // self._steps + SOON) * self._steps)
+            self._settle(centres[(step - 1) % (count * self._steps) + 1])
+        return places[own : last // self._steps + 1, :, : self._count].swapaxes(1, 2)
 
-    def _ways(self, first: int, last: int, steps: int, lag: float | None = None) -> NDArray[np.float64]:
-        """Places (K, B, 3) of the points from a knot to another, as late as transducers follow."""
-        knots = first + np.arange((last - first) * steps + 1) / steps
-        lag = self._course.envelope.tau if lag is None else lag
-        return self._course.points(self._course.times(knots) - lag)[:, self._points]
+    def _centres(self, first: int, count: int) -> NDArray[np.float64]:
+        """Middles (S, 3, 8) of the cells at the steps of so many knots, as late as transducers follow."""
+        knots = first + np.arange(count * self._steps + 1) / self._steps
+        ways = self._course.points(self._course.times(knots) - self._course.envelope.tau)[:, self._points]
+        found = np.zeros((len(knots), 3, LANES))
+        found[:, :, : self._count] = (ways + self._offsets()).swapaxes(1, 2)
+        return found
 
     def _offsets(self) -> NDArray[np.float64]:
         """Middles (B, 3) of the cells, from the points."""
         return np.asarray(self._cells * (LATTICE * self._forces.unit), np.float64)
 
-    def _settle(self, ways: NDArray[np.float64]) -> None:
-        """Gives each bead that is out of its cell the one around it."""
-        apart = self._state[0, :, : self._count].T - ways
-        out = np.linalg.norm(apart - self._offsets(), axis=1) > self._forces.unit
-        self._cells[out & self._there] = np.rint(apart / (LATTICE * self._forces.unit))[out & self._there]
+    def _settle(self, centres: NDArray[np.float64]) -> None:
+        """Gives each bead that is out of its cell, around centres (3, 8), the one around it."""
+        apart = (self._state[0] - centres)[:, : self._count].T
+        out = self._there & (np.linalg.norm(apart, axis=1) > self._forces.unit)
+        nearest = np.rint((apart + self._offsets()) / (LATTICE * self._forces.unit))
+        self._cells[out] = nearest[out]
 
-    def _around(self, own: int, count: int) -> NDArray[np.float64]:
-        """Coefficients (count + 1, 84, 3, 8) of the forces in the cells, at knots of a lap."""
+    def _around(self, own: int, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Forces (count + 1, 84, 3, 8) in the cells at knots of a lap, and middles (S, 3, 8) at the steps."""
         name = (own, count, *self._cells[self._there].ravel(), *np.flatnonzero(self._there))
         if name not in self._kept:
             if len(self._kept) >= KEPT:
@@ -235,7 +254,7 @@ class Group:
             joined = np.zeros((count + 1, TERMS, 3, LANES))
             for one in np.flatnonzero(self._there):
                 joined[..., one] = self._cell(own, count, int(one))
-            self._kept[name] = joined
+            self._kept[name] = joined, self._centres(own, count)
         return self._kept[name]
 
     def _cell(self, own: int, count: int, one: int) -> NDArray[np.float64]:

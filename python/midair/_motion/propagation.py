@@ -144,7 +144,10 @@ class Course:
         """The field around points (T, M, 3) for the transducers' radiation."""
         frames, rate = len(points), envelope.rate
         # Frames a knot, or knots a frame.
-        every, parts = 1, ceil(1 / (rate * SETTLED) - 1e-9)
+        still = not np.ptp(points, axis=0).any() and bool(
+            (envelope.drives.kept == envelope.drives.kept[0]).all()
+        )
+        every, parts = 1, ceil(1 / (rate * (LONGEST if still else SETTLED)) - 1e-9)
         if parts <= 1:
             moved = np.linalg.norm(np.diff(points, axis=0), axis=2).max(initial=0.0)
             most = min(LONGEST * rate, WAY * wavelength / max(moved, 1e-9))
@@ -175,6 +178,12 @@ class Course:
         """Times in s of knots, which may be between two."""
         found: NDArray[np.float64] = self.start + self.spacing * knots
         return found
+
+    def ways(self, knots: int, points: NDArray[np.intp]) -> NDArray[np.float64]:
+        """Places (K, B, 3) of some points (B,) at a number of knots from the first on."""
+        lap = min(knots, len(self.drives))
+        own = self.points(self.times(np.arange(lap)))[:, points]
+        return own if lap == knots else own[np.arange(knots) % lap]
 
     def points(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """Places (T, M, 3) of the points at times in s, straight between frames."""

@@ -109,3 +109,59 @@ fn every_set_gives_the_same_bits_and_a_flight_that_stops_goes_on_to_the_same() {
     }
     assert!(calls == 4 && again == state && found == places);
 }
+
+/// A force whose terms of each degree are a tenth of those before, on beads at `places` of a unit along x.
+fn swung(set: InstructionSet, places: Eight) -> State {
+    let mut force = spring([0.02; 8]);
+    for (t, term) in force.iter_mut().enumerate().skip(4) {
+        let degree = [10, 20, 35, 56, 84].iter().filter(|&&end| end <= t).count() as f64 + 2.0;
+        let size = -2e-5 * crate::math::exp(-2.3 * (degree - 1.0));
+        term.iter_mut().for_each(|axis| axis.fill(size * crate::math::sin(t as f64)));
+    }
+    let mut state: State = [[[0.0; 8]; 3]; 6];
+    state[0][0] = places.map(|x| 1e-3 * x);
+    state[2..].as_flattened_mut().as_flattened_mut().fill(f64::NAN);
+    let forces = vec![force; 11];
+    let flight = flight(10, 5e-5);
+    let centres = vec![[[0.0; 8]; 3]; 101];
+    let mut places = vec![[[0.0; 8]; 3]; 11];
+    let reach = [f64::INFINITY; 8];
+    let none = &mut Control::none();
+    flight.fly((set, Medium::default()), &mut state, reach, &forces, &centres, 0, &mut places, none).expect("a flight");
+    state
+}
+
+#[test]
+fn near_its_centre_a_bead_moves_by_few_terms_as_by_all() {
+    for near in [0.01, 0.03, 0.1, 0.3] {
+        let alone = swung(InstructionSet::best(), [near; 8]);
+        // Beside one that is far, all have all terms.
+        let mut places = [near; 8];
+        places[7] = 0.9;
+        let beside = swung(InstructionSet::best(), places);
+        for axis in 0..3 {
+            let apart = (alone[0][axis][0] - beside[0][axis][0]).abs();
+            assert!(apart < 1e-8, "{near} {axis}: {apart}");
+        }
+        assert!(alone[0][0][0] != beside[0][0][0] || near > 0.1);
+        for set in InstructionSet::all() {
+            assert!(swung(set, [near; 8]) == alone);
+        }
+    }
+}
+
+#[test]
+fn laps_are_flown_as_forces_that_repeat() {
+    let lap = [spring([0.02; 8]), spring([0.03; 8]), spring([0.01; 8]), spring([0.02; 8])];
+    let long: Vec<Force> = lap[..3].iter().cycle().take(8).copied().collect();
+    let (air, flight) = (Medium::default(), flight(20, 5e-5));
+    let (state, places) = flown(InstructionSet::best(), air, &long, &flight, [2e-4, 0.0, -1e-4]);
+    let mut again: State = [[[0.0; 8]; 3]; 6];
+    again[0] = [2e-4, 0.0, -1e-4].map(|x| [x; 8]);
+    again[2..].as_flattened_mut().as_flattened_mut().fill(f64::NAN);
+    let centres = vec![[[0.0; 8]; 3]; 61];
+    let mut found = vec![[[0.0; 8]; 3]; 8];
+    let (set, reach, none) = (InstructionSet::best(), [f64::NAN; 8], &mut Control::none());
+    let last = flight.fly((set, air), &mut again, reach, &lap, &centres, 0, &mut found, none).expect("a flight");
+    assert!(last == 140 && again == state && found == places);
+}
