@@ -144,10 +144,7 @@ class Course:
         """The field around points (T, M, 3) for the transducers' radiation."""
         frames, rate = len(points), envelope.rate
         # Frames a knot, or knots a frame.
-        still = not np.ptp(points, axis=0).any() and bool(
-            (envelope.drives.kept == envelope.drives.kept[0]).all()
-        )
-        every, parts = 1, ceil(1 / (rate * (LONGEST if still else SETTLED)) - 1e-9)
+        every, parts = 1, ceil(1 / (rate * SETTLED) - 1e-9)
         if parts <= 1:
             moved = np.linalg.norm(np.diff(points, axis=0), axis=2).max(initial=0.0)
             most = min(LONGEST * rate, WAY * wavelength / max(moved, 1e-9))

@@ -116,7 +116,7 @@ fn swung(set: InstructionSet, places: Eight) -> State {
     for (t, term) in force.iter_mut().enumerate().skip(4) {
         let degree = [10, 20, 35, 56, 84].iter().filter(|&&end| end <= t).count() as f64 + 2.0;
         let size = -2e-5 * crate::math::exp(-2.3 * (degree - 1.0));
-        term.iter_mut().for_each(|axis| axis.fill(size * crate::math::sin(t as f64)));
+        term.as_flattened_mut().fill(size * crate::math::sin(t as f64));
     }
     let mut state: State = [[[0.0; 8]; 3]; 6];
     state[0][0] = places.map(|x| 1e-3 * x);
@@ -152,7 +152,7 @@ fn near_its_centre_a_bead_moves_by_few_terms_as_by_all() {
 
 #[test]
 fn laps_are_flown_as_forces_that_repeat() {
-    let lap = [spring([0.02; 8]), spring([0.03; 8]), spring([0.01; 8]), spring([0.02; 8])];
+    let lap: Vec<Force> = [0.02, 0.03, 0.01, 0.02].iter().map(|&k| spring([k; 8])).collect();
     let long: Vec<Force> = lap[..3].iter().cycle().take(8).copied().collect();
     let (air, flight) = (Medium::default(), flight(20, 5e-5));
     let (state, places) = flown(InstructionSet::best(), air, &long, &flight, [2e-4, 0.0, -1e-4]);
