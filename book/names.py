@@ -15,6 +15,7 @@ import midair
 def members(owner: type) -> Iterator[str]:
     """A class's public attributes and methods, own and inherited; docstrings tell a dataclass's fields."""
     fields = {field.name for field in dataclasses.fields(owner)} if dataclasses.is_dataclass(owner) else set()
+    fields |= set(getattr(owner, "_fields", ()))
     for base in owner.__mro__:
         if base.__module__.startswith("midair"):
             own = (name for name in vars(base) if not name.startswith("_") and name not in fields)

@@ -6,6 +6,7 @@ complete the options, and type checkers refuse those that a solver has not.
 
 from __future__ import annotations
 
+import inspect
 from pathlib import Path
 
 import midair
@@ -167,6 +168,12 @@ def bodies() -> str:
     return text + f"\nBody: TypeAlias = {' | '.join(kinds)}\n"
 
 
+def getter(name: str, kind: str, owner: type) -> list[str]:
+    """The lines of a property with the docstring that it has when it runs."""
+    about = inspect.getdoc(getattr(owner, name))
+    return ["    @property", f"    def {name}(self) -> {kind}:", f'        """{about}"""']
+
+
 def air() -> str:
     """The keywords of the air, and the numbers of a scene's as its properties."""
     lines = ["class Air(TypedDict, total=False):"]
@@ -174,7 +181,7 @@ def air() -> str:
         lines += [f"    {name}: float | None", f'    """{about}"""']
     lines += ["", "class Numbers:"]
     for name in midair.Scene(midair.Array([[0, 0, 0]]), [[0, 0, 1]]).medium:
-        lines += ["    @property", f"    def {name}(self) -> float: ..."]
+        lines += getter(name, "float", midair.Scene)
     return "\n".join(lines) + "\n"
 
 
@@ -198,7 +205,7 @@ def parts() -> str:
         lines += [f"    {name}: {KINDS[kind][0]} | None", f'    """{about}"""']
     lines += ["", "class Keys(Air, Parts, total=False): ...", "", "class Radiating:"]
     for name, kind in kinds.items():
-        lines += ["    @property", f"    def {name}(self) -> {KINDS[kind][1]}: ..."]
+        lines += getter(name, KINDS[kind][1], midair.Array)
     return "\n".join(lines) + "\n"
 
 

@@ -26,13 +26,17 @@ class Air(TypedDict, total=False):
 
 class Numbers:
     @property
-    def frequency(self) -> float: ...
+    def frequency(self) -> float:
+        """Frequency f in Hz; left out 40e3."""
     @property
-    def sound_speed(self) -> float: ...
+    def sound_speed(self) -> float:
+        """Sound speed c in m/s; left out that of the temperature, or 340."""
     @property
-    def absorption(self) -> float: ...
+    def absorption(self) -> float:
+        """Absorption alpha of the amplitude in Np/m; left out that of the air, or 0."""
     @property
-    def density(self) -> float: ...
+    def density(self) -> float:
+        """Density rho in kg/m^3; left out that of the air, or 1.223."""
 
 class Parts(TypedDict, total=False):
     source_pressure: float | None
@@ -52,17 +56,23 @@ class Keys(Air, Parts, total=False): ...
 
 class Radiating:
     @property
-    def source_pressure(self) -> float: ...
+    def source_pressure(self) -> float:
+        """On-axis pressure times distance at full drive, Pa m; left out 4.386."""
     @property
-    def directivity(self) -> _Directivity: ...
+    def directivity(self) -> _Directivity:
+        """A name, or a table of one name and its parameter."""
     @property
-    def response(self) -> NDArray[np.complex128] | None: ...
+    def response(self) -> NDArray[np.complex128] | None:
+        """Complex factor [re, im] of each transducer; 0 is dead."""
     @property
-    def mask(self) -> NDArray[np.bool_]: ...
+    def mask(self) -> NDArray[np.bool_]:
+        """Mask of each transducer; false is off."""
     @property
-    def channels(self) -> NDArray[np.int64] | None: ...
+    def channels(self) -> NDArray[np.int64] | None:
+        """The driven channel of each transducer, where several are wired to one; left out the preset's, or each its own."""
     @property
-    def quantization(self) -> dict[str, int | NDArray[np.float64] | None] | None: ...
+    def quantization(self) -> dict[str, int | NDArray[np.float64] | None] | None:
+        """The board's grid; left out the preset's, {} any drive."""
 
 class Board(TypedDict, total=False):
     quantization: _Quantization | None

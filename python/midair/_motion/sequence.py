@@ -144,6 +144,7 @@ class Sequence(JudgedFrames):
         animate(self, path, plane, frames, fps, progress)
 
     exposure = Later("_judging.exposure", "exposure")
+    """Compute sound pressure levels at named places: `midair.exposure` of the sequence."""
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write the sequence as .npz: points, targets, drives (or codes), scene (array and air) and settings.
