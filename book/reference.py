@@ -105,10 +105,10 @@ pressure of a transducer on its axis times the distance. [Boards](../boards.md) 
 
 
 def entry(name: str) -> str:
-    """A public name, looked up where it is defined: `midair.compare` is also the name of a file."""
-    thing = getattr(midair, name)
-    home = getattr(thing, "__module__", "midair._")
-    path = f"midair.{name}" if home.startswith("midair._") else f"{home}.{thing.__qualname__}"
+    """A public name, looked up where it is defined: `midair.skin` is also the name of a file."""
+    thing = inspect.unwrap(getattr(midair, name))
+    home = getattr(thing, "__module__", None) or "midair"
+    path = f"midair.{name}" if home in ("midair", "midair._midair") else f"{home}.{thing.__qualname__}"
     return f"::: {path}\n    options:\n      heading: midair.{name}\n      toc_label: {name}"
 
 

@@ -127,7 +127,7 @@ def amplitude(
 
     Parameters
     ----------
-    scene, drive, points : optional
+    scene, drive, points
         As `pressure` takes them.
     cotangent : (M,) array_like, optional
         dL/d|p|, real, or one for all.
@@ -162,7 +162,7 @@ def radiation(
 
     Parameters
     ----------
-    scene, drive, points : optional
+    scene, drive, points
         As `pressure` takes them.
     cotangent : (M,) array_like, optional
         dL by the radiation pressure, real, or one for all.
@@ -201,7 +201,7 @@ def gorkov(
 
     Parameters
     ----------
-    scene, drive, points : optional
+    scene, drive, points
         As `pressure` takes them.
     cotangent : (M,) array_like, optional
         dL/dU, real, or one for all.
@@ -246,7 +246,7 @@ def force(
 
     Parameters
     ----------
-    scene, drive, points : optional
+    scene, drive, points
         As `pressure` takes them.
     cotangent : (M, 3) array_like, optional
         dL by the force, real, or one number for all.
@@ -288,7 +288,7 @@ def stiffness(
 
     Parameters
     ----------
-    scene, drive, points : optional
+    scene, drive, points
         As `pressure` takes them.
     cotangent : (M, 3) array_like, optional
         dL by the stiffness, real, or one number for all.

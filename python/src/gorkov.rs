@@ -279,9 +279,9 @@ pub(crate) fn gorkov<'py>(
 ///
 /// Parameters
 /// ----------
-/// scene, drive, points : optional
+/// scene, drive, points
 ///     As `midair.gorkov` takes them; points are where the spheres start.
-/// radius, density, sound_speed, gravity : optional
+/// radius, density, sound_speed, gravity
 ///     Of the spheres, as there.
 ///
 /// Returns
@@ -335,7 +335,7 @@ impl Solution {
     ///
     /// Parameters
     /// ----------
-    /// points, radius, density, sound_speed, gravity : optional
+    /// points, radius, density, sound_speed, gravity
     ///     As `midair.gorkov` takes them.
     ///
     /// Returns
@@ -363,7 +363,7 @@ impl Solution {
     ///
     /// Parameters
     /// ----------
-    /// points, radius, density, sound_speed, gravity : optional
+    /// points, radius, density, sound_speed, gravity
     ///     As `midair.rest` takes them.
     ///
     /// Returns

@@ -88,7 +88,7 @@ pub(crate) fn bound(
 ///     For a matrix or `points`; or in place of a scene's own. For many drives as in `solve_batch`.
 /// precision : {"single", "double"}, optional
 ///     "single" is exact to 1e-4 of the array's reach at a point, "double" to 1e-9.
-/// threads, progress : optional
+/// threads, progress
 ///     For many drives, as in `solve_batch`; if progress returns False the rest of the table is NaN.
 ///
 /// Returns
@@ -282,7 +282,7 @@ impl Solution {
     ///
     /// Parameters
     /// ----------
-    /// pressures, weights, mask, precision : optional
+    /// pressures, weights, mask, precision
     ///     As `midair.judge` takes them.
     ///
     /// Returns

@@ -53,7 +53,7 @@ pub(crate) const ARGUMENTS: [&str; 7] = ["array", "points", "pressures", "weight
 /// obstacles : list, optional
 ///     Bodies that reflect the waves: midair.Wall, Sphere, Mesh and the like.
 /// {medium}
-/// {parts} : optional
+/// {parts}
 ///     In place of the array's.
 ///
 /// Raises

@@ -28,7 +28,7 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 ///     A name of `solvers()`; by default the scene file's, else `uniform`. Or a function: solver(propagation, targets,
 ///     weights, **options) gets G (M, N) in Pa, targets (M,) in Pa and weights (M,), the largest 1, of the points of
 ///     weight above 0, and returns a drive (N,) of moduli up to 1.
-/// pressures, weights, quantization, mask : optional
+/// pressures, weights, quantization, mask
 ///     For a matrix, as `Scene` takes them; beside a scene they replace its own.
 /// positions : (N, 3) array_like, optional
 ///     Places of the transducers in m, for a matrix only.
@@ -70,7 +70,9 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// See Also
 /// --------
 /// midair.solve_batch : many problems at once.
+///
 /// midair.Solver : many requests one after another.
+///
 /// midair.compare : several methods beside each other.
 ///
 /// Examples

@@ -176,7 +176,7 @@ impl Solver {
     /// ----------
     /// points : (M, 3) array_like, optional
     ///     Points in m; none for a matrix.
-    /// pressures, weights, start : optional
+    /// pressures, weights, start
     ///     As `midair.solve` takes them.
     /// out : (N,) ndarray of complex64, optional
     ///     Array for the drive.

@@ -24,6 +24,12 @@ def test_every_public_name_is_on_one_page(reference: ModuleType) -> None:
     assert sorted(re.findall(r"^      heading: midair\.(\w+)$", text, re.MULTILINE)) == sorted(midair.__all__)
 
 
+def test_a_name_that_is_also_a_files_is_the_functions(reference: ModuleType) -> None:
+    assert reference.entry("skin").startswith("::: midair._motion.skin.skin\n")
+    assert reference.entry("sequence").startswith("::: midair._motion.solve.sequence\n")
+    assert reference.entry("solve").startswith("::: midair.solve\n")
+
+
 def test_a_name_that_is_on_no_page_is_reported(
     reference: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -271,7 +271,7 @@ def compare(
         The request.
     solvers : str, callable, (str, mapping), or list of these, optional
         Names, (name, options) pairs or functions; by default every solver there is.
-    pressures, weights, quantization, mask, positions, balance : optional
+    pressures, weights, quantization, mask, positions, balance
         As `midair.solve` takes them, for every solver.
 
     Returns

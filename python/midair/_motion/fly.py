@@ -76,9 +76,9 @@ def fly(
         In m/s. By default those of the points of a closed sequence, which repeats, or 0.
     duration : float, optional
         In s. By default the sequence's, and of a closed one as many laps as take a second, at most 100.
-    tau, hold : optional
+    tau, hold
         Time constant of the transducers in s and board between frames, as for `Sequence.between`.
-    radius, density, sound_speed, gravity : optional
+    radius, density, sound_speed, gravity
         Of the beads, as for `midair.gorkov`.
 
     Returns

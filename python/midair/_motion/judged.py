@@ -238,7 +238,7 @@ class JudgedFrames(Frames):
         ----------
         tau : float, optional
             Time constant in s of the transducers. By default frames are at rest, and 0.2 ms for the noise.
-        hold, substeps : optional
+        hold, substeps
             As `between` takes them; a target is that of its frame.
 
         Returns

@@ -249,7 +249,7 @@ def stream(
     frames : iterable
         Of points (M, 3) in m, or of pairs of points and pressures (M,) in Pa. M may change: a point that
         appears or vanishes at once makes a jolt as large as the bound lets it be.
-    solver, rate, change, change_rate, tau, ahead, aim : optional
+    solver, rate, change, change_rate, tau, ahead, aim
         As `midair.sequence` takes them.
     **options
         Of the solver, and the air, as there.

@@ -200,7 +200,7 @@ def dataset(
         Folder of the Parquet files and dataset.json; one that has the same set is completed.
     bounds : bool, optional
         Whether each scene's bound, which no drive exceeds, is computed too.
-    scheduler, threads, progress : optional
+    scheduler, threads, progress
         As of `midair.sweep`.
 
     Returns

@@ -63,7 +63,7 @@ def fastest(
     margin : float, optional
         Part of a trap's largest force along each of its axes that the run may take, below 1. The rest is for
         a board's steps, other points and draught; `midair.fly` shows whether it suffices.
-    radius, density, sound_speed, gravity : optional
+    radius, density, sound_speed, gravity
         Of the bead, as for `midair.gorkov`.
     **air
         Of an array: frequency, temperature, absorption, obstacles.

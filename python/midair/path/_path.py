@@ -359,7 +359,7 @@ class Path:
         ----------
         frequency : float or (S,) array_like
             A frequency in Hz, or samples of s from 0 to 1.
-        shape, depth : optional
+        shape, depth
             As `with_am` takes them; `shape` is not used for samples.
         samples_rate : float, optional
             Samples a second.
