@@ -48,6 +48,10 @@ def read(
     SceneError
         For a file with an error, naming the line.
 
+    See Also
+    --------
+    midair.write : writes these files.
+
     Notes
     -----
     | file | result |

@@ -55,6 +55,10 @@ def write(
     SceneError
         For data that a format cannot store and for a path that cannot be written.
 
+    See Also
+    --------
+    midair.read : reads these files.
+
     Notes
     -----
     | ending | content | of |

@@ -284,6 +284,10 @@ def compare(
     SceneError, TypeError
         As `midair.solve`, for the first solver that is refused.
 
+    See Also
+    --------
+    midair.bound : the level that no drive exceeds.
+
     Examples
     --------
     >>> import midair

@@ -93,6 +93,10 @@ def tolerate(
     TypeError
         For another type of scene, and for a mistyped name of a fault.
 
+    See Also
+    --------
+    midair.judge : the metrics of a drive without faults.
+
     Notes
     -----
     Level is the mean of |p|/target, uniformity its min/max, as in `midair.judge`; both are relative to those

@@ -148,6 +148,12 @@ def calibrate(
     SceneError
         For impossible readings and other wrong arguments.
 
+    See Also
+    --------
+    midair.calibration_drives : drives to play.
+
+    midair.doctor : faults of a board.
+
     Notes
     -----
     Least squares by Levenberg-Marquardt from the array's values. All errors are standard deviations. The

@@ -92,6 +92,10 @@ def doctor(
     SceneError
         For wrong arguments and a time that is too short; also what `read` and the connection raise.
 
+    See Also
+    --------
+    midair.calibrate : responses of the transducers.
+
     Notes
     -----
     All transducers play at random phases, as for `midair.calibrate`, which the diagnosis uses.

@@ -163,6 +163,10 @@ def tune(
     SceneWarning
         Of an error of `read`, and of a place that gives 0, or the same, in all readings.
 
+    See Also
+    --------
+    midair.calibrate : a better model, for every later scene.
+
     Examples
     --------
     >>> import midair, numpy as np

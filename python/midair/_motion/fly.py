@@ -1,13 +1,8 @@
-"""`midair.fly`: beads in the traps of a sequence, step by step; which are lost and when, drawn and listed."""
+"""`midair.fly`: beads in the traps of a sequence, step by step; which are lost and when."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
-from html import escape
 from math import ceil
-from os import PathLike
-from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,21 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 from .._midair import Bead, Scene, SceneError
 from .._support.arguments import number, real, refused
 from ..path._optimal import poised
-from .animation import film_of_beads
 from .envelope import Hold
 from .judged import SETTLING, TAU
-from .picture import beads
 from .propagation import TERMS, Course, Forces
-from .sequence import Sequence
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from .._pictures.sheet import Size
-
-#: The parts of a flight's picture.
-Panel = Literal["path", "distance"]
+from .sequence import Flight, Sequence
 
 #: The largest angle in rad of a step of the fastest oscillation, which then is 1e-4 too slow.
 ANGLE = 0.3
@@ -90,6 +74,12 @@ def fly(
     ------
     SceneError
         For wrong arguments, and for a bead in an obstacle.
+
+    See Also
+    --------
+    midair.rest : the traps at rest.
+
+    midair.path.fastest : the fastest run of a bead.
 
     Notes
     -----
@@ -276,143 +266,3 @@ class Group:
         """Steps from a knot to the next, for the stiffest trap."""
         slopes = np.linalg.norm(forces[:, 1:4], axis=(1, 2)).max() / self._forces.unit
         return max(ceil(self._course.spacing * float(np.sqrt(slopes / self._bead.mass)) / ANGLE), 1)
-
-
-@dataclass(frozen=True, eq=False)
-class Flight:
-    """Ways of beads; from `midair.fly`.
-
-    Attributes
-    ----------
-    times : (T,) ndarray
-        In s.
-    places, points : (T, B, 3) ndarray
-        Of the beads (NaN when lost) and of their points, in m.
-    lost : (B,) ndarray
-        Time in s when it is lost; NaN where it stays.
-    beads : (B,) ndarray of int
-        Number of each bead's point in the sequence.
-
-    Examples
-    --------
-    >>> import midair
-    >>> boards = midair.Array.preset("openmpd_pair", quantization={})
-    >>> still = midair.path.still([0, 0, 0], duration=0.02)
-    >>> flight = midair.fly(midair.sequence(boards, still, rate=1000, signature="trap"))
-    >>> flight.places.shape[1:], bool(flight.farthest[0] < 2e-3)
-    ((1, 3), True)
-    """
-
-    times: NDArray[np.float64]
-    places: NDArray[np.float64]
-    points: NDArray[np.float64]
-    lost: NDArray[np.float64]
-    beads: NDArray[np.intp]
-
-    @property
-    def held(self) -> NDArray[np.bool_]:
-        """Whether each bead (B,) stays to the end."""
-        return np.isnan(self.lost)
-
-    @property
-    def distances(self) -> NDArray[np.float64]:
-        """Distances (T, B) in m of the beads from their points; NaN of one that is lost."""
-        found: NDArray[np.float64] = np.linalg.norm(self.places - self.points, axis=2)
-        return found
-
-    @property
-    def farthest(self) -> NDArray[np.float64]:
-        """Largest distance (B,) in m of each bead from its point before it is lost."""
-        found: NDArray[np.float64] = np.fmax.reduce(self.distances, axis=0, initial=0.0)
-        return found
-
-    def plot(
-        self,
-        ax: Axes | None = None,
-        *,
-        panels: Panel | Iterable[Panel] | None = None,
-        size: Size | None = None,
-    ) -> Figure:
-        """Draw ways of beads and points along the axis of least extent, and distances over time.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            Axes of your own for one panel, the first of `panels`.
-        panels : {"path", "distance"} or list of them, optional
-            What is drawn; by default both. A cross is where a bead was lost.
-        size : float or (float, float), optional
-            Size of the figure in inches: its width, or (width, height).
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            The figure.
-
-        Raises
-        ------
-        SceneError
-            For another panel or size.
-        """
-        from .._pictures.sheet import chosen, sheet, whole
-
-        names = chosen(panels, get_args(Panel), ax)
-        if ax is not None:
-            beads(self, names[0], ax)
-            return whole(ax)
-        figure = sheet(4.8 * len(names), 4.0, size)
-        for name, one in zip(names, figure.subplots(1, len(names), squeeze=False)[0], strict=True):
-            beads(self, name, one)
-        return figure
-
-    def animate(
-        self,
-        path: str | PathLike[str],
-        *,
-        frames: int | None = None,
-        fps: int = 20,
-        progress: Callable[[int, int], object] | None = None,
-    ) -> None:
-        """Write the beads on their ways as .webp, .gif or, by ffmpeg, .mp4.
-
-        Parameters
-        ----------
-        path : str or path
-            File to write, whole or not at all.
-        frames, fps : int, optional
-            Number of pictures, evenly chosen, by default at most 100; pictures a second.
-        progress : callable, optional
-            Called with (pictures drawn, pictures).
-
-        Raises
-        ------
-        SceneError
-            For another ending, a path that cannot be written, or wrong frames and fps.
-        """
-        film_of_beads(self, path, frames, fps, progress)
-
-    def __repr__(self) -> str:
-        lasts = 1e3 * (self.times[-1] - self.times[0])
-        head = f"Flight of {lasts:.4g} ms: {int(self.held.sum())} of {len(self.lost)} held"
-        rows = [("bead", "point", "largest distance", "lost"), *self._rows()]
-        widths = [max(len(row[k]) for row in rows) for k in range(4)]
-        return "\n".join(
-            [head, *("  ".join(f"{cell:>{w}}" for cell, w in zip(row, widths, strict=True)) for row in rows)]
-        )
-
-    def _repr_html_(self) -> str:
-        rows = ("".join(f"<td>{escape(cell)}</td>" for cell in row) for row in self._rows())
-        head = "<tr><th>bead</th><th>point</th><th>largest distance</th><th>lost</th></tr>"
-        return f"<table>{head}{''.join(f'<tr>{row}</tr>' for row in rows)}</table>"
-
-    def _rows(self) -> list[tuple[str, str, str, str]]:
-        each = zip(self.beads, self.farthest, self.lost, strict=True)
-        return [
-            (
-                str(one),
-                str(point + 1),
-                f"{1e3 * far:.3f} mm",
-                "-" if np.isnan(lost) else f"after {1e3 * lost:.1f} ms",
-            )
-            for one, (point, far, lost) in enumerate(each, start=1)
-        ]

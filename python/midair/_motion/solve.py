@@ -97,6 +97,12 @@ def sequence(
     SceneWarning
         Where points move faster than the bound allows, or than traps can pull a bead.
 
+    See Also
+    --------
+    midair.stream : frames that come while they play.
+
+    midair.path : points that move.
+
     Examples
     --------
     >>> import midair
@@ -263,6 +269,10 @@ def stream(
     ------
     SceneError
         For wrong arguments, and for a wrong frame at its turn.
+
+    See Also
+    --------
+    midair.sequence : all frames at once.
 
     Examples
     --------

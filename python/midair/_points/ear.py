@@ -117,6 +117,10 @@ def ear(position: Any, *, size: float = 0.01, step: float = STEP) -> Ear:
     SceneError
         For a wrong position, size or step, and for too many points.
 
+    See Also
+    --------
+    midair.exposure : levels at places, beside a limit.
+
     Notes
     -----
     Solvers with a tolerance of quiet points (`quiet=` of `uniform` and `best`) silence the cube to that part

@@ -104,6 +104,10 @@ def image(
         For a file that is missing, is no picture or is dark everywhere, for wrong numbers, and for more than
         100000 points.
 
+    See Also
+    --------
+    midair.shape : points of lines, text and SVG drawings.
+
     Examples
     --------
     >>> import midair, tempfile

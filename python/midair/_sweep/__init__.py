@@ -70,6 +70,10 @@ def sweep(
     SceneWarning
         Once, with counts, of problems with targets beyond reach, or with weak foci unbalanced.
 
+    See Also
+    --------
+    midair.dataset : drives of random scenes, for training.
+
     Examples
     --------
     >>> import midair

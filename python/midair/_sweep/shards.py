@@ -218,6 +218,10 @@ def dataset(
     SceneWarning
         As `midair.sweep`.
 
+    See Also
+    --------
+    midair.sweep : a table of metrics.
+
     Examples
     --------
     >>> import midair, tempfile
