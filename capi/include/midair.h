@@ -276,7 +276,8 @@ size_t midair_session_transducers(const midair_session *session);
 
 // Sets an option to a number: of the medium (every key of `[medium]` in a scene file, such as "temperature"), of the
 // transducers ("source_pressure", "directivity." and the name of a directivity that takes a parameter, as in
-// "directivity.piston"), or of the method. A session whose options are set begins again.
+// "directivity.piston"), of the bead that traps are made for ("bead.radius", "bead.density", "bead.sound_speed"), or of the
+// method. A session whose options are set begins again.
 midair_result midair_session_set_number(midair_session *session,
                                         const char *name,
                                         double value,
@@ -292,7 +293,7 @@ midair_result midair_session_set_text(midair_session *session,
                                       size_t message_size);
 
 // Sets an option to a list: "mask" (N, 1 for on and 0 for off), "response" (N, 2; real and imaginary part), "channels" (N, the
-// driven channel of each), or one of the method.
+// driven channel of each), "bead.gravity" (3, along x, y and z in m/s^2), or one of the method.
 midair_result midair_session_set_numbers(midair_session *session,
                                          const char *name,
                                          const double *values,

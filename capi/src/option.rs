@@ -1,9 +1,10 @@
-//! Options of a session by name: medium, transducers, mask, quantization, and those of the method.
+//! Options of a session by name: medium, bead, transducers, mask, quantization, and those of the method.
 
 use midair::solvers::{DEFAULT, configure, find};
 use midair::{
     Aim, Array, Bead, Board, Choice, Complex64, Directivity, Error, InstructionSet, Medium, Model, Obstacle,
-    OptionValue, Options, PartKind, PartValue, Quantization, Scene, Session, Signature, Transducer, Value, word,
+    OptionValue, Options, PartKind, PartValue, Particle, Quantization, Scene, Session, Signature, Transducer, Value,
+    word,
 };
 
 use crate::instruction_set::instruction_set;
@@ -92,6 +93,9 @@ impl Setting {
         if let Some(key) = Medium::key(name) {
             return self.breathe(key.name, value(&format!("medium.{}", key.name))?);
         }
+        if let Some(key) = name.strip_prefix("bead.") {
+            return self.weigh(key, given);
+        }
         let Some(part) = Array::part(name) else { return self.choose(name, given) };
         let value = given.part(&format!("array.{}", part.name), part.kind())?;
         self.array = part.put(self.array.clone(), value)?;
@@ -106,6 +110,22 @@ impl Setting {
         given.push((key, value));
         self.medium = self.before.map_or_else(|| self.array.medium(&given), |scene| scene.with(&given))?;
         self.given = given;
+        Ok(())
+    }
+
+    /// Sets a key of the bead.
+    fn weigh(&mut self, key: &str, given: Given<'_>) -> Result<(), Error> {
+        let (item, Bead { particle, mut gravity }) = (format!("bead.{key}"), self.bead);
+        let Particle { radius, density, sound_speed } = particle;
+        let mut numbers = vec![("radius", radius), ("density", density), ("sound_speed", sound_speed)];
+        if key == "gravity" {
+            let list = given.numbers(&item)?;
+            let wrong = |_| Error::invalid(&*item, format!("{} numbers", list.len()), "give x, y and z in m/s^2");
+            gravity = list.try_into().map_err(wrong)?;
+        } else {
+            numbers.push((key, given.number(&item)?));
+        }
+        self.bead = Bead::of(&numbers, Some(gravity))?;
         Ok(())
     }
 
@@ -125,8 +145,9 @@ fn with_own_names(error: Error) -> Error {
     let Error::Unknown { kind, name, mut hint, mut known } = error else { return error };
     let with_parameter = Directivity::all().filter(|directivity| directivity.parameter().is_some());
     let laws: Vec<String> = with_parameter.map(|directivity| format!("directivity.{}", directivity.name().0)).collect();
+    let beads: Vec<String> = Bead::KEYS.iter().map(|key| format!("bead.{}", key.name)).collect();
     let own = Medium::KEYS.iter().map(|key| key.name).chain(Array::PARTS.iter().map(|part| part.name));
-    let names = own.chain(laws.iter().map(String::as_str)).chain(["balance", "aim"]);
+    let names = own.chain(laws.iter().chain(&beads).map(String::as_str)).chain(["balance", "aim"]);
     if let Error::Unknown { hint: own, known: names, .. } = Error::unknown("", &*name, names) {
         hint = if hint.is_empty() { own } else { hint };
         known = format!("{known}, {names}");

@@ -186,7 +186,8 @@ pub extern "C" fn midair_session_transducers(session: Option<&Session>) -> usize
 
 /// Sets an option to a number: of the medium (every key of `[medium]` in a scene file, such as "temperature"), of the
 /// transducers ("source_pressure", "directivity." and the name of a directivity that takes a parameter, as in
-/// "directivity.piston"), or of the method. A session whose options are set begins again.
+/// "directivity.piston"), of the bead that traps are made for ("bead.radius", "bead.density", "bead.sound_speed"), or of the
+/// method. A session whose options are set begins again.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_session_set_number(
     session: *mut Session,
@@ -220,7 +221,7 @@ pub unsafe extern "C" fn midair_session_set_text(
 }
 
 /// Sets an option to a list: "mask" (N, 1 for on and 0 for off), "response" (N, 2; real and imaginary part), "channels" (N, the
-/// driven channel of each), or one of the method.
+/// driven channel of each), "bead.gravity" (3, along x, y and z in m/s^2), or one of the method.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_session_set_numbers(
     session: *mut Session,

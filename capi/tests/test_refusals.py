@@ -117,6 +117,16 @@ REFUSED: dict[str, tuple[Call, str]] = {
         number("phases", 2.5),
         "phases is 2.5: give a whole number",
     ),
+    "weightless bead": (number("bead.density", 0), "bead.density is 0.0: give a number above 0"),
+    "a key of a bead": (number("bead.weight", 1), 'unknown key of bead "weight"'),
+    "gravity by number": (
+        number("bead.gravity", 9.81),
+        "bead.gravity is no list: set it with midair_session_set_numbers",
+    ),
+    "gravity along two axes": (
+        numbers("bead.gravity", 0, 0),
+        "bead.gravity is 2 numbers: give x, y and z in m/s^2",
+    ),
     "mask": (numbers("mask", 1, 0.5), "array.mask[1] is 0.5: give 0 for off or 1"),
     "short mask": (
         numbers("mask", 1, 1, 1),

@@ -58,6 +58,24 @@ def test_a_scene_from_text(library: Library, name: str, toml: bool) -> None:
     library.plain("session_free", session)
 
 
+def test_a_bead_by_name_is_that_of_a_scene(library: Library) -> None:
+    trap = '[array]\npreset = "tinylev"\nchannels = [' + ", ".join(map(str, range(72))) + "]\n"
+    text = 'signature = "trap"\n' + trap + "[[points]]\nposition = [0.0, 0.0, 0.002]\n"
+    bead = {"radius": 0.8e-3, "density": 150.0, "sound_speed": 1000.0, "gravity": [-9.81, 0.0, 0.5]}
+    wanted = midair.solve(midair.Scene.parse(text).replace(bead=bead))
+    session = library.new("session_open", text, None)
+    usual, _ = library.solve(session, 72, np.zeros((0, 3)))
+    for name, value in bead.items():
+        if isinstance(value, list):
+            library.done("session_set_numbers", session, f"bead.{name}", np.array(value), 3)
+        else:
+            library.done("session_set_number", session, f"bead.{name}", value)
+    drive, _ = library.solve(session, 72, np.zeros((0, 3)))
+    assert drive.tobytes() == wanted.drive.astype(np.complex64).tobytes()
+    assert drive.tobytes() != usual.tobytes()
+    library.plain("session_free", session)
+
+
 def test_files_are_looked_up_in_the_folder(library: Library, tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text("0,0,0\n0.01,0,0\n0,0.01,0\n0.01,0.01,0\n")
     text = '[array]\npositions = { file = "a.csv" }\n' + POINTS
