@@ -1,5 +1,4 @@
-//! Backward pass: gradients of the waves from many transducers at a point, in double precision, eight transducers at
-//! a time.
+//! Backward pass: gradients of the waves from many transducers at a point, in double precision, eight transducers at a time.
 //!
 //! With the ray d of length r from a transducer to the point, e = d/r and c = e . n, its wave is F = f g D(c), g = e^{ur}/r,
 //! u = jk - alpha, f its factor. The derivatives of Re(w* q F), of a cotangent w and a drive q, with S = w* q F and

@@ -1,4 +1,4 @@
-//! Bodies: the waves that spheres and meshes add to G
+//! Bodies: the waves that spheres and meshes add to G.
 //!
 //! It is H S: waves or surface elements at a point times their response to each transducer. S is found once; a point
 //! that moves needs its own row of H alone.

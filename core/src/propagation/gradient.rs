@@ -1,5 +1,4 @@
-//! Gradient: derivatives of a quantity of the field at points by the drive, the points, the array and the sound
-//! speed.
+//! Gradient: derivatives of a quantity of the field at points by the drive, the points, the array and the sound speed.
 //!
 //! Reverse mode by hand: of a scalar L with the cotangent dL/dvalue at each point, one pass forward and one back give dL by all
 //! that the value depends on. The quantity is a function of p at its point; w = dL/dRe p + j dL/dIm p goes back through

@@ -1,5 +1,4 @@
-//! Stiffness of traps as a form in the drive: the field's Taylor coefficients at each point, and their contribution
-//! to the stiffness.
+//! Stiffness of traps as a form in the drive: the field's Taylor coefficients at each point, and their contribution to the stiffness.
 //!
 //! ```text
 //! c_jt  = sum_i C_jti q_i                                    coefficient t of p at point j, of degree n_t, times k^-n_t

@@ -1,5 +1,4 @@
-//! Strips of G: tiles of some transducers at a time, and the results of one pass over them: powers, G G^H, G^H p and
-//! G q.
+//! Strips of G: tiles of some transducers at a time, and the results of one pass over them: powers, G G^H, G^H p and G q.
 //!
 //! Sixteen transducers fill the lanes, however few points there are: at M = 4 a method makes G once in a quarter of the time
 //! that one row a transducer takes. Where G is small it is one strip, made once and met again in each pass. Else each
