@@ -78,7 +78,7 @@ pub(crate) fn array<'py>(
 
 fn as_array<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     static AS_ARRAY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    AS_ARRAY.import(value.py(), "numpy", "asarray")?.call1((value,))
+    AS_ARRAY.import(value.py(), "midair._support.arguments", "as_array")?.call1((value,))
 }
 
 /// Whether lists nest no deeper than an array does, and no bool hides in them, where numpy would make a number of it.

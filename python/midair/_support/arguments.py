@@ -8,6 +8,7 @@ import os
 import reprlib
 import sys
 import warnings
+from contextlib import suppress
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -94,10 +95,25 @@ def vectors(item: str, value: Any) -> NDArray[np.float64]:
     return found
 
 
+def as_array(value: Any) -> NDArray[Any]:
+    """An array of anything that numpy reads, or that has `__dlpack__`, in place where its memory allows.
+
+    What lies on a GPU is copied. Raises whatever the other library raises for what it does not give away.
+    """
+    if isinstance(value, np.ndarray) or not hasattr(type(value), "__dlpack__"):
+        return np.asarray(value)
+    # Memory of a GPU, types that numpy does not have; and numpy 1.26 knows no device.
+    with suppress(Exception):
+        return np.from_dlpack(value)
+    with suppress(Exception):
+        return np.from_dlpack(value, device="cpu")
+    return np.asarray(value)
+
+
 def real(item: str, value: Any, cure: str) -> NDArray[np.float64]:
     """Real numbers of any shape, a read-only copy."""
     try:
-        found = np.asarray(value)
+        found = as_array(value)
     except ValueError:
         raise refused(item, value, cure) from None
     if found.dtype.kind not in "iuf":
