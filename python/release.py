@@ -4,6 +4,7 @@ Needs what `make wheels` and `make npm` need. Environments for Python 3.11 and n
 interpreters that uv finds; none of them sees Rust.
 """
 
+import hashlib
 import json
 import os
 import re
@@ -224,6 +225,9 @@ def main() -> None:
     print("2. twine upload out/release/*.whl out/release/*.tar.gz")
     print(f"3. npm publish out/release/midair-{VERSION}.tgz")
     print(f"4. git tag v{VERSION}; the workflow wheels adds macOS and Windows")
+    (source,) = OUT.glob("*.tar.gz")
+    digest = hashlib.sha256(source.read_bytes()).hexdigest()
+    print(f"5. python/conda/recipe.yaml to conda-forge/staged-recipes, with sha256 {digest}")
     for file in sorted(OUT.iterdir()):
         print(f"   {file.stat().st_size:>10,} {file.name}")
 

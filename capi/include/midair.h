@@ -342,7 +342,7 @@ midair_result midair_session_field(midair_session *session,
 // Frees a session. NULL is nothing to free.
 void midair_session_free(midair_session *session);
 
-// Version of the library, such as "0.1.0". The text lives as long as the library is loaded.
+// Version of the library, such as "0.2.0". The text lives as long as the library is loaded.
 const char *midair_version(void);
 
 // Number of the library's binary interface, to be compared with MIDAIR_ABI.

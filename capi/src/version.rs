@@ -9,7 +9,7 @@ const VERSION: &CStr = match CStr::from_bytes_with_nul(concat!(env!("CARGO_PKG_V
     Err(_) => panic!("a version without NUL"),
 };
 
-/// Version of the library, such as "0.1.0". The text lives as long as the library is loaded.
+/// Version of the library, such as "0.2.0". The text lives as long as the library is loaded.
 #[unsafe(no_mangle)]
 pub extern "C" fn midair_version() -> *const c_char {
     VERSION.as_ptr()

@@ -17,6 +17,9 @@ VERSION = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package
 #: Files that repeat the version, each with the pattern that finds it there.
 REPEATED = {
     "CITATION.cff": r"^version: (\S+)$",
+    "docs/javascript.md": r"^npm install \./midair-(\S+)\.tgz ",
+    "docs/index.md": r"^\| `midair-(\S+)\.crate` ",
+    "python/conda/recipe.yaml": r'^  version: "(\S+)"$',
     "docs/citing.md": r"^  version = \{(\S+)\},$",
     "capi/include/midair.h": r'^// Version of the library, such as "(\S+)"\.',
     "studio/door/Cargo.toml": r'^version = "(\S+)"$',
@@ -55,6 +58,32 @@ def test_the_changelog_begins_with_it_or_with_what_comes_next() -> None:
 def test_the_list_of_bundled_software_is_that_of_the_lock_file() -> None:
     release = SimpleNamespace(**runpy.run_path(str(ROOT / "python" / "release.py")))
     assert release.third_party() == (ROOT / "python" / "THIRD-PARTY.md").read_text()
+
+
+def test_the_recipe_for_conda_needs_what_the_wheel_needs() -> None:
+    recipe = (ROOT / "python" / "conda" / "recipe.yaml").read_text()
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    (run,) = re.findall(r"^  run:\n((?:    - .*\n)+)", recipe, re.MULTILINE)
+    given = [line.removeprefix("    - ").replace(" ", "") for line in run.splitlines()]
+    # conda's matplotlib brings windows; what the package needs is its base.
+    needed = [each.replace("matplotlib", "matplotlib-base") for each in project["dependencies"]]
+    assert given == [f"python{project['requires-python']}", *needed]
+
+
+def test_the_day_of_the_release_is_the_changelogs() -> None:
+    (day,) = re.findall(r"^date-released: (\S+)$", (ROOT / "CITATION.cff").read_text(), re.MULTILINE)
+    assert re.search(rf"^## {re.escape(VERSION)}, {day}$", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
+
+
+def test_workflows_test_pull_requests_and_build_tags_on_three_systems() -> None:
+    tests, wheels = (
+        (ROOT / ".github" / "workflows" / f"{name}.yml").read_text() for name in ("tests", "wheels")
+    )
+    assert re.search(r"^  pull_request:$", tests, re.MULTILINE)
+    assert 'tags: ["v*"]' in wheels
+    for system in ("ubuntu", "macos", "windows"):
+        assert f"{system}-latest" in tests
+        assert f"{system}-latest" in wheels
 
 
 def test_the_crate_brings_its_licence() -> None:
