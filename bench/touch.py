@@ -1,11 +1,13 @@
 """Four usual techniques on the skin, by `midair.skin`: docs/touch.png, and their strength; `midair.haptic`.
 
-`make touch` runs it, and prints the tables of docs/touch.md.
+`make touch` runs it, and prints the tables of docs/touch.md. The cost needs OPENBLAS_NUM_THREADS=1: threads
+that wait count as CPU time.
 """
 
 from __future__ import annotations
 
 import math
+import time
 from pathlib import Path
 
 import numpy as np
@@ -96,8 +98,39 @@ def chosen() -> None:
                 print(f"{board}, {name}: no schedule of these foci is more than {above:.1f} dB above it")
 
 
+def palm(corners: int) -> midair.Mesh:
+    """An ellipsoid of 9 x 18 x 2.4 cm that rests on the plane of the points, of so many corners."""
+    from scipy.spatial import ConvexHull
+
+    k = np.arange(corners) + 0.5
+    z, turn = 1 - 2 * k / corners, np.pi * (1 + math.sqrt(5)) * k
+    ball = np.stack([np.sqrt(1 - z**2) * np.cos(turn), np.sqrt(1 - z**2) * np.sin(turn), z], axis=1)
+    faces = ConvexHull(ball).simplices
+    first, second, third = (ball[faces[:, side]] for side in range(3))
+    inwards = np.einsum("fk,fk->f", np.cross(second - first, third - first), first) < 0
+    faces[inwards] = faces[inwards][:, ::-1]
+    return midair.Mesh(ball * [0.045, 0.09, 0.012] + [0, 0, HEIGHT + 0.012], faces)
+
+
+def cost() -> None:
+    """Print the CPU time of `midair.skin` for each frame, the least of five, on a plane and on a mesh."""
+    array, ring = BOARDS["four AUTD3 boards"][0], midair.path.circle(MIDDLE, 0.02, speed=7)
+    for name, hand in (("plane, 4096 places", PLANE), ("mesh, 4000 corners", palm(4000))):
+        for rate in (4e3, 10e3, 20e3):
+            drawn = midair.sequence(array, ring, rate=rate, change=math.pi)
+            midair.skin(drawn, hand)
+            took = []
+            for _ in range(5):
+                start = time.process_time()
+                found = midair.skin(drawn, hand)
+                took.append(time.process_time() - start)
+            least, lines = 1e3 * min(took) / len(drawn), len(found.frequencies)
+            print(f"{name}, {rate / 1e3:g} kHz: {least:.2f} ms a frame ({len(drawn)} frames, {lines} lines)")
+
+
 def main() -> None:
     """Draw and print."""
+    cost()
     chosen()
     array = midair.Array.preset("autd3", tiles=(2, 2))
     figure, axes = plt.subplots(4, 3, figsize=(10, 12.5), layout="constrained")

@@ -123,6 +123,22 @@ def test_triangles_move_as_the_plane_does() -> None:
     assert slope.max() == pytest.approx(gradient.max(), rel=0.05)
 
 
+def test_each_line_of_a_mesh_is_solved_by_itself() -> None:
+    pytest.importorskip("scipy")
+    x = np.arange(9) * 2e-3
+    vertices = np.stack([*(axis.ravel() for axis in np.meshgrid(x, x)), np.zeros(81)], axis=1)
+    corner = (np.arange(8)[:, None] * 9 + np.arange(8)).ravel()
+    halves = [[corner, corner + 1, corner + 9], [corner + 1, corner + 10, corner + 9]]
+    mesh = Triangles(vertices, np.concatenate([np.stack(half, axis=1) for half in halves]))
+    frequencies = np.array([50.0, 250.0, 900.0])
+    lines = np.random.default_rng(0).standard_normal((3, 81)).astype(np.complex64)
+    moved = SHEET.on_mesh(frequencies, lines, mesh)
+    stiff, mass = SHEET.tension * mesh.stiffness.toarray(), 6.4 * np.diag(mesh.shares)
+    for k, frequency in enumerate(frequencies):
+        exact = np.linalg.solve(stiff - (2 * np.pi * frequency) ** 2 * mass, mesh.shares * lines[k])
+        assert np.abs(moved[k] - exact).max() < 1e-3 * np.abs(exact).max()
+
+
 @pytest.mark.slow
 def test_a_hand_of_triangles_is_pushed_on_its_near_side() -> None:
     trimesh = pytest.importorskip("trimesh")

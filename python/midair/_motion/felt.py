@@ -19,6 +19,9 @@ SAMPLES = 160e3
 #: The highest frequency that is felt, in Hz.
 HIGHEST = 1000.0
 
+#: A line that pushes by less than this part of the strongest one is rounding, and moves nothing.
+QUIET = 1e-6
+
 #: Audible frequencies, in Hz.
 RECEIVED = (20.0, 16e3)
 
@@ -210,4 +213,11 @@ def weighted(
     """Sum over the lines (L, P) of squares over those of the channel's threshold."""
     weights = threshold(frequencies, [channel]) ** -2.0
     found: NDArray[np.float64] = weights @ squares.astype(np.float64)
+    return found
+
+
+def live_lines(lines: NDArray[np.complex64]) -> NDArray[np.bool_]:
+    """Which lines (L, P) push at all, (L,)."""
+    loudest = np.abs(lines).max(axis=1, initial=0.0)
+    found: NDArray[np.bool_] = loudest > QUIET * loudest.max(initial=0.0)
     return found

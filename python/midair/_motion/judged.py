@@ -17,7 +17,7 @@ from .._support.arguments import number
 from . import arguments
 from .drives import blocks
 from .envelope import Envelope, Hold
-from .felt import BANDS, Felt, noise, spectrum
+from .felt import BANDS, HIGHEST, Felt, noise, spectrum
 from .frames import Frames
 from .propagation import Between, between, pressures, rows
 
@@ -349,6 +349,26 @@ class JudgedFrames(Frames):
             parts = ((y[:, 0] * root) @ gains).view(np.float32)
             np.square(parts, out=parts)
             yield frames, parts[:, ::2] + parts[:, 1::2]
+
+    def _push_lines(
+        self, places: NDArray[np.float64], tau: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.complex64]]:
+        """Lines above 0, up to 1 kHz (L,) in Hz, and (1 + L, P) in Pa: the mean, and the amplitude of each.
+
+        With constant frames, a line h of T frames is the h-th harmonic of their samples times sinc(h / T).
+        """
+        count = len(self)
+        harmonics = np.arange(1, int(HIGHEST * count / self._rate * (1 + 1e-9)) + 1)
+        kept = (np.sinc(harmonics / count) * 2 / count).astype(np.float32)[:, None]
+        lines = np.zeros((1 + len(harmonics), len(places)), np.complex64)
+        for frames, values in self._pushes(places, tau):
+            index = np.arange(frames.start, frames.start + len(values))
+            lines[0] += values.sum(axis=0) / count
+            angles = 2 * np.pi / count * (np.outer(harmonics, index) % count)
+            cosines, sines = (kept * wave(angles).astype(np.float32) for wave in (np.cos, np.sin))
+            lines[1:].real += cosines @ values
+            lines[1:].imag -= sines @ values
+        return (harmonics * (self._rate / count)).astype(np.float64), lines
 
     def _envelope(self, tau: float, hold: Hold) -> Envelope:
         kept = arguments.hold(hold)

@@ -28,8 +28,8 @@ SAMPLES, END = 221, 16.0
 LEAST, MOST, ENTRIES = 1e-5, 400.0, 6000
 
 
-#: Corners that are not divided further.
-LEAF = 48
+#: SuperLU's mode for matrices that are symmetric, with pivots on the diagonal.
+SYMMETRIC = {"SymmetricMode": True}
 
 
 @dataclass(frozen=True)
@@ -67,20 +67,18 @@ class Sheet:
         The sheet goes on for ever: FFT of twice the size, by the response to a point load, and by its mean
         over a disc of a square's area where the load is.
         """
-        shape = lines.shape[1:]
-        double = [2 * n for n in shape]
-        across, up = (step * np.minimum(np.arange(n), n - np.arange(n)) for n in double)
-        squares = np.hypot(across[: shape[0] + 1, None], up[: shape[1] + 1])
+        rows, columns = lines.shape[1:]
+        squares = step * np.hypot(np.arange(rows + 1)[:, None], np.arange(columns + 1))
         radius = step / np.sqrt(np.pi)
+        z = self.decay(frequencies) * radius
+        own = (1 - z * bessel(1, z)) * (radius / z) ** 2 / self.tension
         found = np.empty_like(lines)
         for k, frequency in enumerate(frequencies):
-            quarter = self.response(squares, frequency) * step**2
-            z = complex(self.decay(frequency)) * radius
-            quarter[0, 0] = (1 - z * complex(bessel(1, np.array(z)))) * (radius / z) ** 2 / self.tension
-            half = np.concatenate([quarter, quarter[-2:0:-1]])
-            kernel = np.concatenate([half, half[:, -2:0:-1]], axis=1).astype(np.complex64)
-            spread = np.fft.fft2(lines[k], double) * np.fft.fft2(kernel)
-            found[k] = np.fft.ifft2(spread)[: shape[0], : shape[1]]
+            quarter = (self.response(squares, frequency) * step**2).astype(np.complex64)
+            quarter[0, 0] = own[k]
+            spread = np.fft.fft2(lines[k], (2 * rows, 2 * columns)) * _even_spectrum(quarter)
+            # Of the square of twice the size, only these rows are the skin.
+            found[k] = np.fft.ifft(np.fft.ifft(spread, axis=0)[:rows], axis=1)[:, :columns]
         return found
 
     def on_mesh(
@@ -90,16 +88,36 @@ class Sheet:
         from scipy.sparse.linalg import splu
 
         found, order = np.empty_like(lines), mesh.order
-        stiffness, shares = mesh.stiffness[order][:, order].tocsc(), mesh.areas_of_corners.diagonal()[order]
-        places = np.arange(len(order) + 1)
+        stiffness, shares = mesh.stiffness[order][:, order].tocsc(), mesh.shares[order]
+        # As SuperLU sorts it; else the diagonal would move.
+        stiffness.sort_indices()
+        diagonal = np.flatnonzero(
+            stiffness.indices == np.repeat(np.arange(len(order)), np.diff(stiffness.indptr))
+        )
+        matrix = stiffness.astype(np.complex64)
         for k, squared in enumerate(self.decay(frequencies) ** 2):
-            inertia = type(stiffness)((squared * shares, places[:-1], places), stiffness.shape)
-            stiff = (stiffness + inertia).astype(np.complex64)
+            matrix.data[diagonal] = stiffness.data[diagonal] + squared * shares
             # The matrix is symmetric, and its loss keeps every pivot from 0: the order may stay.
-            factors = splu(stiff, permc_spec="NATURAL", diag_pivot_thresh=0, options={"SymmetricMode": True})
+            factors = splu(
+                matrix, permc_spec="NATURAL", diag_pivot_thresh=0, relax=1, panel_size=1, options=SYMMETRIC
+            )
             load = (lines[k][order] * shares).astype(np.complex64)
             found[k, order] = factors.solve(load) / np.complex64(self.tension)
         return found
+
+
+def _even_spectrum(quarter: NDArray[np.complex64]) -> NDArray[np.complex64]:
+    """The spectrum (2 R, 2 C) of a function that is even along both axes, from its quarter (R + 1, C + 1)."""
+    found: NDArray[Any] = quarter
+    for axis in (0, 1):
+        found = np.fft.fft(_mirrored(found, axis), axis=axis).take(range(found.shape[axis]), axis)
+    return _mirrored(_mirrored(found, 0), 1)
+
+
+def _mirrored(half: NDArray[np.complex64], axis: int) -> NDArray[np.complex64]:
+    """A half of n + 1 along an axis, and its mirror image: 2 n."""
+    inner = half.take(range(half.shape[axis] - 2, 0, -1), axis)
+    return np.concatenate([half, inner], axis=axis)
 
 
 def bessel(order: int, z: NDArray[np.complex128]) -> NDArray[np.complex128]:
@@ -133,8 +151,8 @@ class Triangles:
     ----------
     stiffness
         (V, V), the integral of the product of gradients.
-    areas_of_corners
-        (V, V), a third of the triangles around each corner, on the diagonal.
+    shares
+        (V,) in m^2, a third of the triangles around each corner.
     order
         (V,), of corners, in which factors of such matrices stay sparse.
     """
@@ -142,6 +160,7 @@ class Triangles:
     def __init__(self, vertices: NDArray[np.float64], faces: NDArray[Any]) -> None:
         try:
             from scipy.sparse import csr_array, diags_array
+            from scipy.sparse.linalg import splu
         except ImportError as error:
             raise SceneError('skin of a Mesh needs SciPy: pip install "midair[mesh]"') from error
         corners = vertices[faces]
@@ -159,32 +178,21 @@ class Triangles:
         ]
         weights = diags_array(self._areas)
         self.stiffness = sum(g.T @ weights @ g for g in self._gradients)
-        shares = np.bincount(faces.ravel(), np.repeat(self._areas / 3, 3), count)
-        self.areas_of_corners = diags_array(shares)
-        self.order = np.array(_dissected(np.arange(count), vertices, self.stiffness.tocsr()))
+        self.shares = np.bincount(faces.ravel(), np.repeat(self._areas / 3, 3), count)
+        # Corners that have a mass and no wave: positive definite, and as sparse as at any frequency.
+        first = splu(
+            (self.stiffness + diags_array(self.shares)).tocsc(), "MMD_AT_PLUS_A", 0, options=SYMMETRIC
+        )
+        self.order = np.argsort(first.perm_c)
         outward = np.zeros((count, 3))
         np.add.at(outward, faces, cross[:, None])
         self.normals = outward / np.linalg.norm(outward, axis=1, keepdims=True)
-        self._shares = shares
 
     def slopes(self, lines: NDArray[np.complex64]) -> Iterator[NDArray[np.float64]]:
         """|gradient|^2 (V,) of each of some lines (L, V): the mean over the triangles around a corner."""
         for line in lines:
             squares = sum(np.abs(g @ line) ** 2 for g in self._gradients) * self._areas / 3
-            yield np.bincount(self._faces.ravel(), np.repeat(squares, 3), len(line)) / self._shares
-
-
-def _dissected(corners: NDArray[np.int64], vertices: NDArray[np.float64], graph: Any) -> list[int]:
-    """Nested dissection (George 1973): one half, the other, and last those of it that touch the first."""
-    if len(corners) <= LEAF:
-        return list(corners)
-    along = vertices[corners, int(np.ptp(vertices[corners], axis=0).argmax())]
-    first, second = corners[along < np.median(along)], corners[along >= np.median(along)]
-    touches = np.diff(graph[second][:, first].indptr) > 0
-    if not len(first) or touches.all():
-        return list(corners)
-    halves = (_dissected(half, vertices, graph) for half in (first, second[~touches]))
-    return [*next(halves), *next(halves), *second[touches]]
+            yield np.bincount(self._faces.ravel(), np.repeat(squares, 3), len(line)) / self.shares
 
 
 @lru_cache(maxsize=2)

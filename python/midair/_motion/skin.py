@@ -15,7 +15,7 @@ from .._pictures.colours import MAPS
 from .._support.arguments import number, refused, vector
 from ..path._piece import instants
 from . import arguments
-from .felt import FAST, HIGHEST, SLOW, weighted
+from .felt import FAST, SLOW, live_lines, weighted
 from .picture import touched
 from .sequence import Sequence
 from .sheet import Sheet, squares, triangles
@@ -103,8 +103,9 @@ def skin(
     if isinstance(hand, Plane):
         places, step = squares(hand), hand.size / max(hand.pixels - 1, 1)
         shape = (hand.pixels, hand.pixels)
-        frequencies, lines = _lines(sequence, places, tau)
-        moved = sheet.on_plane(frequencies, lines[1:].reshape(-1, *shape), step)
+        frequencies, lines = sequence._push_lines(places, tau)
+        live = live_lines(lines[1:])
+        moved = sheet.on_plane(frequencies[live], lines[1:][live].reshape(-1, *shape), step)
         slopes = [sum(np.abs(g) ** 2 for g in np.gradient(line, step)).ravel() for line in moved]
     elif isinstance(hand, Mesh):
         mesh = triangles(hand)
@@ -112,16 +113,19 @@ def skin(
         ways = places - sequence.array.positions.mean(axis=0)
         cosines = -np.einsum("pk,pk->p", mesh.normals, ways) / np.linalg.norm(ways, axis=1)
         (near,) = np.nonzero(cosines > 0)
-        frequencies, pushed = _lines(sequence, places[near], tau)
+        frequencies, pushed = sequence._push_lines(places[near], tau)
         lines = np.zeros((len(pushed), len(places)), np.complex64)
         lines[:, near] = pushed * np.square(cosines[near]).astype(np.float32)
-        moved = sheet.on_mesh(frequencies, lines[1:], mesh)
+        live = live_lines(lines[1:])
+        moved = sheet.on_mesh(frequencies[live], lines[1:][live], mesh)
         slopes = list(mesh.slopes(moved))
     else:
         raise refused("hand", hand, "give a midair.Plane or a midair.Mesh")
-    displacement = moved.reshape(len(frequencies), len(places))
-    slow = width * np.sqrt(weighted(np.array(slopes).reshape(displacement.shape), frequencies, SLOW))
-    fast = np.sqrt(weighted(np.abs(displacement) ** 2, frequencies, FAST))
+    displacement = np.zeros((len(frequencies), len(places)), np.complex64)
+    displacement[live] = moved.reshape(-1, len(places))
+    squares_of_slopes = np.array(slopes).reshape(-1, len(places))
+    slow = width * np.sqrt(weighted(squares_of_slopes, frequencies[live], SLOW))
+    fast = np.sqrt(weighted(np.abs(displacement[live]) ** 2, frequencies[live], FAST))
     return Skin(places, hand, lines[0].real.astype(np.float64), frequencies, displacement, slow, fast)
 
 
@@ -378,23 +382,3 @@ def _around(sequence: Sequence) -> Plane:
     size = float(np.ptp(points, axis=0)[across].max()) + 2 * MARGIN
     center = (float(middle[across[0]]), float(middle[across[1]]))
     return Plane(axis="xyz"[normal], at=float(middle[normal]), size=size, pixels=SIDE, center=center)
-
-
-def _lines(
-    sequence: Sequence, places: NDArray[np.float64], tau: float
-) -> tuple[NDArray[np.float64], NDArray[np.complex64]]:
-    """The lines up to 1 kHz above 0 (L,) in Hz, and (1 + L, P) in Pa: the mean, and the amplitude of each.
-
-    With constant frames, a line h of T frames is the h-th harmonic of their samples times sinc(h / T).
-    """
-    count = len(sequence)
-    harmonics = np.arange(1, int(HIGHEST * count / sequence.rate * (1 + 1e-9)) + 1)
-    kept = (np.sinc(harmonics / count) * 2 / count).astype(np.float32)[:, None]
-    lines = np.zeros((1 + len(harmonics), len(places)), np.complex64)
-    for frames, values in sequence._pushes(places, tau):
-        index = np.arange(frames.start, frames.start + len(values))
-        lines[0] += values.sum(axis=0) / count
-        turns = np.outer(harmonics, index) % count
-        waves = kept * np.exp(-2j * np.pi / count * turns).astype(np.complex64)
-        lines[1:] += waves @ values
-    return (harmonics * (sequence.rate / count)).astype(np.float64), lines.astype(np.complex64)
