@@ -138,7 +138,7 @@ midair_result midair_array_preset(const char *name,
                                   char *message,
                                   size_t message_size);
 
-// Makes the array of a kind of board, such as "nano16": its preset's, or a grid of a kind that its owners wire as they like.
+// Makes the array of a kind of board, such as "nano16": its preset, or a grid for a kind that each owner wires differently.
 midair_result midair_array_board(const char *kind,
                                  midair_array **array,
                                  char *message,

@@ -28,7 +28,7 @@ pub unsafe extern "C" fn midair_array_preset(
     })
 }
 
-/// Makes the array of a kind of board, such as "nano16": its preset's, or a grid of a kind that its owners wire as they like.
+/// Makes the array of a kind of board, such as "nano16": its preset, or a grid for a kind that each owner wires differently.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_array_board(
     kind: *const c_char,

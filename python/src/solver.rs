@@ -329,27 +329,27 @@ impl Solver {
 getters! {
     Solver:
 
-    /// Drives q (N,) of the last call with out, complex64.
+    /// Drives q (N,) of the last call with `out`, complex64.
     drive(self, py) -> PyResult<Bound<'py, PyArray1<Complex32>>> =
         self.answer(|solution| give::list(py, solution.drive.clone()));
 
-    /// Complex pressures (M,) of the last call with out in Pa (peak), complex64.
+    /// Complex pressures (M,) of the last call with `out` in Pa (peak), complex64.
     pressures(self, py) -> PyResult<Bound<'py, PyArray1<Complex32>>> =
         self.answer(|solution| give::list(py, solution.pressures.clone()));
 
-    /// Quality of the last call with out.
+    /// Quality of the last call with `out`.
     metrics(self) -> PyResult<Metrics> = self.answer(|solution| solution.metrics().into());
 
-    /// The relative complex error of the last call with out, see `Solution.complex_error`.
+    /// The relative complex error of the last call with `out`, see `Solution.complex_error`.
     complex_error(self) -> PyResult<Option<f64>> = self.answer(midair::Solution::complex_error);
 
-    /// Status of the last call with out.
+    /// Status of the last call with `out`.
     status(self) -> PyResult<String> = self.answer(|solution| solution.status.to_string());
 
     /// Factor of the drives for supply or modulation; 1 unless the device has no such amplitude.
     scale(self) -> PyResult<f64> = self.answer(|solution| solution.scale);
 
-    /// Steps of the last call with out.
+    /// Steps of the last call with `out`.
     steps(self) -> PyResult<usize> = self.answer(|solution| solution.steps);
 
     /// Seconds of the last call.

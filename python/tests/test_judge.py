@@ -22,7 +22,7 @@ def points(count: int, size: int) -> Any:
     return RNG.uniform(-0.04, 0.04, (count, size, 3)) + np.array([0, 0, 0.12])
 
 
-# One group of problems in the lanes and a rest, points that fill the lanes alone, and a single problem.
+# 35 problems are full groups of lanes and a remainder; 21 points fill the lanes; then a single problem.
 @pytest.mark.parametrize(("count", "size"), [(35, 4), (5, 21), (1, 2), (16, 16)])
 @pytest.mark.parametrize("given", ["pressures", "weights", "nothing"])
 def test_a_table_is_each_drive_judged_alone_and_exact(count: int, size: int, given: str) -> None:

@@ -84,7 +84,7 @@ def test_every_solver_meets_the_same_waves(solver: str) -> None:
     assert np.abs(solution.pressures - expected).max() < 2e-5 * np.abs(expected).max()
     ignored = midair.solve(scene.replace(obstacles=None), solver).drive
     own, other = (midair.judge(scene, drive) for drive in (solution.drive, ignored))
-    # A drive that counts the wall is at least as good in front of it.
+    # A drive that was solved with the wall is at least as good in front of it as one solved without.
     assert own.accuracy > other.accuracy - 0.02
 
 

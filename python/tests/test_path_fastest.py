@@ -44,7 +44,7 @@ def test_on_a_circle_the_speed_is_where_the_pull_inwards_and_the_drag_are_all_th
     speed = speeds[np.searchsorted(taken, margin * most)]
     assert path.closed
     assert abs(2 * np.pi * radius / speed / path.duration - 1) < 0.03
-    # The path is the bead's own: the traps of a sequence count in what its acceleration takes.
+    # The path is that of the bead: `sequence` computes the force that its acceleration needs.
     apart = np.linalg.norm(path.at(np.linspace(0, 1, 50))[:, 0], axis=1) - radius
     assert abs(apart).max() < 0.02 * radius
 

@@ -28,10 +28,10 @@ const PITCH = [-0.3, 1.57];
 /** The distance in m. */
 const DISTANCE = [0.05, 5];
 
-/** The glow about a point is so much higher, in m. */
+/** Height in m of the glow above a point. */
 const GLOW = 0.04;
 
-/** Times as far away as need be. */
+/** The view is replaced if the eye is farther away than this multiple of the distance that shows all. */
 const LOOSE = 1.5;
 
 const within = (value: number, [least, most]: number[]) => Math.min(Math.max(value, least), most);

@@ -25,7 +25,7 @@ export interface Panels {
 const TABS = ["methods", "points", "array", "slice", "motion"] as const;
 type Tab = (typeof TABS)[number];
 
-/** Boards a side that are offered. */
+/** The numbers of boards, columns x rows, that the menu offers. */
 const TILES = ["1x1", "2x1", "2x2", "3x2", "3x3"] as const;
 
 /** Presets whose boards face one another, around z = 0. */

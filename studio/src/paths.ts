@@ -12,7 +12,7 @@ function offset(path: Path, time: number): Vec3 {
 /**
  * The points (M) in each of T = rate * seconds frames, T * M * 3 numbers in m; `rate` in frames a second.
  *
- * All are carried alike: around their places counterclockwise from +x, or along x to and fro from the +x end.
+ * All are carried alike: around their places counterclockwise from +x, or along x back and forth from the +x end.
  */
 export function framesOf(points: Vec3[], path: Path, rate: number, seconds: number): Float64Array {
   const frames = Math.round(rate * seconds);

@@ -187,10 +187,10 @@ export async function connect(
 export type Seen = EventTarget & { readonly hidden: boolean; hasFocus(): boolean };
 
 /**
- * Turns the player off when the page is hidden or without focus, or by Escape, and lets go of the port when the page is
- * left or led to another address, which another page may do; answers what ends that.
+ * Turns the player off on Escape, and when the page is hidden or loses the focus. Closes the port when the page is left
+ * or opens another address, which another page can cause. Returns a function that ends this.
  *
- * A page that is killed can send nothing: the board plays on, and its supply is the last word.
+ * A page that is killed can send nothing: the board then plays until its power is switched off.
  */
 export function guard(player: Pick<Player, "off" | "close">, window: EventTarget, document: Seen): () => void {
   const off = () => void player.off();

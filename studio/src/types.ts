@@ -68,7 +68,7 @@ export interface State {
   path: Path | null;
 }
 
-/** All points carried alike: around their places on a circle, or to and fro along x. */
+/** All points carried alike: around their places on a circle, or back and forth along x. */
 export type Path =
   | { kind: "circle"; radius: number; frequency: number }
   | { kind: "line"; length: number; frequency: number };

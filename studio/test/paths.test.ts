@@ -12,7 +12,7 @@ test("a circle carries all points alike, a quarter of a turn to +y", () => {
   [0, 0.01, 0.1, 0.02, 0.02, 0.2].forEach((x, k) => expect(quarter[k]).toBeCloseTo(x, 12));
 });
 
-test("a line leads to and fro along x, as long as requested", () => {
+test("a line leads back and forth along x, as long as requested", () => {
   const frames = framesOf([[0, 0, 0.1]], { kind: "line", length: 0.06, frequency: 1 }, 100, 1);
   const across = [...frames].filter((_, k) => k % 3 === 0);
   expect(across[0]).toBe(0.03);

@@ -9,7 +9,7 @@ import type { Vec3 } from "../src/types.ts";
 
 const door = openDoor(await compile(readFileSync(`${import.meta.dirname}/../built/midair.wasm`)));
 
-/** The core's distance of neighbours where all points fit, in m. */
+/** Distance in m at which the core puts neighbours, if there are points enough for the whole shape. */
 const STEP = 2.125e-3;
 
 const along = (contours: Contour[], most = 64) => door.along(contours, most);

@@ -60,9 +60,9 @@ impl Format {
 
 /// Where the transducers of a kind of board are until the caller gives an array.
 pub(crate) enum Layout {
-    /// The preset of that name has the same.
+    /// The places of the preset of that name.
     Preset(&'static str),
-    /// On a grid of columns, rows and a pitch in m: its owners wire it as they like.
+    /// A grid of columns, rows and a pitch in m, because each owner of such a board wires it differently.
     Grid(usize, usize, f64),
 }
 

@@ -247,7 +247,7 @@ fn pull<S: Doubles, const D: usize>(
     }
     let monomials = monomials::<_, D>(V::all(s, 1.0), x);
     let [from, to] = forces;
-    // Sums of even and of odd terms, so that they need not wait for one another.
+    // Sums of even and of odd terms, which are independent, so the processor adds both at once.
     let mut sums = [[V::all(s, 0.0); 3]; 2];
     let terms = (D + 1) * (D + 2) * (D + 3) / 6;
     for t in 0..terms {

@@ -219,7 +219,7 @@ fn turns<S: Elementwise>(s: S, [re, im]: [S::V; 2]) -> [S::V; 3] {
     let ratio = s.div(small, large);
     let square = s.mul(ratio, ratio);
     let fourth = s.mul(square, square);
-    // Pairs of sums, which do not wait for one another.
+    // Pairs of independent sums, which the processor adds at once.
     let mut pairs = [s.splat(0.0); 4];
     for (pair, [low, high]) in pairs.iter_mut().zip(C.as_chunks().0) {
         *pair = joined(s, [s.splat(*low), s.splat(*high)], square);

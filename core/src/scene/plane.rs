@@ -205,14 +205,14 @@ impl Plane {
         Self { at: round(self.at), size: round(self.size), center: self.center.map(round), ..*self }
     }
 
-    /// The samples in m along a side: 0 across, 1 up.
+    /// Coordinates in m of the pixels along a side of the picture: `side` 0 is across, 1 is up.
     #[must_use]
     pub fn samples(&self, side: usize) -> Vec<f64> {
         let step = self.size / (self.pixels as f64 - 1.0);
         (0..self.pixels).map(|i| self.center[side] - self.size / 2.0 + i as f64 * step).collect()
     }
 
-    /// The samples along an axis of space, `None` for that which the plane is normal to.
+    /// Coordinates in m of the pixels along an axis of space, `None` for the axis that is normal to the plane.
     #[must_use]
     pub fn along(&self, axis: Axis) -> Option<Vec<f64>> {
         let side = self.axis.others().into_iter().position(|k| k == axis.index())?;

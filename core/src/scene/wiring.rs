@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::scene::array::Array;
 
 impl Array {
-    /// The array of a kind of board: its preset, or a grid for a kind that its owners wire as they like.
+    /// The array of a kind of board: its preset, or a grid for a kind that each owner wires differently.
     ///
     /// # Errors
     /// An unknown name, tiles of 0, tiles for a kind that cannot be tiled.

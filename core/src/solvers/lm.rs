@@ -95,7 +95,7 @@ impl Solve for Lm {
                     } else {
                         damping *= growth;
                         growth *= 2.0;
-                        // Past all f32: nothing can improve any more.
+                        // With this damping a step changes no f32: the method has converged.
                         Ok(damping > 1e30)
                     }
                 },

@@ -62,7 +62,7 @@ pub struct Entry {
 /// A solver with its options, all of them in full.
 #[allow(missing_debug_implementations, reason = "a solver of a user's own need not have one")]
 pub struct Configured {
-    /// The registry's line.
+    /// The registry's entry of this method.
     pub info: &'static Info,
     /// The value of every option.
     pub options: Options,
@@ -71,7 +71,7 @@ pub struct Configured {
 }
 
 impl Entry {
-    /// The registry's line for a method.
+    /// The registry's entry for a method.
     #[must_use]
     pub const fn of<M: Method>() -> Self {
         Self { info: &M::INFO, list: M::list, make: make::<M>, device: M::device_defaults }
@@ -157,7 +157,7 @@ fn hint_of_owners(option: &str) -> Option<String> {
     (!owners.is_empty()).then(|| format!("{} {verb} it; ", owners.join(", ")))
 }
 
-/// The registry's line of that name, whatever its case, "-" and "_".
+/// The registry's entry of that name. Upper and lower case are the same, and so are "-" and "_".
 ///
 /// # Errors
 /// An unknown name; the error lists the known ones.

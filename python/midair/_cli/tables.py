@@ -132,7 +132,7 @@ def print_columns(command: str, columns: Mapping[str, list[str]]) -> None:
         if shown.pop(name, None) is not None:
             left.append(name)
     if not _fits(_table(shown)):
-        # Texts of the system may be too long: then a line for each.
+        # Messages of the operating system may be wider than the terminal: print each row as lines of facts.
         for row in zip(*columns.values(), strict=True):
             print_facts(dict(zip(columns, row, strict=True)))
     else:

@@ -279,7 +279,7 @@ class _Curve:
         return cls(places, length, loops)
 
     def index(self, ways: NDArray[np.float64]) -> NDArray[np.int64]:
-        """The place nearest to parts of the way: round a closed curve, to and fro on another."""
+        """The place nearest to parts of the way: round a closed curve, back and forth on another."""
         count = len(self.places)
         if self.closed:
             return np.rint(ways * count).astype(np.int64) % count
@@ -295,7 +295,7 @@ def _times(rate: float, frequency: float) -> NDArray[np.float64]:
 
 
 def _drawn(curve: _Curve, rate: float, speed: float, points: int) -> Technique:
-    """Foci that draw a curve, to and fro where it is open."""
+    """Foci that draw a curve, back and forth where it is open."""
     laps = 1 if curve.closed else 2
     t = _times(rate, speed / (laps * curve.length))
     ways = laps * t[:, None] + laps * np.arange(points) / points

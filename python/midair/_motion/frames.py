@@ -99,7 +99,7 @@ class Frames:
 
     @property
     def drives(self) -> NDArray[np.complex64]:
-        """Drives (T, N), |q| <= 1; made of codes at each call, 0 where a transducer is off."""
+        """Drives (T, N), |q| <= 1, 0 where a transducer is off; codes are converted at each access."""
         return self._drives[:]
 
     def __len__(self) -> int:

@@ -199,7 +199,7 @@ def slice_of(field: Field) -> str:
 def _image(shades: NDArray[np.uint8]) -> str:
     """A PNG of the field's colours (rows, columns), as the address of an image."""
     height, width = shades.shape
-    # A filter of 0, "none", stands before each row.
+    # PNG has a filter byte before each row: 0 means "none".
     rows = np.pad(shades, ((0, 0), (1, 0))).tobytes()
     parts = {
         b"IHDR": struct.pack(">IIBBBBB", width, height, 8, 3, 0, 0, 0),

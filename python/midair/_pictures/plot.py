@@ -192,7 +192,7 @@ def title(ax: Axes, field: Field, lines: Sequence[str] = ()) -> None:
     ax.set_title("\n".join([*above, place(field)]), fontsize="medium", wrap=True)
 
 
-#: How far above the largest target a scale goes where a panel is that loud; an arrow tells of more.
+#: The scale ends at most at this multiple of the largest target; an arrow shows that there are higher values.
 HEADROOM = 1.5
 
 

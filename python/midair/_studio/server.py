@@ -77,7 +77,9 @@ class PagesBoard:
         return 8 * len(self.connection.board.array)
 
     def take(self, at: float, content: bytes) -> None:
-        """Play a drive, or turn off where there is none; ignore drives older (at, in ms) than the last.
+        """Play a drive, or turn the board off if the content is empty.
+
+        `at` is the time of the drive in ms: a drive older than the last one is ignored.
 
         Raises SceneError for a drive of another array, BoardError where the board is gone.
         """

@@ -4,7 +4,7 @@ use crate::device::code::Code;
 use crate::device::format::Reader;
 use crate::error::Error;
 
-/// `begin` is a bit that marks the first byte of a board, 0 where none does.
+/// Writes N phases, then N levels of each board. The bit `begin` marks the first byte of a board; 0 means no mark.
 pub(super) fn write<const N: usize>(boards: usize, begin: u8, code: &dyn Fn(usize) -> Code, frame: &mut [u8]) {
     for (board, bytes) in frame.chunks_exact_mut(2 * N).take(boards).enumerate() {
         for channel in 0..N {

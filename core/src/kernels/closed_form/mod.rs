@@ -101,7 +101,7 @@ pub(crate) fn sweep(
     }
 }
 
-/// The content of a lane group.
+/// The layout of a lane group: its lanes are points, segments of the rows of several transducers, or problems.
 pub(crate) trait Layout<S: Simd> {
     /// Transducers whose rows share a lane group.
     const SHARED: usize = 1;

@@ -26,8 +26,9 @@ pub(crate) fn keep(set: InstructionSet, requested: [&[f32]; 2], field: [&[f32]; 
     });
 }
 
-/// Replaces the drive of the transducer with this `row` of G in the field of `count` points and returns the new one: the
-/// best candidate of the `range`, the present drive where there is no range, 0 where it has no effect.
+/// Replaces the drive of the transducer with this `row` of G in the field of `count` points and returns the new drive.
+///
+/// This is the best candidate of the `range`. Without a range the present drive stays; a transducer without effect gets 0.
 pub(crate) fn replace<T: Term>(
     set: InstructionSet,
     row: [&[f32]; 2],

@@ -192,7 +192,7 @@ pub(crate) fn play(set: InstructionSet, tiles: Tiles<'_>, wave: Wave<'_>) {
 /// b = sum_j conj(G_j) p_j of two tiles.
 #[inline(always)]
 fn correlated<S: Simd>(s: S, tiles: Tiles<'_>, t: usize, [pr, pi]: [&[[f32; BLOCK]]; 2]) -> [[S::V; 2]; 2] {
-    // Sums that do not wait for one another.
+    // Independent sums, which the processor adds at once.
     let mut sums = [[s.splat(0.0); 4]; 2];
     for ([gr, gi], (pr, pi)) in tiles.columns::<2>(t).zip(pr.iter().zip(pi)) {
         for row in 0..BLOCK {

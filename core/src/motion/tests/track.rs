@@ -11,7 +11,7 @@ use crate::rng::Rng;
 
 const FRAMES: usize = 6;
 
-/// sum_t Re(conj(S) q), in double precision.
+/// What a track maximises: the sum over the frames of Re(conj(S) q), in double precision, with the `waves` S.
 fn gain(waves: &[Vec<f32>; 2], levels: usize, codes: &[u16]) -> f64 {
     let one = |(frame, &code): (usize, &u16)| {
         let q = phasor(core::f64::consts::TAU * f64::from(code) / levels as f64);

@@ -105,7 +105,7 @@ fn images_are_counted() {
     assert_eq!(images(&[x(0.1)]), 1);
     assert_eq!(images(&[x(0.1), y(0.1)]), 3);
     assert_eq!(images(&[x(0.1), y(0.1), z]), 7);
-    // Waves that go to and fro three times, from either side.
+    // Up to three reflections between two opposed walls, the first at either of them.
     assert_eq!(images(&[x(0.1), x(-0.1)]), 6);
 }
 

@@ -24,7 +24,7 @@ struct Pair<'w> {
 
 /// The inner product, in double precision.
 pub(crate) fn dot(a: &[f32], b: &[f32]) -> f64 {
-    // Four sums that do not wait for one another.
+    // Four independent sums, which the processor adds at once.
     let mut sums = [0.0; 4];
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
     for (a, b) in a.iter().zip(b) {

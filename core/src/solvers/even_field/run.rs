@@ -87,7 +87,7 @@ impl Rows<'_> {
 }
 
 impl Wave<'_> {
-    /// The field at `amplitude` in the problem's order and unit, of rows that are all of its points.
+    /// The field at `amplitude` in the problem's order and unit; `rows` contains all of the problem's points.
     pub(crate) fn received<'w>(
         &self,
         problem: &Problem,
