@@ -56,7 +56,7 @@ def test_addresses(address, board, kind, where):
             "there is no such board, did you mean sonicsurface. give one of null, file:PATH, autd3,",
         ),
         ("", "there is no such board"),
-        ("sonicsurface", "it names no place, give sonicsurface:PORT or sonicsurface:loop"),
+        ("sonicsurface", "the place of the board is left out, give sonicsurface:PORT or sonicsurface:loop"),
         ("openmpd:", "openmpd:SERIAL"),
         ("openmpd:A+B+C", "give 2 serial numbers"),
         ("file:", "give file:PATH"),

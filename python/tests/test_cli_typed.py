@@ -35,7 +35,7 @@ def run(capsys: pytest.CaptureFixture[str]) -> Run:
 
 
 def test_a_new_scene_solves_well_and_replaces_nothing(run: Run) -> None:
-    assert run("new")[:2] == (0, "wrote scene.toml: midair solve scene.toml\n")
+    assert run("new")[:2] == (0, "wrote scene.toml; solve it with: midair solve scene.toml\n")
     text = Path("scene.toml").read_text()
     assert run("new", "-") == (0, text, "")
     status, out, err = run("solve", "scene.toml", "--json")
@@ -88,7 +88,7 @@ def test_a_scene_is_typed_in_one_line(run: Run) -> None:
         ("--preset autd3 --at 0,0", '--at is "0,0": give three numbers in m, such as --at 0,0,0.15'),
         ("--preset autd3 --at 0,0,up", '--at is "0,0,up"'),
         ("--preset autd3 --at 0,0,nan", '--at is "0,0,nan"'),
-        ("--preset autd3 --at", "--at requires an argument. See midair solve --help"),
+        ("--preset autd3 --at", "--at has no value: write one after it. See midair solve --help"),
         ("--preset autd3 --at 0 0 0.15", '"0.15" belongs to no option: leave it out'),
         ("--preset autd3 --at 0,0,0.1 --pressure -5", "points[0].pressure is -5.0"),
         ("--preset autd3 --at 0,0,0.1 --pressure 1,2", '--pressure is "1,2": give one pressure in Pa'),

@@ -66,7 +66,8 @@ def parse(address: Any) -> Address:
     if where in ("null", "loop"):
         return Address(name, where, "")
     if not where and name != "autd3":
-        raise refused("address", text, f"it names no place, give {name}:{_place(kind)} or {name}:loop")
+        cure = f"give {name}:{_place(kind)} or {name}:loop"
+        raise refused("address", text, f"the place of the board is left out, {cure}")
     link = KINDS[kind].link
     if link["kind"] == "fifo" and not link["one_chip"] and "+" in where:
         name = kind + PAIR

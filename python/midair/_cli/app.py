@@ -10,7 +10,7 @@ from shutil import get_terminal_size
 from textwrap import fill
 from typing import NoReturn
 
-from cyclopts import App, CycloptsError, UnusedCliTokensError
+from cyclopts import App, CycloptsError, MissingArgumentError, UnusedCliTokensError
 
 from .. import SceneError, SceneWarning
 from .._support import text
@@ -120,6 +120,17 @@ def usage(arguments: Sequence[str]) -> str:
     return " ".join(["midair", *commands, "--help"])
 
 
+def missing(error: MissingArgumentError) -> str:
+    """The argument that a command line lacks, or the option that was typed without its value."""
+    argument = error.argument
+    assert argument is not None
+    typed = error.keyword or next((token.keyword for token in argument.tokens if token.keyword), None)
+    if typed:
+        return f"{typed} has no value: write one after it"
+    is_option = not argument.field_info.is_positional
+    return f"{argument.name if is_option else argument.name.lstrip('-').upper()} is left out"
+
+
 def _run(arguments: Sequence[str]) -> int:
     try:
         with terminable():
@@ -134,8 +145,11 @@ def _run(arguments: Sequence[str]) -> int:
         return UNREAD
     except UnusedCliTokensError as error:
         unused = " ".join(error.unused_tokens or ())
-        cure = "leave it out; what belongs to one option goes without blanks, as in --at 0,0,0.15"
+        cure = "leave it out, or write the numbers of an option without spaces, as in --at 0,0,0.15"
         tell(f'error: "{one_line(unused)}" belongs to no option: {cure}. See {usage(arguments)}')
+        return REFUSED
+    except MissingArgumentError as error:
+        tell(f"error: {missing(error)}. See {usage(arguments)}")
         return REFUSED
     except CycloptsError as error:
         tell(f"error: {one_line(error)} See {usage(arguments)}")

@@ -66,7 +66,8 @@ def ports_command(*, json: Annotated[bool, Parameter(negative=())] = False) -> i
         "could be": [port.could_be or "-" for port in found],
     }
     print_columns("ports", columns)
-    print_line(f"{counted(len(found), 'serial port')}, none opened: midair play BOARD:PORT plays on one")
+    opened = "none opened: midair play SCENE --on BOARD:PORT plays on one"
+    print_line(f"{counted(len(found), 'serial port')}, {opened}")
     return 0
 
 

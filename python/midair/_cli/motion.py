@@ -63,7 +63,7 @@ def motion_command(
     check_outputs(*outputs, taken=[scene])
     requested = read(scene)
     if requested is None:
-        raise SceneError(f'scene file "{scene}" has no [motion]: it says what moves, as docs/motion.md shows')
+        raise SceneError(f'scene file "{scene}" has no [motion]: add this table, as docs/motion.md shows')
     found = {name: _solved(requested, name, output_file) for name in names or [requested.solver]}
     if json:
         print(json_text.dumps({name: one.metrics.asdict() for name, one in found.items()}))

@@ -68,5 +68,5 @@ def new_command(scene: Path = Path("scene.toml")) -> int:
         raise SceneError(f'"{scene}" is there already: give another name, as in midair new my-scene.toml')
     output.check(scene, (".toml",))
     output.write(scene, starter.encode())
-    print_written(f"{scene}: midair solve {scene}")
+    print_written(f"{scene}; solve it with: midair solve {scene}")
     return 0
