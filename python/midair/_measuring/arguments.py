@@ -64,7 +64,7 @@ def _not_clipped(received: NDArray[Any], m: int) -> None:
         many = int(np.sum(np.abs(part) > top * (1 - 1e-6)))
         if many >= max(CLIPPED, CLIPPED_PART * len(part)):
             raise SceneError(
-                f"readings[:, {m}] are clipped: {many} of {len(part)} are {top:.4g} Pa, its largest value; "
+                f"readings[:, {m}] are clipped: {many} of {len(part)} are {top:.4g} Pa, the largest value; "
                 "measure at a lower intensity or farther away"
             )
 
