@@ -10,7 +10,7 @@ use crate::error::{invalid, refused};
 use crate::function::Raised;
 use crate::read;
 
-/// A function of candidates' pressures (K, M), targets (M,) and weights (M,), and what it raised.
+/// A function of candidates' pressures (K, M), targets (M,) and weights (M,), and its exception.
 pub(crate) struct Function {
     function: Py<PyAny>,
     raised: Raised,

@@ -200,7 +200,7 @@ def test_pictures_show_where_bodies_are() -> None:
     axes = midair.plot(midair.solve(scene, "fast"), ax=plt.figure().add_subplot())
     lines = next(one for one in axes.collections if isinstance(one, LineCollection))
     places = np.concatenate(lines.get_segments()) - [0, 100]
-    # An edge of this coarse ball runs up to an eighth within it.
+    # The edges of this coarse mesh lie up to an eighth inside the ball.
     assert (np.linalg.norm(places, axis=1) <= 8 + 1e-6).all()
     assert (np.linalg.norm(places, axis=1) > 7).all()
 

@@ -55,7 +55,7 @@ def test_from_rest_to_rest_half_of_the_way_is_gaining_and_half_losing_speed() ->
     line = np.linspace(-0.5, 0.5, 5)[:, None] * [way, 0, 0]
     path = midair.path.fastest(line, BOARDS, closed=False, margin=margin)
     without_drag = 2 * np.sqrt(way * bead.mass / (margin * most))
-    # Drag takes a little, and some ticks at both ends go to changes of the force that are not too quick.
+    # Drag costs a little time, and the force may change only slowly, which takes some ticks at both ends.
     assert not path.closed
     assert 1.0 < path.duration / without_drag < 1.25
     ends = path.at([0.0, path.duration])[:, 0]

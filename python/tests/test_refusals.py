@@ -325,7 +325,7 @@ DRIVES: dict[str, Any] = {
 
 @pytest.mark.parametrize("bad", DRIVES)
 def test_drive_is_refused_by_name(bad: str) -> None:
-    # One row of many is a table of one.
+    # A single row of a table is a table with one row.
     refused(lambda: midair.judge(scene(), DRIVES[bad] if bad != "matrix" else np.ones((2, 15))), "drive")
     refused(lambda: midair.field(scene(), DRIVES[bad]), "drive")
 

@@ -39,8 +39,8 @@ impl Solution {
         Self { on_grid, ..self }
     }
 
-    /// Divides drives and pressures by `factor`, at least 1, and rounds every drive to what the board can play.
-    /// Whether that changed a drive.
+    /// Divides drives and pressures by `factor`, at least 1, and rounds every drive to the board's grid. Returns
+    /// whether that changed a drive.
     ///
     /// # Errors
     /// A stop, if it is the first.

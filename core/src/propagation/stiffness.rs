@@ -31,7 +31,7 @@ use crate::scene::{Bead, Medium, Particle};
 /// The entries of H.
 const ENTRIES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]];
 
-/// The stiffness along an axis counts as this part of the largest at least where it is divided by.
+/// The least stiffness along an axis in a quotient, as a part of the largest one.
 const LEAST_STIFFNESS: f64 = 1e-3;
 
 /// F of each entry, and after them S of each axis.

@@ -37,8 +37,8 @@ impl Last {
         self.played.is_empty()
     }
 
-    /// Its drives (N,) at full amplitude as they were found and as they were played, the envelopes (N,) and the weights of
-    /// the points and how uneven these were: with [`Last::motion`] what [`Last::restore`] goes on from.
+    /// The frame's drives (N,) at full amplitude, before and after rounding, the envelopes (N,), and the weights and
+    /// the unevenness of the points: with [`Last::motion`] what [`Last::restore`] goes on from.
     #[must_use]
     pub fn parts(&self) -> ([&[Complex32]; 3], &[f32], f32) {
         ([&self.wave, &self.played, &self.envelope], &self.weights, self.unevenness)

@@ -28,7 +28,7 @@ fn codes_are_those_of_double_precision() {
         let steps = Steps { phases, levels };
         for _ in 0..20_000 {
             let correction = if rng.uniform() < 0.5 { 0.0 } else { rng.uniform() };
-            // Half of them within 1e-5 steps of where a step ends.
+            // Half of them lie within 1e-5 steps of the end of a step.
             let phase = (rng.uniform() * f64::from(phases)).floor() + 0.5 + 2e-5 * (rng.uniform() - 0.5);
             let turns = if rng.uniform() < 0.5 { phase / f64::from(phases) + correction } else { rng.uniform() };
             let level = (rng.uniform() * f64::from(steps.most())).floor() + 0.5 + 2e-5 * (rng.uniform() - 0.5);
