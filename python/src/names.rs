@@ -27,7 +27,7 @@ pub(crate) fn unknown(kind: &str, name: &str, known: Vec<String>) -> (String, St
     (hint, error.to_string())
 }
 
-/// Refuses a keyword that a call does not have. Python does so for every function but the fastest, `Solver.__call__`.
+/// Rejects a keyword that a call does not have. Python does so for all functions except `Solver.__call__`, the fastest one.
 #[cold]
 pub(crate) fn unknown_argument(name: &str, others: &Bound<'_, PyDict>, known: &[&str]) -> PyErr {
     let other = others.keys().iter().next().map_or_else(String::new, |key| key.to_string());

@@ -189,7 +189,7 @@ impl Boundary {
         Ok(incident)
     }
 
-    /// j/k: what makes the equations well posed, and with k the best scaled (A. J. Burton and G. F. Miller).
+    /// The factor j/k, which makes the equations well posed; with 1/k they are scaled best (A. J. Burton and G. F. Miller).
     fn eta(&self) -> Complex64 {
         Complex64::new(0.0, 1.0 / self.medium().wavenumber())
     }

@@ -39,8 +39,8 @@ type Forms = Vec<[[f64; TERMS]; TERMS]>;
 
 /// C and F of some points, and the particle that they are for.
 pub(crate) struct Stiffness {
-    /// C, column of G by column, of which point j has the rows from j [`TERMS`] on: padded, re and im, in units of the
-    /// reference.
+    /// C, one column of G after the other; the rows of point j begin at j [`TERMS`]: padded, re and im, in units of
+    /// the reference.
     planes: [Vec<f32>; 2],
     points: usize,
     /// F in N/m and S in N, in those units.

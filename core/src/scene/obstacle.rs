@@ -63,7 +63,7 @@ impl Obstacle {
     }
 }
 
-/// The obstacles of a scene, checked, none of which the array is inside of.
+/// The checked obstacles of a scene; the array is inside none of them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Obstacles {
     given: Arc<[Obstacle]>,

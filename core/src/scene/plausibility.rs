@@ -33,7 +33,7 @@ const ABSORPTION: f64 = 1.0;
 /// Pa m of a transducer, from a dead buzzer to a horn; the paper's unit is apart.
 const SOURCE_PRESSURE: RangeInclusive<f64> = 0.01..=100.0;
 
-/// Wavelengths between neighbours: closer than the first they are in one another, farther than the second alone.
+/// Wavelengths between neighbours: nearer than the first they overlap, farther than the second they do not act together.
 const SPACING: RangeInclusive<f64> = 0.05..=5.0;
 
 /// The largest array and picture in m.

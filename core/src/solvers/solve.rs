@@ -13,7 +13,7 @@ use crate::solvers::last::Last;
 use crate::solvers::method::Solve;
 use crate::workspace::Workspace;
 
-/// |q|^2 at most, up to rounding: what [`crate::Start::Drive`] may have, too.
+/// The largest |q|^2, with rounding; it also limits [`crate::Start::Drive`].
 const MOST_POWER: f32 = 1.0 + 2e-6;
 
 /// Solves a problem, balancing it first on request.

@@ -24,7 +24,7 @@ KNOTS, KEPT = 256, 128
 #: Knots that beads fly at once, and once one has left its cell: it may be lost.
 FLOWN, SOON = 2048, 16
 
-#: From a cell to the next, in radii of a cell: a cell's place is well inside of the ball around its middle.
+#: The distance of two cells, in radii of a cell: every place lies well inside the ball of its cell.
 LATTICE = 0.8
 
 #: A bead farther from its point, in wavelengths, is in another node or out.

@@ -58,7 +58,7 @@ pub extern "C" fn studio_numbers(studio: &Studio) -> *const f64 {
     studio.numbers.as_ptr()
 }
 
-/// How many they are.
+/// The number of them.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_numbers_count(studio: &Studio) -> usize {
     studio.numbers.len()

@@ -6,7 +6,7 @@ import { type Gl, LOOK_UP, type Program, program, vectors } from "./gl.ts";
 import type { Picture } from "./picture.ts";
 import { aim, type View } from "./view.ts";
 
-/** Strips across the half of a can's side that is seen; of this many cans, which are small, fewer: software takes 1 us for a vertex. */
+/** Strips across the visible half of a can's side; fewer if there are this many cans, which are then small: software takes 1 us for a vertex. */
 const STRIPS = [5, 3];
 const MANY = 400;
 
