@@ -18,7 +18,7 @@ use crate::scene::Mesh;
 use crate::scene::geometry::{cross, dot, minus};
 use crate::scene::mesh::Triangle;
 
-/// How deep below an element its body is looked for, of its reach. By trials on rigid plates: in their shadow the sound is
+/// The depth below an element at which its body must be, as a part of the element's reach. By trials on rigid plates: in their shadow the sound is
 /// within 2 % from .18 of the reach on, 12 % off at .06, and the plate is transparent at .03.
 const DEPTH: f64 = 0.12;
 

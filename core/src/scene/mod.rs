@@ -111,7 +111,7 @@ impl Scene {
         Ok(Self { array, medium, points, request, signature: None, bead, obstacles, solver: None, plane: None })
     }
 
-    /// The same scene with foci to be turned into traps by a signature, or with none.
+    /// The same scene with a signature that turns foci into traps, or without one.
     ///
     /// # Errors
     /// Given factors of another modulus than 1, or not one for each transducer (and point).

@@ -19,7 +19,7 @@ FORMATS = ("PNG", "JPEG", "GIF", "BMP", "WEBP", "TIFF", "PPM")
 #: Bytes a pixel that are needed at once: four copies in red, green, blue and opacity.
 EACH = 16
 
-#: Below this part of white, -26 dB, a pixel is dark: no method tells so little from silence everywhere.
+#: Below this part of white, -26 dB, a pixel is dark: no method makes so small a pressure reliably.
 DARK = 0.05
 
 
