@@ -16,7 +16,7 @@ from pathlib import Path
 HERE = Path(__file__).parent
 TARGET = "thumbv7em-none-eabihf"
 METHODS = ("fast", "greedy", "naive", "uniform")
-#: At -icount shift=0 an instruction takes 1 ns of the emulated time, a tick of its clock of 25 MHz 40.
+#: At -icount shift=0 an instruction takes 1 ns of the emulated time, and a tick of the 25 MHz clock 40 ns.
 INSTRUCTIONS_A_TICK = 40
 NEEDS = {
     "/usr/bin/rustc": "rustc-web",

@@ -97,7 +97,7 @@ getters! {
 
 /// Places of rest of beads that start at P points, and the forces that restore them; from `midair.rest`.
 ///
-/// For a bead that is not trapped all but `place` is NaN.
+/// A bead that is not trapped has only `place`: its other values are NaN.
 ///
 /// Examples
 /// --------

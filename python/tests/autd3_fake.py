@@ -28,7 +28,7 @@ class Fake:
     def __init__(self, version: int, boards: int, firmware: bytes = bytes([0, 13, 0, 0, 13, 0])) -> None:
         self.versions, self.firmware = [version] * boards, firmware
         self.steps: list[list[bytes]] = [[] for _ in range(boards)]
-        #: Statuses that boards reply next, to whatever comes; and flags besides those of a board in order.
+        #: Statuses that boards reply next to any message; and flags besides those of a board without a fault.
         self.refusals: list[int] = []
         self.flags = 0
         #: This many steps are acknowledged by another count, as boards do that have dropped them.

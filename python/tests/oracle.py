@@ -23,7 +23,7 @@ Directivity = str | tuple[str, float]
 
 
 def pattern(directivity: Directivity, k: float, theta: Real) -> Real:
-    """Far-field pattern at angles from the normal; all but the point source are silent behind."""
+    """Far-field pattern at angles from the normal; all except the point source are silent behind."""
     name, size = (directivity, 0.0) if isinstance(directivity, str) else directivity
     front = np.minimum(theta, np.pi / 2)
     x = k * size * np.sin(front)

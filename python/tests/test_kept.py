@@ -57,7 +57,7 @@ def whole() -> midair.Sequence:
 
 @pytest.fixture
 def stopped(tmp_path: Path) -> Path:
-    """A file on its way: all but the last piece are there."""
+    """A file that is not complete: all pieces except the last are there."""
     path = tmp_path / "x.npz"
 
     def stop(done: int, total: int) -> None:

@@ -25,7 +25,10 @@ export function marks(middle: number, size: number): { at: number; text: string 
   }));
 }
 
-/** Lays it over a picture of the slice; `slotAt` says whose field is so far right. What puts it in order. */
+/**
+ * Lays scales, cross-hairs and readout over a picture of the slice; `slotAt` gives the slot whose field is shown at a
+ * fraction of the width. Returns a function that writes the scales anew if plane or wavelength has changed.
+ */
 export function createInstrument(context: Context, picture: HTMLElement, slotAt: (right: number) => Slot): () => void {
   const { studio, say } = context;
   const state = () => studio.view.state;

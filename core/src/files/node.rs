@@ -55,7 +55,7 @@ impl Node {
         }
     }
 
-    /// A list, in its short form where it has nothing but numbers. Whole numbers stay whole.
+    /// A list, in its short form if it contains only numbers. Whole numbers stay whole.
     pub(super) fn list(items: Vec<Self>) -> Self {
         let short = items.iter().any(|item| matches!(item, Self::Real(_)));
         let numbers = short.then(|| items.iter().map(Self::real).collect()).flatten();

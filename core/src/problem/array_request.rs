@@ -68,8 +68,8 @@ impl ArrayRequest {
         }
     }
 
-    /// Reads a request, checked. Returns G at the points of weight above 0, unless those are all; nothing but that is
-    /// allocated the second time.
+    /// Reads and checks a request. Returns G at the points of weight above 0, unless all points have one. Only this G is
+    /// allocated in a second call.
     pub(crate) fn read(&mut self, request: &Request) -> Result<Option<Propagation>, Error> {
         let all = 0..self.propagation.points();
         request.check(all.end)?;

@@ -5,7 +5,7 @@
 //! +-G(x'), every term eq. (5) itself, with its directivity and absorption.
 //!
 //! Of several walls each mirrors the others' images, too. Two or three at right angles have 3 or 7 images and are exact;
-//! two that face each other have them without end, and those of more than [`MOST_REFLECTIONS`] are left out.
+//! two that face each other have infinitely many, and those of more than [`MOST_REFLECTIONS`] reflections are left out.
 
 use alloc::vec;
 use alloc::vec::Vec;

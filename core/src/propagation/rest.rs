@@ -26,7 +26,7 @@ const STILL: f64 = 1e-7;
 /// A particle that moves farther than that is not trapped, and the force is sampled so far along an axis, in wavelengths.
 const FAR: f64 = 1.0;
 
-/// Where particles rest, one for each point that they start at (P,). For one that is not trapped all but `place` is NaN.
+/// Where particles rest, one for each point that they start at (P,). One that is not trapped has only `place`, else NaN.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Rest {

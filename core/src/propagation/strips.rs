@@ -53,7 +53,7 @@ impl<'w> Strips<'w> {
         Self { propagation, order: work.counting(count), planes, strip, made: false, work }
     }
 
-    /// Gives each strip, the range of its transducers and, in padded lists, of its lanes to `pass`.
+    /// Calls `pass` for each strip, with the range of its transducers, which is also the range of its lanes in padded lists.
     fn each(
         &mut self,
         control: &mut Control,

@@ -119,7 +119,7 @@ impl Plane {
     }
 
     /// Two upright planes through each of the first four traps, all of one size: those normal to y, then those normal to
-    /// x. A trap is a node, which a plane across may have nothing but.
+    /// x. A trap is a node, and a plane across the axis may contain only nodes.
     #[must_use]
     pub(crate) fn upright(traps: &[[f64; 3]], wavelength: f64) -> Vec<Self> {
         let through = |axis: Axis| {

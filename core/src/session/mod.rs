@@ -228,8 +228,8 @@ impl Session {
         Ok((transducers, threads, LANES * (STRETCH / (LANES * transducers * points)).max(1)))
     }
 
-    /// Warnings for the last solution that this session has not yet given: each kind once. Costs
-    /// nothing but the one time that it looks for the proof of [`Problem::beyond`].
+    /// Warnings for the last solution that this session has not yet given: each kind once. Only the first search for the
+    /// proof of [`Problem::beyond`] takes time.
     pub fn remarks(&mut self) -> impl Iterator<Item = Remark> + use<> {
         let (Some(problem), Some(solution)) = (self.problem(), self.solution()) else {
             return [None; 8].into_iter().flatten();

@@ -121,7 +121,7 @@ fn one_strong_focus_gets_the_conjugate_phases() {
         let solution = raw(entry, &scene);
         // Modulo one global phase: every q_i G_i turned by the field's own phase.
         let total: Complex64 = propagation(&scene).iter().zip(widen(&solution.drive)).map(|(g, q)| g[0] * q).sum();
-        // A whole step of the grid that the drives keep to, if it is a coarse one, else the methods' own convergence.
+        // Drives on a coarse grid may differ by one step of it, others by what is left when the method ends.
         let turns = (0..solution.drive.len()).map(|i| (solution.phase(i) / TAU * 65536.0).round() as i64 % 65536);
         let phases = turns.collect::<BTreeSet<_>>().len();
         let allowed = if phases <= 16 { TAU / phases as f64 } else { 0.01 };

@@ -81,7 +81,7 @@ proptest! {
     ) {
         let Some(scene) = scene else { return Ok(()) };
         let Ok(problem) = Problem::new(&scene) else { return Ok(()) };
-        // Where one transducer far exceeds the target, or a directivity is all but 0, E(0) is too small a measure for
+        // Where one transducer far exceeds the target, or a directivity is nearly 0, E(0) is too small a measure for
         // propagation in f32: 1e-6 of it is less than their rounding.
         let strong = propagation(&scene).iter().flatten().map(|g| g.norm()).fold(0.0, f64::max);
         let faint = propagation(&scene).iter().flatten().any(|g| g.norm() > 0.0 && g.norm() < 0.01 * strong);

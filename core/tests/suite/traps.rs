@@ -144,7 +144,7 @@ impl midair::Observe for Stop {
 #[test]
 fn a_potential_can_be_stopped() {
     let model = Model::new(&facing(2), Medium::default(), InstructionSet::best()).expect("a model");
-    // Seconds of work: the stop is requested within a tenth of one.
+    // The work would take seconds. The control requests the stop within a tenth of a second.
     let points = vec![[0.0, 0.0, 0.01]; 200_000];
     let drive = vec![Complex32::ONE; 128];
     let mut stop = Stop;

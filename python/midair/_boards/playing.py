@@ -257,7 +257,7 @@ class Live:
             if (playing := self._wanted) is None or not self._lives():
                 return
             frame = frames.pop()
-            # Faster than drive * loudness for what is most frequent.
+            # A loudness of 1 is the most frequent: it needs no product.
             played = drive if frame.loudness == 1 else drive * np.float32(frame.loudness)
             code = board.encode(played)
             self._played = frame, played

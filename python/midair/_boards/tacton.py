@@ -108,7 +108,7 @@ class Tacton:
 
     text : JSON
 
-    Raises SceneError with the place in the pattern for whatever is not in order.
+    Raises SceneError with the place in the pattern for anything that is not valid.
     """
 
     def __init__(self, text: str) -> None:

@@ -64,7 +64,7 @@ def greedy(player: Player, drive: Complex, order: Indices, phases: int, tries: b
 
 #: The part of a deviation that one step corrects.
 POWER = 0.7
-#: Quieter than this part of the mean, a place would be corrected without end.
+#: A place below this part of the mean counts as having it: a silent place would get an unlimited target.
 QUIETEST = 0.1
 
 

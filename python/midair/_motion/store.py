@@ -28,7 +28,7 @@ from .sequence import Sequence
 #: The name of the folder beside the file.
 ENDING = ".resume"
 
-#: The file that names the request, and the beginning of the name of an array of the state.
+#: The name of the file with the request, and the prefix of the names of the state's arrays.
 REQUEST, STATE = "request", "state."
 
 #: Names of files that are ours.

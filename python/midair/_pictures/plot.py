@@ -175,7 +175,7 @@ def picture(
     loudest: float | None = None,
     cmap: Map | None = None,
 ) -> None:
-    """Fields of one scene in axes, with one scale and its bar."""
+    """Draw fields of one scene into axes, with a common scale and one colour bar."""
     from .sheet import colour_map
 
     scale = colours(panels, quantity, vmax=vmax, loudest=loudest)

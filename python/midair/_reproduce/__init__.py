@@ -57,7 +57,7 @@ def reproduce(
     trials
         Random scenes of figs. 3 and 4, random orders of fig. 7; timing takes 15 rounds at most.
     scheduler
-        Address of a Dask scheduler for all but what is timed.
+        Address of a Dask scheduler for all work except what is timed, which runs on this machine.
     progress
         Opened with the name of each figure; gives what is called with (items done, items).
 

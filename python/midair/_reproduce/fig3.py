@@ -10,7 +10,7 @@ from . import drawing, scenes, tables
 from .scenes import curves
 from .tables import Found, Run, Verdict, outcome, percent, span
 
-#: Trials that are kept together: a second or two of the slowest method.
+#: Trials that are stored together: the slowest method takes a second or two for them.
 CHUNK = 25
 
 SIDE = 20

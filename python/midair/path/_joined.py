@@ -47,7 +47,10 @@ class Beside(Piece):
 
 
 def beside(first: Piece, second: Piece) -> Piece:
-    """Both at the same time, of one duration, or closed and repeated until both are at their start again."""
+    """Return both paths played at the same time.
+
+    They have the same duration, or both are closed and repeat until both are at their start again.
+    """
     same_unit(first, second)
     return Beside(
         points=first.points + second.points,

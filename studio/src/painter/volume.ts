@@ -59,7 +59,7 @@ void main() {
     if (modulus < quiet) continue;
     float tones = tone(modulus), glow = smoothstep(faint, 1., tones);
     float alpha = 1. - exp(-140. / steps * glow);
-    // Towards the box's faces the glow fades out: no cut edges.
+    // The glow fades out towards the faces of the box, so that it does not end at a visible edge.
     vec3 edge = smoothstep(0., .06, min(at, 1. - at));
     alpha *= edge.x * edge.y * edge.z * (1. - sum.a);
     sum += vec4(entry(tones) * alpha, alpha);

@@ -6,7 +6,7 @@ use crate::device::format::{Format, Layout, thrice};
 use crate::device::link::Link;
 
 const CHANNELS: usize = 256;
-/// Marks the first byte of a frame, which may not be missed.
+/// The bit that marks the first byte of a board's frame.
 const BEGIN: u8 = 0x80;
 
 pub(crate) const FORMAT: Format = Format {

@@ -21,7 +21,7 @@ fn nodes() -> impl Strategy<Value = Node> {
     ];
     leaf.prop_recursive(3, 24, 4, |inner| {
         prop_oneof![
-            // A list of nothing but numbers, not all whole, has another form.
+            // The text at the end keeps these lists from being `Numbers`, which is the form of lists of numbers only.
             prop::collection::vec(inner.clone(), 1..4).prop_map(|mut list| {
                 list.push(Node::Text("end".into()));
                 Node::List(list)

@@ -13,7 +13,7 @@ fn lanes(rng: &mut Rng, low: f64, high: f64) -> Lanes {
     from_fn(|_| (low + (high - low) * rng.uniform()) as f32)
 }
 
-/// The values that a body stores.
+/// Evaluates an expression of lanes with an instruction set, and returns the values of the lanes.
 macro_rules! stored {
     ($set:expr, $s:ident => $body:expr) => {
         dispatch!($set, $s => {

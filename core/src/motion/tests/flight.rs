@@ -91,7 +91,7 @@ fn every_set_gives_the_same_bits_and_a_flight_that_stops_goes_on_to_the_same() {
     for set in InstructionSet::all() {
         assert!(flown(set, air, &forces, &flight, start) == (state, places.clone()));
     }
-    // The first bead leaves a reach of .15 mm at once, and later none leaves it.
+    // In the first three calls the first bead is at once outside its reach of 10 um. The fourth call has no limit.
     let mut again: State = [[[0.0; 8]; 3]; 6];
     again[0] = start.map(|x| [x; 8]);
     again[2..].as_flattened_mut().as_flattened_mut().fill(f64::NAN);
