@@ -99,6 +99,26 @@ def test_a_path_goes_on_while_there_are_signs_of_life(doors: Doors) -> None:
 
 
 @pytest.mark.slow
+def test_a_message_wakes_a_server_at_rest() -> None:
+    with midair.connect("null", hold=SILENCE) as board:
+        live = Live(board, rate=1.0, change=np.pi)
+        live.place(np.array([POINT]))
+        begin = time.monotonic()
+        # One frame a second; the second is as the first, and then nothing is sent.
+        while time.monotonic() - begin < 2.5:
+            live.keep()
+            time.sleep(0.02)
+        frames, begin = board.stats.frames, time.monotonic()
+        live.place(np.array([[0.02, 0, 0.1]]))
+        while board.stats.frames == frames:
+            assert time.monotonic() - begin < 0.5
+            time.sleep(0.002)
+        assert frames <= 2
+        assert live.metrics()["points"] == [[0.02, 0, 0.1]]
+        live.close()
+
+
+@pytest.mark.slow
 def test_metrics_come_once_or_again_and_again(doors: Doors) -> None:
     with connect(doors.address) as client:
         client.recv(timeout=5)

@@ -38,7 +38,6 @@ class Player:
         self._time = 0.0
         self._tracked = False
         self._palm: tuple[float, float, float] | None = None
-        self._wanted: Wanted | None = None
         self._clients: list[Client] = []
 
     def obey(self, message: str | bytes, client: Client) -> None:
@@ -70,15 +69,13 @@ class Player:
     def _start(self, data: dict[str, Any], client: Client) -> None:
         start, offset = (number(key, data.get(key)) for key in ("playstart", "playstart_offset"))
         if not start:
-            self._wanted = None
             self._live.off()
             return
         if self._tacton is None:
             raise SceneError("no pattern is there: send update_pattern before update_playstart")
         client.begins()
         begin = time.monotonic() + offset / 1e3
-        self._wanted = Wanted(self._frames(begin, Moment(self._time)), change=math.pi)
-        self._live.play(self._wanted)
+        self._live.play(Wanted(self._frames(begin, Moment(self._time)), change=math.pi))
 
     def _tracking(self, data: dict[str, Any], client: Client) -> None:
         self._tracked = flag("enabled", data.get("enabled"))
