@@ -88,10 +88,10 @@ def a_weighting(frequency: NDArray[np.floating]) -> NDArray[np.float64]:
 BANDS: tuple[tuple[float, float], ...] = ((5.0, 50.0), (50.0, 500.0))
 
 #: Least vibration that each channel of the palm feels, (Hz, dB re 1 um peak), by a contactor of 2.9 cm^2 and
-#: long bursts. Together they are flat to 40 Hz and then fall by 12 dB an octave to the best near 250 Hz
-#: (Gescheider and Verrillo 1979, doi 10.1007/978-1-4613-3039-4_10). The levels are from memory, to some 3 dB:
-#: the fast channel (Pacinian) of Verrillo 1963 (J. Acoust. Soc. Am. 35, 1962), the slow one (non-Pacinian I)
-#: of Bolanowski et al. 1988 (84, 1680).
+#: long bursts. Gescheider and Verrillo 1979 (doi 10.1007/978-1-4613-3039-4_10) state a fall of 12 dB
+#: an octave from 40 Hz to the best near 250 Hz. All levels, the slope of the slow channel and the rise
+#: above 500 Hz are from memory, to some 3 dB: the fast channel (Pacinian) of Verrillo 1963 (J. Acoust. Soc.
+#: Am. 35, 1962), the slow one (non-Pacinian I) of Bolanowski et al. 1988 (84, 1680).
 SLOW = (
     (1, 32),
     (3, 28),
