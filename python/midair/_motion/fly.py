@@ -19,10 +19,10 @@ from .sequence import Flight, Sequence
 ANGLE = 0.3
 
 #: Knots whose forces are found together, and how many of them are kept for the next laps: some 500 MB.
-KNOTS, KEPT = 256, 128
+KNOTS, KEPT = 1024, 32
 
 #: Knots that beads fly at once, and once one has left its cell: it may be lost.
-FLOWN, SOON = 2048, 16
+FLOWN, SOON = 8192, 16
 
 #: The distance of two cells, in radii of a cell: every place lies well inside the ball of its cell.
 LATTICE = 0.8

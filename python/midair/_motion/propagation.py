@@ -15,6 +15,7 @@ from __future__ import annotations
 import re
 import warnings
 from dataclasses import dataclass
+from itertools import permutations, product
 from math import ceil
 from typing import Any, NamedTuple
 
@@ -223,7 +224,7 @@ class Forces:
         self._scene, self._factors = scene.replace(signature=None, pressures=None), factors
         self.wavelength = wavelength = scene.sound_speed / scene.frequency
         wavenumber = 2 * np.pi / wavelength + 1j * scene.absorption
-        directions, weights = _rule(ORDERS + 1)
+        directions, weights = _rule()
         radius, self.unit = BALL * wavelength, UNIT * wavelength
         self._ball = radius * directions
         cosines = np.polynomial.legendre.legvander(directions @ directions.T, ORDERS)
@@ -283,14 +284,25 @@ def monomials(places: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.stack(columns, axis=1)
 
 
-def _rule(heights: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Directions (D, 3) and weights (D,) that integrate over the sphere, exact to degree 2 heights - 1."""
-    cosines, shares = np.polynomial.legendre.leggauss(heights)
-    angles = np.pi * np.arange(2 * heights) / heights
-    across = np.sqrt(1 - cosines**2)[:, None]
-    sides = [across * np.cos(angles), across * np.sin(angles), cosines[:, None] + 0 * angles]
-    weights = np.repeat(shares * np.pi / heights, 2 * heights)
-    return np.stack(sides, axis=2).reshape(-1, 3), weights
+def _rule() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Directions (50, 3) and weights (50,) that integrate over the sphere, exact to degree 11.
+
+    V. I. Lebedev, USSR Comput. Math. Math. Phys. 16(2), 10 (1976): towards faces, edges and corners of a
+    cube, and along (1, 1, 3).
+    """
+    shapes = (
+        ((0, 0, 1), 4 / 315),
+        ((0, 1, 1), 64 / 2835),
+        ((1, 1, 1), 27 / 1280),
+        ((1, 1, 3), 14641 / 725760),
+    )
+    directions, weights = [], []
+    for shape, weight in shapes:
+        orders = sorted(set(permutations(shape)))
+        each = {tuple(a * b) for a in np.array(orders) for b in product((-1, 1), repeat=3)}
+        directions += [np.array(one) / np.linalg.norm(one) for one in sorted(each)]
+        weights += [4 * np.pi * weight] * len(each)
+    return np.array(directions), np.array(weights)
 
 
 def _bessel(z: complex) -> NDArray[np.complex128]:
