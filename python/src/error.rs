@@ -46,7 +46,7 @@ pub(crate) fn refused(error: midair::Error) -> PyErr {
     }
 }
 
-/// A [`SceneError`] of this door's own: an argument that never reaches the core.
+/// A [`SceneError`] of this binding itself: an argument that never reaches the core.
 pub(crate) fn invalid(item: &str, value: &str, cure: &str) -> PyErr {
     refused(midair::Error::invalid(item, value, cure))
 }

@@ -259,7 +259,7 @@ def test_phases_next_to_a_whole_turn_and_far_from_it(kind: str, turn: float) -> 
         return
     nearest = np.exp(TURNING / phases * np.floor((turn % (2 * np.pi)) / 2 / np.pi * phases + 0.5))
     np.testing.assert_allclose(played(board, rig, np.full(len(board.array), wanted)), nearest, atol=1e-6)
-    # The correction is a phase and not a complex number: it is taken off before rounding.
+    # The correction is a phase, not a complex factor: it is subtracted from the phase before rounding.
     fixed = Board(board.name, board.array, corrections=np.full(len(board.array), turn))
     back = np.floor(((-turn) % (2 * np.pi)) / 2 / np.pi * phases + 0.5)
     got = played(fixed, rig, np.ones(len(board.array)))

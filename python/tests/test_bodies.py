@@ -1,4 +1,4 @@
-"""Obstacles that are bodies: spheres against their series, meshes against spheres, through every door."""
+"""Obstacles that are bodies: spheres against their series, meshes against spheres, in every interface."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Obstacles: walls against image sums in NumPy, through every door."""
+"""Obstacles: walls against image sums in NumPy, through every interface."""
 
 from __future__ import annotations
 

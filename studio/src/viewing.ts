@@ -8,8 +8,8 @@ import type { Eye } from "./eye.ts";
 export type Spot = [number, number];
 
 /**
- * Lets pointers move the view: one finger or the left button turns, the right button or two fingers shift, two fingers and the
- * wheel zoom. With Shift the left button draws a box: `box` is given its corners, and whether it is done.
+ * Lets pointers move the view. One finger or the left button turns it, two fingers or the right button shift it, two
+ * fingers or the wheel zoom. With Shift the left button draws a box: `box` gets its corners, and true at the end.
  */
 export function createViewing(context: Context, eye: Eye, view: HTMLElement, local: (event: MouseEvent) => Spot, box: (from: Spot, to: Spot, done: boolean) => void) {
   const { say } = context;

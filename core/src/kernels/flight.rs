@@ -51,7 +51,7 @@ pub(crate) struct Laws {
     pub(crate) drag: Vec<f64>,
     /// Number of steps in 1 m/s.
     pub(crate) finest: f64,
-    /// The length that monomials are counted in, in m.
+    /// The unit of length of the monomials, in m.
     pub(crate) unit: f64,
     /// h in s.
     pub(crate) step: f64,

@@ -14,11 +14,11 @@ use crate::problem::setup::Setup;
 use crate::propagation::Propagation;
 use crate::scene::Request;
 
-/// Targets outside these many reference pressures are a slip of the unit, and near the ends of f32.
+/// Targets outside this range, in reference pressures, have a wrong unit and are near the limits of f32.
 const MOST_TARGET: f64 = 1e15;
 const LEAST_TARGET: f64 = 1e-30;
 
-/// A point that the whole array brings to less, in Pa, is not reached: quotients would overflow.
+/// A point counts as not reached if all transducers together make less than this, in Pa: quotients would overflow.
 const LEAST_REACH: f64 = 1e-200;
 
 /// The pressures that a request needs from an array, over all points, in Pa.

@@ -261,7 +261,8 @@ impl<'a> Pass<'a> {
         Ok(part)
     }
 
-    /// For a function of the pressure at a point.
+    /// Writes the value of a function of the pressure at a point into `part`, and with a cotangent adds the gradients.
+    /// Returns the gradient by the point.
     fn sounded(
         &self,
         (index, point): (usize, [f64; 3]),
@@ -296,7 +297,7 @@ impl<'a> Pass<'a> {
         Ok(by_point)
     }
 
-    /// For a quantity of a particle at a point.
+    /// Does the same for a quantity of a particle at a point.
     fn felt(
         &self,
         (index, point): (usize, [f64; 3]),
@@ -317,7 +318,7 @@ impl<'a> Pass<'a> {
         let (pulled, by_speed) = self.quantity.back_felt((self.medium, particle), &pressure, cotangent);
         part.by_speed += by_speed;
         let weights = weights(&pulled);
-        // Only the stiffness depends on third derivatives, whose own are the fourth.
+        // Only the stiffness contains third derivatives of the field, so only its gradient needs the fourth.
         let contract = match self.quantity {
             Quantity::Stiffness(_) => contract::<MORE_TERMS>,
             _ => contract::<TERMS>,

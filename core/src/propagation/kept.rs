@@ -17,7 +17,8 @@ use crate::propagation::stiffness::Stiffness;
 use crate::propagation::taylor::add_exact;
 use crate::scene::{Bead, Signature};
 
-/// Entries of G that are kept at most: a tenth of a second's work, and a few MB. Of more than eight waves each fewer.
+/// The largest number of entries of a stored G: it takes a tenth of a second and a few MB. If each entry is the sum of
+/// more than eight waves, the number is smaller in proportion.
 const MOST_ENTRIES: usize = 1 << 20;
 
 /// G, or the reason why there is none.

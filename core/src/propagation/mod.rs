@@ -162,7 +162,7 @@ impl Propagation {
             let item = format!("propagation[{}, {}]", at / transducers, at % transducers);
             return Err(Error::invalid(item, matrix[at], "give finite numbers"));
         }
-        // Divided first: the sum of finite numbers need not be finite, their mean is.
+        // Each number is divided before the sum, because the sum of large finite numbers can overflow.
         let mean = matrix.iter().map(|g| math::hypot(g.re, g.im) / matrix.len() as f64).sum::<f64>();
         if mean > 0.0 && !UNITS.contains(&mean) {
             return Err(Error::invalid("propagation", format!("{mean:e} in the mean"), "give Pa: 1e-15 to 1e15"));

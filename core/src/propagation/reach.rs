@@ -14,7 +14,7 @@ use crate::propagation::{Propagation, Rows};
 /// Square wavelengths, a little more than a hundredth squared: f32 decides where f64 is to look.
 pub(crate) const NEAR: f32 = 1.01e-4;
 
-/// Amplitudes that are kept at most: 1 MiB, which the second cache keeps until the rows are made.
+/// The largest number of stored amplitudes: 1 MiB, which stays in the second-level cache until the rows are made.
 const MOST_KEPT: usize = 1 << 18;
 
 /// Amplitudes |c| D e^{-alpha r}/r of all elements of G, where they are kept: row after row.

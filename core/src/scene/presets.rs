@@ -15,7 +15,7 @@ use crate::scene::transducer::Transducer;
 
 /// An array known by name.
 #[derive(Clone, Copy, Debug)]
-#[allow(clippy::exhaustive_structs, reason = "read by every door; built only here")]
+#[allow(clippy::exhaustive_structs, reason = "read by every binding; built only here")]
 pub struct Preset {
     /// Its name in `Array::preset` and in scene files.
     pub name: &'static str,

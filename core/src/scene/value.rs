@@ -8,7 +8,7 @@ use core::fmt;
 
 use crate::error::{Error, same_name};
 
-/// The value of an option, as a door hands it over.
+/// The value of an option, as a binding passes it.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::exhaustive_enums, reason = "the kinds a scene file can hold")]
 pub enum Value {

@@ -39,7 +39,7 @@ impl Mirror {
     }
 }
 
-/// A wall as a mirror that faces the array.
+/// Makes the mirror of a wall. Its normal points to the side of the array.
 pub(crate) fn mirror(
     item: &str,
     (point, normal, kind): ([f64; 3], [f64; 3], Surface),

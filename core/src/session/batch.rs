@@ -12,7 +12,7 @@ use crate::solvers::remark::{Remark, harmonic, weak_part};
 
 /// Results of [`crate::Session::solve_batch`] beside the drives, for B problems of M points.
 #[derive(Clone, Debug, PartialEq)]
-#[allow(clippy::exhaustive_structs, reason = "what a door keeps and makes again, list by list")]
+#[allow(clippy::exhaustive_structs, reason = "a binding stores the lists and makes the batch from them")]
 pub struct Batch {
     /// Complex pressures (B, M) in Pa (peak).
     pub pressures: Vec<Complex32>,

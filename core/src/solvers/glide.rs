@@ -43,7 +43,7 @@ use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::{Buffer, Workspace};
 
 options! {
-    /// Even points in motion, |q| = 1 before the level is brought down. Time O(N M^2 + M^3) a frame, memory O(N M + M^2).
+    /// Even points in motion, |q| = 1 before all drives are reduced to the targets. Time O(N M^2 + M^3) a frame, memory O(N M + M^2).
     pub struct Glide {
         /// The most that a phase changes from the last frame to this one, in rad; pi and more leaves phases free.
         pub change: f64 = PI / 16.0,

@@ -9,7 +9,7 @@ use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
 options! {
-    /// Even fields, |q| = 1 before the level is brought down. Time O(N M^2 + M^3), memory O(N M + M^2).
+    /// Even fields, |q| = 1 before all drives are reduced to the targets. Time O(N M^2 + M^3), memory O(N M + M^2).
     pub struct Uniform {
         /// Weighted Gerchberg-Saxton sweeps before the Gauss-Newton steps.
         pub steps: u32 = SWEEPS,

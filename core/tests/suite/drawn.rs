@@ -1,4 +1,4 @@
-//! Tables of a scene file that a door draws: handed over once each, joined in order, refused with their place.
+//! Tables of a scene file that a binding draws: passed to it once each, joined in order, refused with their place.
 
 use midair::Request;
 use midair::files::{Drawing, Format, Source, read, read_drawn, references};
@@ -30,7 +30,7 @@ z = 0.15
 
 const SOURCE: Source<'static> = Source { name: "drawn.toml", folder: None };
 
-/// A door that draws two points for each table, of one pressure and no weight.
+/// Draws two points for each table, as a binding does: with a pressure each and without weights.
 fn pair(name: &str) -> Drawing {
     let z = if name == "image" { 0.2 } else { 0.1 };
     let request = Request { pressures: Some(vec![700.0, 800.0]), ..Request::default() };

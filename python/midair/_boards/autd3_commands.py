@@ -26,8 +26,8 @@ ULTRASOUND = 40_000
 PATTERNS = (2, 1024)
 DIVIDERS = (1, 65535)
 BANKS = (0, 1)
-#: Samples of a modulation that a device stores, samples a second (one lasts as long as the silencer
-#: takes for an intensity), and the least number of samples in a period of a sine.
+#: The largest number of samples of a modulation, samples a second, and samples in a period of a sine at
+#: least. The time of one sample is the time in which the silencer changes an intensity.
 SAMPLES = 65536
 SAMPLING = 4000
 SAMPLES_A_PERIOD = 4

@@ -2,7 +2,7 @@
 
 use midair::{Array, Complex32, Control, Error, KeptField, Medium, Model, field};
 
-/// Entries of G that are kept at most, 64 MB; and the fewest that are worth it.
+/// The largest number of entries of a stored G, 64 MB; and the smallest for which storing saves time.
 const MOST: usize = 1 << 23;
 const LEAST: usize = 1 << 18;
 

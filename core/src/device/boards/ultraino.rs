@@ -50,10 +50,10 @@ pub(crate) const MEGA64: Format = Format {
     silence: thrice,
 };
 
-/// Clock cycles of the ticks of a period as the published binary plays them, at 16 MHz.
+/// The length of each of the ten ticks of a period in clock cycles of 16 MHz, as the published binary plays them.
 const TICKS: [u8; 10] = [38, 42, 34, 35, 35, 36, 43, 43, 34, 56];
 const PERIOD: f64 = 396.0;
-/// Cycles by which they begin before equal ones, on the average.
+/// Cycles by which these ticks begin before ticks of equal length, on average.
 const BEFORE: f64 = 8.8;
 const MEGA64_HZ: f64 = 16e6 / PERIOD;
 

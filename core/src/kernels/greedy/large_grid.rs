@@ -83,7 +83,7 @@ pub(crate) fn best<S: Simd>(
     let (values, window) = floats.split_at_mut(list(energies.candidates.phases));
     let rounding = energies.rounding();
     let rivals = Rivals { rounding, matters, steep: moments.steepness() };
-    // Twice the remainder of what the bounds are for, and the remainders of what is compared with them.
+    // Both sides of a comparison have a remainder, so each remainder counts twice.
     let fine = 2.0 * moments.fine_remainder();
     let slack = (2.0 * moments.remainder() + fine + rounding - matters).max(0.0);
     let mut list = List::new((fine + rounding - matters).max(0.0), values, indices);

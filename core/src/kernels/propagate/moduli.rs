@@ -29,11 +29,11 @@ const RUN: usize = 32;
 /// Points between two pulses: some 100 us.
 const POINTS_A_PULSE: usize = 1 << 10;
 
-/// Some of the sources.
+/// Consecutive groups of the sources.
 pub(crate) struct Run<'a> {
     radiation: &'a Radiation,
     groups: &'a [SourceGroup],
-    /// Their indices.
+    /// The indices of these sources.
     pub(crate) members: Range<usize>,
 }
 

@@ -74,7 +74,7 @@ const SPAN: usize = 10;
 /// The error at which a target counts as met: f32 has no digits below.
 const LEAST_ERROR: f64 = 1e-6;
 
-/// The drive of least squares that some starts lead to.
+/// Finds the drive of least squares: the best that descents from several starts reach.
 ///
 /// # Errors
 /// More memory than allowed.

@@ -18,7 +18,7 @@ const HALVINGS: usize = 4;
 /// A phase is at its bound where the cosine of its change is no further than this from that of the bound.
 const AT_BOUND: f32 = 1e-6;
 
-/// The others do not suffice once a step leaves more than this part of the squares.
+/// After a step that leaves more than this part of the squared error, phases at their bound may turn inwards, too.
 const SLOW: f64 = 0.25;
 
 /// The range of phases, and the number of steps.
