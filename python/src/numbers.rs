@@ -78,7 +78,14 @@ pub(crate) fn array<'py>(
 
 fn as_array<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     static AS_ARRAY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    AS_ARRAY.import(value.py(), "midair._support.arguments", "as_array")?.call1((value,))
+    static FROM_DLPACK: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    // `import midair` makes arrays of lists, and loads no module of the toolbox for them.
+    let read = if value.hasattr("__dlpack__")? {
+        FROM_DLPACK.import(value.py(), "midair._support.arguments", "as_array")?
+    } else {
+        AS_ARRAY.import(value.py(), "numpy", "asarray")?
+    };
+    read.call1((value,))
 }
 
 /// Whether lists nest no deeper than an array does, and no bool hides in them, where numpy would make a number of it.
