@@ -14,7 +14,7 @@ use midair::{
 
 const N: usize = 400;
 const M: usize = 4;
-/// Calls of each side in one round, and rounds.
+/// The number of calls of each side in one round, and the number of rounds.
 const CALLS: usize = 200;
 const ROUNDS: usize = 500;
 

@@ -108,7 +108,7 @@ typedef struct {
 typedef struct {
     // The link that carries the bytes.
     midair_link_kind kind;
-    // Number of lines; a frame is as many parts of one length, one after the other.
+    // Number of lines; a frame consists of one part for each line, all of the same length, one after the other.
     size_t lines;
     // Bits a second of a serial line, ten to a byte; else 0.
     uint32_t baud;

@@ -19,7 +19,7 @@ pub unsafe extern "C" fn midair_array_preset(
     message_size: usize,
 ) -> Outcome {
     outcome(Message { text: message, size: message_size }, || {
-        // SAFETY: the caller's word for name and array.
+        // SAFETY: the caller guarantees name and array.
         unsafe {
             let made = text("preset", name).and_then(|name| midair::Array::preset(name, [tiles_x, tiles_y]));
             give("array", array, made.map(Array))
@@ -37,7 +37,7 @@ pub unsafe extern "C" fn midair_array_board(
     message_size: usize,
 ) -> Outcome {
     outcome(Message { text: message, size: message_size }, || {
-        // SAFETY: the caller's word for kind and array.
+        // SAFETY: the caller guarantees kind and array.
         unsafe {
             let made = text("board", kind).and_then(|kind| midair::Array::of_board(kind, [1, 1]));
             give("array", array, made.map(Array))
@@ -57,7 +57,7 @@ pub unsafe extern "C" fn midair_array_grid(
     message_size: usize,
 ) -> Outcome {
     outcome(Message { text: message, size: message_size }, || {
-        // SAFETY: the caller's word for array.
+        // SAFETY: the caller guarantees array.
         unsafe { give("array", array, midair::Array::grid(nx, ny, pitch).map(Array)) }.map(|()| "")
     })
 }
@@ -74,7 +74,7 @@ pub unsafe extern "C" fn midair_array_new(
     message_size: usize,
 ) -> Outcome {
     outcome(Message { text: message, size: message_size }, || {
-        // SAFETY: the caller's word for the lists and array.
+        // SAFETY: the caller guarantees the lists and array.
         unsafe {
             let made = vectors("positions", positions, count).and_then(|positions| {
                 let normals = list_or_none("normals", normals.cast::<[f64; 3]>(), count)?;
@@ -110,7 +110,7 @@ pub unsafe extern "C" fn midair_array_positions(
             room(item, start.cast::<[f64; 3]>(), count, values.len())?;
         }
         for &(_, start, values) in wanted() {
-            // SAFETY: there is room, by the caller's word.
+            // SAFETY: there is room, as the caller guarantees.
             unsafe { write(start.cast(), values) };
         }
         Ok("")

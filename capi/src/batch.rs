@@ -66,7 +66,7 @@ pub unsafe extern "C" fn midair_session_solve_batch(
     message_size: usize,
 ) -> Outcome {
     outcome(Message { text: message, size: message_size }, || {
-        // SAFETY: the caller's word.
+        // SAFETY: the caller guarantees valid arguments.
         let mut state = unsafe { Session::behind(session) }?.state()?;
         let State { session, ask, .. } = &mut *state;
         let (size, aim) = (session.transducers(), ask.aim);
@@ -74,7 +74,7 @@ pub unsafe extern "C" fn midair_session_solve_batch(
             return Err(Error::invalid("transducers", transducers, format!("the session has {size}")));
         }
         let rows = outputs(problems, drives, transducers, answers)?;
-        // SAFETY: the caller's word for the lists.
+        // SAFETY: the caller guarantees the lists.
         let all = unsafe { Lists::read(points, pressures, weights, entries(problems, count)?) }?;
         let request = |k: usize, ask: &mut SolveRequest| {
             let own = k * count..(k + 1) * count;
@@ -96,7 +96,7 @@ pub unsafe extern "C" fn midair_session_solve_batch(
             scale: batch.scale[k],
             metrics: batch.metrics[k].into(),
         };
-        // SAFETY: there is room, by the caller's word; both complex types are two f32 in a row.
+        // SAFETY: there is room, as the caller guarantees; both complex types are two f32 in a row.
         unsafe {
             write(drives.cast(), &found);
             if !answers.is_null() {
@@ -127,7 +127,7 @@ pub unsafe extern "C" fn midair_solve_scenes(
 ) -> Outcome {
     outcome(Message { text: message, size: message_size }, || {
         outputs(count, drives, transducers, answers)?;
-        // SAFETY: the caller's word for scenes and folder.
+        // SAFETY: the caller guarantees scenes and folder.
         let (scenes, folder) = unsafe {
             let texts = list("scenes", scenes, count)?.iter().enumerate();
             let scenes: Result<Vec<&str>, Error> =
@@ -146,7 +146,7 @@ pub unsafe extern "C" fn midair_solve_scenes(
         };
         let solved = if share < count { aside(spread)? } else { part(0) };
         let solved: Vec<Solved> = solved.into_iter().collect::<Result<_, _>>()?;
-        // SAFETY: there is room, by the caller's word; both complex types are two f32 in a row.
+        // SAFETY: there is room, as the caller guarantees; both complex types are two f32 in a row.
         unsafe {
             for (k, one) in solved.iter().enumerate() {
                 write(drives.add(k * transducers).cast(), &one.drive);

@@ -36,7 +36,7 @@ pub enum LinkKind {
 pub struct Link {
     /// The link that carries the bytes.
     pub kind: LinkKind,
-    /// Number of lines; a frame is as many parts of one length, one after the other.
+    /// Number of lines; a frame consists of one part for each line, all of the same length, one after the other.
     pub lines: usize,
     /// Bits a second of a serial line, ten to a byte; else 0.
     pub baud: u32,
@@ -86,7 +86,7 @@ pub unsafe extern "C" fn midair_board_new(
     message_size: usize,
 ) -> Outcome {
     outcome(Message { text: message, size: message_size }, || {
-        // SAFETY: the caller's word for name and board.
+        // SAFETY: the caller guarantees name and board.
         unsafe {
             let made = text("board", name).and_then(|name| midair::Board::new(name, transducers));
             give("board", board, made.map(Board::from))
@@ -106,7 +106,7 @@ pub unsafe extern "C" fn midair_board_of_session(
     message_size: usize,
 ) -> Outcome {
     outcome(Message { text: message, size: message_size }, || {
-        // SAFETY: the caller's word for name, session and board.
+        // SAFETY: the caller guarantees name, session and board.
         unsafe {
             let made = text("board", name).and_then(|name| Session::behind(session)?.state()?.board(name));
             give("board", board, made.map(Board::from))
@@ -135,11 +135,11 @@ pub unsafe extern "C" fn midair_board_encode(
     outcome(Message { text: message, size: message_size }, || {
         let board = &handle("board", board)?.inner;
         room("frame", frame, size, board.frame_size())?;
-        // SAFETY: the caller's word for the drive.
+        // SAFETY: the caller guarantees the drive.
         let drive = unsafe { read_drive(drive, transducers) }?;
         let mut bytes = vec![0; size];
         board.encode(drive, &mut bytes)?;
-        // SAFETY: there is room, by the caller's word.
+        // SAFETY: there is room, as the caller guarantees.
         unsafe { write(frame, &bytes) };
         Ok("")
     })
@@ -163,7 +163,7 @@ pub unsafe extern "C" fn midair_board_silence(
     outcome(Message { text: message, size: message_size }, || {
         let silence = &handle("board", board)?.silence;
         room("bytes", bytes, size, silence.len())?;
-        // SAFETY: there is room, by the caller's word.
+        // SAFETY: there is room, as the caller guarantees.
         unsafe { write(bytes, silence) };
         Ok("")
     })
@@ -180,7 +180,7 @@ pub unsafe extern "C" fn midair_board_link(
     outcome(Message { text: message, size: message_size }, || {
         let board = &handle("board", board)?.inner;
         room("link", link, 1, 1)?;
-        // SAFETY: there is room, by the caller's word.
+        // SAFETY: there is room, as the caller guarantees.
         unsafe { link.write(board.into()) };
         Ok("")
     })

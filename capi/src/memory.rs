@@ -15,7 +15,7 @@ pub struct Complex {
     pub im: f32,
 }
 
-// Assumptions of `complex` and `write` about the two layouts.
+// `complex` and `write` assume that both types have the same layout.
 const _: () =
     assert!(size_of::<Complex>() == size_of::<Complex32>() && align_of::<Complex>() == align_of::<Complex32>());
 
@@ -34,7 +34,7 @@ pub(crate) unsafe fn give<T>(item: &str, place: *mut *mut T, made: Result<T, Err
         Ok(made) => (Box::into_raw(Box::new(made)), Ok(())),
         Err(error) => (std::ptr::null_mut(), Err(error)),
     };
-    // SAFETY: it is not NULL, and may be written by the caller's word.
+    // SAFETY: it is not NULL, and may be written as the caller guarantees.
     unsafe { place.write(handle) };
     result
 }
@@ -47,7 +47,7 @@ pub(crate) unsafe fn text<'a>(item: &str, text: *const c_char) -> Result<&'a str
     if text.is_null() {
         return Err(Error::invalid(item, "NULL", "give text"));
     }
-    // SAFETY: it is not NULL, and ends by the caller's word.
+    // SAFETY: it is not NULL, and ends as the caller guarantees.
     let text = unsafe { CStr::from_ptr(text) };
     text.to_str().map_err(|_| Error::invalid(item, text.to_string_lossy(), "give text in UTF-8"))
 }
@@ -61,7 +61,7 @@ pub(crate) unsafe fn list<'a, T>(item: &str, start: *const T, count: usize) -> R
         return Ok(&[]);
     }
     check(item, start, count)?;
-    // SAFETY: neither NULL nor misaligned nor longer than any memory; the entries are there by the caller's word.
+    // SAFETY: neither NULL nor misaligned nor longer than any memory; the entries are there as the caller guarantees.
     Ok(unsafe { slice::from_raw_parts(start, count) })
 }
 

@@ -41,7 +41,7 @@ impl Message {
         let most = text.len().min(self.size - 1);
         let end = (0..=most).rev().find(|&end| text.is_char_boundary(end)).unwrap_or(0);
         let kept = &text[..end];
-        // SAFETY: the buffer is not NULL and, by the caller's word, `size` bytes long; `kept` is at most one less, and
+        // SAFETY: the buffer is not NULL and, as the caller guarantees, `size` bytes long; `kept` is at most one less, and
         // text of ours does not lie in a buffer of the caller's.
         unsafe {
             self.text.cast::<u8>().copy_from_nonoverlapping(kept.as_ptr(), kept.len());

@@ -137,7 +137,7 @@ pub unsafe extern "C" fn midair_session_new(
 ) -> Outcome {
     outcome(Message { text: message, size: message_size }, || {
         let mut news = String::new();
-        // SAFETY: the caller's word for method and session.
+        // SAFETY: the caller guarantees method and session.
         unsafe {
             let made = handle("array", array).and_then(|array| {
                 let setting = Setting::new(array.0.clone(), text("method", method)?)?;
@@ -164,7 +164,7 @@ pub unsafe extern "C" fn midair_session_open(
 ) -> Outcome {
     outcome(Message { text: message, size: message_size }, || {
         let mut news = String::new();
-        // SAFETY: the caller's word for scene, folder and session.
+        // SAFETY: the caller guarantees scene, folder and session.
         unsafe {
             let made = text("scene", scene).and_then(|scene| {
                 let folder = if folder.is_null() { None } else { Some(Path::new(text("folder", folder)?)) };
@@ -197,7 +197,7 @@ pub unsafe extern "C" fn midair_session_set_number(
     message_size: usize,
 ) -> Outcome {
     outcome(Message { text: message, size: message_size }, || {
-        // SAFETY: the caller's word for session and name.
+        // SAFETY: the caller guarantees session and name.
         let (session, name) = unsafe { (Session::behind(session)?, text("name", name)?) };
         session.set(name, Given::Number(value))
     })
@@ -214,7 +214,7 @@ pub unsafe extern "C" fn midair_session_set_text(
     message_size: usize,
 ) -> Outcome {
     outcome(Message { text: message, size: message_size }, || {
-        // SAFETY: the caller's word for session, name and value.
+        // SAFETY: the caller guarantees session, name and value.
         let (session, name, value) = unsafe { (Session::behind(session)?, text("name", name)?, text("value", value)?) };
         session.set(name, Given::Text(value))
     })
@@ -232,7 +232,7 @@ pub unsafe extern "C" fn midair_session_set_numbers(
     message_size: usize,
 ) -> Outcome {
     outcome(Message { text: message, size: message_size }, || {
-        // SAFETY: the caller's word for session, name and values.
+        // SAFETY: the caller guarantees session, name and values.
         let (session, name) = unsafe { (Session::behind(session)?, text("name", name)?) };
         // SAFETY: likewise.
         session.set(name, Given::Numbers(unsafe { list("values", values, count) }?))
@@ -258,13 +258,13 @@ pub unsafe extern "C" fn midair_session_solve(
 ) -> Outcome {
     let message = Message { text: message, size: message_size };
     outcome(message, || {
-        // SAFETY: the caller's word.
+        // SAFETY: the caller guarantees valid arguments.
         let mut state = unsafe { Session::behind(session) }?.state()?;
         room("drive", drive, transducers, state.session.transducers())?;
         if !answer.is_null() {
             room("answer", answer, 1, 1)?;
         }
-        // SAFETY: the caller's word for the lists.
+        // SAFETY: the caller guarantees the lists.
         let lists = unsafe { Lists::read(points, pressures, weights, count) }?;
         let solution = if state.own.is_some() && lists.points.is_empty() {
             state.solve_own()?
@@ -273,7 +273,7 @@ pub unsafe extern "C" fn midair_session_solve(
             write_request(ask, lists);
             session.solve(ask, &mut Control::none())?
         };
-        // SAFETY: there is room, by the caller's word; both complex types are two f32 in a row.
+        // SAFETY: there is room, as the caller guarantees; both complex types are two f32 in a row.
         unsafe {
             write(drive.cast(), &solution.drive);
             if !answer.is_null() {
@@ -300,10 +300,10 @@ pub unsafe extern "C" fn midair_session_judge(
     message_size: usize,
 ) -> Outcome {
     outcome(Message { text: message, size: message_size }, || {
-        // SAFETY: the caller's word.
+        // SAFETY: the caller guarantees valid arguments.
         let state = unsafe { Session::behind(session) }?.state()?;
         room("metrics", metrics, 1, 1)?;
-        // SAFETY: the caller's word for the lists.
+        // SAFETY: the caller guarantees the lists.
         let (drive, Lists { points, pressures, weights }) =
             unsafe { (read_drive(drive, transducers)?, Lists::read(points, pressures, weights, count)?) };
         let list = |given: Option<&[f64]>| given.map(<[_]>::to_vec);
@@ -311,7 +311,7 @@ pub unsafe extern "C" fn midair_session_judge(
         let control = &mut Control::none();
         let judged =
             Problem::of_model(&state.model, points, &request, control)?.judge(drive, Precision::Double, control)?;
-        // SAFETY: there is room, by the caller's word.
+        // SAFETY: there is room, as the caller guarantees.
         unsafe { metrics.write(judged.into()) };
         Ok("")
     })
@@ -330,13 +330,13 @@ pub unsafe extern "C" fn midair_session_field(
     message_size: usize,
 ) -> Outcome {
     outcome(Message { text: message, size: message_size }, || {
-        // SAFETY: the caller's word.
+        // SAFETY: the caller guarantees valid arguments.
         let state = unsafe { Session::behind(session) }?.state()?;
-        // SAFETY: the caller's word for the lists.
+        // SAFETY: the caller guarantees the lists.
         let (drive, points) = unsafe { (read_drive(drive, transducers)?, vectors("points", points, count)?) };
         room("pressures", pressures, count, points.len())?;
         let field = midair::field(&state.model, drive, points, &mut Control::none())?;
-        // SAFETY: there is room, by the caller's word; both complex types are two f32 in a row.
+        // SAFETY: there is room, as the caller guarantees; both complex types are two f32 in a row.
         unsafe { write(pressures.cast(), &field) };
         Ok("")
     })

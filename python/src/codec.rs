@@ -146,7 +146,7 @@ getters! {
     /// Frames a second up to which it emits as at rest.
     steady_rate(self) -> f64 = self.board.steady_rate();
 
-    /// Its grid, as an array has it.
+    /// The board's grid, in the form of `Array.quantization`.
     quantization(self, py) -> PyResult<Option<Bound<'py, PyDict>>> =
         quantization::shown(py, Some(&self.board.quantization().map_err(refused)?));
 }

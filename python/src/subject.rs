@@ -91,7 +91,9 @@ impl Subject {
             return Ok(Self::Given(propagation, Arc::new(setup), request));
         }
         let kind = object.get_type().qualname()?;
-        Err(PyTypeError::new_err(format!("expected a midair.Scene or midair.Propagation first, not {kind}")))
+        Err(PyTypeError::new_err(format!(
+            "expected a midair.Scene or midair.Propagation first, not {kind}: give midair.Scene(array, points)"
+        )))
     }
 
     pub(crate) fn problem(&self, rows_follow: bool, control: &mut Control) -> Result<Problem, midair::Error> {

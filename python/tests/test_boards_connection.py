@@ -56,6 +56,7 @@ def test_addresses(address, board, kind, where):
             "there is no such board, did you mean sonicsurface. give one of null, file:PATH, autd3,",
         ),
         ("", "there is no such board"),
+        ("/dev/ttyUSB0", "write the board before its port, as in sonicsurface:/dev/ttyUSB0"),
         ("sonicsurface", "the place of the board is left out, give sonicsurface:PORT or sonicsurface:loop"),
         ("openmpd:", "openmpd:SERIAL"),
         ("openmpd:A+B+C", "give 2 serial numbers"),

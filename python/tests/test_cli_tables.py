@@ -34,7 +34,9 @@ def test_tables_are_whole_at_any_width(width: int, monkeypatch: pytest.MonkeyPat
     table = printed.rpartition("left out")[0] or printed.rpartition("\n")[0]
     assert max(len(line.rstrip()) for line in table.splitlines()[:-1]) <= width
     words = set(printed.split())
-    left = set(printed.partition("left out, for want of width: ")[2].partition(";")[0].split(", "))
+    left = set(
+        printed.partition("left out, because the terminal is narrow: ")[2].partition(";")[0].split(", ")
+    )
     assert left <= {"sigma", "residual", "limit", "accuracy", "steps", "time", ""}
     for name, cells in compare_cells(solutions, solvers).items():
         if name not in left:

@@ -243,7 +243,7 @@ def test_every_solver_says_whether_it_uses_phases() -> None:
         else:
             assert len(reported) == 1
             assert "these use them: bounded, tikhonov, naive" in reported[0]
-            # Nothing but the warning depends on them.
+            # Only the warning depends on the phases.
             np.testing.assert_array_equal(solution.drive, free.drive)
 
 

@@ -76,7 +76,7 @@ def test_colours_transparency_sixteen_bits_and_turned_photographs(tmp_path: Path
     turned = tmp_path / "turned.png"
     picture_on_its_side = Image.fromarray(np.array([[255, 100]], np.uint8))
     exif = Image.Exif()
-    exif[0x0112] = 6  # To be turned clockwise by a quarter.
+    exif[0x0112] = 6  # A viewer turns it clockwise by a quarter turn.
     picture_on_its_side.save(turned, exif=exif)
     upright = midair.image(turned, size=0.04, z=0.1, pixels=2, pressure=255)
     assert upright.points[:, :2] == pytest.approx(np.array([[0, 0.01], [0, -0.01]]))

@@ -177,6 +177,8 @@ def test_plot_refuses_what_is_no_picture() -> None:
             midair.plot(field, vmax=vmax)
     with pytest.raises(midair.SceneError, match="vmax"):
         midair.plot(field, quantity="phase", vmax=1)
+    with pytest.raises(TypeError, match=r"ax is 'field.png': .* writes a file"):
+        midair.plot(field, "field.png")
     with pytest.raises(TypeError, match="Field"):
         midair.plot(field.pressure)
     matrix = midair.solve(midair.Propagation(small().propagation()), "naive")

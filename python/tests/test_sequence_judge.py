@@ -166,7 +166,7 @@ def test_pressures_inside_the_frames_solve_the_equation_of_the_transducers(hold:
 
 def test_a_closed_sequence_slower_than_its_transducers_is_steady_from_its_start() -> None:
     drives = np.exp(2j * np.pi * np.arange(16) / 16)
-    # Three time constants a lap: what the last lap left counts.
+    # A lap lasts three time constants: the state at the end of the last lap matters.
     tau = 16 / RATE / 3
     _, once = single(drives, closed=True).between(tau, substeps=1)
     _, thrice = single(np.tile(drives, 3), closed=True).between(tau, substeps=1)

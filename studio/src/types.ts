@@ -3,7 +3,7 @@
 /** Metres, unless said otherwise. */
 export type Vec3 = [number, number, number];
 
-/** An array: a preset by name, of this many boards, or positions and normals of one's own. */
+/** An array: a preset by name, of this many boards, or positions and normals of your own. */
 export type ArrayChoice =
   | { preset: string; tiles: [number, number] }
   | OwnArray;

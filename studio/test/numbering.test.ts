@@ -1,4 +1,4 @@
-// Numbers beside rings: those that are free cover no ring and not one another, wherever the rings are.
+// Numbers beside rings: a number that has room covers no ring and no other number, wherever the rings are.
 import { expect, test } from "vitest";
 
 import { number } from "../src/numbering.ts";

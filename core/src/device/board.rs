@@ -44,13 +44,14 @@ pub struct Board {
     boards: usize,
     /// The pulses that it makes, if it makes pulses.
     pulses: Option<Pulses>,
-    /// Which transducers one channel drives; `None` where each has its own. All below has one entry a channel driven.
+    /// Which transducers one channel drives; `None` if each has its own. The lists below have one entry for each driven
+    /// channel.
     wiring: Option<Channels>,
     /// Which drive each channel of the boards has.
     driven: Vec<Option<usize>>,
     /// The channel of each drive.
     channels: Vec<usize>,
-    /// Turns that each drive's transducers are late by of their own.
+    /// The delay of each drive's transducers themselves, in turns.
     corrections: Vec<f64>,
     live: Vec<bool>,
 }

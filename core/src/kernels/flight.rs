@@ -190,7 +190,7 @@ fn predicted<S: Doubles>(s: S, laws: &Laws, beads: &Beads<'_>) -> [Vectors; 2] {
     let mut ahead = [[[0.0; EIGHT]; 3]; 2];
     let (h, half) = (laws.step / 24.0, laws.step * laws.step / 360.0);
     for at in (0..EIGHT).step_by(width(s)) {
-        // What the compiler is to know, so that it checks no load.
+        // The compiler then knows the bound, and omits the checks of the loads.
         let at = at.min(EIGHT - S::WIDTH);
         for i in 0..3 {
             let [place, speed] = [&beads.place, &beads.speed].map(|all| V::of(s, &all[i][at..]));

@@ -69,7 +69,8 @@ pub(crate) fn few(length: f64, step: f64) -> Result<(), Error> {
     if length / step <= MOST as f64 {
         return Ok(());
     }
-    let cure = format!("{} m of contours would be more than {MOST} points, give a larger one", short(length));
+    let cure = "give sizes in m (5 cm are 0.05), or a larger step";
+    let cure = format!("{} m of contours would be more than {MOST} points, {cure}", short(length));
     Err(Error::invalid("step", format_args!("{step:?}"), cure))
 }
 

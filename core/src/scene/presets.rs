@@ -208,7 +208,7 @@ pub const PRESETS: [Preset; 13] = [
     },
     Preset {
         name: "dragonfly",
-        summary: "Ultrahaptics UHEV1 and Dragonfly, 16 x 16 at 10.47 mm; no drives of one's own on the device",
+        summary: "Ultrahaptics UHEV1 and Dragonfly, 16 x 16 at 10.47 mm; the device plays no drives of your own",
         source: "HandyBeam, tx_array_library (pitch) and its cos^3.376; P0 assumed, as of the Murata MA40S4S",
         count: 256,
         tiles: false,
@@ -220,7 +220,7 @@ pub const PRESETS: [Preset; 13] = [
     },
     Preset {
         name: "stratos",
-        summary: "Ultraleap STRATOS USX, 16 x 16 at 10.3 mm; no drives of one's own on the device",
+        summary: "Ultraleap STRATOS USX, 16 x 16 at 10.3 mm; the device plays no drives of your own",
         source: "HandyBeam, tx_array_library (pitch) and its cos^3.376; P0 assumed, as of the Murata MA40S4S",
         count: 256,
         tiles: false,

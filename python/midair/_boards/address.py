@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
@@ -60,6 +61,8 @@ def parse(address: Any) -> Address:
         return Address(None, "file", os.path.abspath(where))
     kind = name.removesuffix(PAIR)
     if kind not in KINDS:
+        if re.match(r"/dev/|COM\d", text):
+            raise refused("address", text, f"write the board before its port, as in sonicsurface:{text}")
         hint, _ = unknown("board", kind, list(KINDS))
         known = ", ".join(("null", "file:PATH", "autd3", *_examples()))
         raise refused("address", text, f"there is no such board, {hint}give one of {known}")

@@ -142,7 +142,7 @@ class Connection:
         try:
             known = isinstance(drives, Sequence | np.ndarray | list | tuple)
             then = None if rate is None else LATE[late]
-            # Frames faster than the board plays them would only pile up.
+            # Frames that come faster than the board plays them would only fill the queue.
             ahead = max(AHEAD, math.ceil(min(pace, self.board.rate) * (LEAD if known else LIVE)))
             self._stream(frames, 1 / pace, then, ahead)
         except BaseException:

@@ -138,7 +138,7 @@ def print_columns(command: str, columns: Mapping[str, list[str]]) -> None:
     else:
         console.print(_table(shown))
         if left:
-            print_line(f"left out, for want of width: {', '.join(left)}; --json has all")
+            print_line(f"left out, because the terminal is narrow: {', '.join(left)}; --json has all")
     print_line(f"columns: midair {command} --help, docs/columns.md")
 
 

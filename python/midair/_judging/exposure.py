@@ -67,7 +67,7 @@ LIMITS = {
 def limit_of(scene: Scene, requested: Any) -> Limit:
     """The limit by its name, or by a level in dB; rejected for frequencies that it does not cover."""
     if not isinstance(requested, str):
-        return Limit("own", number("limit", requested), (0.0, float("inf")), "a level of one's own")
+        return Limit("own", number("limit", requested), (0.0, float("inf")), "a level of your own")
     found = LIMITS.get(requested.lower().replace("-", " ").replace("_", " "))
     if found is None:
         raise refused("limit", requested, f"give {', '.join(LIMITS)}, or a level in dB")

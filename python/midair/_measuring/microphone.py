@@ -2,7 +2,7 @@
 
 A sound card hears 40 kHz if it takes 96,000 samples a second or more and has a microphone for ultrasound.
 One of 48 kHz hears nothing of it. Modulating the amplitude does not help: a linear microphone does not
-demodulate. A detector with an envelope output does; its readings go through a function of one's own.
+demodulate. A detector with an envelope output does; its readings go through a function of your own.
 """
 
 from __future__ import annotations

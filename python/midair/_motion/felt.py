@@ -217,7 +217,7 @@ def weighted(
 
 
 def live_lines(lines: NDArray[np.complex64]) -> NDArray[np.bool_]:
-    """Which lines (L, P) push at all, (L,)."""
+    """Return (L,) whether each spectral line (L, P) has any pressure that matters."""
     loudest = np.abs(lines).max(axis=1, initial=0.0)
     found: NDArray[np.bool_] = loudest > QUIET * loudest.max(initial=0.0)
     return found

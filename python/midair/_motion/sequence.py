@@ -243,7 +243,7 @@ def dataset(sequence: JudgedFrames) -> Dataset:
 
 @dataclass(frozen=True, eq=False)
 class Flight:
-    """Ways of beads; from `midair.fly`.
+    """Tracks of beads in flight; from `midair.fly`.
 
     Attributes
     ----------
@@ -296,7 +296,7 @@ class Flight:
         panels: Way | Iterable[Way] | None = None,
         size: Size | None = None,
     ) -> Figure:
-        """Draw ways of beads and points along the axis of least extent, and distances over time.
+        """Draw tracks of beads and points along the axis of least extent, and distances over time.
 
         Parameters
         ----------

@@ -194,7 +194,7 @@ def paint(
         vmax=ends[1],
         interpolation="nearest",
     )
-    # Seen where a phase means nothing.
+    # The background shows where |p| is too small for a phase.
     ax.set_facecolor("lightgrey")
     ax.set(xlim=(u[0] - edge, u[-1] + edge), ylim=(v[0] - edge, v[-1] + edge))
     outline(field, ax, sides(field))

@@ -178,6 +178,10 @@ def picture(
     """Draw fields of one scene into axes, with a common scale and one colour bar."""
     from .sheet import colour_map
 
+    if other := [ax for ax in axes if not hasattr(ax, "imshow")]:
+        raise TypeError(
+            f"ax is {other[0]!r}: give Axes of matplotlib; solution.plot().savefig(...) writes a file"
+        )
     scale = colours(panels, quantity, vmax=vmax, loudest=loudest)
     scale = scale.by(colour_map(cmap, MAPS[quantity]))
     images = [draw(panel, ax, scale) for panel, ax in zip(panels, axes, strict=True)]

@@ -247,7 +247,7 @@ def _workers(
 ) -> Iterator[tuple[Executor, int]]:
     """An executor, and how many jobs it does at once."""
     if scheduler is None:
-        # More threads than processors would only wait for one another.
+        # More threads than processors gain nothing.
         processors = os.cpu_count() or 1
         count = min(threads or processors, processors)
         with ThreadPoolExecutor(count, initializer=setattr, initargs=(_own, "stop", stop)) as pool:

@@ -25,7 +25,7 @@ impl Lattice {
     }
 }
 
-/// The lattices that were met lately.
+/// The lattices that were used recently.
 #[derive(Default)]
 pub(crate) struct Lattices(Vec<Lattice>);
 

@@ -66,7 +66,7 @@ void main() {
   float t = shade(drive), share = quantity < .5 ? 0. : quantity < 1.5 ? t * t : .72 * min(length(drive), 1.);
   face = back ? metal * .45 : mix(off, quantity < 1.5 ? lit : entry(t), known * share);
   rim = back ? face : metal * (.5 + .5 * max(dot(normal, light), 0.));
-  // From behind, a can looks closed.
+  // A transducer is a can, which is closed at the back.
   gl_Position = matrix * vec4(position + radius * (back ? outward - normal * ${HEIGHT} : outward), 1);
 }`;
 

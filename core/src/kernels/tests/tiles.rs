@@ -216,7 +216,7 @@ fn slopes_their_products_and_sums_are_those_of_j() {
         }
         let mut matrix = vec![f32::NAN; size * padded(size)];
         products::products(set, &slopes, across, size, &mut matrix, &mut Control::none()).expect("it is not stopped");
-        // Terms of at most 4 squared, each of two factors with the error above.
+        // A term is at most 16: the product of two factors of at most 4, each with the error above.
         let allowed = 300.0 * ROUNDING * transducers as f64;
         for k in 0..size {
             for l in k..size {

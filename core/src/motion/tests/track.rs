@@ -93,7 +93,7 @@ fn what_asks_for_nothing_stays() {
     let nothing = [0.0; FRAMES];
     tracker.follow([&nothing, &nothing], Ends::Closed, &mut codes, &mut Control::none()).expect("it is not stopped");
     assert_eq!(codes, [0; FRAMES]);
-    // A wave in the last frame alone is waited for where it comes.
+    // With a wave in the last frame alone, all frames have the phase for it.
     let mut pull = [0.0; FRAMES];
     pull[FRAMES - 1] = -1.0;
     tracker.follow([&pull, &nothing], Ends::Open, &mut codes, &mut Control::none()).expect("it is not stopped");

@@ -1,4 +1,4 @@
-//! greedy by an energy of one's own: the search of Algorithm 2 (Suzuki et al. 2021) with another objective than eq. (7).
+//! greedy by an energy of your own: the search of Algorithm 2 (Suzuki et al. 2021) with another objective than eq. (7).
 //!
 //! Each transducer's turn evaluates all candidates at once, N turns a sweep. Nothing is known of the energy, so that there
 //! are no short cuts: O(K L M) a turn, and what the energy itself takes.
@@ -75,7 +75,7 @@ impl GreedyBy {
     /// Its facts.
     pub const INFO: Info = Info::new(
         "greedy",
-        "greedy with brute-force search by an energy of one's own",
+        "greedy with brute-force search by an energy of your own",
         "Suzuki et al., IEEE Trans. Haptics 14(4), 2021, Algorithm 2 and section VI",
     );
 
