@@ -147,7 +147,7 @@ bodies! {
     ///     Direction that it faces. Sound is on the array's side, whichever way the normal points; the normal chooses
     ///     the side only where the array lies in the wall.
     /// kind : {"rigid", "soft"}, optional
-    ///     "rigid" is a solid: on it |p| doubles. "soft" gives way: on it p = 0.
+    ///     "rigid" is a solid: on it |p| doubles. "soft" gives the sound no resistance: on it p = 0.
     ///
     /// Raises
     /// ------
@@ -180,7 +180,7 @@ bodies! {
     /// radius : float
     ///     Radius in m, up to 12 wavelengths.
     /// kind : {"rigid", "soft"}, optional
-    ///     "rigid" is a solid; "soft" gives way: on it p = 0.
+    ///     "rigid" is a solid; "soft" gives the sound no resistance: on it p = 0.
     ///
     /// Raises
     /// ------

@@ -28,7 +28,7 @@ use crate::toolbox;
 /// faces : (F, 3) array_like of int
 ///     Three indices of vertices each, counterclockwise as seen from outside; the surface is closed.
 /// kind : {"rigid", "soft"}, optional
-///     "rigid" is a solid; "soft" gives way: on it p = 0.
+///     "rigid" is a solid; "soft" gives the sound no resistance: on it p = 0.
 ///
 /// Raises
 /// ------

@@ -31,7 +31,7 @@ pub struct Ahead {
 /// Codes (T, N) of a whole sequence: every transducer on the best track over all its frames, drives e^{j 2 pi l/L}.
 ///
 /// `points` (T, M, 3) in m and `targets` (T, M) in Pa, or in any unit: the points of a frame get pressures in these ratios, as
-/// loud as can be. A point of target 0 is not there in that frame, wherever it is said to be. A transducer without effect
+/// loud as possible. A point of target 0 is not there in that frame, wherever it is said to be. A transducer without effect
 /// (masked, response 0) keeps the code 0. `start` (T, N) are codes to begin with, the first of which [`Ends::Held`] keeps; left
 /// out the drives of [`crate::solvers::Uniform`], each from the one before. Transducers of one channel have one code, its first
 /// one's in `start`.

@@ -20,7 +20,7 @@ const ROUNDING: f64 = 1e-9;
 
 /// Points along contours of straight lines, each from vertex to vertex (K, 3) in m, both ends included.
 ///
-/// Each contour has equal steps, as near to `step` (m) as can be. A point nearer than half a step to one before it is left
+/// Each contour has equal steps, as near to `step` (m) as possible. A point nearer than half a step to one before it is left
 /// out: so a contour that ends where it began has no point twice.
 ///
 /// # Errors
@@ -74,7 +74,7 @@ pub(crate) fn few(length: f64, step: f64) -> Result<(), Error> {
     Err(Error::invalid("step", format_args!("{step:?}"), cure))
 }
 
-/// The places after equal steps, as near to `step` as can be, from the beginning to the end of a length.
+/// The places after equal steps, as near to `step` as possible, from the beginning to the end of a length.
 pub(crate) fn even(length: f64, step: f64, after: impl Fn(f64) -> [f64; 3]) -> impl Iterator<Item = [f64; 3]> {
     let steps = math::rint(length / step).max(1.0);
     (0..=steps as usize).map(move |k| after(length * k as f64 / steps))

@@ -174,7 +174,7 @@ impl Signature {
     }
 }
 
-/// Unit vectors: across the array (as near to x as can be, or to y for an array along x), the third of a right-handed
+/// Unit vectors: across the array (as near to x as possible, or to y for an array along x), the third of a right-handed
 /// frame, and the array's axis, its largest component above 0.
 fn frame(normals: &[[f64; 3]]) -> [[f64; 3]; 3] {
     let mut scatter = [[0.0; 3]; 3];

@@ -12,7 +12,7 @@ pub enum Surface {
     /// The air cannot move across it: dp/dn = 0. Solids in air.
     #[default]
     Rigid,
-    /// It gives way: p = 0 (pressure-release).
+    /// A surface without resistance to sound: p = 0 (pressure-release).
     Soft,
 }
 

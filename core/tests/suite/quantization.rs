@@ -381,7 +381,7 @@ fn a_device_plays_no_point_louder_than_requested_unless_it_misses_less_and_keeps
                     // As loud as requested to a tenth, or as loud as the array can.
                     let full = scale == 1.0 && solution.drive.iter().all(|q| q.norm() > 0.9999);
                     assert!(full || loudest >= 0.9 - 1e-4, "{reported}");
-                    // A fine table does without the supply.
+                    // With a fine table of amplitudes the supply stays as it is.
                     let fine = device.amplitudes().is_none_or(|table| table.len() == 256);
                     assert!(!fine || part < 0.1 || scale == 1.0, "{reported}");
                     assert_on_grid(name, &solution.drive, &device);

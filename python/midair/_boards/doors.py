@@ -149,7 +149,7 @@ class Doors:
         return live.state() if "state" in wanted else {}
 
     def _rows(self, values: NDArray[np.float64]) -> dict[str, Any]:
-        """Points and pressures (M, 4); none turns off, and pressures of 0 alone mean as loud as can be."""
+        """Points and pressures (M, 4); none turns off, and pressures of 0 alone mean as loud as possible."""
         rows = values.reshape(-1, ROW)
         if not len(rows):
             self._live.off()

@@ -96,7 +96,7 @@ REST = 0.05
 
 
 class Frame(NamedTuple):
-    """Points (M, 3) in m, pressures (M,) in Pa or as loud as can be, and a factor of the drive."""
+    """Points (M, 3) in m, pressures (M,) in Pa or as loud as possible, and a factor of the drive."""
 
     points: NDArray[np.float64]
     pressures: NDArray[np.float64] | None = None
@@ -145,7 +145,7 @@ class Live:
         self._thread.start()
 
     def place(self, points: NDArray[np.float64], pressures: NDArray[np.float64] | None = None) -> None:
-        """Play points (M, 3) in m, with pressures (M,) in Pa or as loud as can be.
+        """Play points (M, 3) in m, with pressures (M,) in Pa or as loud as possible.
 
         Raises SceneError for points where none can be, BoardError where the board is gone.
         """

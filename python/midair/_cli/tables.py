@@ -35,7 +35,7 @@ SHADES = " .:-=+*#%@"
 #: Blanks between two columns.
 APART = 3
 
-#: Columns that a narrow terminal goes without, the first of them first.
+#: Columns that are left out on a narrow terminal, in this order.
 SPARED = ("sigma", "residual", "limit", "complex error", "accuracy", "steps", "time", "gap")
 
 

@@ -79,7 +79,7 @@ def sequence(
         the same arguments the solve goes on, to the same bits.
     **options
         Of the solver, and the air: frequency, sound_speed, temperature, absorption, density, obstacles.
-        signature="trap" moves traps: pressures left out as stiff as can be for `bead`, each carrying its
+        signature="trap" moves traps: pressures left out as stiff as possible for `bead`, each carrying its
         bead along; else foci are solved for them. Targets and pressures are those of the foci.
 
     Returns

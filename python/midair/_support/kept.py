@@ -94,7 +94,7 @@ def check(folder: Path) -> None:
 
 @contextmanager
 def locked(folder: Path) -> Iterator[None]:
-    """Make the folder if need be, and hold it: no other run works on it meanwhile.
+    """Make the folder if it is missing, and lock it: no other run works on it at the same time.
 
     Raises SceneError at once if another process has the lock. The system frees the lock of a killed process.
     """

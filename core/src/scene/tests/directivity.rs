@@ -10,7 +10,7 @@ fn most(s: f64) -> f64 {
 
 #[test]
 fn slopes_are_those_of_the_directivity() {
-    // Around the arguments where the series gives way, and for beams of many lobes.
+    // Around the arguments above which the series is not used, and for beams of many lobes.
     let h = 1e-3;
     let beams = [Directivity::piston(50e-3), Directivity::sinc(60e-3), Directivity::cos(0.0), Directivity::cos(1.0)];
     let smooth = Directivity::all().filter(|directivity| !matches!(directivity.law.shape, Shape::Pieces(_)));

@@ -23,7 +23,7 @@ const DEPENDENT: f32 = 0.5;
 /// ... and quiet points are crowded where more than this part of them does.
 const CROWDED: f32 = 0.2;
 
-/// The part of the transducers' phases that quiet points may take, two each: beyond it the level gives way.
+/// The part of the transducers' phases that quiet points may take, two each: beyond it the level falls.
 const MOST: f32 = 0.8;
 
 /// This few quiet points are made silent one by one, crowded or not.

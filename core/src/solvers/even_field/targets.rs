@@ -52,7 +52,7 @@ pub(super) fn met(
 pub(super) struct Nearest {
     /// The drive of least squares as it was found.
     pub(super) drive: Vec<Complex32>,
-    /// Whether every target is nearly met, so that no other level need be looked for.
+    /// Whether every target is nearly met, so that no other level is searched.
     pub(super) near: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Traps without pressures: phases turned until the softest of all is as stiff as can be.
+//! Traps without pressures: phases turned until the softest of all is as stiff as possible.
 //!
 //! The objective is the soft minimum ([`soft_minimum`]) of K_ja, the stiffness at point j along its axis a, over the least at
 //! first.

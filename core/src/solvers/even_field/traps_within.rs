@@ -1,4 +1,4 @@
-//! Traps in motion: as stiff as can be with every phase within an arc around the last frame's.
+//! Traps in motion: as stiff as possible with every phase within an arc around the last frame's.
 //!
 //! Points move by a hundredth of a wavelength a frame, so that the stiffest traps are near the last ones: a few steps of
 //! [`PhaseDescent`] within the bound find them. A bead that is to follow its point needs the force m a + drag(v): its inertia

@@ -47,7 +47,7 @@ pub struct ActiveRequest {
 /// use midair::solvers::{ActiveRequest, Energy, Greedy, GreedyBy};
 /// use midair::{Array, Complex32, Control, Error, Medium, Problem, Request, Scene, Workspace};
 ///
-/// /// As loud as can be, wherever.
+/// /// As loud as possible, at any place.
 /// struct Loud;
 /// impl Energy for Loud {
 ///     fn evaluate(&self, fields: &[Complex32], request: &ActiveRequest, values: &mut [f64]) -> Result<(), Error> {
