@@ -24,14 +24,14 @@ const MOST_ENTRIES: usize = 1 << 20;
 /// G, or the reason why there is none.
 pub(crate) type Matrix = Result<Arc<[Complex64]>, Error>;
 
-/// Points and the matrix of what differs in nothing else: columns of points that stay need not be made again.
+/// Points and the matrix of a G that differs in nothing else: columns of points that stay are not made again. Empty where there is none.
 pub(crate) type Known<'a> = (&'a [[f64; 3]], &'a [Complex64]);
 
 /// The functions that are made from it, as values, so that a program without obstacles and signatures is not linked with them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Make {
     /// [`Kept::matrix`]
-    pub(crate) matrix: fn(&Kept, Option<Known<'_>>) -> Matrix,
+    pub(crate) matrix: fn(&Kept, Known<'_>) -> Matrix,
     /// [`Kept::stiffness`]
     pub(crate) stiffness: fn(&Kept, &mut Control) -> Result<Option<Stiffness>, Error>,
 }
@@ -72,7 +72,7 @@ impl Kept {
     ///
     /// # Errors
     /// Points inside obstacles, factors that do not fit, more entries than are kept.
-    fn matrix(&self, known: Option<Known<'_>>) -> Matrix {
+    fn matrix(&self, known: Known<'_>) -> Matrix {
         let array = &self.sources.array;
         self.signature.as_ref().map_or(Ok(()), |signature| signature.check(array.len(), self.points.len()))?;
         let (waves, why) = match (&self.scattering, &self.signature) {
@@ -103,7 +103,7 @@ impl Kept {
         })
     }
 
-    fn bare(&self, known: Option<Known<'_>>) -> Matrix {
+    fn bare(&self, known: Known<'_>) -> Matrix {
         self.columns((1, "channels"), known, |_, points, rows| {
             for (row, &point) in rows.iter_mut().zip(points) {
                 row.iter_mut().enumerate().for_each(|(i, g)| *g = self.sources.exact(i, point));
@@ -117,7 +117,7 @@ impl Kept {
     fn columns(
         &self,
         (waves, why): (usize, &str),
-        known: Option<Known<'_>>,
+        known: Known<'_>,
         add: impl Fn(&[usize], &[[f64; 3]], &mut [Vec<Complex64>]) -> Result<(), Error>,
     ) -> Matrix {
         let (transducers, count) = (self.sources.array.len(), self.points.len());
@@ -127,13 +127,13 @@ impl Kept {
             return Err(Error::invalid("points", format!("{count} of them"), cure));
         }
         let columns = self.channels.as_ref().map_or(transducers, Channels::count);
-        let known = known.filter(|(points, _)| points.len() == count);
-        let stays = |j: usize| known.is_some_and(|(points, _)| points[j] == self.points[j]);
+        let (places, old) = known;
+        let stays = |j: usize| places.len() == count && places[j] == self.points[j];
         let chosen: Vec<usize> = (0..count).filter(|&j| !stays(j)).collect();
         let points: Vec<[f64; 3]> = chosen.iter().map(|&j| self.points[j]).collect();
         let mut rows = vec![vec![Complex64::ZERO; transducers]; chosen.len()];
         add(&chosen, &points, &mut rows)?;
-        let mut matrix = known.map_or_else(|| vec![Complex64::ZERO; columns * count], |(_, matrix)| matrix.to_vec());
+        let mut matrix = if places.len() == count { old.to_vec() } else { vec![Complex64::ZERO; columns * count] };
         for (&j, mut row) in chosen.iter().zip(rows) {
             if let Some(channels) = &self.channels {
                 row = channels.sums(&row);

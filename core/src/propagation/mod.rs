@@ -107,7 +107,7 @@ impl Propagation {
     }
 
     /// G that is kept, at points that have been checked; what is `known` of it is not made again.
-    pub(crate) fn kept(kept: Kept, known: Option<Known<'_>>, set: InstructionSet) -> Result<Self, Error> {
+    pub(crate) fn kept(kept: Kept, known: Known<'_>, set: InstructionSet) -> Result<Self, Error> {
         let (count, reference) = (kept.points.len(), kept.sources.reference());
         Ok(Self::stored((kept.make.matrix)(&kept, known)?, count, reference, set, Some(kept.into())))
     }
@@ -133,7 +133,7 @@ impl Propagation {
         }
         one_each("array.channels", channels.of().len(), "values", self.transducers(), "transducers")?;
         kept.channels = Some(channels.clone());
-        Self::kept(kept, None, self.set)
+        Self::kept(kept, (&[], &[]), self.set)
     }
 
     /// The same by the kernels of another instruction set than the machine's best.
@@ -324,7 +324,7 @@ impl Propagation {
             Rows::Stored { kept: Some(kept), matrix, .. } => {
                 kept.sources.check_points(points)?;
                 let moved = Kept { points: points.into(), ..Kept::clone(kept) };
-                return Self::kept(moved, Some((&kept.points, matrix)), self.set).map(|moved| *self = moved);
+                return Self::kept(moved, (&kept.points, matrix), self.set).map(|moved| *self = moved);
             }
             Rows::Stored { .. } => return Err(Error::given_points()),
         };

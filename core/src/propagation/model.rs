@@ -184,7 +184,7 @@ impl Model {
         let (scattering, signature) = (self.scattering.clone(), self.signature.clone());
         let (points, bead) = (points.into(), self.bead);
         let kept = Kept { sources, points, scattering, signature, bead, channels, make };
-        Propagation::kept(kept, None, self.set)
+        Propagation::kept(kept, (&[], &[]), self.set)
     }
 
     /// Bytes that G at a point is kept in, in f64 and f32; 0 where it is computed on request.
