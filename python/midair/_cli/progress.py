@@ -31,10 +31,21 @@ SHADES = {"error": "31", "warning": "33"}
 def one_line(error: BaseException | str) -> str:
     """Text of an error, without line breaks."""
     if isinstance(error, OSError) and error.strerror:
-        text = f"{error.strerror}: {error.filename}" if error.filename else error.strerror
+        text = f"{error.strerror}: {error.filename}{_meant(error)}" if error.filename else error.strerror
     else:
         text = str(error)
     return " ".join(text.split())
+
+
+def _meant(error: OSError) -> str:
+    """The name of a file beside it, where one that is missing is nearly that."""
+    path = Path(os.fsdecode(error.filename)) if isinstance(error, FileNotFoundError) else None
+    if path is None or not path.parent.is_dir():
+        return ""
+    from difflib import get_close_matches
+
+    near = get_close_matches(path.name, sorted(os.listdir(path.parent)), 1, 0.75)
+    return f": did you mean {path.parent / near[0]}?" if near else ""
 
 
 def fault(error: BaseException) -> str:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json as json_text
+from inspect import signature
 from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from .. import Scene, SceneError, Solution, field, solve
+from .. import Scene, SceneError, Solution, field, solve, solvers
+from .._midair import unknown
 from .._pictures.colours import Quantity
 from .._support import output
 from .._support.ctrl_c import interruptible
@@ -129,12 +131,17 @@ def _print(request: Scene, solution: Solution, json: bool, *, document: bool) ->
 def _values(options: dict[str, str]) -> dict[str, Any]:
     """Read options: 16, true and [1, 0] as numbers, truth values and lists, anything else as a word."""
     values: dict[str, Any] = {}
+    own = [name.removesuffix("_file") for name in signature(solve_command).parameters]
+    methods = {option for method in solvers().values() for option in method.options}
     for name, text in options.items():
         key = name.replace("-", "_")
         if key in {"pressures", "weights", "start", "progress", "trace"}:
             raise SceneError(
                 f"--{name} is no option of the command line: put it into the scene file or use Python"
             )
+        if key not in methods and (hint := unknown("option", key, own)[0]):
+            meant = hint.strip().replace("mean ", "mean --")
+            raise SceneError(f"--{name} is no option of midair solve or of a method: {meant}")
         try:
             value = json_text.loads(text)
         except (ValueError, RecursionError):

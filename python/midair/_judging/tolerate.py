@@ -259,4 +259,4 @@ def _faultless(faults: Mapping[str, float], options: Mapping[str, Any]) -> Excep
     for name in options:
         if name.rstrip("_") not in known:
             return TypeError(unknown("argument of midair.tolerate", name, list(faults))[1])
-    return refused("faults", [], f"give at least one of {', '.join(faults)} above 0")
+    return SceneError(f"no fault is given: give at least one of {', '.join(faults)} above 0")
