@@ -1,4 +1,4 @@
-/* midair: drives for airborne ultrasound phased arrays, so that given points in the air feel given pressures.
+/* midair: drives for airborne ultrasound phased arrays, so that the pressure at given points is what you request.
  *
  * This file is made from capi/src by cbindgen: do not edit it. docs/c.md is the page for users, docs/conventions.md
  * states units, signs and rules.

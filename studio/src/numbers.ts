@@ -5,7 +5,7 @@ import type { Slot } from "./types.ts";
 import type { Word } from "./words.ts";
 
 /** The metrics of a row. */
-export type Metric = "accuracy" | "sigma" | "uniformity" | "level" | "leak" | "bound" | "weakest" | "loudest" | "changes" | "heard" | "time";
+export type Metric = "accuracy" | "sigma" | "uniformity" | "level" | "leak" | "bound" | "weakest" | "loudest" | "changes" | "atEar" | "time";
 
 /** A row: its word, a text a slot or one for both, and the slot with the better value. */
 export interface Row {
@@ -60,7 +60,7 @@ export function numberRows({ results, bound, state, frame }: View): Row[] {
     row("weakest", weakest, pressure, 1),
   ];
   if (state.pressures?.includes(0)) rows.push(metric("leak", -1));
-  if (state.ear) rows.push(row("heard", ({ atEar }) => atEar, (p) => `${decibels(p).toFixed(1)} dB SPL`, -1));
+  if (state.ear) rows.push(row("atEar", ({ atEar }) => atEar, (p) => `${decibels(p).toFixed(1)} dB SPL`, -1));
   if (frame?.change !== undefined) rows.push({ word: "changes", values: [`${frame.change.toFixed(2)} rad`, NONE], better: null });
   if (!frame) rows.push(row("time", ({ milliseconds }) => milliseconds, duration, 0));
   return rows;
