@@ -75,7 +75,8 @@ def brief(rows: Sequence[Row]) -> str:
     reference = {m: found.get((REFERENCE, GREEDY, "board", m)) for m in _SIZES}
     caption = (
         f"Speed relative to {REFERENCE}'s greedy search (= 1), for M points and {_COUNT} transducers on the"
-        " grid of AUTD3 boards. Unevenness is sigma, the spread of the pressures over the points: 0 is even."
+        " grid of AUTD3 boards. Unevenness is sigma, the spread of the pressures over the points: 0 means"
+        " equal."
     )
     body = []
     for rival, method in BRIEF:
