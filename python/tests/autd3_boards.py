@@ -1,4 +1,4 @@
-"""AUTD3 boards as their documents have them: places, codes and pulses, in double precision."""
+"""AUTD3 boards in double precision, from their maker's documents: positions, codes and pulse widths."""
 
 import math
 
@@ -10,7 +10,7 @@ import oracle
 
 Floats = NDArray[np.float64]
 
-#: The 249 transducers of a board, in mm: 18 x 14 places, x fastest, less three that screws and the plug take.
+#: The 249 transducers of a board, in mm: a grid of 18 x 14, x fastest. Screws and the connector take 3 sites.
 SITES = np.array(
     [
         (10.16 * x, 10.16 * y, 0.0)
@@ -22,13 +22,13 @@ SITES = np.array(
 
 
 def turned(axis: list[float], degrees: float) -> Floats:
-    """Unit quaternion (w, x, y, z) of a turn about an axis."""
+    """Returns the unit quaternion (w, x, y, z) of a rotation about an axis."""
     half = math.radians(degrees) / 2
     return np.array([math.cos(half), *(math.sin(half) * np.array(axis) / np.linalg.norm(axis))])
 
 
 def matrix(quaternion: Floats) -> Floats:
-    """The textbook's matrix of a unit quaternion."""
+    """Returns the rotation matrix (3, 3) of a unit quaternion."""
     w, x, y, z = quaternion
     return np.array(
         [
@@ -40,14 +40,16 @@ def matrix(quaternion: Floats) -> Floats:
 
 
 def boards(*poses: tuple[list[float], Floats]) -> midair.Array:
-    """Boards with their first transducer at an origin in mm, turned by a quaternion."""
+    """Returns the array of boards at these poses: origin of the first transducer in mm, and a quaternion."""
     places = [np.array(origin) + SITES @ matrix(rotation).T for origin, rotation in poses]
     normals = [np.tile(matrix(rotation)[:, 2], (249, 1)) for _, rotation in poses]
     return midair.Array(np.concatenate(places) * 1e-3, np.concatenate(normals))
 
 
 def some_poses(count: int) -> list[tuple[list[float], Floats]]:
-    """One to four boards around the z axis; the second, the first of one, is tilted and turned."""
+    """Poses of one to four boards around the z axis.
+    The second is tilted and turned; one board alone is that one.
+    """
     flat, tilted = np.array([1.0, 0, 0, 0]), turned([0.2, 1, 0.1], -25)
     poses = [([-185.0, -145.0, 0.0], flat), ([10.0, -140.0, 2.0], tilted), ([-185.0, 8.0, 0.0], flat)]
     poses = [*poses, ([10.0, 12.0, -3.5], turned([0, 0, 1], 3.0))]
@@ -55,12 +57,14 @@ def some_poses(count: int) -> list[tuple[list[float], Floats]]:
 
 
 def some_boards(count: int) -> midair.Array:
-    """The array of `some_poses`."""
+    """Returns the array of the boards at `some_poses`."""
     return boards(*some_poses(count))
 
 
 def codes(drive: oracle.Complex) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-    """Phase and intensity codes (boards, 249) of a drive, both 0 where it is too weak to be played."""
+    """Returns the phase and intensity codes (boards, 249) of a drive;
+    both are 0 where the intensity rounds to 0.
+    """
     drive = np.asarray(drive, complex).reshape(-1, 249)
     phases = np.floor(np.angle(drive) / (2 * math.pi) * 256 + 0.5) % 256
     intensities = np.floor(255 * np.abs(drive) + 0.5)
@@ -68,17 +72,19 @@ def codes(drive: oracle.Complex) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
 
 
 def frame(drive: oracle.Complex) -> bytes:
-    """A frame: of each board its phase codes, then its intensity codes."""
+    """Returns the bytes of a frame: for each board its phase codes, then its intensity codes."""
     return np.stack(codes(drive), axis=1).tobytes()
 
 
 def widths(intensities: NDArray[np.uint8]) -> NDArray[np.int64]:
-    """Pulse widths, in 512ths of a period, that a board makes of intensity codes."""
+    """Returns the pulse widths that a board plays for intensity codes, in 1/512 of a period."""
     return np.floor(512 * np.arcsin(intensities / 255) / math.pi + 0.5).astype(np.int64)
 
 
 def played(drive: oracle.Complex, *, pulses: bool) -> oracle.Complex:
-    """The drive that codes stand for; with the amplitudes sin(pi w / 512) of the pulses, on request."""
+    """Returns the drive that the codes stand for;
+    with `pulses`, the amplitudes are sin(pi w / 512) of the widths w.
+    """
     phases, intensities = codes(drive)
     amplitudes = np.sin(math.pi * widths(intensities) / 512) if pulses else intensities / 255
     return (amplitudes * np.exp(2j * math.pi * phases / 256)).ravel()

@@ -1,4 +1,6 @@
-"""The makers' emulators of AUTD3 devices over UDP: those of gateware/autd3, and their package's, of 0.12."""
+"""The makers' emulators of AUTD3 devices over UDP:
+the programs of gateware/autd3, and the Python package 0.12.
+"""
 
 from __future__ import annotations
 
@@ -9,12 +11,12 @@ from typing import Any
 
 import autd3
 
-#: Programs that `make gateware` and `make test-boards` build from the makers' crates.
+#: The program that `make gateware` and `make test-boards` build from the makers' crates.
 BUILT = Path(__file__).parents[2] / "gateware" / "autd3" / "target" / "release" / "autd3-emulators"
 
 
 class Built:
-    """Devices of one firmware, in a process; `address` is "[::1]:PORT"."""
+    """Emulated devices of one firmware, in a process of their own; `address` is "[::1]:PORT"."""
 
     def __init__(self, firmware: str, devices: int) -> None:
         command = [str(BUILT), firmware, str(devices)]
@@ -25,7 +27,7 @@ class Built:
         self.address = self._stdout.readline().strip()
 
     def state(self) -> list[dict[str, Any]]:
-        """The content of each device's banks and tables."""
+        """Returns the content of each device's banks and tables."""
         self._say("state")
         found: list[dict[str, Any]] = json.loads(self._stdout.readline())
         return found
@@ -44,7 +46,7 @@ class Built:
 
 
 class Packaged:
-    """Devices of firmware 0.12 in this process, whose state cannot be read."""
+    """Emulated devices of firmware 0.12 in this process; their state cannot be read."""
 
     def __init__(self, devices: int) -> None:
         self._emulator = autd3.UdpEmulator(devices)
@@ -52,4 +54,4 @@ class Packaged:
         self.reboot = self._emulator.reboot
 
     def close(self) -> None:
-        """It ends with this process."""
+        """Does nothing: the emulator ends with this process."""

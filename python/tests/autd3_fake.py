@@ -1,6 +1,6 @@
-"""AUTD3 boards that play nothing: they take numbers, acknowledge steps in either protocol, and keep them.
+"""AUTD3 boards that play nothing: they take unit numbers, and acknowledge and store steps in either protocol.
 
-They answer as the makers' emulators do; `make test-boards` holds midair to those.
+They reply like the makers' emulators do; `make test-boards` compares midair with those emulators.
 """
 
 from __future__ import annotations
@@ -15,23 +15,24 @@ HEADER, STEP = struct.Struct("<BBH"), struct.Struct("<BBI")
 
 
 class Fake:
-    """A chain of boards at `address`; `steps` has of each board the frames that it took, behind their header.
+    """A chain of boards at `address`. `steps[k]` are the frames that board k received, without their header.
 
     Parameters
     ----------
     version
-        Of the protocol that they speak, 5 or one that counts steps as 3 does.
+        Version of the boards' protocol: 5, or 3, which counts steps.
     firmware
-        Of processor and FPGA, as they report it.
+        Six bytes: the versions of processor and FPGA that the boards report.
     """
 
     def __init__(self, version: int, boards: int, firmware: bytes = bytes([0, 13, 0, 0, 13, 0])) -> None:
         self.versions, self.firmware = [version] * boards, firmware
         self.steps: list[list[bytes]] = [[] for _ in range(boards)]
-        #: Statuses that boards reply next to any message; and flags besides those of a board without a fault.
+        #: Status codes of the next replies, one for each step; and status flags to set besides the usual
+        #: ones.
         self.refusals: list[int] = []
         self.flags = 0
-        #: This many steps are acknowledged by another count, as boards do that have dropped them.
+        #: For this many steps, the boards acknowledge the previous count, as boards do that dropped a step.
         self.skips = 0
         self._unit: list[int | None] = [None] * boards
         self._open = [False] * boards
@@ -67,12 +68,12 @@ class Fake:
                         self._sockets[board].sendto(head + answer, host)
 
     def _reached(self) -> list[int]:
-        """The boards that a datagram to all comes to: up to the first closed port."""
+        """Returns the boards that a datagram to all boards reaches: those up to the first closed port."""
         closed = self._open.index(False) if False in self._open else len(self._open) - 1
         return list(range(closed + 1))
 
     def _answer(self, board: int, data: bytes) -> bytes | None:
-        """The answer of a board, None if it sends none."""
+        """Returns the reply of a board to a datagram, None if it sends none."""
         version, kind, _ = HEADER.unpack_from(data)
         body = data[HEADER.size :]
         if version != self.versions[board]:
@@ -100,7 +101,7 @@ class Fake:
         return (self._unit[board] is not None) | 0x18 | self.flags
 
     def _step(self, board: int, body: bytes) -> bytes:
-        """Take a step, or nothing but a word."""
+        """Stores the step of a datagram, if it has one, and returns the reply."""
         count, data = 0, b""
         status = self.refusals.pop(0) if body and self.refusals else 0
         if body:
@@ -115,13 +116,13 @@ class Fake:
 
 
 def read(frame: bytes) -> tuple[int, int, bytes]:
-    """Count, command and payload of a step."""
+    """Returns count, command and payload of a step."""
     count, command, _ = STEP.unpack_from(frame)
     return count, command, frame[STEP.size :]
 
 
 def acts(boards: Any) -> list[Any]:
-    """The recordings in golden/autd3: acts with a transport of two boards, one after the other."""
+    """Returns the acts that golden/autd3 records, in order: calls on a transport of two boards."""
     codes = bytes(k * k % 251 for k in range(2 * 498 * 7))
     frames = [codes[k : k + 2 * 498] for k in range(0, len(codes), 2 * 498)]
     return [

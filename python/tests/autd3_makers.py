@@ -1,6 +1,6 @@
-"""midair's steps to AUTD3 boards as commands of the makers' package of 0.12, for their sample-exact emulator.
+"""Translates midair's steps to AUTD3 boards into commands of the makers' package 0.12, for their emulator.
 
-What a step says is read from its bytes by the layouts of protocol 3.
+The fields of a step are read from its bytes by the layouts of protocol 3.
 """
 
 import struct
@@ -35,19 +35,19 @@ AT_ONCE, ENDLESS = 255, 65535
 
 
 def geometry(poses: Sequence[tuple[Sequence[float], Any]]) -> Geometry:
-    """Boards at (origin in mm, quaternion (w, x, y, z)), in their order."""
+    """Returns the makers' geometry of boards, each at (origin in mm, quaternion (w, x, y, z))."""
     return Geometry([Autd3(origin=list(origin), rotation=list(rotation)) for origin, rotation in poses])
 
 
 def do(recorder: Recorder, *steps: Step) -> None:
-    """Let a recorder's boards do steps."""
+    """Sends steps to the boards of a recorder."""
     for step in steps:
         for command in commands(step, recorder.num_devices()):
             recorder.send(command)
 
 
 def commands(step: Step, boards: int) -> list[Any]:
-    """The makers' commands for a step."""
+    """Returns the makers' commands for a step."""
     payloads = list(step.payloads) * (boards if len(step.payloads) == 1 else 1)
     assert len(payloads) == boards
     return READ[step.command](payloads)
@@ -59,7 +59,7 @@ def buffers(parts: list[bytes]) -> tuple[PhaseBuffer, IntensityBuffer]:
 
 
 def one(form: str, payloads: list[bytes]) -> tuple[Any, ...]:
-    """The fields of a payload that is the same for all boards."""
+    """Returns the fields of a payload that is the same for all boards."""
     assert len(set(payloads)) == 1
     return struct.unpack(form, payloads[0])
 

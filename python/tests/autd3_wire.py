@@ -1,7 +1,8 @@
-"""A wire between midair and an emulator of AUTD3 boards: loses datagrams, and stores the boards' steps.
+"""A relay between midair and an emulator of AUTD3 boards: it can drop datagrams, and stores the boards'
+steps.
 
-The client is given the wire's address for the emulator's. Each board answers from a socket of its own, so the
-wire has one for each, too, towards the client, made when the board first speaks.
+The client gets the relay's address instead of the emulator's. Each board replies from its own socket, so
+the relay opens one socket per board towards the client, when the board first sends a datagram.
 """
 
 from __future__ import annotations
@@ -17,19 +18,22 @@ from typing import Any
 from midair._boards.autd3 import Autd3Transport
 from midair._boards.transport import open_transport
 
-#: Boards of the tests.
+#: Number of boards in the tests.
 BOARDS = 2
 
-#: Kinds of datagrams, by their second byte; and the command of a frame with one pattern, by its second byte.
+#: Kinds of datagrams (second byte of a datagram), and the command of a single pattern (second byte of a
+#: step).
 FRAME, HEARTBEAT = 0, 7
 PATTERN = 0x16
-#: Bytes of a datagram's header, and of all headers before the codes of a pattern; protocols of paired codes.
+#: Lengths in bytes: of a datagram's header, and of all headers before a pattern's codes.
 HEADER, CODES = 4, 20
 PAIRED = 5
 
 
 class Wire:
-    """A wire to the emulator at "[::1]:PORT"; `lose` says which datagrams, of both directions, are lost."""
+    """A relay to the emulator at "[::1]:PORT";
+    it drops the datagrams, of both directions, for which `lose` is true.
+    """
 
     def __init__(self, emulator: str, lose: Callable[[bytes], bool] = lambda _: False) -> None:
         self.lose = lose
@@ -54,7 +58,7 @@ class Wire:
         self._selector.close()
 
     def steps(self) -> list[list[bytes]]:
-        """The steps that each board received, the first board first: the last one receives first."""
+        """Returns the received steps, first board first. (The last board receives first.)"""
         return [list(each) for each in reversed(self._steps.values())]
 
     def _socket(self, board: Any) -> socket.socket:
@@ -64,7 +68,7 @@ class Wire:
         return made
 
     def _face(self, board: Any) -> socket.socket:
-        """The socket that stands for a board, or for all of them, towards the client."""
+        """Returns the socket towards the client that stands for a board, or for all boards."""
         if board not in self._towards_client:
             self._towards_client[board] = self._socket(board)
         return self._towards_client[board]
@@ -85,7 +89,7 @@ class Wire:
                     self._towards_boards.sendto(data, key.data)
 
     def _note(self, board: Any, data: bytes) -> None:
-        """Keep a step that is on its way to a board, and the codes of a pattern: phases, then intensities."""
+        """Stores a step on its way to a board, and a pattern's codes: all phases, then all intensities."""
         self.heartbeats += data[1] == HEARTBEAT
         if data[1] == FRAME:
             self._steps[board].append(data[HEADER:])
@@ -95,7 +99,7 @@ class Wire:
 
 
 def described(address: str) -> Autd3Transport:
-    """A transport as a guard makes it, from JSON."""
+    """Opens a transport from a JSON description, as the guard process does."""
     made = open_transport(json.loads(json.dumps({"kind": "udp", "address": address, "boards": BOARDS})))
     assert isinstance(made, Autd3Transport)
     return made

@@ -1,8 +1,8 @@
-"""Beads on a circle between two boards, and their flight in double precision.
+"""Simulates beads on a circle between two boards in double precision.
 
-Written from the definitions, apart from the core: Gor'kov's force of point sources by the derivatives of
-e^{jkr}/r, weight, buoyancy, and the drag of Schiller and Naumann (Z. Ver. Dtsch. Ing. 77, 318, 1933), by
-Runge and Kutta's fourth order.
+Written from the definitions, without the core: Gor'kov's force from the derivatives of e^{jkr}/r, weight,
+buoyancy, and the drag of Schiller and Naumann (Z. Ver. Dtsch. Ing. 77, 318, 1933). The equation of motion
+is integrated by the Runge-Kutta method of fourth order.
 """
 
 import numpy as np
@@ -11,14 +11,14 @@ import traps
 from oracle import Complex, Real
 
 RADIUS, START = 0.018, 0.05
-#: Of air at 20 degrees, in Pa s.
+#: Viscosity of air at 20 degrees Celsius, in Pa s.
 VISCOSITY = 1.81e-5
-#: Steps a frame.
+#: Integration steps per frame.
 STEPS = 2
 
 
 def circle(count: int, speed: float, rate: float, laps: float = 1.0) -> Real:
-    """Points (T, M, 3) on a circle in the plane of x and z, whose speed grows smoothly from 0."""
+    """Returns points (T, M, 3) on a circle in the xz plane; their speed rises smoothly from 0 to `speed`."""
     time = np.arange(round(rate * (START + laps * 2 * np.pi * RADIUS / speed))) / rate
     part = np.minimum(time / START, 1)
     way = speed * (START * (part**3 - part**4 / 2) + np.maximum(time - START, 0))
@@ -27,7 +27,7 @@ def circle(count: int, speed: float, rate: float, laps: float = 1.0) -> Real:
 
 
 class Air:
-    """Point sources at full drive around the middle of two boards, and a bead of 1 mm radius among them."""
+    """Point sources around the middle of two boards, and the physical properties of a bead of 1 mm radius."""
 
     def __init__(
         self, positions: Real, source: float = 4.386, radius: float = 1e-3, density: float = 29.0
@@ -39,7 +39,7 @@ class Air:
         self.weight = np.array([0, 0, -9.81]) * (density - traps.DENSITY) * volume
 
     def force(self, drive: Complex, places: Real) -> Real:
-        """Gor'kov's force (M, 3) in N, by the derivatives of e^{jkr}/r."""
+        """Returns Gor'kov's force (M, 3) in N, from the derivatives of e^{jkr}/r."""
         way = places[:, None] - self.positions
         r = np.linalg.norm(way, axis=2)
         v = 2j * np.pi / traps.WAVELENGTH * r

@@ -16,28 +16,29 @@ import pytest
 from lines import Line
 
 if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
-    # A shell that starts pytest by `&` has it and its children ignore Ctrl-C: tests of Ctrl-C would hang.
+    # A shell that starts pytest by `&` makes it and its children ignore Ctrl-C; tests of Ctrl-C would hang.
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
-# BLAS threads that spin make busy machines crawl.
+# Idle BLAS threads wait actively, which slows a busy machine down.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-#: Seconds of CPU, child processes included, above which a quick test fails `make check`. A test should be
-#: marked slow from .2 s; the factor of five leaves room for a loaded machine and for first imports.
+#: Seconds of CPU time, child processes included, above which a test that is not marked slow fails `make
+#: check`. Mark tests slow from 0.2 s: the factor of five leaves room for a loaded machine and for first
+#: imports.
 LIMIT = 1.0
 
 OVER: list[str] = []
 
-#: How long boards took to be off, in ms, by what was done to their programs.
+#: Times in ms that boards took to be silent, by the test, which names how their program ended.
 DARK: dict[str, list[float]] = {}
 
-#: The one line of each refusal, by test file and test.
+#: Folder of the expected error messages, each of one line, by test file and test.
 REFUSALS = Path(__file__).with_name("refusals")
 
 
 @pytest.fixture(autouse=True)
 def no_figure_stays() -> Iterator[None]:
-    """Closes each test's figures: `midair.plot` draws into the open one, if there is any."""
+    """Closes each test's figures: `midair.plot` draws into an open figure, if there is one."""
     yield
     if pyplot := sys.modules.get("matplotlib.pyplot"):
         pyplot.close("all")
@@ -45,7 +46,9 @@ def no_figure_stays() -> Iterator[None]:
 
 @pytest.fixture
 def kept(request: pytest.FixtureRequest, tmp_path: Path) -> Callable[..., None]:
-    """Compares the lines of a test's refusals with refusals/, or keeps them there: MIDAIR_REFUSALS=write."""
+    """Returns a function that compares a test's error messages with refusals/ (MIDAIR_REFUSALS=write stores
+    them).
+    """
     file = REFUSALS / f"{request.path.stem}.json"
     every = json.loads(file.read_text("utf-8")) if file.exists() else {}
 
@@ -91,7 +94,9 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
 
 @pytest.fixture
 def dark(request: pytest.FixtureRequest) -> Callable[..., AbstractContextManager[None]]:
-    """Check that a board is silent within a time in s after the block; the run's end prints the times."""
+    """Checks that a board is silent within a time in s after the block;
+    the times are printed at the run's end.
+    """
 
     @contextmanager
     def within(line: Line, allowed: float) -> Iterator[None]:
@@ -99,7 +104,8 @@ def dark(request: pytest.FixtureRequest) -> Callable[..., AbstractContextManager
         yield
         line.wait(lambda surface: surface.silent, 10)
         took = line.silent_since - begin
-        # The last parameter is the number of the trial.
+        # Remove the last parameter, the number of the trial, so that all trials of a test are collected
+        # together.
         act = re.sub(r"-?\d+\]$", "]", request.node.name).removesuffix("[]")
         DARK.setdefault(act, []).append(1e3 * took)
         assert took < allowed
@@ -109,7 +115,7 @@ def dark(request: pytest.FixtureRequest) -> Callable[..., AbstractContextManager
 
 @pytest.fixture
 def cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The folder of solved meshes, of this run's own."""
+    """Sets the folder of solved meshes to one of this test run, and returns it."""
     folder = tmp_path_factory.getbasetemp() / "cache"
     monkeypatch.setenv("XDG_CACHE_HOME", str(folder))
     return folder

@@ -1,4 +1,4 @@
-"""Readings of figures for the tests of pictures, and scenes that are quick to draw."""
+"""Reads marks out of figures for the tests of plots, and makes scenes that are quick to draw."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,13 +9,13 @@ from scenes import small
 
 
 def flat(**scene) -> midair.Scene:
-    """Three points of one height."""
+    """Returns a scene of three points at the same height."""
     points = scene.pop("points", [[-0.02, 0, 0.15], [0.02, 0.01, 0.15], [0, -0.02, 0.15]])
     return small(points=points, **scene)
 
 
 def marks(ax: Axes) -> dict[str, np.ndarray]:
-    """Positions in mm of the dots, rings and crosses."""
+    """Returns the positions in mm of the dots, rings and crosses of a plot."""
     found = {name: np.zeros((0, 2)) for name in ("dots", "rings", "crosses")}
     for mark in ax.collections:
         name = "rings" if len(mark.get_facecolor()) == 0 else "dots"

@@ -1,10 +1,10 @@
-"""Models of boards: plain models of their firmware, a byte at a time.
+"""Models of the boards' firmware, byte by byte.
 
-Each model listens to one line (`receive`) and tells what its channels emit (`drive`, in the order of the
-board's channels) from the physics of its pulses. Nothing here knows how midair makes bytes. The models
-start as the boards power up, and follow Firmware/FPGA */src of upnalab/SonicSurface, FPGA_3.4.2/src of
-RMResearch/OpenMPD_Hardware, DriverBoards of asiermarzo/Ultraino and fpga/shared of
-ultrasonic-homies/ultrasonic-holography; AUTD3's frame is midair's own: codes, not a protocol.
+Each model receives the bytes of one line (`receive`) and computes the output of its channels (`drive`, in
+the order of the board's channels) from the physics of its pulses. No model uses midair's encoders. The
+models start in the power-up state, and follow Firmware/FPGA */src of upnalab/SonicSurface, FPGA_3.4.2/src
+of RMResearch/OpenMPD_Hardware, DriverBoards of asiermarzo/Ultraino and fpga/shared of
+ultrasonic-homies/ultrasonic-holography. The frame of AUTD3 is midair's own: codes, not a protocol.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from pulses import Codes, Complex, Levels, harmonic, pulses
 
 
 class Line(Protocol):
-    """One line and the boards that listen to it."""
+    """One serial line and the boards that listen to it."""
 
     def receive(self, data: bytes) -> None: ...
 
@@ -28,7 +28,7 @@ class Line(Protocol):
 
 
 class Autd3:
-    """Boards of 249: of each the phase codes, then the intensity codes; whole frames only."""
+    """AUTD3 boards. A frame has, for each board, 249 phase codes and then 249 intensity codes."""
 
     def __init__(self, boards: int) -> None:
         self.codes = np.zeros((boards, 2, 249), np.int64)
@@ -45,12 +45,12 @@ class Autd3:
 
     @property
     def pulse_widths(self) -> Codes:
-        """Ticks of 512 that the device makes of the intensities."""
+        """Pulse widths that the boards play for the intensities, in 1/512 of a period."""
         return np.rint(512 / np.pi * np.arcsin(self.codes[:, 1].ravel() / 255)).astype(np.int64)
 
 
 class SonicSurface:
-    """A board of the primary firmware (192) or of the secondary (193): two banks, changed over by 253."""
+    """A board with primary (192) or secondary (193) firmware: two banks, which byte 253 exchanges."""
 
     def __init__(self, name: int = 192) -> None:
         self.name = name
@@ -77,10 +77,11 @@ class SonicSurface:
 
     @property
     def drive(self) -> Complex:
-        """As its VHDL ran: every eighth channel is a tick late, and the secondary board as a whole.
+        """The output of the VHDL in simulation: every eighth channel is one tick late, and the secondary
+        board lags.
 
-        Its counter begins at half a period of the primary's, behind a filter of five taps or eight: 186.3 or
-        189.0 degrees, of which midair takes the middle.
+        The secondary board's counter starts half a period after the primary's, behind a filter of 5 or 8
+        taps. The lag is then 186.3 or 189.0 degrees; midair uses the mean.
         """
         codes = np.array(self.playing)
         board = (17 - 0.32) / 32 if self.name == 193 else 0.0
@@ -104,7 +105,7 @@ class SonicSurfaces:
 
 
 class OpenMpd:
-    """A board behind its FIFO, which hands over 512 bytes at a time; what is left is cleared by `idle`."""
+    """A board behind its FIFO, which passes 512 bytes on at a time; `idle` clears the rest."""
 
     CHUNK = 512
 
@@ -130,12 +131,12 @@ class OpenMpd:
             del self.fifo[: self.CHUNK]
 
     def idle(self) -> None:
-        """Nothing comes for 1.22 s."""
+        """Models a pause of 1.22 s without bytes, which clears the FIFO."""
         self.fifo.clear()
 
     def _command(self, byte: int | None) -> None:
-        """A clock of the reader, with the byte that it brings or with none."""
-        if self.swapping:  # the byte that falls into this clock is lost
+        """Models one clock cycle of the reader, with the byte that it receives, or None."""
+        if self.swapping:  # the byte that arrives in this cycle is lost
             self.swapping = False
             self.writing, self.playing = self.playing, self.writing
             return
@@ -157,10 +158,12 @@ class OpenMpd:
 
 
 class Arduino:
-    """The common part of the Arduino sketches: two banks, nibbles for board 1, others passed on as one less.
+    """The common part of the Arduino sketches: two banks, and bytes whose low nibble is the number of a
+    board.
 
-    Nano's sketch is not published: it is taken to be Nano16's with 24 divisions of one port. Bytes beyond
-    a bank, which overwrite other memory of the board, are dropped.
+    The board stores the high nibble of bytes for board 1, and sends other bytes on with the number less
+    one. Nano's sketch is not published: the model assumes Nano16's with 24 divisions of one port. Bytes
+    beyond a bank overwrite other memory of the board; the model drops them.
     """
 
     def __init__(self, divisions: int, ports: int, room: int = 1) -> None:
@@ -193,7 +196,7 @@ class Arduino:
         pass
 
     def command(self, byte: int) -> bool:
-        """Nano16's reset of the index."""
+        """Runs Nano16's command that resets the index; returns whether the byte is that command."""
         if byte == 0x10:
             self.index = 0
         return byte == 0x10
@@ -209,7 +212,7 @@ class Arduino:
 
 
 class Mega64(Arduino):
-    """A board of 64 pins on ten ports, 32 patterns with durations in periods; `drive` is the first one's."""
+    """64 pins on ten ports, 32 patterns with durations in periods; `drive` is the first pattern's."""
 
     # fmt: off
     PINS = (
@@ -219,7 +222,7 @@ class Mega64(Arduino):
     )
     # fmt: on
 
-    #: Cycles of each, 396 in all.
+    #: Lengths in clock cycles of the ten divisions of a period: 396 in all.
     TICKS = (38, 42, 34, 35, 35, 36, 43, 43, 34, 56)
 
     def __init__(self) -> None:
@@ -247,18 +250,18 @@ class Mega64(Arduino):
 
     @property
     def patterns(self) -> int:
-        """How many patterns are played one after the other, by the durations that came."""
+        """Number of patterns that the board plays in turn: those before the first duration of 0."""
         return self.durations.index(0, 1) if 0 in self.durations[1:] else 32
 
     @property
     def drive(self) -> Complex:
-        """As the binary ran: ports A C L B K F H D G J are late by these cycles, ticks uneven."""
+        """As the compiled sketch plays: ports A C L B K F H D G J lag by these cycles, and ticks differ."""
         late = np.array([0, 3, 7, 10, 14, 17, 20, 24, 27, 30])[np.array(self.PINS) // 8] / 396
         return harmonic(self.levels()[:, list(self.PINS)], self.TICKS) * np.exp(2j * np.pi * late)
 
 
 class Chain:
-    """MEGA64 boards, each fed by what the one before it sends."""
+    """MEGA64 boards in a chain: each receives the bytes that the board before it sends."""
 
     def __init__(self, boards: int) -> None:
         self.boards = [Mega64() for _ in range(boards)]
@@ -275,7 +278,7 @@ class Chain:
 
 
 class Homies:
-    """One of the two FPGAs of 128 channels. Modulation is left out; an unknown command locks it up."""
+    """One of the two FPGAs of 128 channels, without modulation. An unknown command locks it up."""
 
     def __init__(self) -> None:
         self.window = 0
@@ -307,7 +310,7 @@ class Homies:
             self.locked = True
 
     def _burst(self, byte: int) -> None:
-        """Pairs of phase and channel, counted down in bytes; a count of 0 swallows one."""
+        """Takes a byte of a burst: phase and channel alternate. A count of 0 still consumes one byte."""
         if self.burst % 2 == 0:
             self.latest = byte
         else:
@@ -332,15 +335,15 @@ class Kind:
     Attributes
     ----------
     lines
-        The lines of this many boards and what listens to them.
+        Returns the models that listen to the lines of this many boards, one for each line.
     length
-        Bytes of a frame of this many boards.
+        Returns the length in bytes of a frame for this many boards.
     off
-        Whether a frame of this many boards says in the board's own word that nothing plays.
+        Returns whether a frame for this many boards is the kind's own command to switch everything off.
     ticks
-        Of a period, or their lengths; 0 of a board that is sent codes instead of pulses.
+        Ticks of a period, or their lengths. 0 for a kind that receives codes instead of pulses.
     widths
-        Of pulses in ticks; left out, half a period or none.
+        Possible pulse widths in ticks. None means half a period, or no pulse.
     """
 
     lines: Callable[[int], Sequence[Line]]
@@ -384,7 +387,7 @@ KINDS = {
     "nano": Kind(lambda _: [Arduino(24, 1)], lambda _: 49, _no_bits, ticks=24),
     "homies": Kind(
         lambda boards: [Homies() for _ in range(boards)],
-        lambda boards: 1024 * boards,  # off goes as words of eight
+        lambda boards: 1024 * boards,  # the off command is sent as words of eight bytes
         lambda boards, frame: (
             frame == boards * b"".join(bytes([0x55, 0, c, 0, 0, 1, 0, 0xAA]) for c in range(128))
         ),

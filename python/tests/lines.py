@@ -1,4 +1,4 @@
-"""A SonicSurface at the end of a pseudo-terminal, modelled on what its firmware does with each byte."""
+"""A model of a SonicSurface board at a pseudo-terminal, which acts on each byte as its firmware does."""
 
 import math
 import os
@@ -11,7 +11,7 @@ OFF = 32
 
 
 class Surface:
-    """The receiving end: two banks of codes per board, exchanged by 253; at power-up everything is on."""
+    """The board: two banks of codes, which byte 253 exchanges. At power-up all transducers are on."""
 
     def __init__(self, boards=1):
         self.banks = [[[0] * 256, [0] * 256] for _ in range(boards)]
@@ -43,15 +43,16 @@ class Surface:
 
     @property
     def silent(self):
-        """Off in both banks of every board, clocks running."""
+        """Whether all transducers are off in both banks of every board, while the clocks run."""
         codes = {code for banks in self.banks for bank in banks for code in bank}
         return codes == {OFF} and self.clocks
 
 
 class Line:
-    """A pseudo-terminal whose far end is a Surface: `port` is its name, `times` when each byte came.
+    """A pseudo-terminal with a Surface at its far end. `port` is its name, `times` the arrival times of the
+    bytes.
 
-    `silent_since` is when the surface fell silent, infinite while it is not.
+    `silent_since` is the time since which the surface is silent, infinite while it is not.
     """
 
     def __init__(self, boards=1):
@@ -89,7 +90,7 @@ class Line:
                 self.changed.notify_all()
 
     def wait(self, condition, seconds=5.0):
-        """The time at which a condition of the surface was true."""
+        """Waits until a condition of the surface is true, and returns the time."""
         with self.lock:
             assert self.changed.wait_for(lambda: condition(self.surface), seconds), "it never came"
             return time.monotonic()
@@ -99,7 +100,7 @@ class Line:
             return [(at, codes) for at, codes in self.surface.played if at >= since]
 
     def unplug(self):
-        """Take the cable away."""
+        """Simulates that the cable is unplugged."""
         if self.there:
             self.there = False
             self.thread.join()

@@ -1,7 +1,8 @@
-"""Double-precision reference for the methods, written from their definitions.
+"""Double-precision reference for the solution methods, written from their definitions.
 
-G is (M, N) in the paper's unit (distances in mm, P0 = 1), t holds the targets; all weights are 1. Nothing is
-rearranged for speed: what a method states as an N x N system is solved as one.
+G (M, N) is the propagation matrix in the paper's unit (distances in mm, P0 = 1), t (M,) are the targets;
+all weights are 1. Nothing is rearranged for speed: an N x N system of a method is solved as an N x N
+system.
 """
 
 import clarabel
@@ -16,25 +17,25 @@ Complex = NDArray[np.complex128]
 
 
 def limited(q: Complex, limit: str) -> Complex:
-    """Drive brought back to |q| <= 1."""
+    """Returns the drive q limited to |q| <= 1 by one of three rules."""
     size = np.abs(q)
     return q / {"clamp": np.maximum(size, 1), "normalize": size.max(), "full": size}[limit]
 
 
 def turned(t: Real, p: Complex) -> Complex:
-    """Targets with the phases of p."""
+    """Returns the targets t with the phases of the pressures p."""
     return t * p / np.abs(p)
 
 
 def tikhonov(G: Complex, t: Real, regularization: float = 0.07, limit: str = "clamp") -> Complex:
-    """Regularised pseudo-inverse of target phases 0."""
+    """Tikhonov's regularised pseudo-inverse for targets of phase 0."""
     H = G @ G.conj().T
     mu = regularization * np.mean(np.diag(H).real)
     return limited(G.conj().T @ np.linalg.solve(H + mu * np.eye(len(t)), t), limit)
 
 
 def evd(G: Complex, t: Real, gamma: float = 1.0, limit: str = "clamp") -> Complex:
-    """Long et al. 2014."""
+    """The eigenvector method of Long et al. 2014."""
     power = np.sum(np.abs(G) ** 2, axis=1)
     R = np.array([[np.sum(g * h.conj()) * a / e for h, a, e in zip(G, t, power, strict=True)] for g in G])
     values, vectors = np.linalg.eig(R)
@@ -45,7 +46,7 @@ def evd(G: Complex, t: Real, gamma: float = 1.0, limit: str = "clamp") -> Comple
 
 
 def gs(G: Complex, t: Real, steps: int = 100) -> Complex:
-    """Gerchberg-Saxton with |q| = 1, from q = 1."""
+    """The Gerchberg-Saxton algorithm with |q| = 1, started from q = 1."""
     q = np.ones(G.shape[1], complex)
     for _ in range(steps):
         q = limited(G.conj().T @ turned(t, G @ q), "full")
@@ -53,7 +54,7 @@ def gs(G: Complex, t: Real, steps: int = 100) -> Complex:
 
 
 def gspat(G: Complex, t: Real, steps: int = 100, limit: str = "clamp") -> Complex:
-    """Plasencia et al. 2020."""
+    """GS-PAT of Plasencia et al. 2020."""
     X = G.conj().T / np.sum(np.abs(G) ** 2, axis=1)
     R = G @ X
     p = t.astype(complex)
@@ -64,14 +65,16 @@ def gspat(G: Complex, t: Real, steps: int = 100, limit: str = "clamp") -> Comple
 
 
 def sdp_parts(G: Complex, t: Real, alpha: float = 1e-3) -> tuple[Complex, Complex]:
-    """G^+ and the cost matrix Q of the point phases u, u^H Q u, of Inoue et al. 2015."""
+    """Returns the inverse G^+ and the matrix Q of Inoue et al. 2015;
+    u^H Q u is the cost of the point phases u.
+    """
     M = len(t)
     inverse = G.conj().T @ np.linalg.inv(G @ G.conj().T + alpha * np.eye(M))
     return inverse, t[:, None] * (np.eye(M) - G @ inverse) * t
 
 
 def descend(Q: Complex, rng: np.random.Generator, steps: int = 1000, scale: float = 0.9) -> Complex:
-    """X >= 0 with unit diagonal and small tr(Q X), by block coordinate descent from the identity."""
+    """Returns X >= 0 with unit diagonal and small tr(Q X), by block coordinate descent from X = 1."""
     M = len(Q)
     X = np.eye(M, dtype=complex)
     for i in rng.integers(M, size=steps):
@@ -86,7 +89,7 @@ def descend(Q: Complex, rng: np.random.Generator, steps: int = 1000, scale: floa
 
 
 def leading(X: Complex) -> Complex:
-    """Leading eigenvector of a Hermitian matrix."""
+    """Returns the eigenvector of a Hermitian matrix for its largest eigenvalue."""
     return np.linalg.eigh(X)[1][:, -1]
 
 
@@ -100,17 +103,17 @@ def sdp(
     moduli: str = "raw",
     limit: str = "normalize",
 ) -> Complex:
-    """Inoue et al. 2015; scale is the option lambda."""
+    """The method of Inoue et al. 2015; `scale` is the option lambda."""
     inverse, Q = sdp_parts(G, t)
     u = leading(descend(Q, rng, steps, scale))
     return limited(inverse @ (t * (u if moduli == "raw" else np.exp(1j * np.angle(u)))), limit)
 
 
 def relaxed(Q: Complex) -> tuple[float, Complex]:
-    """Least Re tr(Q X) over X >= 0 with unit diagonal, and its X, by an interior-point method.
+    """Returns the least Re tr(Q X) over X >= 0 with unit diagonal, and that X, by an interior-point method.
 
-    A Hermitian X = A + jB is >= 0 just where the real [[A, -B], [B, A]] of twice the size is. Clarabel takes
-    the upper triangle of that by columns, off-diagonal entries times sqrt 2.
+    A Hermitian X = A + jB is >= 0 exactly if the real matrix [[A, -B], [B, A]] of twice the size is.
+    Clarabel expects the upper triangle of this matrix, by columns, with off-diagonal entries times sqrt 2.
     """
     M = len(Q)
     n = 2 * M
@@ -119,7 +122,7 @@ def relaxed(Q: Complex) -> tuple[float, Complex]:
     index = {pair: k for k, pair in enumerate(zip(rows.tolist(), columns.tolist(), strict=True))}
     weight = np.where(rows == columns, 1.0, np.sqrt(2.0))
     size = len(rows)
-    # The entries x; equalities first: unit diagonal, the same A in both corners, B = -B^T.
+    # First the equality constraints on the entries x: unit diagonal, the same A in both corners, B = -B^T.
     equal, right = [], []
     for j in range(M):
         for k in range(j, M):
@@ -146,7 +149,9 @@ def relaxed(Q: Complex) -> tuple[float, Complex]:
 
 
 def lm_residuals(G: Complex, t: Real, x: Real) -> tuple[Complex, Complex]:
-    """sum_i G_ji e^{j phi_i} - t_j e^{j theta_j} for x = (phi, theta), and its derivatives (M, N + M)."""
+    """Returns sum_i G_ji e^{j phi_i} - t_j e^{j theta_j} for x = (phi, theta),
+    and its derivatives (M, N + M).
+    """
     N = G.shape[1]
     waves, wanted = G * np.exp(1j * x[:N]), t * np.exp(1j * x[N:])
     return waves.sum(axis=1) - wanted, 1j * np.hstack([waves, -np.diag(wanted)])
@@ -155,7 +160,9 @@ def lm_residuals(G: Complex, t: Real, x: Real) -> tuple[Complex, Complex]:
 def lm(
     G: Complex, t: Real, start: Real, *, steps: int = 200, tau: float = 1e-3, eps: float = 1e-8
 ) -> Complex:
-    """Madsen, Nielsen and Tingleff 2004, algorithm 3.16, from the N + M phases of start; |q| = 1."""
+    """Levenberg-Marquardt (Madsen, Nielsen and Tingleff 2004, algorithm 3.16) from the phases `start`;
+    |q| = 1.
+    """
 
     def parts(x: Real) -> tuple[Real, Real]:
         f, J = lm_residuals(G, t, x)
@@ -168,7 +175,7 @@ def lm(
         slope = J.T @ f
         if np.abs(slope).max() <= eps:
             break
-        # (J^T J + mu I) step = -J^T f
+        # The step solves (J^T J + mu I) step = -J^T f.
         step = -J.T @ np.linalg.solve(J @ J.T + mu * np.eye(len(f)), f)
         if np.linalg.norm(step) <= eps * (np.linalg.norm(x) + eps):
             break
@@ -183,7 +190,7 @@ def lm(
 
 
 def least_squares(G: Complex, t: Real, start: Real, evaluations: int) -> Complex:
-    """The same cost by SciPy's trust region."""
+    """Minimises the cost of `lm_residuals` by SciPy's trust-region method."""
 
     def value(x: Real) -> Real:
         f = lm_residuals(G, t, x)[0]

@@ -1,4 +1,6 @@
-"""Arrays as no model has them, and microphones that hear them: float64, eq. (5) with a lobe."""
+"""Simulated arrays that differ from every model, and simulated microphones:
+float64, eq. (5) with a piston's lobe.
+"""
 
 from dataclasses import dataclass, field
 
@@ -11,13 +13,13 @@ import midair
 Complex = NDArray[np.complex128]
 Real = NDArray[np.float64]
 
-#: The assumed and the true sound speed around the array, in m/s.
+#: The sound speed that the model assumes and the true one, in m/s.
 BELIEVED, TRUE_SPEED = 340.0, 346.1
 
 
 @dataclass
 class Rig:
-    """16 x 16 transducers off by gains, phases and places, some dead or reversed; seeded."""
+    """16 x 16 transducers with random errors of gain, phase and position, some of them dead or reversed."""
 
     seed: int
     gain: float = 0.1
@@ -30,7 +32,7 @@ class Rig:
     rng: np.random.Generator = field(init=False)
 
     def __post_init__(self) -> None:
-        """Draw what is off."""
+        """Draws the random errors."""
         self.rng = rng = np.random.default_rng(self.seed)
         self.array = midair.Array.grid(16, 16, 10e-3)
         n = len(self.array)
@@ -48,7 +50,7 @@ class Rig:
         self.new = np.c_[rng.uniform(-0.04, 0.04, (4, 2)), np.full(4, 0.15)]
 
     def matrix(self, points: Real) -> Complex:
-        """Pressures (M, N) in Pa at full drive."""
+        """Returns the true pressures (M, N) in Pa of each transducer at full drive."""
         rays = points[:, None] - self.positions
         r = np.linalg.norm(rays, axis=2)
         number = 2 * np.pi * 40e3 / TRUE_SPEED
@@ -56,18 +58,20 @@ class Rig:
         return np.asarray(4.386 / r * 2 * j1(x) / x * np.exp(1j * number * r) * self.response)
 
     def level(self) -> float:
-        """The balanced level of four foci, in Pa: what decibels of noise refer to."""
+        """Returns the balanced level of four foci, in Pa: the reference of the noise in decibels."""
         return float(np.abs(self.matrix(self.new)).sum(1).mean() / 2)
 
     def read(self, drives: NDArray[np.complexfloating], decibels: float, phased: bool = False) -> Complex:
-        """Readings (K, M) with noise so far below the level of the foci."""
+        """Returns readings (K, M), with noise this many decibels below the level of the foci."""
         p = drives @ self.matrix(self.places).T
         sd = self.level() * 10 ** (-decibels / 20)
         noise = sd * self.rng.normal(size=(2, *p.shape))
         return p + (noise[0] + 1j * noise[1]) / np.sqrt(2) if phased else np.abs(np.abs(p) + noise[0])
 
     def kept(self, array: midair.Array, sound_speed: float) -> float:
-        """Level at points without microphones, solved by a model, over that solved by the truth."""
+        """Returns the level at points without microphones that a model's drive reaches,
+        over that of the true model's.
+        """
         truth = self.matrix(self.new)
         best = midair.solve(midair.Propagation(truth), "uniform").drive
         found = midair.solve(midair.Scene(array, self.new, sound_speed=sound_speed), "uniform").drive

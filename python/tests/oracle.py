@@ -1,7 +1,7 @@
 """Double-precision reference for the kernels, written from the definitions.
 
-SI units, time factor e^{-jwt}: an outgoing wave runs as e^{+jkr}. G has a row per point and a column
-per transducer, so that a field is G @ drive.
+SI units, time factor e^{-jwt}: an outgoing wave is e^{+jkr}. The propagation matrix G has a row per point
+and a column per transducer, so that a field is G @ drive.
 """
 
 import math
@@ -13,8 +13,8 @@ from scipy.interpolate import PchipInterpolator
 from scipy.special import j1
 
 T4010A1 = (1.0, 1.0, 1.0, 0.8913, 0.7079, 0.5012, 0.3548, 0.2512, 0.1995, 0.1778)
-# Part of E(0) by which a later candidate has to beat an earlier one, so that rounding does not decide
-# between candidates that are equal on paper.
+# A later candidate replaces an earlier one only if its energy is lower by this part of E(0). Rounding then
+# does not decide between candidates that are equal on paper.
 TIE = 1e-12
 
 Real = NDArray[np.float64]
@@ -23,7 +23,7 @@ Directivity = str | tuple[str, float]
 
 
 def pattern(directivity: Directivity, k: float, theta: Real) -> Real:
-    """Far-field pattern at angles from the normal; all except the point source are silent behind."""
+    """Returns the far-field pattern at angles from the normal; only point sources radiate backwards."""
     name, size = (directivity, 0.0) if isinstance(directivity, str) else directivity
     front = np.minimum(theta, np.pi / 2)
     x = k * size * np.sin(front)
@@ -43,7 +43,7 @@ def pattern(directivity: Directivity, k: float, theta: Real) -> Real:
 
 
 def air(f: float, celsius: float, percent: float, pascals: float) -> tuple[float, float, float]:
-    """Sound speed in m/s, absorption in dB/m, density in kg/m^3: ISO 9613-1, ideal gases."""
+    """Returns sound speed in m/s, absorption in dB/m and density in kg/m^3: ISO 9613-1, ideal gases."""
     kelvin, ratio, standard = celsius + 273.15, (celsius + 273.15) / 293.15, pascals / 101325
     saturated = 10 ** (4.6151 - 6.8346 * (273.16 / kelvin) ** 1.261)
     h = percent * saturated / standard
@@ -70,24 +70,26 @@ def propagation(
     sound_speed: float = 340.0,
     absorption: float = 0.0,
 ) -> Complex:
-    """(M, N) pressure per unit of drive; normals default to +z. No point may sit on a transducer."""
+    """Returns pressures (M, N) per unit of drive; normals default to +z. No point may be on a source."""
     k = 2 * np.pi * frequency / sound_speed
     way = np.asarray(points, float)[:, None] - np.asarray(positions, float)
     normal = np.broadcast_to([0.0, 0.0, 1.0] if normals is None else np.asarray(normals, float), way.shape)
     r = np.linalg.norm(way, axis=2)
-    # Not by arccos, which loses digits near the axis.
+    # arctan2 keeps digits near the axis that arccos would lose.
     theta = np.arctan2(np.linalg.norm(np.cross(normal, way), axis=2), np.sum(normal * way, axis=2))
     wave = source_pressure / r * pattern(directivity, k, theta) * np.exp((1j * k - absorption) * r)
     return wave * (1.0 if response is None else np.asarray(response, complex))
 
 
 def reach(G: Complex) -> Real:
-    """Most pressure that drives of at most 1 can give at each point on its own."""
+    """Returns the largest pressure that a drive with all |q| <= 1 can give at each point alone."""
     return np.abs(G).sum(axis=1)
 
 
 def balanced_factor(G: Complex, targets: ArrayLike, weights: ArrayLike | None = None) -> float:
-    """Factor s for which the sum of (s t / p1)^2 is 1; 0 for a target out of reach."""
+    """Returns the factor s for which the sum of (s t / p1)^2 is 1, p1 being `reach`;
+    0 if a target has p1 = 0.
+    """
     t, w = _targets(targets, weights)
     use = (w > 0) & (t > 0)
     with np.errstate(divide="ignore"):
@@ -100,7 +102,7 @@ def _targets(targets: ArrayLike, weights: ArrayLike | None) -> tuple[Real, Real]
 
 
 class _Walk:
-    """The search's state along the order, kept to the points of weight > 0."""
+    """The state of the greedy search along its order, for the points of weight > 0."""
 
     def __init__(
         self,
@@ -122,13 +124,17 @@ class _Walk:
         self.silent = float(self.w @ np.abs(self.t) ** self.power)
 
     def candidates(self, i: int) -> Complex:
-        """Amplitudes outer, phases inner; in silence, where all phases are equal, phase 0 alone."""
+        """Returns the candidates, amplitudes outer, phases inner.
+        While P is 0 all phases are equal: phase 0 alone.
+        """
         if not self.G[:, i].any():
             return np.zeros(0, complex)
         return (self.grid if self.P.any() else self.grid[:, :1]).ravel()
 
     def changes(self, i: int, q: Complex) -> Real:
-        """E(P + G q) - E(P) for each q, as differences: two whole energies would cancel."""
+        """Returns E(P + G q) - E(P) for each q, summed from differences:
+        subtracting two energies would lose digits.
+        """
         step = np.multiply.outer(q, self.G[:, i])
         before, after = np.abs(self.P), np.abs(self.P + step)
         squares = 2 * np.real(self.P.conj() * step) + np.abs(step) ** 2
@@ -142,7 +148,7 @@ class _Walk:
 
 
 def greedy(G: Complex, targets: ArrayLike, *, order: ArrayLike, **search: Any) -> Complex:
-    """Drive by Algorithm 2 of Suzuki et al. 2021; weights, phases, amplitudes, objective as in _Walk."""
+    """Returns the drive of Algorithm 2 of Suzuki et al. 2021; `search` has the keywords of _Walk."""
     walk = _Walk(G, targets, **search)
     drive = np.zeros(G.shape[1], complex)
     for i in np.asarray(order):
@@ -155,7 +161,9 @@ def greedy(G: Complex, targets: ArrayLike, *, order: ArrayLike, **search: Any) -
 
 
 def regrets(G: Complex, targets: ArrayLike, drive: ArrayLike, *, order: ArrayLike, **search: Any) -> Real:
-    """Per step: this drive's energy less the least among candidates, over E(0) unless that is 0."""
+    """Returns, for each step, the energy of this drive less the least of all candidates,
+    over E(0) unless that is 0.
+    """
     walk = _Walk(G, targets, **search)
     drive = np.asarray(drive, complex)
     steps = []
@@ -168,7 +176,9 @@ def regrets(G: Complex, targets: ArrayLike, drive: ArrayLike, *, order: ArrayLik
 
 
 def naive(G: Complex, targets: ArrayLike, limit: str = "clamp") -> Complex:
-    """Sum of the back-propagated single foci, then limited. Points out of reach add nothing."""
+    """Returns the sum of the single foci's back-propagated drives, limited.
+    A point out of reach adds nothing.
+    """
     power = np.sum(np.abs(G) ** 2, axis=1)
     share = np.divide(np.asarray(targets, float), power, out=np.zeros_like(power), where=power > 0)
     q = G.conj().T @ share
@@ -178,13 +188,13 @@ def naive(G: Complex, targets: ArrayLike, limit: str = "clamp") -> Complex:
 
 
 def metrics(p_abs: ArrayLike, targets: ArrayLike, weights: ArrayLike | None = None) -> dict[str, float]:
-    """How well magnitudes meet their targets; some point must have target > 0 and weight > 0."""
+    """Returns how well magnitudes meet their targets; some point must have target > 0 and weight > 0."""
     p, (t, w) = np.asarray(p_abs, float), _targets(targets, weights)
     leak = p[(w > 0) & (t == 0)].max(initial=0)
     use = (w > 0) & (t > 0)
     p, t, w = p[use], t[use], w[use]
     x = p / t
-    # In silence there is no largest ratio to divide by; sigma and uniformity are then 0.
+    # If all pressures are 0, no ratio is above 0: sigma and uniformity are then 0.
     unit = x.max() or 1.0
     return {
         "accuracy": float(p.sum() / t.sum()),

@@ -1,4 +1,4 @@
-"""A built page of a few bytes, and what a page tells Python."""
+"""A built page of a few bytes, and messages that the page sends to Python."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ FILES = {
     "widget.mjs": b"export default { render() {} };",
 }
 
-#: Messages from the page to Python: studio/src/types.ts.
+#: A message from the page to Python; its type is in studio/src/types.ts.
 STATE = {
     "array": {"preset": "autd3", "tiles": [2, 2]},
     "quantization": "board",

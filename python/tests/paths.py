@@ -1,4 +1,4 @@
-"""Paths that several tests walk."""
+"""Paths that several tests use."""
 
 from typing import Any
 
@@ -7,13 +7,15 @@ import numpy as np
 from midair import path
 
 Numbers = np.ndarray
-#: In m.
+#: Height of the points, in m.
 Z = 0.15
 SQUARE = [[0, 0, Z], [0.03, 0, Z], [0.03, 0.03, Z], [0, 0.03, Z]]
 
 
 def steps(points: Numbers, *, closed: bool = False) -> Numbers:
-    """Distances (T, M) of frames that follow one another, and over the seam."""
+    """Returns the distances (T, M) between consecutive frames;
+    with `closed`, also from the last to the first.
+    """
     every = np.concatenate([points, points[:1]]) if closed else points
     return np.linalg.norm(np.diff(every, axis=0), axis=2)
 
@@ -23,7 +25,7 @@ def ring(**keywords: Any) -> path.Path:
 
 
 def still(*places: float, pressures: Any = None, seconds: float = 0.1) -> path.Path:
-    """Points at rest on the x axis, at z = .15 m."""
+    """Returns a path of points at rest on the x axis, at z = 0.15 m."""
     points = [[x, 0, Z] for x in places]
     return path.morph(points, points, duration=seconds, pressures=pressures)
 

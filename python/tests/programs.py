@@ -1,6 +1,7 @@
-"""Programs that play and end in some way; each is forked for a line "act port hold" of input.
+"""Programs that play and end in various ways; each line "act port hold" of input starts one as a child
+process.
 
-Output tells their numbers, when they play, and when they have ended.
+The output has, for each program, its process number, when it plays and when it has ended.
 """
 
 import ctypes
@@ -45,7 +46,7 @@ def modulate(surface):
 
 
 def forked(surface):
-    """A child that lives on holds the owner's end of the pipe."""
+    """Forks a child that outlives the program and keeps the program's end of the pipe to the guard open."""
     if os.fork() == 0:
         os.closerange(0, 3)
         time.sleep(3)
@@ -59,7 +60,7 @@ def spin(surface):
 
 
 def native(surface):
-    """Hang with the lock of the interpreter taken."""
+    """Hangs while it has the interpreter's lock."""
     ctypes.PyDLL(None).sleep(30)
 
 
@@ -79,7 +80,7 @@ def exit(surface):
 
 
 def forgotten(surface):
-    """Neither closed nor kept."""
+    """Ends the program without closing the board or keeping a reference to it."""
     wait_for_word()
 
 
@@ -100,9 +101,9 @@ def play(name, port, hold):
 
 
 def main():
-    # Under nohup it would be ignored.
+    # nohup makes programs ignore SIGHUP.
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
-    # Unbuffered by hand: a line is read by the fork that it is for.
+    # An unbuffered read: the process that reads a line forks the program that the line is for.
     while line := sys.stdin.readline():
         process = os.fork()
         if process == 0:

@@ -1,4 +1,4 @@
-"""Drives of square waves, for the models of boards that make them."""
+"""Computes drives from square waves, for the models of boards that make them."""
 
 from functools import cache
 
@@ -12,21 +12,24 @@ Complex = NDArray[np.complex128]
 
 
 def edges(ticks: int | Ticks) -> Complex:
-    """Where each tick of a period begins, and the last ends: this many equal ones, or of some lengths."""
+    """Returns e^{j phase} of the start of each tick of a period and of its end;
+    `ticks` are a number or lengths.
+    """
     lengths = np.ones(ticks) if isinstance(ticks, int) else np.array(ticks)
     return np.exp(2j * np.pi * np.r_[0, np.cumsum(lengths)] / lengths.sum())
 
 
 def harmonic(levels: Levels, ticks: Ticks | None = None) -> Complex:
-    """The drive of each channel from its pin's levels (ticks, channels) over a period.
+    """Returns the drive of each channel from its pin's levels (ticks, channels) over a period.
 
-    An output s(t) = Re q e^{-jwt} has q = (2/T) integral of s e^{jwt}; a square wave of half a period is 1.
+    An output s(t) = Re q e^{-jwt} has q = (2/T) integral of s e^{jwt}; the scale makes a half-period pulse
+    1.
     """
     return np.diff(edges(ticks or len(levels))) / 2j @ levels
 
 
 def pulses(starts: Codes, widths: Codes, ticks: int | Ticks) -> Complex:
-    """The drive of pulses that go high at tick `start` for `width` ticks of a period."""
+    """Returns the drives of pulses that start at tick `starts` and last `widths` ticks of a period."""
     return _pulses(ticks)[np.ravel(starts), np.ravel(widths)]
 
 

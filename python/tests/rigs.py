@@ -1,4 +1,4 @@
-"""Boards' kinds and numbers with the models of their firmware, for the tests of their bytes."""
+"""Kinds and numbers of boards with models of their firmware, for tests of the bytes sent to them."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ TURNING = 2j * np.pi
 
 
 class Rig:
-    """The boards of a kind and their lines; a frame is as many equal parts as there are lines."""
+    """The models of the boards of a kind; a frame has one part of the same length for each line."""
 
     def __init__(self, kind: str, boards: int = 1) -> None:
         self.lines = KINDS[kind].lines(boards)
@@ -26,7 +26,7 @@ class Rig:
             line.receive(frame[k * part : (k + 1) * part])
 
     def play(self, frame: bytes, channels: Codes) -> Complex:
-        """The drive of the transducers on these channels while the frame is played."""
+        """Plays a frame, and returns the drive of the transducers on these channels."""
         self.receive(frame)
         return self.drive[channels]
 
@@ -39,37 +39,38 @@ LENGTHS = {kind: known.ticks for kind, known in KINDS.items() if known.ticks}
 TICKS = {kind: len(edges(ticks)) - 1 for kind, ticks in LENGTHS.items()}
 WIDTHS = {kind: known.widths for kind, known in KINDS.items() if known.widths}
 
-#: The drive of a half wave that starts with the period, which is called phase 0 on boards of pulses.
+#: The drive of a half-period pulse that starts with the period; boards of pulses call this phase 0.
 TURN = {kind: 1j if known.ticks else 1.0 for kind, known in KINDS.items()}
 
 
 def playable(kind: str) -> Complex:
-    """All drives that the pulses (or codes) of a kind can make, (widths, starts) in a row."""
+    """Returns all drives that a kind of board can play, from all pulses (widths, starts) or codes."""
     if kind == "autd3":
         phases, amplitudes = np.arange(256) / 256, np.arange(256) / 255
         return np.ravel(amplitudes * np.exp(TURNING * phases[:, None]))
     ticks = TICKS[kind]
     starts, widths = np.meshgrid(np.arange(ticks), np.array(WIDTHS.get(kind, (0, ticks // 2))))
-    # Drives are decoded from where edges differ least from equal ones; the rest is in the response.
+    # Drives are decoded for equal ticks that lie closest to the real edges; the response has the remainder.
     early = np.unwrap(np.angle(edges(LENGTHS[kind])[:-1])) - 2 * np.pi * np.arange(ticks) / ticks
     return pulses(starts, widths, LENGTHS[kind]) / TURN[kind] * np.exp(-1j * early.mean())
 
 
 def full(kind: str) -> complex:
-    """The drive nearest to 1 that a board can play."""
+    """Returns the drive nearest to 1 that a board can play."""
     own = playable(kind)
     return complex(own[np.abs(own - 1).argmin()])
 
 
 def assert_nearest(kind: str, got: Complex, wanted: Complex) -> None:
-    """Of all drives that a board of pulses can play, none is nearer to the one wanted."""
+    """Checks that the kind can play each drive, and that no other one is nearer to the wanted drive."""
     own, wanted = playable(kind), np.broadcast_to(wanted, got.shape)
     for one, other in zip(got, wanted, strict=True):
         assert np.abs(one - own).min() < 1e-6
         assert abs(one - other) <= np.abs(other - own).min() + 1e-6
 
 
-#: Numbers of boards that are played together; of other kinds one, and two where two can.
+#: Numbers of boards that are played together. The other kinds are tested with one, and with two if they allow
+#: it.
 TOGETHER = {"autd3": (1, 2, 4), "mega64": (1, 2, 3, 14)}
 
 #: Each kind and number of boards.
@@ -82,12 +83,12 @@ CASES = [
 every = pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case[0]}-{case[1]}")
 single = pytest.mark.parametrize("kind", KINDS)
 
-#: Boards that read a stream of bytes.
+#: Kinds and numbers of boards that read a stream of bytes.
 BYTEWISE = [case for case in CASES if case[0] != "autd3" and case[1] < 14]
 
 
 def made(case: tuple[str, int]) -> tuple[Board, Rig]:
-    """Boards of a kind: in an array of their own where there is one, else on a grid."""
+    """Returns boards of a kind with their model; their array is the kind's own if it has one, else a grid."""
     kind, boards = case
     board = Board(kind)
     if boards != board.boards:
@@ -107,14 +108,15 @@ def of_kind(kind: str) -> tuple[Board, Rig]:
 
 
 def played(board: Board, rig: Rig, drive: Complex) -> Complex:
-    """The board's output for this drive."""
+    """Returns the output of the boards for this drive."""
     return received(board, rig, board.encode(drive))
 
 
 def received(board: Board, rig: Rig, frame: bytes) -> Complex:
-    """The drive that the board plays of a frame, a half wave from the start of the period being 1.
+    """Returns the drive that the board plays for a frame; a half-period pulse from the period's start is 1.
 
-    Its pins are late by the board's response, which its array has and a solver counts in.
+    The delays of the pins are divided out: the array has them as its response, and solvers compensate for
+    them.
     """
     response = board._codec.response
     return rig.play(frame, board.channels) / TURN[board.name] / (1.0 if response is None else response)
@@ -125,13 +127,13 @@ def off_grid(rng: np.random.Generator, transducers: int) -> Complex:
 
 
 def forbidden(kind: str, drive: Complex) -> NDArray[np.bool]:
-    """Where a drive's phase is 0x55 or 0xAA, which homies' board must not be sent: one step off."""
+    """Returns where a phase code is 0x55 or 0xAA; the homies board gets a neighbouring code instead."""
     codes = np.rint(np.angle(drive) * 128 / np.pi) % 256
     return ((codes == 0x55) | (codes == 0xAA)) & (kind == "homies")
 
 
 def decoded(board: Board, frame: bytes) -> Complex | None:
-    """The drive of a frame that may be broken, None where it is refused as it should be."""
+    """Returns the drive of a frame that may be broken; None if it is rejected with a proper message."""
     try:
         read = board.decode(frame)
     except ValueError as refusal:

@@ -1,4 +1,4 @@
-"""Whether the numbers of an example may be shown to a reader: finite, within reach, even enough."""
+"""Checks that the numbers of an example can be shown to a reader: finite, within limits, even enough."""
 
 import re
 from collections.abc import Iterable, Mapping
@@ -9,21 +9,21 @@ import pyarrow.parquet
 
 import midair
 
-#: The weakest method of docs/how-to-choose.md reaches .42; far above the targets is a fault, too.
+#: Limits of the level. The weakest method of docs/how-to-choose.md reaches 0.42; far above 1 is a fault, too.
 LEAST, MOST = 0.3, 1.2
-#: The most uneven method has .24.
+#: Limit of sigma: the most uneven method has 0.24.
 UNEVEN = 0.3
 
 
 def sane(thing: object, where: str) -> int:
-    """Asserts it of whatever an example has made, and returns how many answers were in it."""
+    """Checks the results that an example made, and returns how many there were."""
     if isinstance(thing, midair.Solution | midair.Batch):
         status = thing.status
         ended = [status] if isinstance(status, str) else status
-        # A miss is a warning as well, which an example must catch.
+        # A missed target is also a warning, which the example must catch.
         assert set(ended) <= {"done", "out_of_steps", "missed"}, f"{where}: {set(ended)}"
         drives = thing.drive if isinstance(thing, midair.Solution) else thing.drives
-        # Rounded once to f32.
+        # The margin allows for rounding to f32.
         assert (np.abs(drives) <= 1 + 1e-6).all(), where
         assert (np.abs(drives) > 0).any(), f"{where} is silent"
         sane(thing.pressures, where)
@@ -55,7 +55,7 @@ def sane(thing: object, where: str) -> int:
 
 
 def columns(table: Mapping[str, object], where: str) -> int:
-    """The columns of a table of metrics, by name."""
+    """Checks the columns of a table of metrics, by name, and returns how many numbers there were."""
     within = {"accuracy": (LEAST, MOST), "level": (LEAST, MOST), "sigma": (0, UNEVEN)}
     found = {name: np.asarray(table[name], float) for name in within.keys() & table.keys()}
     for name, values in found.items():
@@ -67,7 +67,7 @@ def columns(table: Mapping[str, object], where: str) -> int:
 
 
 def printed(text: str) -> dict[str, list[float]]:
-    """The columns of the command line's table that `columns` looks at: of methods, or of faults."""
+    """Returns the columns that `columns` checks, from the command line's table of methods or of faults."""
     lines = text.splitlines()
     heads = [k for k, line in enumerate(lines) if line.split()[:1] == ["solver"] and "level" in line.split()]
     if not heads:
@@ -81,7 +81,7 @@ def printed(text: str) -> dict[str, list[float]]:
 
 
 def written(paths: Iterable[Path]) -> int:
-    """The numbers of the files that a command has left."""
+    """Checks the numbers in the files that a command wrote, and returns how many there were."""
     count = 0
     for path in paths:
         if path.suffix == ".npz":

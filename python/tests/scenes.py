@@ -1,28 +1,28 @@
-"""Scenes that several tests use, and the reference's view of them."""
+"""Scenes that several tests use, and their exact propagation matrices."""
 
 import numpy as np
 
 import midair
 import oracle
 
-#: Largest relative error of a gain in f32 up to 1 m: a distance of 118 wavelengths has a spacing of 7.6e-6
-#: wavelengths, and three roundings of that size are 1.4e-4 rad.
+#: Largest relative error of a gain in f32 up to 1 m. A distance of 118 wavelengths is stored in steps of
+#: 7.6e-6 wavelengths, and three roundings of that size are 1.4e-4 rad.
 GAIN = 2e-4
 
 METRICS = ("accuracy", "sigma", "uniformity", "level", "residual", "leak")
 
-#: Four points a focal width apart and none on an axis of symmetry.
+#: Four points about a focal width apart, none on an axis of symmetry.
 POINTS = [[-0.021, 0.004, 0.15], [0.019, 0.013, 0.15], [0.003, -0.022, 0.152], [0.031, 0.031, 0.149]]
 
 
 def small(**scene) -> midair.Scene:
-    """8 x 8 transducers and POINTS by default."""
+    """Returns a scene of 8 x 8 transducers, with the points POINTS unless others are given."""
     array = scene.pop("array", None) or midair.Array.grid(8, 8, pitch=0.01)
     return midair.Scene(array, scene.pop("points", POINTS), **scene)
 
 
 def exact(scene: midair.Scene) -> oracle.Complex:
-    """G (M, N) of a scene in double precision."""
+    """Returns G (M, N) of a scene in double precision."""
     array, directivity = scene.array, scene.array.directivity
     return oracle.propagation(
         array.positions,
@@ -38,17 +38,17 @@ def exact(scene: midair.Scene) -> oracle.Complex:
 
 
 def numbers(metrics: midair.Metrics) -> dict[str, float]:
-    """Metrics as the reference writes them."""
+    """Returns metrics as a dictionary, like `oracle.metrics`."""
     return {name: getattr(metrics, name) for name in METRICS}
 
 
 def same_bits(a: np.ndarray, b: np.ndarray) -> bool:
-    """Whether two arrays are equal to the last bit, the sign of a zero included."""
+    """Returns whether two arrays are equal to the last bit, the sign of zeros included."""
     return a.dtype == b.dtype and a.shape == b.shape and a.tobytes() == b.tobytes()
 
 
 def usable(solution: midair.Solution) -> bool:
-    """Whether every number of a solution is finite and every drive one that can be given."""
+    """Returns whether every number of a solution is finite and every |drive| at most 1."""
     within = bool((np.abs(solution.drive.astype(complex)) <= 1 + 1e-6).all())
     parts = [solution.drive, solution.pressures, solution.radiation, solution.phases, solution.amplitudes]
     parts.append(list(numbers(solution.metrics).values()))

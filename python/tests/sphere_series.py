@@ -2,12 +2,14 @@
 
 Time factor e^{-i omega t}. A source at x_s sends e^{ikr}/r, r = |x - x_s|. With r, r_s the distances of
 point and source from the centre, a the radius and gamma the angle between them (Bowman, Senior, Uslenghi,
-Electromagnetic and Acoustic Scattering by Simple Shapes, 10.3; Morse and Ingard, Theoretical Acoustics, 8.2):
+Electromagnetic and Acoustic Scattering by Simple Shapes, 10.3; Morse and Ingard, Theoretical Acoustics,
+8.2):
 
     total     = e^{ikR}/R - ik sum_n (2n+1) B_n h_n(kr) h_n(kr_s) P_n(cos gamma)
     B_n rigid = j_n'(ka)/h_n'(ka),    B_n soft = j_n(ka)/h_n(ka)
 
-h_n overflows before the series ends when r and r_s are near a, so it is summed from ratios that never do:
+with R the distance between point and source. h_n overflows before the series has converged when r and r_s
+are near a. So the sum uses ratios that never overflow:
 
     B_n h_n(kr) h_n(kr_s) = W_n [h_n(kr)/h_n(ka)] [h_n(kr_s)/h_n(ka)]
     W_n soft  = j_n h_n,      W_n rigid = j_n h_n (j_n'/j_n)/(h_n'/h_n)                     (at ka)
@@ -18,19 +20,20 @@ from scipy.special import spherical_jn, spherical_yn
 
 
 def hankel_ratios(x, terms):
-    """Ratios h_n(x)/h_{n-1}(x) of spherical Hankel functions of the first kind, forward recurrence (stable).
+    """Returns h_n(x)/h_{n-1}(x) of spherical Hankel functions of the first kind, by a stable forward
+    recurrence.
 
     Parameters
     ----------
     x
         (P,), above 0.
     terms
-        An integer.
+        Number of ratios.
 
     Returns
     -------
     (terms, P) ndarray
-        Row n is h_n/h_{n-1}; row 0 is 1 and means nothing.
+        Row n is h_n/h_{n-1}; row 0 is a placeholder of 1.
     """
     x = np.asarray(x, float)
     ratios = np.ones((terms, x.size), complex)
@@ -42,17 +45,18 @@ def hankel_ratios(x, terms):
 
 
 def surface_coefficients(x, terms, kind):
-    """W_n of the module's head, at x = ka.
+    """Returns W_n of the module's head, at x = ka.
 
-    Up to n = x + 20 the functions themselves are used, j_n may vanish there; above, where j_n is positive and
-    h_n large, the Wronskian j_n h_n = (i/x^2) / (h_n'/h_n - j_n'/j_n), j_{n+1}/j_n by downward recurrence.
+    Up to n = x + 20 the functions themselves are used, because j_n may vanish there. Above, j_n is
+    positive and h_n large: the Wronskian gives j_n h_n = (i/x^2) / (h_n'/h_n - j_n'/j_n), and a downward
+    recurrence gives j_{n+1}/j_n.
 
     Parameters
     ----------
     x
         A number.
     terms
-        An integer.
+        Number of terms.
     kind
         "rigid" or "soft".
 
@@ -73,7 +77,7 @@ def surface_coefficients(x, terms, kind):
         dh = dj + 1j * spherical_yn(m, x, derivative=True)
         w[direct] = dj * h * h / dh
 
-    up = np.zeros(terms + 61)  # j_{n+1}/j_n; 60 further terms forget the start value 0
+    up = np.zeros(terms + 61)  # j_{n+1}/j_n; after 60 additional terms the start value 0 has no effect
     for q in range(terms + 59, int(x), -1):
         up[q] = 1 / ((2 * q + 3) / x - up[q + 1])
     far = ~direct
@@ -85,13 +89,13 @@ def surface_coefficients(x, terms, kind):
 
 
 def terms_needed(ratio, ka):
-    """Number of terms after which the series is below 1e-17 of its size, (a^2/(r r_s))^n of the nearest."""
+    """Returns the number of terms for a relative error of 1e-17; term n falls like `ratio`^-n."""
     growth = max(np.log(ratio), 1e-3)
     return int(ka + 6 * ka ** (1 / 3) + 30 + 40 / growth)
 
 
 def scattered(points, sources, center, radius, k, kind):
-    """Scattered pressure alone, shapes and errors as `total`."""
+    """Returns the scattered pressure alone; shapes and errors are those of `total`."""
     if kind not in ("rigid", "soft"):
         raise ValueError(f"kind is {kind!r}; use 'rigid' or 'soft'")
     points = np.atleast_2d(np.asarray(points, float)) - center
@@ -123,7 +127,7 @@ def scattered(points, sources, center, radius, k, kind):
 
 
 def total(points, sources, center, radius, k, kind):
-    """Total pressure of unit monopoles e^{ikr}/r beside a sphere.
+    """Returns the total pressure of unit monopoles e^{ikr}/r beside a sphere.
 
     Parameters
     ----------
@@ -136,19 +140,19 @@ def total(points, sources, center, radius, k, kind):
     radius
         In m.
     k
-        In rad/m.
+        Wavenumber in rad/m.
     kind
         "rigid" (dp/dn = 0) or "soft" (p = 0).
 
     Returns
     -------
     (N, P) ndarray
-        In 1/m: times P0 in Pa m it is the pressure.
+        In 1/m; multiply it by the source's pressure P0 in Pa m.
 
     Raises
     ------
     ValueError
-        For a point or source inside the sphere, or another kind.
+        If a point or source is inside the sphere, or if the kind is another one.
     """
     points, sources = np.atleast_2d(points), np.atleast_2d(sources)
     distance = np.linalg.norm(sources[:, None] - points[None], axis=2)

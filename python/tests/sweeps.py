@@ -1,11 +1,11 @@
-"""Sweeps that several tests ask for."""
+"""Descriptions of sweeps that several tests use."""
 
 from copy import deepcopy
 from typing import Any
 
 import numpy as np
 
-#: There so that a hang is a failure and not a hung suite.
+#: Time limit in s, so that a hang is a failed test and not a hung test suite.
 HANG = 60
 
 REQUESTED: dict[str, Any] = {
@@ -46,7 +46,7 @@ limit = ["clamp", "full"]
 
 
 def changed(**tables: Any) -> dict[str, Any]:
-    """REQUESTED with other tables, or without those given as None."""
+    """Returns a copy of REQUESTED with these tables replaced, or removed if given as None."""
     return {key: value for key, value in {**deepcopy(REQUESTED), **tables}.items() if value is not None}
 
 

@@ -1,4 +1,4 @@
-"""Tactons of our own in the format of Adaptics Designer, and the curves that each should give."""
+"""Tactons of our own in the format of Adaptics Designer, and the curves that midair should make of each."""
 
 from __future__ import annotations
 
@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 Values = Mapping[str, float]
 Curve = NDArray[np.float64]
 
-#: By the pattern's own time and the time since the start, in ms: x, y, z in mm and the intensity (4, T).
+#: Computes the expected curve from the pattern's own time and the time since the start, both in ms, and the
+#: parameters: (4, T), which are x, y, z in mm and the intensity.
 Expected = Callable[[Curve, Curve, Values], Curve]
 
 
 def value(given: Any) -> dict[str, Any]:
-    """A constant, a parameter's name, or ("add", a, b) and such of them."""
+    """Returns the JSON of a value: a constant, a parameter's name, or a formula ("add", a, b)."""
     if isinstance(given, tuple):
         return {"type": "formula", "value": formula(given)}
     return {"type": "param" if isinstance(given, str) else "f64", "value": given}
@@ -101,7 +102,7 @@ def pattern(
 
 @dataclass(frozen=True)
 class Case:
-    """A pattern, values of its parameters, and what it should give.
+    """A pattern, the values of its parameters, and the curve that it should give.
 
     loop : ms after which it begins again; None for no loop
     end : ms at which it stops; None if it does not
@@ -129,7 +130,7 @@ def rows(x: Any, y: Any, z: Any, intensity: Any, time: Curve) -> Curve:
 
 
 def _pulse() -> Case:
-    """A circle that swells and shrinks, over and over while somebody lives."""
+    """A circle that grows and shrinks in a loop."""
     radii = {0: 4.0, 120: 14.0, 300: 6.0, 900: 4.0}
     circle = [
         keyframe(
@@ -165,7 +166,7 @@ def _drops() -> Case:
         k = np.minimum(own // 250, 3).astype(int)
         share = np.clip((own - 250 * k) / 150, 0, 1)
         turn, radius = lap(50, time), 2 + 10 * share
-        # A place moves to the next one only after the pause.
+        # The place moves to the next one only after the pause.
         then = np.clip((own - 250 * k - 150) / 100, 0, 1) * (k < 3)
         at = np.array(places, float)
         here = at[k] + then[:, None] * (at[np.minimum(k + 1, 3)] - at[k])
@@ -176,7 +177,7 @@ def _drops() -> Case:
 
 
 def _gust() -> Case:
-    """A line that sweeps over the hand, across the wind, whose direction and speed are parameters."""
+    """A line that sweeps over the hand across the wind. The wind's direction and speed are parameters."""
     across, shiver = ("add", "direction", 90), ("multiply", "turbulence", 20)
 
     def line(length: float) -> tuple[str, dict[str, Any]]:
@@ -192,7 +193,7 @@ def _gust() -> Case:
 
     def expected(own: Curve, time: Curve, values: Values) -> Curve:
         wind = np.deg2rad(values["direction"])
-        # A pause holds the place.
+        # During a pause the position stays.
         share = np.interp(own, [125, 875], [0, 1])
         x, y = -40 + 80 * share, 10 * share
         length = np.interp(own, [125, 875], [30, 20]) * np.cos(lap(100, time))
@@ -215,7 +216,7 @@ def _gust() -> Case:
 
 
 def _key() -> Case:
-    """A button: steps of strength by nearness, then a rough ring as long as it is pressed."""
+    """A button: steps of intensity as the hand comes near, then a rough ring while it is pressed."""
     ring = {"radius": ("add", ("multiply", "pressed", 10), 8), "am_freq": 75}
     frames = [
         keyframe(0, (0, 5, 2), ("circle", {"radius": 5, "am_freq": 0}), "near", then="step"),
@@ -240,7 +241,7 @@ def _key() -> Case:
 
 
 def _bolt() -> Case:
-    """A figure of Lissajous that jumps down the hand, wider and slower with the voltage."""
+    """A Lissajous curve that jumps down the hand, wider and slower with the parameter `voltage`."""
     brush = (
         "lissajous",
         {"a": 2, "b": 3, "d": 0.5, "x_scale": 6, "y_scale": 4, "rotation": 0, "am_freq": 40},
@@ -256,7 +257,7 @@ def _bolt() -> Case:
 
     def expected(own: Curve, time: Curve, values: Values) -> Curve:
         x, y = (np.interp(own, list(places), [place[k] for place in places.values()]) for k in (0, 1))
-        # Turned by 90 degrees after the scale.
+        # Rotated by 90 degrees after scaling.
         x, y = -y, x * (1 + 0.5 * values["voltage"])
         turn = lap(100, time) % (2 * np.pi)
         x, y = x + 3 + 6 * np.sin(2 * turn + 0.5), y - 2 + 4 * np.sin(3 * turn)

@@ -1,4 +1,6 @@
-"""Air by temperature, humidity and pressure: a published table, the standard's formula, every way in."""
+"""Air from temperature, humidity and pressure:
+a published table, the standard's formula, and all ways to give it.
+"""
 
 import math
 import warnings
@@ -12,10 +14,11 @@ import oracle
 
 ARRAY = midair.Array.grid(8, 8, 0.01)
 POINT = [[0, 0, 0.15]]
-#: Np in dB.
+#: Decibels of one neper.
 NEPER = 20 / math.log(10)
 
-#: ISO 9613-2, table 2: dB/km at the octaves 1, 2, 4 and 8 kHz, by degrees C and percent.
+#: ISO 9613-2, table 2: absorption in dB/km at 1, 2, 4 and 8 kHz, by temperature in degrees C and humidity in
+#: percent.
 TABLE = {
     (10, 70): (3.7, 9.7, 32.8, 117),
     (20, 70): (5.0, 9.0, 22.9, 76.6),
@@ -27,7 +30,7 @@ TABLE = {
 
 
 def scene(**air: Any) -> midair.Scene:
-    """A scene in this air; frequencies that people hear are no slip here."""
+    """Returns a scene in this air, without the warning that its frequency is audible."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", midair.SceneWarning)
         return midair.Scene(ARRAY, POINT, **air)
@@ -59,7 +62,7 @@ def test_what_is_left_out_is_usual_and_what_is_given_stays() -> None:
     assert scene(temperature=25).medium == usual.medium
     given = scene(temperature=25, absorption=0, density=1.2)
     assert (given.sound_speed, given.absorption, given.density) == (usual.sound_speed, 0, 1.2)
-    # A temperature left out is that of the sound speed, which stays to the bit.
+    # Without a temperature, the temperature is the one of the sound speed, which stays the same to the bit.
     damp = scene(sound_speed=usual.sound_speed, humidity=50)
     assert damp.sound_speed == usual.sound_speed
     assert damp.absorption == pytest.approx(usual.absorption, rel=1e-12)

@@ -1,6 +1,6 @@
-"""Answers to requests that are odd but can be meant, from every solver.
+"""Solutions of unusual but valid requests, from every solver.
 
-More such scenes are in the core's tests; here are those that they have not.
+More such scenes are in the core's tests; here are only those that the core does not test.
 """
 
 import warnings
@@ -18,7 +18,7 @@ ARRAY = midair.Array.grid(5, 5, pitch=0.01)
 
 
 def two(**scene) -> midair.Scene:
-    """Two points 3 cm apart above 5 x 5 transducers."""
+    """Returns a scene of two points 3 cm apart above 5 x 5 transducers."""
     return small(array=ARRAY, points=[[-0.015, 0, 0.1], [0.015, 0.002, 0.1]], **scene)
 
 
@@ -55,13 +55,13 @@ def test_metrics_of_one_point_have_no_spread() -> None:
     for solver in SOLVERS:
         metrics = midair.solve(small(array=ARRAY, points=[[0.01, 0.02, 0.1]]), solver).metrics
         assert (metrics.sigma, metrics.uniformity, metrics.leak) == (0, 1, 0), solver
-        # Regularised methods stay below a target at the edge of reach: evd by half.
+        # Regularised methods stay below a target at the edge of reach; evd reaches half of it.
         assert metrics.accuracy == metrics.level > 0.49, solver
 
 
 def test_quiet_point_is_quieter_for_being_requested_to() -> None:
     for solver in SOLVERS:
-        # `glide` has no quiet points: it reports what they leak as a miss.
+        # `glide` does not use quiet points in its search: the pressure there is reported as a miss.
         missed = solver == "glide"
         with pytest.warns(midair.SceneWarning, match="missed by") if missed else nullcontext():
             solution = midair.solve(two(pressures=[1000, 0]), solver)
@@ -87,7 +87,7 @@ def test_transducer_without_effect_gets_no_drive() -> None:
 
 
 def test_response_is_compensated_for() -> None:
-    # A transducer's phase offset asks for the opposite phase; rounding that to one of 256 costs 1e-4.
+    # The drive must have the opposite of a transducer's phase offset; rounding it to 256 phases costs 1e-4.
     rng = np.random.default_rng(1)
     response = np.exp(1j * rng.uniform(-np.pi, np.pi, 25))
     for solver in SOLVERS:
@@ -96,7 +96,7 @@ def test_response_is_compensated_for() -> None:
             scene = small(array=midair.Array(ARRAY.positions, response=offsets), points=[[0, 0, 0.1]])
             phases = 256 if solver == "greedy" else None
             found.append(midair.solve(scene, solver, phases=phases))
-        # A method of few phases rounds some of its 25 transducers otherwise.
+        # A method with few phases rounds some of the 25 transducers differently.
         few = len(set(found[0].phases.round(4))) <= 16
         plain, shifted = (solution.metrics.accuracy for solution in found)
         assert shifted == pytest.approx(plain, abs=0.05 if few else 1e-3), solver
@@ -122,7 +122,7 @@ def test_units_at_the_ends_of_f32_are_refused_or_answered(size: float) -> None:
         ]
 
     with warnings.catch_warnings():
-        # A value that does not fit complex64 is reported before numpy warns.
+        # Warnings become errors, so a value that does not fit complex64 must be rejected before numpy warns.
         warnings.simplefilter("error")
         for solver in SOLVERS:
             assert all(whole(request) for request in requests(solver)), solver

@@ -1,4 +1,6 @@
-"""A Solution alone stands for its scene and its drive, in functions and by its methods."""
+"""Functions accept a Solution instead of its scene and drive,
+and a Solution has the same functions as methods.
+"""
 
 import copy
 import pickle

@@ -1,4 +1,4 @@
-"""`solve_batch` and `Solver`: the bits of single solves, arguments of every kind, refusals."""
+"""`solve_batch` and `Solver`: the same bits as single solves, all kinds of arguments, error messages."""
 
 import threading
 
@@ -19,7 +19,7 @@ def single(k: int, solver: str, **options: object) -> midair.Solution:
     return midair.solve(scene, solver, **options)
 
 
-#: One whose problems are solved together, one problem by problem, and one with an aim.
+#: A solver that solves problems together, one that solves them one by one, and one with the option `aim`.
 KINDS = ("fast", "gs", "uniform")
 
 
@@ -61,7 +61,7 @@ def test_pressures_and_weights_of_every_shape() -> None:
 
     one = drives(pressures=0.5)
     assert one == drives(pressures=[0.5] * M) == drives(pressures=np.full((B, M), 0.5))
-    # A point of weight 0 pads: as if it were not there.
+    # A point of weight 0 is padding: the result is the same as without it.
     weights = np.ones((B, M))
     weights[2, 3] = 0
     padded = midair.solve_batch(ARRAY, POINTS, PRESSURES, "fast", weights=weights)
@@ -94,7 +94,7 @@ def test_a_scenes_own_solver_counts() -> None:
     assert own == midair.solve_batch(scene, POINTS, solver="greedy", phases=16, balance=True)
     assert own[0].options["phases"] == midair.Solver(scene).options["phases"] == 16
     assert own[0].options["balance"] is True
-    # Keywords win, and another solver's options do not fit.
+    # Keywords override the options of the scene's solver, and another solver drops them.
     assert midair.solve_batch(scene, POINTS, phases=8)[0].options["phases"] == 8
     assert midair.solve_batch(scene, POINTS, solver="fast")[0].solver == "fast"
 
@@ -119,7 +119,7 @@ def test_progress_and_stop() -> None:
     done = stopped.status.count("done")
     assert 0 < done < 60 * B
     assert not stopped.drives[done:].any()
-    # A problem that was not begun has the all-zero drive, and its status says so.
+    # A problem that was not begun has the all-zero drive, and its status reports it.
     silent = {"accuracy": 0, "sigma": 0, "uniformity": 0, "level": 0, "residual": 1, "leak": 0}
     assert stopped[-1].metrics.asdict() == silent
     assert {name: part[-1] for name, part in stopped.metrics.asdict().items()} == silent

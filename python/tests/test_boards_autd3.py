@@ -1,4 +1,6 @@
-"""AUTD3 boards: where those of an array lie, what they take, and what is refused before anything is sent."""
+"""AUTD3 boards: how they are found in an array, which arguments they accept,
+and what is rejected before sending.
+"""
 
 import math
 import subprocess
@@ -18,7 +20,7 @@ from midair._boards.layout import autd3_boards
 
 
 def random_poses(rng: np.random.Generator, count: int) -> list[tuple[list[float], np.ndarray]]:
-    """Boards anywhere in a room of 4 m, turned anyhow."""
+    """Returns poses of boards anywhere in a cube of 4 m edge, with random rotations."""
     turns = rng.normal(size=(count, 4))
     turns /= np.linalg.norm(turns, axis=1, keepdims=True)
     return [

@@ -1,4 +1,4 @@
-"""AUTD3 boards get from the makers' own client the bytes that they get from us."""
+"""The makers' own client sends AUTD3 boards the same bytes as midair."""
 
 import asyncio
 from itertools import groupby
@@ -19,7 +19,9 @@ from autd3_wire import BOARDS, Wire, described
 
 @pytest.mark.slow
 def test_the_makers_client_sends_boards_the_same_bytes() -> None:
-    """Of firmware 0.12, whose client is a package: the acts of golden/autd3 in its words, without counts."""
+    """Compares the acts of golden/autd3, without step counts,
+    with those of the makers' package for firmware 0.12.
+    """
     emulator = Packaged(BOARDS)
     reported = []
     for speak in (of_midair, of_the_makers):
@@ -28,7 +30,8 @@ def test_the_makers_client_sends_boards_the_same_bytes() -> None:
         reported.append([[read(step)[1:] for step, _ in groupby(each)] for each in wire.steps()])
         wire.close()
     for ours, theirs in zip(*reported, strict=True):
-        # They look for the firmware before they clear it, and leave boards as they are then.
+        # The makers' client reads the firmware version before it clears the boards, and does not silence them
+        # at the end.
         assert sorted(ours[:4]) == sorted(theirs[:4])
         assert ours[6:] == theirs[4:]
 
@@ -67,7 +70,7 @@ def of_the_makers(address: str) -> None:
     asyncio.run(send())
 
 
-#: Times of an intensity and a phase: three periods of the ultrasound, and those of the default silencer.
+#: Times in us for intensity and phase: three ultrasound periods, and those of the default silencer.
 TIMES = [[autd3.Duration.from_micros(us) for us in pair] for pair in ((75, 75), (250, 1000))]
 
 

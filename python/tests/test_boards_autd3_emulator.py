@@ -1,4 +1,4 @@
-"""AUTD3's own emulator of the boards plays the phases and pulses of a drive, and their field is midair's."""
+"""In the makers' emulator, AUTD3 boards play a drive's phases and pulses; their field is midair's."""
 
 import math
 
@@ -13,14 +13,16 @@ from autd3_boards import codes, frame, played, some_boards, some_poses, widths
 from autd3_makers import OLDER, do, geometry
 from midair._boards import autd3_commands as commands
 
-#: One sample of a record: a period of the ultrasound.
+#: One sample of a record is a period of the ultrasound.
 PERIOD = autd3.Duration.from_micros(25)
 #: Solutions for each number of boards; a hundred in all.
 SOLUTIONS = 25
 
 
 def solutions(array: midair.Array, count: int, seed: int) -> list[midair.Solution]:
-    """Random points above the boards, half of them solved on the boards' grid; some transducers are dead."""
+    """Returns solutions for random points, half of them with the board's phases and amplitudes;
+    some transducers are dead.
+    """
     rng = np.random.default_rng(seed)
     points = rng.uniform([-60, -60, 120], [60, 60, 220], (count, 3, 3)) * 1e-3
     board = {"phases": 256, "amplitudes": np.arange(256) / 255}
@@ -33,12 +35,12 @@ def solutions(array: midair.Array, count: int, seed: int) -> list[midair.Solutio
 
 
 def at_once(recorder: Recorder) -> None:
-    """Let phases and intensities jump: the default silencer takes 1 ms, and 250 us."""
+    """Lets phases and intensities change at once: the default silencer takes 1 ms and 250 us."""
     recorder.send(SetSilencer(FixedUpdateRate(65535, 65535)))
 
 
 def columns(record: Record) -> tuple[np.ndarray, np.ndarray]:
-    """Phases and pulse widths, (samples, transducers)."""
+    """Returns phases and pulse widths, each (samples, transducers)."""
     return record.phase().to_numpy().T, record.pulse_width().to_numpy().T
 
 
@@ -59,7 +61,7 @@ def test_boards_play_the_codes_of_solutions(count: int) -> None:
     wanted = [codes(drive) for drive in drives]
     assert np.array_equal(phases, [phase.ravel() for phase, _ in wanted])
     assert np.array_equal(pulses, [widths(intensity).ravel() for _, intensity in wanted])
-    # Every phase occurs, and no, low and full amplitudes do.
+    # Every phase occurs, and so do zero, low and full amplitudes.
     assert len(np.unique(phases)) == 256
     assert {0, 20, 256} <= set(pulses.ravel().tolist())
 
@@ -86,7 +88,7 @@ def test_their_field_is_that_of_the_drive(count: int) -> None:
     scene = midair.Scene(array, [[0, 0, 0.16]])
 
     def apart(pulses: bool) -> float:
-        """Relative L2 of the emulator's field against midair's."""
+        """Returns the relative L2 difference between the emulator's field and midair's."""
         ours = np.abs(midair.field(scene, played(drive, pulses=pulses), points).pressure) / math.sqrt(2)
         return float(np.linalg.norm(received - ours) / np.linalg.norm(ours))
 
@@ -120,7 +122,7 @@ def test_a_sequence_plays_over_and_over() -> None:
 @pytest.mark.parametrize("divider", [1, 3, 20, 40, 400])
 def test_the_silencer_lets_a_sequence_reach_every_frame(divider: int) -> None:
     rng = np.random.default_rng(41)
-    # The emulator loses count of phases that go round twice; these do not.
+    # The emulator's silencer fails for phases that pass the end of the cycle; these phases do not.
     turns = rng.integers(64, 192, (4, 249)) / 256
     drives = list(rng.uniform(0, 1, (4, 249)) * np.exp(2j * math.pi * turns))
 
@@ -136,7 +138,7 @@ def test_the_silencer_lets_a_sequence_reach_every_frame(divider: int) -> None:
 
 
 def test_the_silencer_of_single_frames_is_the_default_one() -> None:
-    """A phase takes 1 ms, an intensity 250 us, both without a jump."""
+    """Checks that a phase takes 1 ms to change and an intensity 250 us, both without a jump."""
     array = some_boards(1)
     before, after = (solution.drive for solution in solutions(array, 2, 51))
 
@@ -170,7 +172,7 @@ def test_modulation_multiplies_the_pressure(hz: float) -> None:
     assert (pulses[-1] == 256).all()
     amplitude = np.sin(math.pi * pulses[:samples, 0] / 512)
     spectrum = np.fft.rfft(amplitude) / samples
-    # Four periods: 0.5 (1 + sin), kept for ten samples each, in 8 bits.
+    # Four periods of 0.5 (1 + sin), each value of ten samples, in 8 bits.
     assert abs(spectrum[0]) == pytest.approx(0.5, abs=5e-3)
     assert 2 * abs(spectrum[4]) == pytest.approx(0.5, abs=5e-3)
     assert np.abs(np.delete(spectrum[1:8], 3)).max() < 5e-3

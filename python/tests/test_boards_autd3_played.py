@@ -17,7 +17,7 @@ from midair._boards.autd3_commands import Step
 BOARDS = 2
 ARRAY = some_boards(BOARDS)
 RNG = np.random.default_rng(1)
-#: Drives whose phases never go round, which the emulator's silencer would lose count of.
+#: Drives whose phases never pass the end of the cycle, because the emulator's silencer fails there.
 DRIVES = RNG.uniform(0, 1, (9, len(ARRAY))) * np.exp(
     2j * np.pi * RNG.integers(64, 192, (9, len(ARRAY))) / 256
 )
@@ -27,7 +27,7 @@ WANTED = [
 
 
 class Reported:
-    """A link that keeps the steps it is given, for a `Recorder`, which stays in one thread."""
+    """A link that stores its steps for a `Recorder`, which must stay in one thread."""
 
     protocol = OLDER
 
@@ -44,10 +44,10 @@ class Reported:
         return [b""] * BOARDS
 
     def look(self) -> None:
-        """Nothing is lost."""
+        """Does nothing: this link loses no datagram."""
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Does nothing: this link has no socket."""
 
 
 GEOMETRY = geometry(some_poses(BOARDS))
@@ -61,7 +61,7 @@ def reported(monkeypatch: pytest.MonkeyPatch) -> Reported:
 
 
 def samples(reported: Reported) -> np.ndarray:
-    """Phases and pulse widths (T, 2 N), from the steps and the waits between them."""
+    """Returns phases and pulse widths (T, 2 N), from the steps and the waits between them."""
 
     def play(recorder: Recorder) -> None:
         for each in reported.log:
@@ -94,7 +94,7 @@ def test_one_thing_after_the_other(reported: Reported) -> None:
         (lambda: boards.upload(sequence(4, 5), 2, 800), {4, 5}),
         (boards.close, {None}),
     ]
-    # A step is as long as the slowest sequence twice over; its first half is left to the silencer.
+    # Each step lasts twice as long as the slowest sequence. The silencer has the first half to settle.
     half = 120
     for act, _ in steps:
         act()
@@ -107,7 +107,9 @@ def test_one_thing_after_the_other(reported: Reported) -> None:
 
 
 def played_by(row: np.ndarray) -> int | None:
-    """Which drive plays, None where none does; -1 for what lies between two."""
+    """Returns the index of the drive that plays:
+    None if the board is silent, -1 during a change between two drives.
+    """
     if not row[len(ARRAY) :].any():
         return None
     return next((k for k, wanted in enumerate(WANTED) if np.array_equal(row, wanted)), -1)
@@ -129,7 +131,7 @@ def test_modulation_goes_on_over_frames_and_silence(reported: Reported) -> None:
     for k in (0, 2):
         assert widest[k].min() < 5
         assert widest[k].max() > 240
-        # 500 Hz is 80 samples.
+        # One period of 500 Hz is 80 samples.
         assert np.array_equal(widest[k][80:], widest[k][:-80])
     assert not widest[[1, 3]].any()
     assert (widest[4] == 256).all()

@@ -1,6 +1,8 @@
-"""AUTD3 boards of both firmwares get the steps that their makers' emulators were given; others are named.
+"""AUTD3 boards of both firmwares get the steps that golden/autd3 records; other firmwares are rejected by
+name.
 
-`make gateware` records golden/autd3: the steps, and what the emulators had after each of `autd3_fake.acts`.
+`make gateware` records golden/autd3: the steps, and the makers' emulators' state after each of
+`autd3_fake.acts`.
 """
 
 import json
@@ -44,7 +46,8 @@ def test_boards_get_the_recorded_steps(fake: Fake) -> None:
             each.clear()
 
 
-#: For each act: the frames that play, ultrasound periods of each, the modulation, and the silencer's steps.
+#: For each act: the frames that play, the ultrasound periods of each frame, the modulation, the silencer's
+#: steps.
 CODES = bytes(k * k % 251 for k in range(7 * BOARDS * SIZE))
 SLOW = 65535
 SINE = np.floor(127.5 * (1 + np.sin(2 * np.pi * np.arange(80) * 3 / 80)) + 0.5).astype(np.uint8).tobytes()
@@ -105,7 +108,7 @@ def test_boards_of_two_firmwares_are_refused() -> None:
 
 
 def test_what_a_board_refuses_is_named(fake: Fake) -> None:
-    # The second board's clock is not in step at first; the first step that it gets is CLEAR or RESET.
+    # The second board's clock is not synchronous at first; its first step is CLEAR or RESET.
     fake.refusals = [0, 0x14]
     transport = Autd3Transport(fake.address, BOARDS)
     assert fake.refusals == []
@@ -132,7 +135,9 @@ def test_a_board_that_mutes_itself_is_lost(fake: Fake) -> None:
 
 
 def test_a_board_that_drops_a_step_gets_it_again() -> None:
-    """Protocol 3 counts steps: a board acknowledges another count where it has dropped one."""
+    """Checks that a board gets a dropped step again.
+    Protocol 3 counts steps, so a wrong count shows the loss.
+    """
     fake = Fake(3, 1)
     transport = Autd3Transport(fake.address, 1)
     fake.skips = 2

@@ -1,6 +1,7 @@
-"""AUTD3 boards over UDP: every frame comes, also where datagrams are lost; boards that are gone are reported.
+"""AUTD3 boards over UDP: every frame arrives even if datagrams are lost, and boards that are gone are
+reported.
 
-MIDAIR_SLOW=1 sends 10,000 frames, not 300, and ends programs in more ways.
+MIDAIR_SLOW=1 sends 10,000 frames instead of 300, and ends programs in more ways.
 """
 
 import gc
@@ -30,7 +31,7 @@ SIZE = 498
 
 
 def one_in(count: int, seed: int = 1) -> Callable[[bytes], bool]:
-    """Loses one of `count` datagrams, at random."""
+    """Returns a random choice of the datagrams to drop: one in `count`."""
     chance = random.Random(seed)
     return lambda _: chance.random() * count < 1
 
@@ -69,7 +70,7 @@ def boards(wire: Wire) -> Iterator[Autd3Transport]:
 
 
 def each_board(wire: Wire) -> list[list[bytes]]:
-    """The commands that each board received, in order; a command repeated at once counts once."""
+    """Returns the frames that each board received, in order; repetitions of a frame count once."""
     assert len(wire.reported) == BOARDS
     return [[codes for codes, _ in groupby(reported)] for reported in wire.reported.values()]
 
@@ -165,7 +166,7 @@ def test_what_is_under_way_does_not_come_after_silence(wire: Wire, boards: Autd3
 
 @pytest.mark.slow
 def test_lost_boards_are_reported_and_left(wire: Wire, boards: Autd3Transport) -> None:
-    """Frames are lost, heartbeats are not: were they to go on, the boards would play on for ever."""
+    """Drops all frames but no heartbeats. Heartbeats must stop, or the boards would play on for ever."""
     gc.disable()
     boards.play(frames(1)[0])
     time.sleep(0.1)

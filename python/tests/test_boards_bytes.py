@@ -1,4 +1,4 @@
-"""Boards' bytes, read back by the models of their firmware in firmware.py."""
+"""The bytes sent to boards, read back by the models of the boards' firmware in firmware.py."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ from rigs import (
     single,
 )
 
-#: Random frames: as many as keep the models, which go byte by byte, below a second or two.
+#: Numbers of random frames: few enough that the models, which work byte by byte, take a second or two.
 FRAMES = {
     ("autd3", 2): 500,
     ("autd3", 4): 250,
@@ -43,7 +43,7 @@ FRAMES = {
 }
 
 
-# Drives that lie on the grid
+# Drives that the board can play exactly
 
 
 @every
@@ -118,7 +118,7 @@ def openmpd_pin(x: float, y: float) -> int:
 
 def test_channels_of_a_sonicsurface_are_those_at_its_positions() -> None:
     board, _ = made(("sonicsurface", 1))
-    # The board's own frame (x, 0, z), normal +y, is midair's (x, -z, 0), normal +z.
+    # The board's own coordinates (x, 0, z), normal +y, are midair's (x, -z, 0), normal +z.
     assert list(board.channels) == [sonicsurface_channel(x, -y) for x, y, _ in board.array.positions]
     assert sorted(board.channels) == list(range(256))
 
@@ -134,7 +134,7 @@ def test_channels_of_openmpd_are_its_pins() -> None:
     normals = board.array.normals
     upper = normals[:, 2] < 0
     assert list(np.flatnonzero(upper)) == list(range(256, 512))
-    positions[upper, 0] *= -1  # the upper board is the lower one turned by diag(-1, 1, -1)
+    positions[upper, 0] *= -1  # the upper board is the lower one rotated by diag(-1, 1, -1)
     assert list(board.channels) == [
         256 * above + openmpd_pin(x, y) for (x, y, _), above in zip(positions, upper, strict=True)
     ]
@@ -166,7 +166,7 @@ def test_a_channel_is_noticed_on_its_own_transducer_alone() -> None:
             np.testing.assert_allclose(played(board, rig, wanted), wanted * full(case[0]), atol=1e-6)
 
 
-# Drives that lie off the grid
+# Drives that the board must round
 
 
 @every
@@ -259,7 +259,7 @@ def test_phases_next_to_a_whole_turn_and_far_from_it(kind: str, turn: float) -> 
         return
     nearest = np.exp(TURNING / phases * np.floor((turn % (2 * np.pi)) / 2 / np.pi * phases + 0.5))
     np.testing.assert_allclose(played(board, rig, np.full(len(board.array), wanted)), nearest, atol=1e-6)
-    # The correction is a phase, not a complex factor: it is subtracted from the phase before rounding.
+    # A correction is a phase, not a complex factor: it is subtracted from the phase before rounding.
     fixed = Board(board.name, board.array, corrections=np.full(len(board.array), turn))
     back = np.floor(((-turn) % (2 * np.pi)) / 2 / np.pi * phases + 0.5)
     got = played(fixed, rig, np.ones(len(board.array)))
@@ -304,7 +304,7 @@ def test_drives_of_another_length_are_refused(case: tuple[str, int]) -> None:
         assert "\n" not in str(refusal.value)
 
 
-# Back
+# Decoding of frames
 
 
 @every
@@ -370,9 +370,9 @@ def test_frames_that_are_cut_or_too_long_are_refused(case: tuple[str, int]) -> N
         assert decoded(board, broken) is None
 
 
-# In the air
+# Pressure at a focus
 
-#: Foci by kind, near or aside, so that the conjugate drive misses them; (0.03, 0.02, 0.12) else.
+#: Focus by kind, near or off centre, so that the conjugate drive misses it; else (0.03, 0.02, 0.12).
 FOCI = {"nano": (0.054, -0.021, 0.041), "nano16": (-0.024, -0.035, 0.097), "openmpd": (0.02, -0.01, 0.1)}
 
 
@@ -393,8 +393,8 @@ def test_a_focus_keeps_its_pressure_and_its_sign(case: tuple[str, int]) -> None:
         own = playable(kind)
         nearest = np.abs(paths @ own[[np.abs(own - q).argmin() for q in wanted]])
     assert got == pytest.approx(nearest, rel=0.01 if kind == "homies" else 1e-5)
-    # Errors spread over a step lose sinc(1/L) in the mean: 1.6 % of ten phases, 0.6 % of 16, 0.2 % of 32.
-    # Half of a MEGA64's pulses are a tick shorter, cos(pi/10), and lie half a step between.
+    # Rounding errors within a step lose sinc(1/L) on average: 1.6 % for 10 phases, 0.6 % for 16, 0.2 % for
+    # 32. Half of a MEGA64's pulses are a tick shorter, a factor cos(pi/10), and shifted by half a step.
     short = np.sinc(0.5 / phases) * (1 + np.cos(np.pi / phases)) / 2
     assert got > (0.99 if phases > 10 else 0.99 * short) * ideal
     assert np.abs(paths @ played(board, rig, wanted.conj())) < 0.3 * ideal

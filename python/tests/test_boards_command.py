@@ -69,7 +69,7 @@ def test_a_scene_a_drive_and_a_sequence_are_played(scene: Path, tmp_path: Path) 
         r"(\d+) frames, (\d+) late", midair("play", str(motion), "--on", "sonicsurface:loop").stderr
     )
     assert found is not None
-    # A busy machine leaves frames out, and counts them.
+    # A busy machine skips frames, and counts them.
     assert int(found[1]) + int(found[2]) == 21
 
 

@@ -1,4 +1,4 @@
-"""Connections without a device: addresses, arguments, streams, limits, holds, files."""
+"""Connections without a device: addresses, arguments, streams, limits, the option `hold`, files."""
 
 import json
 import os
@@ -226,7 +226,7 @@ def test_hold_turns_off_until_the_next_frame():
         loop.send(ONES)
         time.sleep(0.1)
         assert loop.state == "playing"
-        # Asking is not holding.
+        # Reading the state is no new frame: it does not restart the time of `hold`.
         time.sleep(0.2)
         assert loop.state == "off"
         assert not loop.emitting.any()
@@ -254,7 +254,7 @@ def test_a_limit_refuses_what_is_too_loud():
             np.testing.assert_allclose(null.emitting, quiet.drive, atol=1e-6)
             with pytest.raises(midair.BoardError, match="limit"):
                 null.stream([quiet, loud])
-            # A drive that is rejected midway turns the board off.
+            # A drive that is rejected during a stream turns the board off.
             assert null.state == "off"
     scene = midair.Scene(array, [[0.0, 0.1, 0.15]])
     pressure = abs(midair.field(scene, loud, [[0.0, 0.1, 0.15]]).pressure[0])
@@ -320,7 +320,7 @@ def test_a_forked_child_does_not_speak_for_its_owner(loop):
     script = "the child's word"
     read, write = os.pipe()
     with warnings.catch_warnings():
-        # From Python 3.12 on, forks of programs with threads warn.
+        # From Python 3.12 on, os.fork warns in programs with threads.
         warnings.simplefilter("ignore", DeprecationWarning)
         child = os.fork()
     if child == 0:
@@ -350,7 +350,7 @@ def test_several_threads_may_send(loop):
 
 
 def python(script, *paths):
-    """The output of a new interpreter."""
+    """Runs a script in a new interpreter and returns its output."""
     code = f"import sys; sys.path[:0] = {json.dumps([str(path) for path in paths])}\n{script}"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     return done.stdout.strip()

@@ -1,4 +1,6 @@
-"""Probable mistakes in messages to boards: real numbers, too high rates, open sequences."""
+"""Warnings of probable mistakes: real-valued drives, too high rates,
+sequences that jump where they repeat.
+"""
 
 import warnings
 

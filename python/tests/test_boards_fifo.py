@@ -1,4 +1,6 @@
-"""FIFOs: the bytes that each chip is given and what its errors become, with a chip that is none."""
+"""FTDI FIFO chips: the bytes that each chip gets, and how its errors are reported,
+with a model of the chip.
+"""
 
 import json
 from typing import ClassVar
@@ -55,10 +57,10 @@ def chips(monkeypatch):
 
 
 def transport(address):
-    """The guard's reading of an address, and the board."""
+    """Returns the transport that the guard opens for an address, and the board."""
     place = parse(address)
     board = midair.Board(place.board)
-    # JSON is what carries the description.
+    # The description travels to the guard as JSON.
     return open_transport(json.loads(json.dumps(describe(place, board)))), board
 
 

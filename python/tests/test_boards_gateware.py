@@ -1,6 +1,7 @@
 """The recorded response of the makers' own gateware to our bytes: fields of the pins, and rates.
 
-SonicSurface's VHDL ran in GHDL, Ultraino's published binary in simavr; `firmware.py` has their timing.
+SonicSurface's VHDL ran in GHDL and Ultraino's published binary in simavr; `firmware.py` models their
+timing.
 """
 
 import json
@@ -12,19 +13,20 @@ import pytest
 import midair
 from rigs import TURN, of_kind
 
-#: Recordings before the bytes had corrections: the part of a focus in the middle of a pair; quiet points
-#: over the focus, loudest of three; the period of a MEGA64 in cycles of 16 MHz.
+#: Recorded before the encoder corrected for delays: PAIR is the part of a focus that remained between a pair
+#: of boards, QUIET the loudest of three quiet points over the focus. PERIOD is the period of a MEGA64 in
+#: cycles of 16 MHz.
 PAIR, QUIET, PERIOD = 0.078, 0.018, 396
 
 
 def emitted(board: midair.Board, drive, kind: str) -> np.ndarray:
-    """The response of the pins to a drive's frame, in the order of the array."""
+    """Returns the output of the pins for a drive's frame, in the order of the array."""
     _, rig = of_kind(kind)
     return rig.play(board.encode(drive), board.channels)[: len(board.array)] / TURN[kind]
 
 
 def bare(array: midair.Array) -> midair.Array:
-    """Its transducers, which emit what the pins do."""
+    """Returns the transducers without the board's response: they emit what the pins do."""
     return midair.Array(
         array.positions, array.normals, source_pressure=array.source_pressure, directivity=array.directivity
     )
@@ -43,7 +45,7 @@ def test_two_sonicsurfaces_make_the_focus_that_is_reported(place) -> None:
     pins = emitted(board, solution.drive, "sonicsurface")
     (got,) = pressures(board, scene, pins)
     assert got == pytest.approx(abs(solution.pressures[0]), rel=1e-3)
-    # Bytes without corrections.
+    # The pins' output if the bytes had no corrections.
     late = np.where(np.arange(512) < 256, 1, np.exp(1j * np.deg2rad(187.65)))
     (silent,) = pressures(board, scene, pins * late)
     assert silent / got == pytest.approx(PAIR, abs=0.01)
@@ -58,7 +60,8 @@ def test_quiet_points_of_a_sonicsurface_are_as_quiet_as_reported() -> None:
     pins = emitted(board, solution.drive, "sonicsurface")
     got, stated = pressures(board, scene, pins), np.abs(solution.pressures)
     np.testing.assert_allclose(got, stated, atol=1e-4 * stated[0])
-    # The multiplexer's eighth channel, a tick late, is what made them loud.
+    # Undo the correction of the multiplexer's eighth channel, which is a tick late: the quiet points get
+    # loud.
     late = np.where(board.channels % 8 == 3, np.exp(2j * np.pi / 32), 1)
     before = pressures(board, scene, pins * late)
     assert before[1:].max() / before[0] > 3 * stated[1:].max() / stated[0]
@@ -75,7 +78,7 @@ def test_a_mega64_emits_its_own_frequency_and_late_ports() -> None:
     played = board.decode(board.encode(solution.drive)).astype(np.complex64)
     assert got == pytest.approx(np.abs(midair.field(scene, played, scene.points).pressure[0]), rel=1e-3)
     assert got == pytest.approx(abs(solution.pressures[0]), rel=1e-4)
-    # Ports A and J are 30 cycles, 27 degrees, apart.
+    # The ports A and J switch 30 cycles, 27 degrees, apart.
     assert np.ptp(np.unwrap(np.angle(board.array.response))) == pytest.approx(30 / PERIOD * 2 * np.pi)
     assert board.limits["steady_frames_per_second"] == 10
 
@@ -116,7 +119,8 @@ def test_an_openmpd_gets_the_nearest_pulses_of_all() -> None:
                 np.testing.assert_allclose(seen, stated, atol=1e-5 * stated.max())
                 pair.append(seen[-1] / seen.max())
             leaks.append(pair[0] / pair[1])
-    # A method that searches the grid ends on it.
+    # `uniform` searches the grid, which both arrays share; `lm` rounds its drive to the nearest of all
+    # pulses.
     assert np.median(quiet["lm"]) < 0.75
     assert quiet["uniform"] == [1.0] * 10
 
@@ -158,13 +162,13 @@ def test_arrays_of_ones_own_get_what_their_board_cannot_make_up_for() -> None:
 
 
 RECORDS = Path(__file__).parents[2] / "golden" / "gateware"
-#: How far the second of two OpenMPD boards is ahead of what is reported, in rad: docs/boards.md says so.
+#: Phase in rad by which the second of two OpenMPD boards leads the model; see docs/boards.md.
 AHEAD = {"openmpd_pair": -1.498}
 
 
 @pytest.mark.parametrize("name", [file.stem for file in sorted(RECORDS.glob("*.json"))])
 def test_pins_of_the_makers_gateware_do_what_a_frame_is_reported_to_do(name: str) -> None:
-    """Recorded by `make gateware`: frames of any drive, of a focus and of quiet points beside it."""
+    """Compares frames that `make gateware` recorded: random drives, a focus, and quiet points beside it."""
     board = midair.Board(name)
     record = json.loads((RECORDS / f"{name}.json").read_text())
     for frame in record["frames"]:

@@ -1,6 +1,6 @@
-"""A board without a program is off: programs that play on a pseudo-terminal die in every way, and it is off.
+"""A board turns off when its program ends: programs that play on a pseudo-terminal are ended in every way.
 
-MIDAIR_SLOW=1 lets each die twenty times.
+MIDAIR_SLOW=1 ends each program twenty times.
 """
 
 import os
@@ -21,7 +21,7 @@ HANGS = 20 if os.environ.get("MIDAIR_SLOW") else 1
 ALLOWED = 0.25
 HOLD = 0.3
 
-#: How a program ends, and the signal that ends it, if it does not do so itself.
+#: Acts of programs.py, and the signals that end them; an act without signals ends by itself.
 ENDS = {
     "sleep": [signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP],
     "send": [signal.SIGKILL, signal.SIGINT],
@@ -39,9 +39,9 @@ CASES = [(act, number) for act, numbers in ENDS.items() for number in numbers]
 
 
 def forking():
-    """A process that has imported midair and forks a program for each line it reads."""
+    """Starts a process that has imported midair and forks a program for each line that it reads."""
     script = str(Path(__file__).with_name("programs.py"))
-    # A group of its own below pytest's: the kernel drops SIGTSTP in a group without a parent outside it.
+    # A process group of its own: the kernel drops SIGTSTP in a group without a parent outside of it.
     return subprocess.Popen(
         [sys.executable, script], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, process_group=0
     )
@@ -62,10 +62,10 @@ def line():
 
 
 def started(programs, act, line, hold=60.0):
-    """Start a program, wait until it plays, and give its number."""
+    """Starts a program, waits until it plays, and returns its process number."""
     programs.stdin.write(f"{act} {line.port} {hold}\n")
     programs.stdin.flush()
-    # A test that failed has not waited for the end of its program.
+    # A test that failed has not read the end of its program.
     while (reported := programs.stdout.readline()) == "ended\n":
         pass
     process = int(reported)
@@ -76,7 +76,7 @@ def started(programs, act, line, hold=60.0):
 
 
 def ended(programs):
-    """Wait for the end of the program."""
+    """Waits for the end of the program."""
     assert programs.stdout.readline() == "ended\n"
 
 

@@ -1,4 +1,4 @@
-"""The pace of a line, by a clock that stands still but for what is waited for."""
+"""The rate of a serial line, by a simulated clock that advances only while something waits."""
 
 import itertools
 
@@ -10,7 +10,7 @@ from midair._boards.line import LineTransport
 
 
 class Clock:
-    """Stands in for `time`; wakes late by what `late` gives."""
+    """Replaces the module `time`. Each wait ends late by the next value of `late`."""
 
     def __init__(self):
         self.now = 100.0
@@ -25,7 +25,7 @@ class Clock:
 
 
 class Stop:
-    """Stands in for the event that ends swaps: set once the clock is at `end`."""
+    """Replaces the event that ends modulation: it is set once the clock is at `end`."""
 
     def __init__(self, clock, end):
         self.clock, self.end = clock, end
@@ -61,7 +61,7 @@ class Kept(LineTransport):
 def clock(monkeypatch):
     clock = Clock()
     monkeypatch.setattr(line, "time", clock)
-    # The tests themselves go before nothing.
+    # Without `os`, the transport does not give the tests' process a real-time priority.
     monkeypatch.setattr(transport, "os", None)
     return clock
 
@@ -112,7 +112,7 @@ def test_swaps_that_were_delayed_stay_in_step(clock):
     times = swings(Kept(clock), 1.0001)
     assert np.count_nonzero(np.diff(times) < 1e-9) <= 2
     later = times[times > 0.6]
-    # Odd swaps play the frame, as before.
+    # The odd swaps play the frame, as before.
     first = np.searchsorted(times, 0.6)
     assert [round(at * 400) % 2 for at in later] == [(first + 1 + k) % 2 for k in range(len(later))]
 

@@ -1,6 +1,7 @@
-"""A board emits only while its owner and its guard are present and answer: stopped within .25 s, hanging 1 s.
+"""A board emits only while its owner and its guard run and reply.
 
-MIDAIR_SLOW=1 lets each die twenty times.
+If one is stopped, the board is off within 0.25 s; if one hangs, within 1 s. MIDAIR_SLOW=1 runs each test
+20 times.
 """
 
 import copy
@@ -21,7 +22,7 @@ from midair._boards import process
 from test_boards_guard import ended, programs, started  # noqa: F401, a fixture among them
 
 TRIALS = 20 if os.environ.get("MIDAIR_SLOW") else 1
-#: A stopped process is seen where there is /proc; a hanging one is missed.
+#: Times in s until the board is off: /proc shows a stopped process, a hanging one only misses heartbeats.
 STOPPED, MISSED = 0.25, 1.0
 if not Path("/proc/self/stat").exists():
     STOPPED = MISSED
@@ -60,13 +61,13 @@ def test_a_program_that_goes_on_after_ctrl_z_plays_again(line, dark):
         "        surface.send([1] * 256)\n"
         "        time.sleep(0.05)\n"
     )
-    # As a shell starts it: a group of its own, which the terminal may stop.
+    # A shell starts a program like this: in a process group of its own, which the terminal can stop.
     program = subprocess.Popen([sys.executable, "-c", script], process_group=0)
     try:
         line.wait(lambda surface: len(surface.played) > 4 and surface.loud, 20)
         with dark(line, STOPPED):
             program.send_signal(signal.SIGTSTP)
-        # Longer than any beat is waited for.
+        # Longer than any heartbeat's time limit.
         time.sleep(1.0)
         program.send_signal(signal.SIGCONT)
         line.wait(lambda surface: surface.loud, 10)

@@ -1,4 +1,4 @@
-"""Serial ports over pseudo-terminals: bytes, pace, modulation, and what happens when the line fails."""
+"""Serial ports on pseudo-terminals: bytes, rate, modulation, and faults of the line."""
 
 import errno
 import os
@@ -30,20 +30,24 @@ def surface(line):
 
 
 def drives(count, seed=1):
-    """Drives on the board's grid, some transducers off, and the codes they have."""
+    """Returns drives that the board can play exactly, some transducers off, and their codes."""
     random = np.random.default_rng(seed)
     codes = random.integers(0, 33, (count, 256))
     return np.where(codes == OFF, 0, np.exp(2j * np.pi * codes / 32)), codes
 
 
 def as_played(surface, played):
-    """Drives from the codes of channels, in the order of the board's array; every eighth is a tick late."""
+    """Returns drives from channels' codes, in the order of the board's array;
+    every eighth channel is a tick late.
+    """
     codes = np.array(played)[:, surface.board.channels]
     return np.where(codes == OFF, 0, np.exp(2j * np.pi * (codes + (surface.board.channels % 8 == 3)) / 32))
 
 
 def early(step, late=0):
-    """The codes of a board's channels for one phase: `late` steps less, and one more at every eighth."""
+    """Returns the codes of a board's channels for one phase:
+    `late` steps less, and one more step less at every eighth.
+    """
     return [(step - late - (channel % 8 == 3)) % 32 for channel in range(256)]
 
 
@@ -94,7 +98,8 @@ def test_at_most_two_frames_are_ahead_of_the_line(line, surface):
         taken = np.arange(1, len(line.times) + 1)
         times = np.array(line.times)
     carried = 23040 * (times - times[0])
-    # The bytes that silence come before the first frame; a busy computer reads the first byte late.
+    # The bytes that silence the board come before the first frame, and a busy computer reads the first byte
+    # late.
     assert (taken - carried).max() < 3 * 258 + 517
 
 
@@ -124,7 +129,7 @@ def test_a_stream_above_the_rate_skips(line, surface):
     assert stats.frames + stats.late == 200
     assert 0.7 * 0.5 * RATE < stats.frames < 0.5 * RATE + 5
     played = as_played(surface, [codes for _, codes in line.commits()][2:])
-    # The played frames are those of the stream, in its order and without delay.
+    # The played frames are frames of the stream, in its order and without accumulated delay.
     order = [int(abs(sent - one).sum(axis=1).argmin()) for one in played]
     assert order == sorted(set(order))
     assert order[-1] > 180
@@ -190,7 +195,7 @@ def test_modulation_commits_twice_a_period_and_ends_off(line, surface):
     loud = [any(code != OFF for code in codes) for _, codes in commits[:-2]]
     assert loud == [k % 2 == 1 for k in range(len(loud))]
     times = np.array([at for at, _ in swaps])
-    # No drift; a busy computer shows no more of how even they are (test_boards_line.py does).
+    # The swaps do not drift. On a busy computer this test cannot check jitter; test_boards_line.py does.
     assert np.median(times[-100:]) - np.median(times[:100]) == pytest.approx(0.75, abs=0.02)
     assert surface.state == "off"
 
@@ -270,7 +275,7 @@ def test_a_still_focus_notices_a_pulled_cable(line, surface):
     surface.send(np.ones(256))
     line.unplug()
     begin = time.monotonic()
-    # Nothing is sent: the guard looks by itself.
+    # Nothing is sent: the guard checks the line by itself.
     while surface.state == "playing":
         assert time.monotonic() - begin < 2
         time.sleep(0.02)

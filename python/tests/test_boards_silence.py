@@ -1,4 +1,4 @@
-"""Off and silence: what the boards' firmware makes of them, by the models in firmware.py."""
+"""The frame of an all-zero drive, and the bytes of silence: what the models in firmware.py play for them."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,7 @@ from firmware import KINDS, SonicSurface
 from midair._boards.board import Board
 from rigs import BYTEWISE, Rig, every, full, made, off_grid, played
 
-# Off
+# The frame of an all-zero drive
 
 
 @every
@@ -45,11 +45,11 @@ def test_dead_and_masked_transducers_are_off_whatever_they_are_reported(case: tu
     assert (board.decode(board.encode(wanted))[masked | dead] == 0).all()
 
 
-# Silence
+# The bytes of silence
 
 
 def quiet(rig: Rig) -> bool:
-    """Whether nothing is played, and nothing would be if a stray byte changed the banks over."""
+    """Returns whether nothing plays, and nothing would if a stray byte exchanged the banks."""
     first = rig.drive
     for line in rig.lines:
         if isinstance(line, firmware.SonicSurfaces):
@@ -60,7 +60,9 @@ def quiet(rig: Rig) -> bool:
 
 
 def silenced(case: tuple[str, int], board: Board, before: Sequence[bytes]) -> bool:
-    """Whether the board's silence is one, after these bytes on each of the lines."""
+    """Returns whether the board is quiet after its bytes of silence,
+    if each line received these bytes before.
+    """
     rig = Rig(*case)
     for line, data in zip(rig.lines, before, strict=True):
         line.receive(data)
@@ -132,7 +134,7 @@ def test_a_single_sonicsurface_plays_whichever_its_firmware(name: int) -> None:
     board, _ = made(("sonicsurface", 1))
     device = SonicSurface(name)
     device.receive(board.encode(np.ones(256)))
-    # A secondary is late as a whole, which alone does not count.
+    # A secondary board lags as a whole; this common phase does not count.
     np.testing.assert_allclose(device.drive, device.drive[0], atol=1e-12)
     assert abs(device.drive[0]) > 0.99
     device.receive(board.silence)

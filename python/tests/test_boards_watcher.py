@@ -1,6 +1,6 @@
-"""Two deaths at once are survived: a board is off whichever two of owner, guard and watcher are gone.
+"""A board turns off whichever two of owner, guard and watcher end at once.
 
-MIDAIR_SLOW=1 lets each die twenty times.
+MIDAIR_SLOW=1 runs each test twenty times.
 """
 
 import os
@@ -21,7 +21,7 @@ from test_boards_guard import ended, programs, started  # noqa: F401, a fixture 
 
 TRIALS = 20 if os.environ.get("MIDAIR_SLOW") else 5
 
-#: Within this many seconds.
+#: Time limit in s until the board is off.
 ALLOWED = 0.25
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="finds processes by /proc")
@@ -35,13 +35,15 @@ def line():
 
 
 def guard_of(owner: int) -> int:
-    """The process between whose pipes an owner plays: its only child."""
+    """Returns the process number of the guard: the owner's only child."""
     (guard,) = Path(f"/proc/{owner}/task/{owner}/children").read_text().split()
     return int(guard)
 
 
 def watcher_of(guard: int) -> int:
-    """The process that runs as the guard does, in a session of its own."""
+    """Returns the process number of the watcher:
+    the process after the guard that has the guard's command line.
+    """
     command = Path(f"/proc/{guard}/cmdline").read_bytes()
     begun = [path for path in Path("/proc").glob("[0-9]*/cmdline") if int(path.parent.name) > guard]
     for path in sorted(begun, key=lambda path: int(path.parent.name)):
@@ -68,7 +70,7 @@ def test_owner_and_guard_at_once(programs, line, owner_by, guard_by, dark, _):  
     guard = guard_of(owner)
     try:
         with dark(line, ALLOWED):
-            # The owner first: one that is stopped while it turns the device off holds the port.
+            # The owner first: if it is stopped while it turns the device off, it keeps the port.
             os.kill(owner, owner_by)
             os.kill(guard, guard_by)
     finally:

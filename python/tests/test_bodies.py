@@ -1,4 +1,6 @@
-"""Obstacles that are bodies: spheres against their series, meshes against spheres, in every interface."""
+"""Spheres and meshes as obstacles: spheres against their series, meshes against spheres,
+in every interface.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,7 @@ from sphere_series import total
 
 CENTER = np.array([0.0, 0.0, 0.1])
 RADIUS = 0.02
-#: One in the shadow, three beside.
+#: One point in the sphere's shadow and three beside it.
 POINTS = [[0, 0, 0.145], [0.04, 0, 0.1], [-0.035, 0.01, 0.11], [0, 0.03, 0.12]]
 
 
@@ -34,7 +36,7 @@ pytestmark = pytest.mark.usefixtures("cache")
 
 
 def icosphere(cuts: int, radius: float = RADIUS, center: Any = CENTER) -> tuple[Any, Any]:
-    """A sphere's vertices and faces, 20 times 4^cuts."""
+    """Returns the vertices and faces of a subdivided icosahedron; it has 20 times 4^cuts faces."""
     golden = (1 + 5**0.5) / 2
     corners = [(-1, golden, 0), (1, golden, 0), (-1, -golden, 0), (1, -golden, 0)]
     vertices = np.array([np.roll(corner, shift) for shift in range(3) for corner in corners])
@@ -62,7 +64,7 @@ def ball(cuts: int = 3, kind: Any = "rigid", radius: float = RADIUS) -> midair.M
 
 
 def exact(scene: midair.Scene, points: Any, kind: str = "rigid") -> NDArray[np.complex128]:
-    """G (P, N) beside the sphere by its series."""
+    """Returns G (P, N) beside the sphere by its exact series."""
     k = 2 * np.pi * scene.frequency / scene.sound_speed
     own = scene.array
     found: NDArray[np.complex128] = total(points, own.positions, CENTER, RADIUS, k, kind).T
@@ -111,7 +113,8 @@ def test_a_sphere_of_pistons_is_what_least_squares_find() -> None:
 @pytest.mark.parametrize("kind", ["rigid", "soft"])
 @pytest.mark.parametrize("frequency", [40e3, 4 * np.pi / RADIUS * 340 / (2 * np.pi)])
 def test_a_mesh_of_a_sphere_is_the_sphere(kind: Any, frequency: float) -> None:
-    # At the second the inside of the sphere resonates (k a = 4 pi): equations without their derivative fail.
+    # At the second frequency the sphere's inside resonates (k a = 4 pi): an equation without the normal
+    # derivative fails.
     array = midair.Array.preset("paper20")
     rays = np.random.default_rng(2).normal(size=(40, 3))
     rays *= np.random.default_rng(3).uniform(1.2, 4, (40, 1)) / np.linalg.norm(rays, axis=1, keepdims=True)
@@ -124,7 +127,7 @@ def test_a_mesh_of_a_sphere_is_the_sphere(kind: Any, frequency: float) -> None:
     drive = np.exp(1j * np.arange(400))
     field = midair.field(scene, drive, places).pressure
     assert np.abs(field - scene.propagation() @ drive).max() < 1e-4 * np.abs(field).max()
-    # Inside there is no sound.
+    # Inside the sphere the pressure is 0.
     assert midair.field(scene, drive, [CENTER, np.add(CENTER, [0, 0, 0.99 * RADIUS])]).pressure.tolist() == [
         0,
         0,
@@ -200,7 +203,7 @@ def test_pictures_show_where_bodies_are() -> None:
     axes = midair.plot(midair.solve(scene, "fast"), ax=plt.figure().add_subplot())
     lines = next(one for one in axes.collections if isinstance(one, LineCollection))
     places = np.concatenate(lines.get_segments()) - [0, 100]
-    # The edges of this coarse mesh lie up to an eighth inside the ball.
+    # The edges of this coarse mesh lie up to an eighth of the radius inside the sphere.
     assert (np.linalg.norm(places, axis=1) <= 8 + 1e-6).all()
     assert (np.linalg.norm(places, axis=1) > 7).all()
 
@@ -213,13 +216,13 @@ def test_a_mesh_is_solved_once(cache: Path) -> None:
     first = midair.Scene(array, POINTS[:2], obstacles=[mesh]).propagation()
     kept = set(cache.rglob("*.npz")) - before
     assert len(kept) == 1
-    # From the file, and again where that is broken.
+    # The result comes from the file; a broken file is computed again.
     for spoil in (b"", b"\x93NUMPY nonsense"):
         other = midair.Array.grid(4, 3, 10e-3)
         assert np.array_equal(midair.Scene(other, POINTS[:2], obstacles=[mesh]).propagation(), first)
         kept.copy().pop().write_bytes(spoil)
     assert not list(cache.rglob("*.part"))
-    # Any other medium or mesh is another boundary.
+    # Another medium or another mesh has another file.
     midair.Scene(array, POINTS[:2], frequency=39e3, obstacles=[mesh])
     midair.Scene(array, POINTS[:2], obstacles=[ball(1, "soft", 0.0079)])
     assert len(set(cache.rglob("*.npz")) - before) == 3
@@ -258,7 +261,7 @@ def test_files_of_modellers(tmp_path: Path) -> None:
         assert "\n" not in str(refusal.value)
     with pytest.raises(midair.SceneError, match="scale is 0"):
         midair.Mesh.from_file(tmp_path / "ball.stl", scale=0)
-    # Seams of a texture, and a face without area: the surface is closed all the same.
+    # Seams of a texture, and a face without area: the surface counts as closed all the same.
     corners = [f"v {x} {y} {z}" for x, y, z in vertices] + [f"vt 0.{k} 0.5" for k in range(3 * len(faces))]
     seams = [
         "f " + " ".join(f"{v + 1}/{3 * k + c + 1}" for c, v in enumerate(face))
@@ -273,7 +276,7 @@ def test_files_of_modellers(tmp_path: Path) -> None:
     ]:
         with pytest.raises(midair.SceneError, match=reported):
             midair.Mesh.from_file(tmp_path / name)
-    # In millimetres taken as metres.
+    # A file in millimetres, read as if in metres.
     big = midair.Mesh.from_file(tmp_path / "ball.stl", offset=[0, 0, 20])
     with pytest.raises(midair.SceneError, match=r"obstacles\[0\] is \d+ elements .*; a file in mm wants"):
         midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]], obstacles=[big])

@@ -1,4 +1,4 @@
-"""Several bodies: those that touch, and those that no solution of the boundary describes."""
+"""Several bodies: those that touch, and those that the boundary element method cannot solve."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def test_bodies_that_cannot_be_solved_are_refused_in_one_line(name: str, cache: 
 
 
 def test_a_plate_as_thin_as_allowed_has_the_shadow_of_a_thick_one() -> None:
-    """In the shadow: beside it, the edges of the two send otherwise."""
+    """Compares the plates in the shadow only: beside it, the edges of the two plates scatter differently."""
     array = midair.Array.grid(6, 6, 10e-3)
     places = [[0, 0, 0.16], [0.01, 0.005, 0.15]]
     thin, thick = (
@@ -61,7 +61,7 @@ def test_a_plate_as_thin_as_allowed_has_the_shadow_of_a_thick_one() -> None:
         ).propagation()
         for thickness in (0.3e-3, 1e-3)
     )
-    # With six times finer faces the two differ by 4 %.
+    # With faces of a sixth of this size the two differ by 4 %.
     assert np.abs(thin - thick).max() < 0.05 * np.abs(thick).max()
 
 

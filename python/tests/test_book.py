@@ -1,4 +1,6 @@
-"""The pages of the book that are written at build time: every public name, every option, every key."""
+"""The pages of the book that are generated at build time:
+all public names, all options, all keys of files.
+"""
 
 import importlib
 import re

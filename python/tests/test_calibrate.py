@@ -1,4 +1,4 @@
-"""Calibration, tested on arrays and air that the fit does not know."""
+"""Calibration, tested on arrays and air whose properties the fit does not know."""
 
 from pathlib import Path
 from typing import Any
@@ -209,7 +209,7 @@ def test_memory_is_requested_before_it_is_taken(monkeypatch: pytest.MonkeyPatch)
     rig = Rig(20)
     drives = midair.calibration_drives(rig.array, 2)
     received = rig.read(drives, 60)
-    # 8 bytes, 515 unknowns squared, 6 times.
+    # 6 matrices of 515 x 515 unknowns, 8 bytes each.
     for given, reported in [("12MB", "0.012"), ("1e3", "0.000"), (" 2 kb ", "0.000"), ("0", "0.000")]:
         monkeypatch.setenv("MIDAIR_MEMORY", given)
         with pytest.raises(
@@ -273,7 +273,7 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
 
 @pytest.mark.slow
 def test_a_wired_array_is_calibrated_by_its_channels() -> None:
-    """Six rows of four: what they radiate together is predicted for drives that were never played."""
+    """Checks six channels of four transducers: their response must predict drives that were never played."""
     rng = np.random.default_rng(15)
     rows = np.arange(24) // 4
     response = (1 + 0.1 * rng.standard_normal(24)) * np.exp(0.3j * rng.standard_normal(24))

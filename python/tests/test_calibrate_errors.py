@@ -1,4 +1,4 @@
-"""Calibration where readings are few, noisy or of misplaced microphones: its stated errors hold."""
+"""Calibration from few readings, noisy ones, or misplaced microphones: the stated errors are right."""
 
 from typing import Any
 
@@ -12,16 +12,18 @@ PITCH = 10.16e-3
 
 
 def board() -> NDArray[np.float64]:
-    """An AUTD3 board's 249 places."""
+    """Returns the positions (249, 3) of an AUTD3 board's transducers in m."""
     x, y = np.meshgrid(np.arange(18), np.arange(14))
     kept = ~((y == 1) & np.isin(x, [1, 2, 16]))
     return np.c_[PITCH * x[kept], PITCH * y[kept], np.zeros(kept.sum())]
 
 
 def rig(seed: int, decibels: float, dead: int, off: float) -> dict[str, Any]:
-    """A board, gains of 10 % and phases of 20 degrees, and readings of four microphones `off` their places.
+    """Returns a board with gain errors of 10 % and phase errors of 20 degrees, and readings of four
+    microphones.
 
-    The model is one's own: p = sum of 4.386/r e^{jkr} x q, and noise so far below the level of four foci.
+    The microphones are misplaced by `off`. The model is written here: p = sum of 4.386/r e^{jkr} x q, with
+    noise `decibels` below the level of four foci.
     """
     random = np.random.default_rng(seed)
     places, speed = board(), random.uniform(335, 351)
@@ -44,7 +46,7 @@ def rig(seed: int, decibels: float, dead: int, off: float) -> dict[str, Any]:
 
 
 def within(values: Any, errors: Any) -> float:
-    """The part of values within two of their errors."""
+    """Returns the part of the values that are within two of their standard errors."""
     return float(np.mean(np.abs(values) <= 2 * errors))
 
 

@@ -1,4 +1,4 @@
-"""Outlying readings of a calibration: found, named and left out, and nothing else with them."""
+"""Outlying readings of a calibration: they are found, named and left out, and no other readings are."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -15,7 +15,7 @@ PLACES = np.array([[0, 0, 0.15], [0.05, 0.01, 0.2], [-0.03, -0.05, 0.18]])
 
 
 def rig(seed: int, phased: bool) -> tuple[Any, Any, Any]:
-    """True responses (36,), drives (200, 36) and readings (200, 3) with .5 % of noise."""
+    """Returns true responses (36,), drives (200, 36) and readings (200, 3) with 0.5 % of noise."""
     random = np.random.default_rng(seed)
     response = (1 + 0.1 * random.normal(size=36)) * np.exp(0.3j * random.normal(size=36))
     drives = np.exp(2j * np.pi * random.random((200, 36)))
@@ -26,7 +26,7 @@ def rig(seed: int, phased: bool) -> tuple[Any, Any, Any]:
 
 
 def off(found: midair.Calibration, response: NDArray[np.complex128]) -> float:
-    """The root mean square error of the responses, a phase common to all left out."""
+    """Returns the root mean square error of the responses, apart from a common phase."""
     turned = found.response * np.exp(-1j * np.angle(np.vdot(response, found.response)))
     return float(np.sqrt(np.mean(np.abs(turned - response) ** 2)))
 

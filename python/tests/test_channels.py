@@ -1,4 +1,4 @@
-"""Channels: transducers wired together, from arrays, files and boards to a bead that is moved."""
+"""Channels (transducers wired together): in arrays, files and boards, and with a bead that is moved."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def levitating(board: midair.Board, height: float) -> midair.Solution:
 def test_a_tinylev_holds_and_moves_a_bead_by_the_phase_between_its_caps(kind: str) -> None:
     board = midair.Board(kind, midair.Array.preset("tinylev"))
     phases = board.limits["phases"]
-    # A step of one cap's phase moves the node by half as much of the wave.
+    # A step of one cap's phase moves the node by half of that part of the wavelength.
     scene = midair.Scene(board.array, [[0, 0, 0]])
     step = scene.wavelength / 2 / phases
     for height in (0.0, 1.1e-3, -0.8e-3):
@@ -33,7 +33,7 @@ def test_a_tinylev_holds_and_moves_a_bead_by_the_phase_between_its_caps(kind: st
         assert abs(node - height) < 0.75 * step + 5e-5
         felt = midair.gorkov(scene.replace(points=[[0, 0, node]]), drive)
         assert (np.linalg.eigvalsh(felt.hessian) > 0).all()
-        # The upper cap is nearer by the height, the lower one farther.
+        # The upper cap is nearer to the node by the height, the lower one is farther.
         between = np.angle(-drive[36] / drive[0])
         assert abs(between - 4 * np.pi * height / scene.wavelength) < 2 * np.pi / phases + 0.1
 

@@ -20,7 +20,7 @@ from scenes import METRICS, numbers, same_bits
 
 SOLVERS = sorted(midair.solvers())
 
-#: There so that a hang is a failure and not a hung suite.
+#: Time limit in s, so that a hang is a failed test and not a hung test suite.
 HANG = 60
 
 SCENE = """
@@ -53,7 +53,9 @@ def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 
 @pytest.fixture
 def run(capsys: pytest.CaptureFixture[str]) -> Run:
-    """Runs the command line in this process: status, standard output, standard error."""
+    """Returns a function that runs the command line in this process:
+    exit status, standard output, standard error.
+    """
 
     def run(*arguments: object) -> tuple[int, str, str]:
         with pytest.raises(SystemExit) as left:
@@ -111,7 +113,7 @@ def test_solvers_are_listed_with_options_and_defaults(run: Run) -> None:
         own = run("solvers", name)[1]
         for option, about in info.options.items():
             assert any(line.split()[:2] == [option, str(about.default)] for line in own.splitlines())
-    # Beside its own default, what AUTD3's grid makes of it.
+    # Beside an option's default, the table shows the value that AUTD3's quantization gives.
     rows = [line.split()[:5] for line in run("solvers", "greedy")[1].splitlines()]
     assert ["phases", "16", "(autd3", "256)"] in [row[:4] for row in rows]
     assert ["amplitudes", "1", "(autd3", "16)"] in [row[:4] for row in rows]
@@ -163,7 +165,7 @@ def replayed(text: str) -> midair.Solution:
 
 
 def check_record(text: str, scene: midair.Scene, solution: midair.Solution) -> None:
-    """The scene's text says how it was solved, and gives the same bits again."""
+    """Checks that a record names its solver and options, and that it gives the same bits again."""
     record = json.loads(text)
     assert (record["version"], record["status"]) == (midair.__version__, "done")
     assert record["solver"] == {"name": "greedy", **solution.options}
@@ -297,7 +299,7 @@ def test_images_count_the_scale_in_and_show_the_quantity_requested(
 def test_compare_has_a_line_and_a_panel_for_each_solver(run: Run) -> None:
     status, out, err = run("compare", "scene.toml", "--image", "sheet.png")
     assert (status, files()) == (0, {"scene.toml", "sheet.png"})
-    # So few transducers cannot do more: the methods that meet targets report it.
+    # So few transducers cannot reach the targets: the methods that try to report a miss.
     assert err
     assert all("missed by" in line for line in err.splitlines())
     rows = out.strip().splitlines()[2:-3]
@@ -305,7 +307,7 @@ def test_compare_has_a_line_and_a_panel_for_each_solver(run: Run) -> None:
     width, height = png_size("sheet.png")
     assert 400 < height < 8000
     assert 600 < width < 8000
-    # The scene file's options hold for its solver.
+    # The options in the scene file apply only to its own solver.
     scene = midair.Scene.load("scene.toml")
     for row in rows:
         assert row.split()[1] == f"{midair.solve(scene, row.split()[0]).metrics.accuracy:.4f}"
@@ -369,7 +371,7 @@ main({arguments!r})
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_ctrl_c_and_sigterm_write_the_whole_file_of_what_was_found(number: signal.Signals) -> None:
-    # 40,000 steps of milliseconds each: what ends within HANG was stopped between steps.
+    # 40,000 steps of some milliseconds: a program that ends within HANG was stopped between steps.
     Path("long.toml").write_text(
         SCENE.replace("nx = 8, ny = 6, pitch = 0.01", "nx = 200, ny = 200, pitch = 0.005")
     )

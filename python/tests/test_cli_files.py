@@ -1,4 +1,4 @@
-"""The command line's files and streams: nothing is lost or left behind, every stream may be missing."""
+"""The command line's files and streams: no file is lost or left behind, and any stream may be missing."""
 
 import io
 import json
@@ -27,7 +27,7 @@ pressure = 100.0
 
 ROW = "x,y,z\n" + "".join(f"{0.01 * k},0,0\n" for k in range(12))
 
-#: There so that a hang is a failure and not a hung suite.
+#: Time limit in s, so that a hang is a failed test and not a hung test suite.
 HANG = 60
 
 Run = Callable[..., tuple[int, str, str]]
@@ -43,7 +43,9 @@ def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 
 @pytest.fixture
 def run(capsys: pytest.CaptureFixture[str]) -> Run:
-    """Runs the command line in this process: status, standard output, standard error."""
+    """Returns a function that runs the command line in this process:
+    exit status, standard output, standard error.
+    """
 
     def run(*arguments: object) -> tuple[int, str, str]:
         with pytest.raises(SystemExit) as left:
@@ -75,7 +77,7 @@ def test_an_output_is_never_what_the_scene_is_read_from(run: Run, monkeypatch: p
         "scene.json -o hard.json",
         "scene.json --image far.png",
         f"scene.json -o {Path('scene.json').absolute()}",
-        # A file that the scene names is as dear.
+        # A file that the scene names must not be overwritten either.
         "scene.toml -o row.csv",
         "scene.toml -o ./row.csv",
         "scene.json -o one.csv --image two.png",
@@ -165,7 +167,7 @@ def test_a_scene_that_names_a_file_finds_it_beside_itself(run: Run, tmp_path: Pa
     scene = midair.Scene.load("../scene.toml")
     assert scene.array.positions.tolist() == [[0.01 * k, 0, 0] for k in range(12)]
     assert run("solve", "../scene.toml")[0] == 0
-    # Saved, it holds the positions itself.
+    # A saved scene contains the positions themselves.
     scene.save("own.toml")
     assert midair.Scene.load("own.toml").array.positions.tolist() == scene.array.positions.tolist()
     (tmp_path / "row.csv").write_text(ROW + "1,two,3\n")

@@ -1,4 +1,4 @@
-"""Refusals of the command line: one line, exit status 2, and nothing is written."""
+"""Rejected commands: a message of one line, exit status 2, and no file is written."""
 
 import os
 import subprocess
@@ -24,7 +24,7 @@ position = [0.015, 0.01, 0.1]
 pressure = 900.0
 """
 
-#: There so that a hang is a failure and not a hung suite.
+#: Time limit in s, so that a hang is a failed test and not a hung test suite.
 HANG = 60
 
 
@@ -35,7 +35,7 @@ def changed(old: str, new: str) -> bytes:
 
 GRID = "grid = { nx = 6, ny = 5, pitch = 0.01 }"
 
-#: One file a way of being refused, and what the core's own tests of files have not.
+#: Scene files, one for each reason of rejection, besides those that the core's own tests have.
 FILES: dict[str, bytes] = {
     "empty": b"",
     "binary": bytes(range(256)) * 8,
@@ -101,7 +101,7 @@ ARGUMENTS: dict[str, str] = {
     "unknown ending of the sheet": "compare scene.toml --image out.csv",
 }
 
-#: Refused in words of the operating system, and some of them that are the same on each.
+#: Commands that the operating system rejects, and words of its message that are the same on each system.
 OF_THE_SYSTEM: dict[str, tuple[str, str]] = {
     "folder for a file": ("solve folder.toml", "folder.toml"),
     "image is a folder": ("solve scene.toml --image folder.png", "folder.png"),
@@ -136,7 +136,9 @@ def check(status: object, out: str, err: str) -> str:
 
 @pytest.fixture
 def refuse(capsys: pytest.CaptureFixture[str]) -> Refuse:
-    """Runs the command line in this process, has it refused, and gives the one line it says."""
+    """Returns a function that runs a command in this process, checks that it is rejected,
+    and returns the message.
+    """
 
     def refuse(*arguments: str) -> str:
         before = {path: path.stat().st_mtime_ns for path in Path().rglob("*")}
@@ -182,7 +184,7 @@ def test_oversized_file_is_refused_unread(refuse: Refuse) -> None:
     with Path("huge.toml").open("wb") as huge:
         huge.truncate(65 << 20)
     assert "64 MB" in refuse("solve", "huge.toml", "-o", "out.npz")
-    # The largest file taken is read, and found to be no text.
+    # A file of the largest allowed size is read, and is then rejected because it is not text.
     with Path("large.toml").open("wb") as large:
         large.truncate(64 << 20)
     assert "64 MB" not in refuse("solve", "large.toml", "-o", "out.npz")
@@ -198,7 +200,7 @@ def test_name_with_a_line_break_is_refused_in_one_line(refuse: Refuse) -> None:
 
 @pytest.mark.skipif(os.name == "nt", reason="permissions of POSIX")
 def test_folder_that_cannot_be_written_to_is_refused(refuse: Refuse, monkeypatch: pytest.MonkeyPatch) -> None:
-    # The superuser may write anywhere, so the folder only says that it cannot be written to.
+    # The superuser may write anywhere, so the test replaces the call that finds the folder writable.
     def refused(*_: object, **__: object) -> None:
         raise PermissionError(13, "Permission denied")
 

@@ -1,4 +1,4 @@
-"""The printed texts of commands, and the letters of the pictures that they write."""
+"""The tables and texts that commands print, and the pictures in characters."""
 
 import io
 import os
@@ -112,7 +112,7 @@ def test_lines_too_long_for_any_table_are_listed(capsys: pytest.CaptureFixture[s
         assert letter * 90 in shown
 
 
-#: Commands that print, and how their last line begins or ends.
+#: Commands that print, and a part of their last line.
 COMMANDS = {
     "solve scene.toml": "2 points at ",
     "compare scene.toml": ": 2 points at ",
@@ -163,7 +163,7 @@ name = "gs"
 
 
 def inputs(folder: Path) -> None:
-    """The files that the commands read."""
+    """Writes the files that the commands read."""
     scene = small(points=[[-0.02, 0, 0.15], [0.02, 0.01, 0.15]])
     scene.save(folder / "scene.toml")
     midair.solve(scene, "naive").save(folder / "drive.npz")
@@ -183,7 +183,7 @@ def test_tables_are_whole_in_a_terminal_of_80_columns(command: str, tmp_path: Pa
     far, near = os.openpty()
     environment = {**os.environ, "COLUMNS": "80", "TERM": "dumb"}
     program = [sys.executable, "-m", "midair", *shlex.split(command)]
-    # The progress of a board is written beside standard output.
+    # `play` prints its progress on standard error.
     beside = near if command.startswith("play") else subprocess.DEVNULL
     done = subprocess.Popen(program, stdin=near, stdout=near, stderr=beside, cwd=tmp_path, env=environment)
     os.close(near)
@@ -191,13 +191,13 @@ def test_tables_are_whole_in_a_terminal_of_80_columns(command: str, tmp_path: Pa
     while True:
         try:
             shown += os.read(far, 65536)
-        except OSError:  # the end of a pseudo-terminal
+        except OSError:  # reading raises this at the end of a pseudo-terminal
             break
     os.close(far)
     assert done.wait() == 0
     lines = shown.decode().replace("\r", "").splitlines()
     assert all("\u2026" not in line for line in lines)
-    # Tables begin with a blank line; sentences may be longer than a line.
+    # Tables begin with a blank line; other text may be wider than 80 characters.
     blank = [k for k, line in enumerate(lines) if not line.strip()]
     table = lines[blank[0] : blank[-1]] if blank else []
     assert all(len(line.rstrip()) <= 80 for line in table)

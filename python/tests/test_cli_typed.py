@@ -1,4 +1,6 @@
-"""The command line without a scene file, lists of one, documents for programs, and a file to begin with."""
+"""The command line without a scene file, lists with one value, JSON output,
+and a template of a scene file.
+"""
 
 import csv
 import json
@@ -24,7 +26,9 @@ def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 
 @pytest.fixture
 def run(capsys: pytest.CaptureFixture[str]) -> Run:
-    """Runs the command line in this process: status, standard output, standard error."""
+    """Returns a function that runs the command line in this process:
+    exit status, standard output, standard error.
+    """
 
     def run(*arguments: object) -> tuple[int, str, str]:
         with pytest.raises(SystemExit) as left:
@@ -41,7 +45,7 @@ def test_a_new_scene_solves_well_and_replaces_nothing(run: Run) -> None:
     status, out, err = run("solve", "scene.toml", "--json")
     assert (status, err) == (0, "")
     assert json.loads(out)["level"] > 0.99
-    # The lines that are comments are valid, too.
+    # The lines of the template that are commented out are valid, too.
     lines = [line.removeprefix("# ").split("  #")[0] for line in text.splitlines()]
     for key in (
         "source_pressure",
@@ -71,7 +75,7 @@ def test_a_scene_is_typed_in_one_line(run: Run) -> None:
         scene = midair.Scene(array, [[0, 0, 0.15], [-0.02, 0, 0.15]], pressures)
         status, out, err = run("solve", "--preset", "AUTD-3", "--tiles", "2,1", *AT, *more, "--json")
         record = json.loads(out)
-        # The boards' amplitudes are too coarse for 1 % of so little.
+        # The board's amplitudes are too coarse for so small a pressure with an error of 1 %.
         assert status == 0
         assert not err or err.startswith("warning: the pressures are missed by")
         assert record["points"] == scene.points.tolist()

@@ -1,4 +1,4 @@
-"""A sweep on a Dask cluster of two real processes on loopback, one of them killed: no number changes."""
+"""A sweep on a Dask cluster of two real worker processes, one of which is killed: no result changes."""
 
 import json
 import signal
@@ -15,10 +15,10 @@ import midair
 
 BIN = Path(sys.executable).parent
 
-#: There so that a hang is a failure and not a hung suite.
+#: Time limit in s, so that a hang is a failed test and not a hung test suite.
 HANG = 60
 
-#: Some seconds of work, in ten chunks.
+#: A sweep that takes some seconds, in ten chunks.
 SWEEP = """
 seeds = 600
 [array]
@@ -39,7 +39,7 @@ def sweep(folder: Path, *arguments: str) -> subprocess.Popen[str]:
 
 
 class Cluster:
-    """A scheduler and two workers of one thread each."""
+    """A Dask scheduler and two workers of one thread each."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -81,7 +81,7 @@ def cluster(tmp_path: Path) -> Iterator[Cluster]:
 @pytest.mark.slow
 def test_a_killed_worker_changes_no_number(cluster: Cluster, tmp_path: Path) -> None:
     running = sweep(tmp_path, "--output", "far.csv", "--scheduler", cluster.address)
-    # Its first chunk is there: both workers are in the midst of others.
+    # The first chunk is stored, so both workers now compute other chunks.
     cluster.until(lambda: running.poll() is not None or list(tmp_path.glob(".far.csv.chunks/*/*.npz")))
     assert running.poll() is None, running.communicate()
     cluster.processes[1].kill()

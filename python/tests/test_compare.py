@@ -1,4 +1,4 @@
-"""`midair.compare`: one scene by several solvers, as a table of text, of numbers and in HTML."""
+"""`midair.compare`: one scene solved by several solvers, as a table in text, numbers and HTML."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def test_a_comparison_is_what_each_solver_gives_alone() -> None:
     columns = table.to_dict()
     for metric in METRICS:
         assert columns[metric] == [getattr(solution.metrics, metric) for solution in alone]
-    # The gap is that of the weakest point to the level that no drive exceeds.
+    # The gap is the distance of the weakest point's level from the bound, which no drive exceeds.
     most = midair.bound(scene)
     weakest = [np.min(np.abs(solution.pressures) / solution.targets) for solution in alone]
     assert columns["gap"] == pytest.approx([1 - least / most for least in weakest])
@@ -74,7 +74,7 @@ def test_beyond_the_points_that_a_bound_takes_there_is_no_gap() -> None:
     table = midair.compare(small(points=points), "naive")
     assert (table.bound, table.gaps) == (None, None)
     assert "gap" not in table.to_dict()
-    # Only points with a pressure and a weight count.
+    # Only points with a target and a weight above 0 count.
     assert midair.compare(small(points=points, weights=[0, *[1] * 64]), "naive").bound is not None
 
 

@@ -1,4 +1,6 @@
-"""Complex targets: pressures with phases, the solver that is optimal for them, what others say of them."""
+"""Complex targets (pressures with phases):
+the solver that is optimal for them, and what other solvers report.
+"""
 
 import pickle
 import warnings
@@ -22,7 +24,16 @@ PRESSURES = np.array([4500j, -3500, 2500 + 2500j])
 
 
 def least_error(G: Complex, p: Complex, weights: NDArray[np.float64]) -> float:
-    """The least ||W^(1/2) (G q - p)|| / ||W^(1/2) p|| over |q_i| <= 1, as a second-order cone program."""
+    """Returns the least
+
+    W^(1/2) (G q - p)
+
+    /
+
+    W^(1/2) p
+
+    over |q_i| <= 1, by a second-order cone program.
+    """
     root = np.sqrt(weights)
     scale = np.linalg.norm(root * p)
     A, b = root[:, None] * G / scale, root * p / scale
@@ -31,7 +42,7 @@ def least_error(G: Complex, p: Complex, weights: NDArray[np.float64]) -> float:
     first = np.zeros((2 * M + 1, 1 + 2 * N))
     first[0, 0] = -1
     first[1:, 1:] = field
-    # Each cone (1, Re q_i, Im q_i).
+    # One cone (1, Re q_i, Im q_i) for each transducer.
     disks = np.zeros((3 * N, 1 + 2 * N))
     disks[1::3, 1 : 1 + N] = -np.eye(N)
     disks[2::3, 1 + N :] = -np.eye(N)
@@ -49,13 +60,13 @@ def least_error(G: Complex, p: Complex, weights: NDArray[np.float64]) -> float:
 
 
 def error(G: Complex, drive: NDArray[np.complex64], p: Complex, weights: NDArray[np.float64]) -> float:
-    """The complex errors of a drive."""
+    """Returns the weighted relative error of a drive's complex pressures."""
     root = np.sqrt(weights)
     return float(np.linalg.norm(root * (G @ drive.astype(complex) - p)) / np.linalg.norm(root * p))
 
 
 def laid(kind: str, count: int, seed: int) -> NDArray[np.float64]:
-    """Points (M, 3) of a scene: at random in a plane or volume, or on a grid of a third of a wavelength."""
+    """Returns points (M, 3): random in a plane or volume, or on a grid of a third of a wavelength."""
     random = np.random.default_rng(seed)
     if kind == "dense":
         side = int(np.ceil(np.sqrt(count)))
@@ -73,7 +84,7 @@ def test_bounded_comes_within_a_hundredth_of_the_least_error(kind: str, count: i
     random = np.random.default_rng(count)
     for seed, level in [(1, 0.7), (2, 1.2)]:
         points = laid(kind, count, seed)
-        # Over a grid a ramp of phases, which a wave can follow.
+        # On a grid the phases rise linearly, as in a wave; elsewhere they are random.
         ramp, free = 2 * np.pi * points[:, 0] / 0.03, random.uniform(0, 2 * np.pi, count)
         phases = ramp if kind == "dense" else free
         moduli = level * midair.Scene(array, points).reach().level * random.uniform(0.5, 1, count)
@@ -84,7 +95,7 @@ def test_bounded_comes_within_a_hundredth_of_the_least_error(kind: str, count: i
         assert solution.steps <= 30
         G = oracle.propagation(array.positions, points)
         found, least = error(G, solution.drive, p, weights), least_error(G, p, weights)
-        # Below 1e-4 of the targets it is as good as exact.
+        # Errors below 1e-4 of the targets count as exact.
         assert found <= 1.01 * least + 1e-4, f"{kind}, {count} points: {found} for {least}"
         assert found >= 0.999 * least - 1e-5
         assert solution.complex_error == pytest.approx(found, rel=1e-3, abs=1e-5)
@@ -98,7 +109,7 @@ def test_what_can_be_had_is_had_with_its_phases() -> None:
     np.testing.assert_allclose(solution.pressures, PRESSURES, atol=0.5)
     assert solution.complex_error < 1e-4
     assert solution.metrics.accuracy == pytest.approx(1, abs=1e-4)
-    # On a board each drive is rounded: some parts in a thousand.
+    # A board rounds each drive, which costs up to some thousandths.
     board = midair.solve(scene, "bounded", quantization={"phases": 256})
     assert 1e-5 < board.complex_error < 0.02
 
@@ -117,7 +128,7 @@ def test_without_phases_bounded_takes_those_of_the_start_and_else_none() -> None
     np.testing.assert_allclose(plain.pressures, np.abs(PRESSURES), atol=0.5)
     turned = midair.solve(scene, "bounded", start=np.angle(PRESSURES))
     np.testing.assert_allclose(turned.pressures, PRESSURES, atol=0.5)
-    # Given phases are not the start's to change.
+    # `start` does not change given phases.
     given = midair.solve(scene.replace(pressures=PRESSURES), "bounded", start=[0.0, 1.0, 2.0])
     np.testing.assert_allclose(given.pressures, PRESSURES, atol=0.5)
 
@@ -136,16 +147,16 @@ def test_a_scene_keeps_complex_pressures(tmp_path: Path) -> None:
         scene.save(path)
         assert midair.Scene.load(path) == scene
     assert pickle.loads(pickle.dumps(scene)) == scene
-    # Unchanged parts stay, phases too.
+    # Parts that are not replaced stay, the phases too.
     assert scene.replace(weights=None).replace(weights=[1, 2, 3]) == scene
     assert scene.replace(pressures=None).pressures is None
     with pytest.raises(midair.SceneError, match="pressures is kept from 3 points"):
         scene.replace(points=POINTS[:2])
-    # One number stands for all; a list of Python's own numbers will do.
+    # One number applies to all points; a list of Python's own numbers is accepted, too.
     alike = midair.Scene(ARRAY, POINTS, 300j)
     np.testing.assert_allclose(alike.pressures, [300j] * 3, atol=1e-12)
     assert midair.Scene(ARRAY, POINTS, [4500j, -3500, 2500 + 2500j]) == scene.replace(weights=None)
-    # Complex numbers without imaginary parts have phases, too; real ones have none.
+    # A complex type has phases even if all imaginary parts are 0; a real type has none.
     assert midair.Scene(ARRAY, POINTS, [1 + 0j, 2, 3]).pressures.dtype == np.complex128
     assert midair.Scene(ARRAY, POINTS, np.array([1, 2, 3])).pressures.dtype == np.float64
 
@@ -193,7 +204,7 @@ def test_every_door_takes_them_and_gives_the_same_answer(tmp_path: Path) -> None
     solver(POINTS, PRESSURES, out=drive)
     assert solver.complex_error == solution.complex_error
     np.testing.assert_array_equal(drive, solution.drive)
-    # The next call without phases has none.
+    # Phases apply to one call only.
     assert solver(POINTS, np.abs(PRESSURES)).complex_error is None
     batch = midair.solve_batch(ARRAY, np.stack([POINTS, POINTS]), [PRESSURES, PRESSURES.conj()], "bounded")
     assert batch[0] == solution
@@ -243,7 +254,7 @@ def test_every_solver_says_whether_it_uses_phases() -> None:
         else:
             assert len(reported) == 1
             assert "these use them: bounded, tikhonov, naive" in reported[0]
-            # Only the warning depends on the phases.
+            # The phases cause only this warning: the drive is the same.
             np.testing.assert_array_equal(solution.drive, free.drive)
 
 

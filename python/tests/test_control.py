@@ -1,4 +1,4 @@
-"""Progress, stops and Ctrl-C, and the same bits on any number of threads."""
+"""Progress reports, stops and Ctrl-C, and the same bits on any number of threads."""
 
 import os
 import signal
@@ -12,10 +12,10 @@ import midair
 from midair._support.ctrl_c import interruptibly
 from scenes import same_bits, small, usable
 
-#: One step a transducer, and one step an iteration.
+#: A solver with one step per transducer, and one with one step per iteration.
 SOLVERS = ("greedy", "gs")
 
-#: Far above the time that Ctrl-C may take: a hang becomes a failure, not a hung suite.
+#: Time limit in s, far above the time that Ctrl-C may take: a hang is a failed test, not a hung test suite.
 HANG = 60
 
 INTERRUPTED = """
@@ -38,7 +38,7 @@ else:
     print("finished", flush=True)
 """
 
-#: Work of seconds to minutes if it is not interrupted.
+#: Calls that take seconds to minutes if they are not interrupted.
 LONG = {
     "greedy": 'midair.solve(few, "greedy", amplitudes=256, phases=4096, objective="l1")',
     "evd": 'midair.solve(many, "evd")',
@@ -89,12 +89,13 @@ def test_progress_is_reported_every_step(solver: str) -> None:
     scene = small()
     solution = midair.solve(scene, solver, progress=lambda *step: reported.append(step), trace=True)
     assert [step for step, _, _ in reported] == list(range(1, solution.steps + 1))
-    # An iterative method may be done before its steps run out.
+    # An iterative method may converge before its last step.
     (steps,) = {steps for _, steps, _ in reported}
     assert steps >= len(reported) == solution.steps
     assert {tuple(map(type, step)) for step in reported} == {(int, int, float)}
     assert np.array_equal([residual for _, _, residual in reported], solution.trace)
-    # The last step's residual is the answer's: an f32 field kept along the way, and one computed again.
+    # The last step's residual comes from an f32 field kept during the search, the solution's from a new
+    # field.
     assert reported[-1][2] == pytest.approx(solution.metrics.residual, abs=1e-5)
     assert same_bits(midair.solve(scene, solver).drive, solution.drive)
 
@@ -104,7 +105,7 @@ def test_progress_of_a_balanced_solve_speaks_of_the_final_drive() -> None:
     scene = small(pressures=1.0)
     midair.solve(scene, "greedy", balance=True, progress=lambda *step: reported.append(step[2]))
     solution = midair.solve(scene, "greedy", balance=True)
-    # As loud as it was before it was brought down to the targets.
+    # The pressures before balancing scaled the drive down to the targets.
     before = np.abs(solution.pressures) / solution.amplitudes.max() / scene.reach().level
     assert reported[-1] == pytest.approx(np.mean((1 - before) ** 2), abs=1e-4)
     assert solution.metrics.residual <= reported[-1]
@@ -157,7 +158,7 @@ def test_callback_may_solve_by_itself() -> None:
 
 
 def run(code: str, **environment: str) -> str:
-    """The output of a fresh interpreter."""
+    """Runs code in a new interpreter and returns its output."""
     ran = subprocess.run(
         [sys.executable, "-c", code], env=os.environ | environment, check=True, capture_output=True, text=True
     )
@@ -193,7 +194,7 @@ def test_interrupt_ends_whatever_takes_long(call: str) -> None:
 @pytest.mark.slow
 @POSIX
 def test_a_forked_child_has_threads_of_its_own() -> None:
-    # The parent has used all its threads before the fork; the child has none of them.
+    # The parent has used all its threads before the fork; the child must start its own.
     ran = subprocess.run(
         [sys.executable, "-c", FORKED], capture_output=True, text=True, timeout=HANG, check=True
     )

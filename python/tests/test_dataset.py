@@ -1,4 +1,6 @@
-"""Data sets: what their files hold, what is held out, going on after a stop, judging, refusals."""
+"""Data sets: the content of their files, the held-out split, resuming after a stop, judging,
+error messages.
+"""
 
 import json
 import re
@@ -28,7 +30,7 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def whole(made: midair.Dataset, split: str, count: int) -> dict[str, Any]:
-    """All rows of a number of points."""
+    """Returns all rows of a split that have this number of points."""
     parts = [part for part in made.read(split) if part["points"].shape[1] == count]
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
@@ -49,7 +51,7 @@ def test_rows_are_those_of_the_same_sweep_and_of_a_solve(tmp_path: Path) -> None
         one = parts["train"]
         scene = midair.Scene(made.array, one["points"][5], one["targets"][5])
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", midair.SceneWarning)  # the board's amplitudes are few
+            warnings.simplefilter("ignore", midair.SceneWarning)  # the board has few amplitudes
             solution = midair.solve(scene, "fast", seed=0)
         assert (solution.drive == one["drive"][5]).all()
         assert (solution.pressures == one["pressures"][5]).all()

@@ -1,4 +1,4 @@
-"""Discs of crowded points on other arrays than AUTD3's: above one board, and between two."""
+"""Discs of densely spaced points for arrays other than AUTD3: above one board, and between two."""
 
 import numpy as np
 import pytest
@@ -16,9 +16,9 @@ def disc(radius: float, step: float, z: float) -> np.ndarray:
 @pytest.mark.parametrize(
     ("preset", "points", "solver"),
     [
-        # A weak even field once won over one that nearly met every target: an error of .78.
+        # The solver once preferred a weak even field to one that nearly met every target: an error of 0.78.
         ("sonicsurface", disc(0.04, 5e-3, 0.12), "uniform"),
-        # No cone covers points amid the transducers: an error of .14 from there.
+        # The starts from cones do not cover points among the transducers: they gave an error of 0.14.
         ("openmpd_pair", disc(0.02, 3e-3, 0.0), "descent"),
     ],
 )

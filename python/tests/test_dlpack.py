@@ -1,4 +1,6 @@
-"""Arrays of other libraries: whatever has `__dlpack__` or `__array_interface__` goes in; answers go out."""
+"""Arrays of other libraries: inputs by `__dlpack__` or `__array_interface__`,
+and results that others read.
+"""
 
 from __future__ import annotations
 
@@ -15,15 +17,15 @@ POINTS = np.array([[-0.02, 0, 0.15], [0.02, 0.01, 0.15]])
 
 
 class Tensor:
-    """What has DLPack alone, as a tensor of another library."""
+    """An array with DLPack alone, like a tensor of another library."""
 
     def __init__(self, values: Any, device: tuple[int, int] = (1, 0)) -> None:
-        # Answers are read-only, which this form of DLPack cannot tell.
+        # This version of DLPack cannot mark arrays as read-only, so the array must be writable.
         self.values = np.require(values, requirements="W")
         self.device = device
 
     def __dlpack__(self, *, dl_device: tuple[int, int] | None = None, **options: Any) -> Any:
-        # The memory of a GPU goes out as a copy for the CPU, on request.
+        # The memory of a GPU is exported as a copy for the CPU if the caller requests one.
         if self.device != (1, 0) and dl_device != (1, 0):
             raise BufferError("on the GPU")
         return self.values.__dlpack__()
@@ -33,7 +35,7 @@ class Tensor:
 
 
 class Interface:
-    """What has NumPy's interface alone."""
+    """An array with NumPy's interface alone."""
 
     def __init__(self, values: Any) -> None:
         self.values = np.asarray(values)
@@ -41,7 +43,7 @@ class Interface:
 
 
 class Locked(Tensor):
-    """What gives nothing away, as a tensor with a gradient."""
+    """A tensor that cannot be exported, like one that records gradients."""
 
     def __dlpack__(self, **options: Any) -> Any:
         raise BufferError("detach it")
@@ -84,7 +86,7 @@ def test_memory_is_shared_where_the_layout_allows(other: Any) -> None:
 def test_a_gpu_gives_a_copy() -> None:
     if tuple(map(int, np.__version__.split(".")[:2])) < (2, 1):
         pytest.skip("numpy of before 2.1 does not ask for one")
-    # As of CUDA, device 0.
+    # The device numbers of CUDA device 0.
     np.testing.assert_array_equal(midair.Scene(ARRAY, Tensor(POINTS, (2, 0))).points, POINTS)
 
 

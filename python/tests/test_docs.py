@@ -1,4 +1,4 @@
-"""The documentation, run, and its numbers looked at: Python blocks, scene files, commands."""
+"""Runs the documentation's code and checks its numbers: Python blocks, scene files, commands."""
 
 import re
 import runpy
@@ -14,9 +14,9 @@ from midair._reproduce import tables
 from sane import columns, printed, sane, written
 
 ROOT = Path(__file__).parents[2]
-#: Commands for a cluster (test_cluster.py has one) and for minutes.
+#: Commands that need a cluster (test_cluster.py has one) or take minutes.
 TOO_BIG = ("--scheduler", "dataset.toml", "--judge")
-#: Pages whose examples need an extra that the development environment has not.
+#: Pages whose examples need an extra that the development environment does not have.
 EXTRAS = {"learn-poses.md": "torch", "own-objective.md": "jax"}
 PAGES = [ROOT / "README.md", *sorted(ROOT.joinpath("docs").rglob("*.md"))]
 
@@ -73,7 +73,7 @@ def test_commands_run(page: Path, tmp_path: Path) -> None:
         name = "sweep.toml" if "[[solver]]" in block else "scene.toml"
         if not (tmp_path / name).exists():
             (tmp_path / name).write_text(block)
-    # As in a clone.
+    # As in a clone of the repository.
     (tmp_path / "docs").symlink_to(ROOT / "docs")
     lines = [line for block in blocks(page, "console") for line in block.splitlines()]
     commands = [line.partition("  #")[0] for line in lines if line.startswith("midair ")]

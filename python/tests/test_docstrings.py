@@ -1,4 +1,4 @@
-"""Docstrings of all public names: numpydoc sections that agree with the signatures, and examples that run."""
+"""Docstrings of public names: numpydoc sections that agree with the signatures, and examples that run."""
 
 import dataclasses
 import doctest
@@ -13,7 +13,7 @@ import pytest
 import midair
 from midair._support.slips import DECLARED
 
-#: The order of numpydoc's sections.
+#: The sections of numpydoc, in its order.
 SECTIONS = [
     "Parameters",
     "Attributes",
@@ -26,13 +26,13 @@ SECTIONS = [
     "Examples",
 ]
 
-#: Functions that take arguments and refuse none of them; objects that functions make and users do not.
+#: Functions that take arguments and never raise; classes that only functions make.
 REFUSE_NOTHING = {"Sequence.each_change", "grad.Gradient", "Connection", "View"}
 
-#: Of the compiled functions, which have no annotations, those that return nothing.
+#: Compiled functions that return nothing; compiled functions have no annotations.
 RETURN_NOTHING = {"Scene.save", "Solver.restore"}
 
-#: Functions and classes that show a page in a notebook: only a build with the page can run its example.
+#: Functions and classes that show a page in a notebook: their examples need a build with the page.
 SHOWN = {"view", "View"}
 
 #: Names whose examples need an extra.
@@ -40,7 +40,9 @@ EXTRAS = {"torch": "torch", "jax": "jax"}
 
 
 def public() -> dict[str, object]:
-    """Every public name, those of public modules with the module's."""
+    """Returns all public names with their objects;
+    names in public modules have the module's name in front.
+    """
     things = {name: getattr(midair, name) for name in midair.__all__}
     for key, module in list(things.items()):
         if isinstance(module, ModuleType):
@@ -49,7 +51,7 @@ def public() -> dict[str, object]:
 
 
 def members(owner: type) -> dict[str, object]:
-    """Public attributes of a class, own and inherited from the package."""
+    """Returns the public attributes of a class, its own and those inherited within the package."""
     bases = [base for base in owner.__mro__ if base.__module__.startswith("midair")]
     keys = [key for base in bases for key in vars(base) if not key.startswith("_")]
     fields = {field.name for field in dataclasses.fields(owner)} if dataclasses.is_dataclass(owner) else set()
@@ -58,7 +60,7 @@ def members(owner: type) -> dict[str, object]:
 
 
 def callables() -> Iterator[tuple[str, Callable[..., object]]]:
-    """Every public function, method and class that takes arguments, by name; no dataclasses and errors."""
+    """Yields every public function, method and class that takes arguments, without dataclasses and errors."""
     for name, thing in public().items():
         found = {name: thing}
         if isinstance(thing, type):
@@ -71,14 +73,14 @@ def callables() -> Iterator[tuple[str, Callable[..., object]]]:
 
 
 def sections(thing: object) -> dict[str, str]:
-    """The sections of a docstring by their titles, the summary by ""."""
+    """Returns the sections of a docstring by title; the summary has the title ""."""
     text = inspect.cleandoc(getattr(thing, "__doc__", None) or "")
     parts = re.split(r"^([A-Z][A-Za-z ]+)\n-{3,}\n", text, flags=re.MULTILINE)
     return {"": parts[0], **dict(zip(parts[1::2], parts[2::2], strict=True))}
 
 
 def entries(thing: object) -> list[str]:
-    """The names of a docstring's parameters, one by one."""
+    """Returns the names of a docstring's parameters, one by one."""
     parsed = docstring_parser.parse(thing.__doc__ or "", style=docstring_parser.DocstringStyle.NUMPYDOC)
     listed = [one for one in parsed.params if one.args[0] == "param"]
     return [name for one in listed for name in one.arg_name.split(", ")]

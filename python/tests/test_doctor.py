@@ -1,4 +1,4 @@
-"""Doctor: faults that a simulation of its own has are named, and none that it has not."""
+"""`midair.doctor` names the faults that a simulated array has, and no others."""
 
 import json
 import time
@@ -16,7 +16,7 @@ Named = list[tuple[str, tuple[int, ...]]]
 
 
 class Air:
-    """A pair of boards of point sources, opposite one another, in float64: eq. (5) and faults."""
+    """A pair of boards of point sources that face each other, with faults, in float64: eq. (5)."""
 
     def __init__(self, side: int, seed: int, *, faults: bool = True, speed: float = 346.13) -> None:
         self.rng = rng = np.random.default_rng(seed)
@@ -35,7 +35,7 @@ class Air:
             self._break(rng.permutation(n).tolist())
 
     def _break(self, drawn: list[int]) -> None:
-        """Twelve faults."""
+        """Adds twelve faults, and lists them in `named`."""
         dead, weak, turned = drawn[:3], drawn[3:5], drawn[5:7]
         pairs = [tuple(sorted(drawn[7:9])), tuple(sorted(drawn[9:11]))]
         self.response[dead] = 0
@@ -52,7 +52,7 @@ class Air:
         self.named += [("delay", (1,)), ("level", ()), ("sound speed", ())]
 
     def matrix(self) -> Complex:
-        """Pressures (M, N) at full drive."""
+        """Returns the pressures (M, N) in Pa of each transducer at full drive."""
         r = np.linalg.norm(self.places[:, None] - self.positions, axis=2)
         p = self.array.source_pressure / r * np.exp(2j * np.pi * 40e3 / self.speed * r)
         return np.asarray(p[:, self.order] * self.response)

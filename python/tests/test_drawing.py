@@ -1,4 +1,4 @@
-"""Drawn points in scene files, on the command line and in pictures: wanted, made and difference."""
+"""Drawn points in scene files, on the command line and in figures: target, result and difference."""
 
 import json
 from pathlib import Path
@@ -97,7 +97,7 @@ pressure = 10
     )
     assert scene.weights == pytest.approx(np.repeat([1, 3, 1, 1], [*counts, 3]))
     assert scene_files(scene_file) == [scene_file, folder / "logo.svg", folder / "logo.png"]
-    # Drawn shapes are saved as points: a record needs no fonts and no files.
+    # Drawn shapes are saved as points: a saved scene needs no fonts and no drawings.
     scene.save(tmp_path / "saved.json")
     assert midair.Scene.load(tmp_path / "saved.json") == scene
 
@@ -192,7 +192,7 @@ def test_the_command_line_solves_compares_and_draws_them(capsys: pytest.CaptureF
 
 
 def drawn(**keywords: object) -> midair.Solution:
-    """A circle of 63 points by a method that leaves differences."""
+    """Returns the solution for a circle of 63 points by a method that leaves differences."""
     array = midair.Array.grid(10, 10, pitch=0.01)
     points = shape.circle([0, 0, 0.1], 0.02, step=0.002)
     return midair.solve(midair.Scene(array, points, 400), "gspat", **keywords)
@@ -206,7 +206,7 @@ def test_wanted_made_and_difference_have_the_numbers_of_the_points() -> None:
     assert [ax.get_title() for ax in figure.axes][:3] == ["wanted", "made, z = 100 mm", "made - wanted"]
     field = midair.field(solution.scene, solution)
     assert np.asarray(made.get_array()) == pytest.approx(np.abs(field.pressure), rel=1e-6)
-    # Both fields have one scale from 0; the scale of the difference is symmetric about 0.
+    # Both fields share one colour scale from 0; the scale of the difference is symmetric about 0.
     assert wanted.get_clim() == made.get_clim()
     assert made.get_clim()[0] == 0
     assert made.get_clim()[1] >= 400
@@ -218,7 +218,7 @@ def test_wanted_made_and_difference_have_the_numbers_of_the_points() -> None:
     for (x, y, _), got in zip(solution.scene.points * 1e3, np.abs(solution.pressures), strict=True):
         row, column = int((y - bottom) / (top - bottom) * rows), int((x - left) / (right - left) * columns)
         assert values[row, column] == pytest.approx(got - 400, abs=1e-3)
-    # Nothing was wanted in the middle.
+    # No pressure was requested in the middle.
     assert values.mask[rows // 2, columns // 2]
     assert difference.axes.get_facecolor() == plt.matplotlib.colors.to_rgba("lightgrey")
 
@@ -228,7 +228,7 @@ def test_radiation_is_compared_as_radiation() -> None:
     wanted = next(ax for ax in solution.plot(quantity="radiation").axes if ax.get_title() == "wanted").images[
         0
     ]
-    # 400 Pa: p^2/(rho c^2) is 1.17 Pa.
+    # For 400 Pa, p^2/(rho c^2) is 1.17 Pa.
     shown = wanted.get_array().compressed()
     assert shown == pytest.approx(np.full(len(shown), 400**2 / (1.223 * 340**2)))
 

@@ -1,4 +1,4 @@
-"""`quiet=` and `midair.ear`: quiet points within a tolerance, and boxes of them."""
+"""`quiet=` and `midair.ear`: quiet points within a tolerance, and boxes of quiet points."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`uniform` and `best`: what they aim at, as a keyword and in a scene file."""
+"""The option `aim` of the solvers `uniform` and `best`, as a keyword and in a scene file."""
 
 import json
 
@@ -22,7 +22,7 @@ def test_pressures_mean_as_loud_as_requested_and_none_mean_as_loud_as_can_be(sol
     requested, loud = midair.solve(weak, solver), midair.solve(weak, solver, aim="max")
     assert requested.options["aim"] == "target"
     assert ratios(requested) == pytest.approx(np.ones(3), abs=1e-4)
-    # The same field, brought down by one factor.
+    # The same field, scaled down by one factor.
     assert loud.metrics.sigma < 1e-5
     assert np.abs(loud.drive) == pytest.approx(np.ones(400), abs=1e-5)
     assert requested.drive * loud.metrics.level == pytest.approx(loud.drive, abs=1e-4)
@@ -57,7 +57,7 @@ def test_an_aim_in_the_scene_file_is_used_saved_and_won_over(tmp_path) -> None:
     again = tmp_path / "again.json"
     scene.save(again)
     assert json.loads(again.read_text())["solver"] == {"name": "uniform", "aim": "max"}
-    # Another solver drops the file's options, the aim among them.
+    # Another solver ignores the file's options, `aim` among them.
     assert midair.solve(scene, "wgs").status == "done"
 
 
@@ -78,6 +78,6 @@ def test_a_field_of_many_points_is_even_and_exact_in_double_precision() -> None:
     points = np.c_[rng.uniform(-0.1, 0.1, (128, 2)), np.full(128, 0.15)]
     scene = midair.Scene(ARRAY, points, 2.36066 / np.sqrt(128))
     metrics = midair.judge(scene, midair.solve(scene, "uniform").drive, precision="double")
-    # The rows' f32 phases are good to 1e-4.
+    # The f32 phases of the propagation matrix have errors of up to 1e-4.
     assert metrics.residual < 1e-6
     assert metrics.level == pytest.approx(1, abs=1e-4)

@@ -1,4 +1,4 @@
-"""The examples: each runs without a warning, leaves its picture, and is in the gallery."""
+"""The examples: each runs without a warning, writes its picture, and is in the gallery."""
 
 import importlib
 import re

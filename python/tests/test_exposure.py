@@ -1,4 +1,6 @@
-"""`midair.exposure`: levels by plain NumPy, boxes against other places in them, limits by name."""
+"""`midair.exposure`: levels against plain NumPy, the loudest place of a box against other places,
+limits by name.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,7 @@ SCENE = midair.Scene(ARRAY, [[-0.02, 0.01, 0.15], [0.03, 0, 0.16]])
 
 
 def moduli(drive: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """|p| (P,) by eq. (5) in float64."""
+    """Returns |p| (P,) in Pa by eq. (5) in float64."""
     distance = np.linalg.norm(points[:, None] - ARRAY.positions, axis=2)
     return np.abs((4.386 / distance * np.exp(2j * np.pi * 40e3 / 340 * distance)) @ drive)
 
@@ -47,7 +49,7 @@ def test_the_worst_of_a_box_is_within_2_db_of_400_places_kept_out() -> None:
         drive = focused if trial % 2 else np.exp(2j * np.pi * random.random(120))
         found = midair.exposure(SCENE, drive, {"box": [high, low]}).worst
         others = spl(moduli(drive, random.uniform(low, high, (400, 3)))).max()
-        # None is louder than what is stated, and what is stated is there.
+        # No place is louder than the reported level, and the reported place has that level.
         assert others < found.spl + 0.05
         assert others > found.spl - 6
         place = np.array([found.position])

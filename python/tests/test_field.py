@@ -11,7 +11,7 @@ from scenes import GAIN, POINTS, numbers, same_bits, small
 
 
 def reference(scene: midair.Scene, drive: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """The field at points in double precision, of point sources looking along +z."""
+    """Returns the field of point sources with normals +z at points (P, 3), in double precision."""
     model = {"source_pressure": scene.array.source_pressure, "absorption": scene.absorption}
     return oracle.propagation(scene.array.positions, points, **model) @ drive
 
@@ -27,7 +27,7 @@ def test_field_is_indexed_y_x_and_its_plane_includes_both_ends() -> None:
     assert np.unravel_index(np.abs(field.pressure).argmax(), (13, 13)) == (2, 6)
     for iy, ix in [(0, 0), (2, 6), (12, 0), (3, 11), (12, 12)]:
         expected = reference(scene, drive, np.array([[field.x[ix], field.y[iy], 0.1]]))[0]
-        # Of 64 terms rounded on their own, relative to the focus.
+        # Each of the 64 terms is rounded on its own; the error is relative to the focus.
         assert abs(field.pressure[iy, ix] - expected) < 1e-4 * np.abs(field.pressure).max()
     assert field.points is None
     assert field.radiation == pytest.approx(
@@ -37,7 +37,7 @@ def test_field_is_indexed_y_x_and_its_plane_includes_both_ends() -> None:
 
 def test_field_takes_points_anywhere() -> None:
     scene, rng = small(), np.random.default_rng(1)
-    # More than a thread's share, so that shares have to be put together in order.
+    # More points than one thread computes, so the parts must be put together in order.
     points = rng.uniform(-0.2, 0.2, (1500, 3))
     drive = rng.uniform(0, 1, 64) * np.exp(1j * rng.uniform(0, 6, 64))
     field = midair.field(scene, drive, points)
@@ -62,7 +62,7 @@ def test_field_at_the_points_is_what_the_solution_says() -> None:
 def test_field_is_finite_on_a_transducer_itself() -> None:
     scene = midair.Scene(midair.Array([[0, 0, 0]]), [[0, 0, 0.1]])
     field = midair.field(scene, [1], [[0, 0, 0], [1e-6, 0, 0], [0, 8e-5, 0]])
-    # Within a hundredth of a wavelength r is limited.
+    # Within a hundredth of a wavelength from a transducer, r is limited.
     assert np.abs(field.pressure) == pytest.approx(np.full(3, 4.386 / 8.5e-5), rel=1e-5)
     with pytest.warns(midair.SceneWarning, match="no point"):
         picture = midair.field(scene, [1], midair.Plane(0, 0.01, pixels=21))
@@ -75,7 +75,7 @@ def test_planes_left_out_go_through_the_points() -> None:
     plane = midair.field(on_the_axis, np.ones(64)).plane
     assert (plane.axis, plane.at, plane.z, plane.pixels) == ("y", 0, None, 200)
     assert (plane.size, *plane.center) == pytest.approx((0.04 + 4 * 8.5e-3, 0, 0.12))
-    # At two heights: a panel each, that with more points first, of the same size.
+    # At two heights: one panel for each, of the same size, the one with more points first.
     field = midair.field(small(points=[[0, 0.01, 0.1], [0.03, 0, 0.15], [0, 0, 0.15]]), np.ones(64))
     assert [panel.plane.z for panel in field.panels] == [0.15, 0.1]
     assert [panel.shown.tolist() for panel in field.panels] == [[False, True, True], [True, False, False]]
@@ -120,7 +120,7 @@ def test_a_plane_requested_without_a_point_in_it_is_warned_of(tmp_path: Path) ->
     path.write_text(path.read_text() + "\n[plane]\nz = 0.2\n")
     with pytest.warns(midair.SceneWarning, match="no point lies"):
         midair.field(midair.Scene.load(path), np.ones(64))
-    # None of these is: pytest makes errors of warnings.
+    # No warning is expected here; pytest turns warnings into errors.
     for plane in (midair.Plane(0.1505, 0.1), midair.Plane(axis="y", size=0.1, center=(0, 0.15)), [[0, 0, 1]]):
         midair.field(scene, np.ones(64), plane)
 
@@ -137,10 +137,10 @@ def test_a_solutions_scale_counts_in_field_and_judge() -> None:
     assert np.mean(np.abs(at_points.pressure)) / 16 == pytest.approx(solution.metrics.level, rel=1e-4)
     assert numbers(midair.judge(scene, solution)) == pytest.approx(numbers(solution.metrics), rel=1e-4)
     assert (at_points.scale, at_points.solution) == (solution.scale, solution)
-    # A picture has it in every pixel.
+    # Every pixel of a picture has the scale.
     loud, real = (np.abs(midair.field(scene, drive).pressure) for drive in (solution.drive, solution))
     assert real == pytest.approx(loud * solution.scale, rel=1e-4)
-    # So has the judge of a matrix. A bare drive is taken as it is.
+    # `judge` of a matrix applies the scale, too; a bare drive has no scale.
     matrix = midair.Propagation(scene.propagation())
     assert midair.judge(matrix, solution, pressures=16).level == pytest.approx(
         solution.metrics.level, rel=1e-4

@@ -1,4 +1,6 @@
-"""Arrays from files of other programs, compared with geometry computed here from the formats' own words."""
+"""Arrays from files of other programs, compared with geometry that is computed here from the formats'
+documents.
+"""
 
 import gzip
 import json
@@ -18,13 +20,15 @@ HEAD = '<?xml version="1.0" encoding="UTF-8"?>\n<java version="11.0.9" class="ja
 
 
 def openmpd_places() -> np.ndarray[Any, Any]:
-    """16 x 16 at 10.5 mm: x slow from -78.75 mm, y from +78.75 mm down."""
+    """Returns 16 x 16 positions with a pitch of 10.5 mm:
+    x rises slowest from -78.75 mm, y falls from +78.75 mm.
+    """
     side = [-0.07875 + 0.0105 * k for k in range(16)]
     return np.array([[x, y, 0.0] for x in side for y in reversed(side)])
 
 
 def pat_lines(**changed: Any) -> list[str]:
-    """The seven lines of a board whose pin of transducer t is 255 - t."""
+    """Returns the seven lines of a board file; transducer t has pin 255 - t."""
     places = "".join(f"({x:f}, {y:f}, {z:f})," for x, y, z in openmpd_places())
     pins = "".join(f"{255 - t}," for t in range(256))
     degrees = "".join(f"{(7 * t) % 360 - 179}," for t in range(256))
@@ -115,7 +119,9 @@ def number(property_: str, value: float, kind: str = "float") -> str:
 
 
 def transducer(index: int, place: Any, turn: Any = (1, 0, 0, 0), power: float | None = 2.4) -> str:
-    """As Java writes one: public fields by getField, properties by their setters, defaults left out."""
+    """Returns a transducer's XML as Java writes it:
+    fields by getField, properties by setters, without defaults.
+    """
     name = 'class="acousticfield3d.math.Vector3f" method="getField"'
     parts = []
     for axis, value in zip("xyz", place, strict=True):
@@ -142,7 +148,7 @@ def simulation(transducers: list[str]) -> str:
 
 def test_ultraino_is_turned_upright_and_ordered(tmp_path: Path) -> None:
     places = [(0.01 * k, 0.002 * k, -0.03 * k) for k in range(5)]
-    # About x by 90 degrees, +y goes to +z; of no unit length, because files have seven digits.
+    # A rotation about x by 90 degrees moves +y to +z; its length is not 1, because files have seven digits.
     half = np.sqrt(0.5) * 1.0001
     turns = [(1, 0, 0, 0), (half, half, 0, 0), (0, 1, 0, 0), (half, 0, 0, half), (1, 0, 0, 0)]
     theirs = [(0, 1, 0), (0, 0, 1), (0, -1, 0), (-1, 0, 0), (0, 1, 0)]
@@ -169,7 +175,9 @@ def test_ultraino_defaults_and_mixed_powers(tmp_path: Path) -> None:
 
 
 def test_setters_wrapped_around_other_objects(tmp_path: Path) -> None:
-    """XMLEncoder puts an object where it needs it first: here inside the call that sets one's own x."""
+    """Checks that an object inside the call that sets its own x is read:
+    XMLEncoder writes objects at first use.
+    """
     transform = '<void id="M" property="transform"><void id="V" property="translation"/></void>'
     inner = f'<void class="acousticfield3d.simulation.Transducer" id="T">{transform}</void><void idref="M"/>'
     setting = f'<void method="set">{inner}<object idref="V"/><float>0.07</float></void>'
@@ -254,7 +262,8 @@ def test_csv_is_read_as_scene_files_read_it(name: str, tmp_path: Path) -> None:
     assert read_array(path) == midair.Scene.parse(scene, folder=tmp_path).array
 
 
-#: Odd files, each read alike, or refused in the same words, by midair._files and by scene files.
+#: Unusual CSV files: midair._files and scene files must read them alike, or reject them with the same
+#: message.
 ODD_CSV = [
     b"",
     b"\n\n",

@@ -1,4 +1,4 @@
-"""`midair export`: from one file into another on the command line."""
+"""`midair export`: conversion of a file into another format on the command line."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -21,7 +21,9 @@ def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 
 @pytest.fixture
 def run(capsys: pytest.CaptureFixture[str]) -> Run:
-    """Runs the command line in this process: status, standard output, standard error."""
+    """Returns a function that runs the command line in this process:
+    exit status, standard output, standard error.
+    """
 
     def run(line: str) -> tuple[int, str, str]:
         with pytest.raises(SystemExit) as left:

@@ -1,4 +1,6 @@
-"""Files of drives and control points, read by decoders made here from the formats' words, and read back."""
+"""Files of drives and of control points:
+read by decoders written here from the formats' documents, and by midair.
+"""
 
 import struct
 import zlib
@@ -35,13 +37,15 @@ def moving() -> midair.Sequence:
 
 
 def acoustools_places() -> list[tuple[float, float, bool]]:
-    """AcousTools' own order: x, y in mm and whether it is the top board, whose transducers look down."""
+    """Returns AcousTools' order of transducers:
+    x, y in mm, and whether one is on the top board, which faces down.
+    """
     side = [-78.75 + 10.5 * k for k in range(16)]
     return [(x, y, top) for top in (True, False) for x in side for y in side]
 
 
 def by_place(values: Any, places: list[tuple[float, float, bool]]) -> np.ndarray[Any, Any]:
-    """Values by place, in the order of the preset."""
+    """Returns values by position, in the order of the preset's transducers."""
     known = {
         (round(x, 2), round(y, 2), top): value for (x, y, top), value in zip(places, values, strict=True)
     }
@@ -78,7 +82,7 @@ def test_holo_holds_32_steps_of_phase_and_amplitude(transducers: int, tmp_path: 
         found = by_place(decoded, acoustools_places()) if transducers == 512 else np.array(decoded)
         assert np.abs(np.abs(found) - np.abs(drive)).max() <= 1 / 64 + 1e-6
         turned = np.angle(found * drive.conj())[(np.abs(found) > 0) & (np.abs(drive) > 0)]
-        # 3.1415 is not pi: 3e-5 of the phase more.
+        # The decoder has 3.1415 for pi, as AcousTools does: a phase is off by up to 3e-5 of itself.
         assert np.abs(turned).max() <= PI / 32 + 2e-4
     back = midair.read(path)
     assert isinstance(back, np.ndarray)
@@ -99,7 +103,7 @@ def test_acoustools_csv_is_in_openmpds_order(tmp_path: Path) -> None:
     head, *rows = path.read_text().splitlines()
     assert head == "3,512"
     own = acoustools_places()
-    # The top board reversed, of the bottom board each run of 16.
+    # The order in the file: the top board reversed, and each run of 16 of the bottom board reversed.
     places = own[:256][::-1]
     for first in range(256, 512, 16):
         places += own[first : first + 16][::-1]
@@ -203,9 +207,9 @@ def test_archives_hold_what_was_given(tmp_path: Path) -> None:
 
 
 def test_frames_of_a_board(tmp_path: Path) -> None:
-    """The bytes of two SonicSurface frames: 254, codes floor(32 phi / 2 pi + 1/2) mod 32 or 32, 253.
+    """Checks the bytes of two SonicSurface frames: 254, codes floor(32 phi / 2 pi + 1/2) mod 32 or 32, 253.
 
-    Channels 3, 11, 19, ... emit a step late: their codes are one less.
+    The channels 3, 11, 19, ... emit one step late, so their codes are one less.
     """
     path, board = tmp_path / "a.bin", midair.Board("sonicsurface")
     drives = np.exp(2j * PI * np.random.default_rng(5).random((2, 256))).astype(np.complex64)

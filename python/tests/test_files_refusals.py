@@ -1,4 +1,6 @@
-"""Bad files and requests: one line that names file, line, value and cure; nothing is left, nothing hangs."""
+"""Bad files and arguments: a message of one line names file, line, value and cure;
+no file is left, nothing hangs.
+"""
 
 import gzip
 import json
@@ -35,7 +37,7 @@ def handybeam(*rows: str) -> bytes:
 
 
 def zeros(count: int, wbits: int = 31) -> bytes:
-    """Megabytes of packed zeros, a thousandth of their size."""
+    """Returns megabytes of zeros, compressed to a thousandth of their size."""
     packer = zlib.compressobj(9, wbits=wbits)
     return b"".join(packer.compress(bytes(1 << 20)) for _ in range(count)) + packer.flush()
 
@@ -96,7 +98,9 @@ ARRAYS: dict[str, tuple[str, Callable[[], bytes]]] = {
 
 
 def bombs_apart(names: Iterable[str]) -> list[Any]:
-    """The names as parameters, what unpacks to hundreds of megabytes marked slow."""
+    """Returns the names as parameters of a test;
+    files that unpack to hundreds of megabytes are marked slow.
+    """
     return [pytest.param(name, marks=[pytest.mark.slow] * name.endswith(" bomb")) for name in names]
 
 
@@ -115,7 +119,7 @@ def test_arrays_that_cannot_be_read(name: str, tmp_path: Path, kept: Kept) -> No
 def test_a_deep_json(tmp_path: Path) -> None:
     path = tmp_path / "a.json"
     path.write_bytes(b"[" * 100_000)
-    # Versions of Python differ in how deep they read.
+    # Versions of Python differ in how many nested lists they read.
     with pytest.raises(midair.SceneError, match=r"nest too deep|no JSON") as refused:
         read_array(path)
     assert str(refused.value).startswith(f'file "{path}"')

@@ -1,4 +1,4 @@
-"""Beads in flight, against a plain integration in double precision."""
+"""Flights of beads, compared with a plain integration in double precision."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ LEVITATOR = midair.Array(POSITIONS, NORMALS, directivity="point", source_pressur
 
 
 def force(drive: Complex, place: Real) -> Real:
-    """-grad U (3,) by the derivatives of point sources."""
+    """Returns Gor'kov's force -grad U (3,), from the derivatives of the point sources' fields."""
     way = place - POSITIONS
     r = np.linalg.norm(way, axis=1)
     e = way / r[:, None]
@@ -41,7 +41,7 @@ def force(drive: Complex, place: Real) -> Real:
 
 
 def drag(speed: Real) -> Real:
-    """Schiller and Naumann's."""
+    """Returns Schiller and Naumann's drag (3,) in N."""
     size = np.linalg.norm(speed)
     reynolds = 2 * RADIUS * traps.DENSITY * size / VISCOSITY
     return -6 * np.pi * VISCOSITY * RADIUS * (1 + 0.15 * reynolds**0.687) * speed
@@ -50,7 +50,9 @@ def drag(speed: Real) -> Real:
 def integrated(
     sequence: midair.Sequence, times: Real, place: Real, speed: Real, tau: float, steps: int
 ) -> Real:
-    """Places (T, 3) at times, by Runge and Kutta; drives stay for their frame and settle by tau."""
+    """Integrates by Runge-Kutta and returns places (T, 3) at times;
+    the sound approaches each drive with tau.
+    """
     drives = sequence.drives.astype(complex)
     count, rate = len(drives), sequence.rate
     kept = np.exp(-1 / (rate * tau))
@@ -73,7 +75,7 @@ def integrated(
         h = (end - start) / steps
         for k in range(steps):
             t = start + k * h
-            # The second half of a step sees the frame that it ends in.
+            # The last stage is just before the end of a step, so that it uses the same frame.
             a = pull(t, place, speed)
             b = pull(t + h / 2, place + h / 2 * speed, speed + h / 2 * a)
             c = pull(t + h / 2, place + h / 2 * speed + h * h / 4 * a, speed + h / 2 * b)
@@ -85,7 +87,7 @@ def integrated(
 
 
 def ring(radius: float, speed: float, rate: float) -> midair.Sequence:
-    """A trap that goes around in closed form: foci whose upper half is turned by pi."""
+    """Returns a trap that goes around a circle: a focus with the upper board's phases turned by pi."""
     count = round(2 * np.pi * radius / speed * rate)
     angle = 2 * np.pi * np.arange(count) / count
     points = radius * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
@@ -139,7 +141,7 @@ def test_a_bead_that_begins_as_its_trap_moves_stays_with_it() -> None:
     flight = midair.fly(ring(5e-3, 0.1, 500.0), duration=0.1)
     assert flight.held.all()
     assert flight.farthest[0] < 0.2e-3
-    # Nine of them fly in two groups, each as it does alone.
+    # Nine beads are computed in two groups; each result is that of a bead alone.
     nine = midair.fly(ring(5e-3, 0.1, 500.0), np.tile([[5e-3, 0, 0]], (9, 1)), duration=0.02)
     one = midair.fly(ring(5e-3, 0.1, 500.0), [[5e-3, 0, 0]], duration=0.02)
     assert np.array_equal(nine.places[:, [8]], one.places)

@@ -1,4 +1,6 @@
-"""Foreign files: known formats, bytes and work within bounds, one line for all else; nothing is run."""
+"""Files from elsewhere: midair reads known formats with bounded memory and time, rejects others,
+and runs no code.
+"""
 
 import os
 import pickle
@@ -64,7 +66,7 @@ def test_a_picture_of_more_pixels_than_memory_allows_is_refused_before_it_is_rea
 
 
 def nested(levels: int, width: int) -> str:
-    """References to references: width ** levels paths."""
+    """Returns an SVG of nested references, with width ** levels paths."""
     groups = f'<g id="u0">{LINE}</g>'
     for level in range(levels):
         groups += f'<g id="u{level + 1}">' + f'<use xlink:href="#u{level}"/>' * width + "</g>"
@@ -145,7 +147,7 @@ def test_frames_that_a_table_only_claims_are_refused(tmp_path: Path) -> None:
 
     with pytest.raises(midair.SceneError, match="1000000001 frames of 1 points need"):
         document.read(scene)
-    # An array that says more than there is.
+    # An array whose header claims more data than the file has.
     header = b"{'descr': '<f8', 'fortran_order': False, 'shape': (1000000000000, 4, 3)}\n"
     (tmp_path / "frames.npy").write_bytes(b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header)
     scene.write_text(text_.format("frames.npy"))

@@ -1,4 +1,4 @@
-"""Solvers written in Python: what a function is given, what it may return, and all that surrounds it."""
+"""Solvers written in Python: the arguments of such a function, its results, and the checks around it."""
 
 import functools
 
@@ -12,7 +12,7 @@ TARGETS = [900.0, 700.0, 500.0, 800.0]
 
 
 def foci(propagation, targets, weights, share=1.0):
-    """Superposed foci, clipped."""
+    """Superposed foci, with |q| limited to 1."""
     drive = share * propagation.conj().T @ (weights * targets / (np.abs(propagation) ** 2).sum(axis=1))
     return drive / np.maximum(1, np.abs(drive))
 
@@ -33,7 +33,7 @@ def test_it_is_given_the_points_that_take_part_in_pascals() -> None:
     assert targets.tolist() == [900, 500, 800]
     assert weights.tolist() == [0.5, 0.25, 1]
     assert solution.pressures.shape == (4,)
-    # The balanced level: that of the core, which is at 1 where every target is at it.
+    # With balancing, the targets are scaled to the balanced level.
     weak = small(pressures=[1.0] * 4)
     midair.solve(weak, spy, balance=True)
     assert seen[1][0][1] == pytest.approx(weak.reach().level, rel=1e-12)
@@ -49,7 +49,7 @@ def test_what_surrounds_a_method_surrounds_it() -> None:
     assert own.trace.tolist() == [own.metrics.residual]
     assert set(np.abs(own.drive).round(6).tolist()) <= {0, 0.5, 1}
     turns = own.phases / (2 * np.pi) * 16
-    # f32 drives: 6e-8 of a turn, sixteen times.
+    # f32 drives: 6e-8 of a turn, times 16 phases.
     assert turns == pytest.approx(np.round(turns), abs=1e-5)
     assert numbers(own.metrics) == pytest.approx(numbers(midair.judge(scene, own.drive)), abs=1e-4)
     assert midair.solve(scene, foci, progress=lambda *step: False).status == "stopped"
@@ -62,7 +62,7 @@ def test_what_surrounds_a_method_surrounds_it() -> None:
 def test_it_is_as_good_as_the_built_in_method_of_the_same_formula() -> None:
     scene = small(pressures=TARGETS)
     ours, built_in = midair.solve(scene, foci), midair.solve(scene, "naive")
-    # Both sum 4 rows in f32; a drive near |q| = 1 may or may not be clipped.
+    # Both sum 4 rows in f32; rounding decides whether a drive near |q| = 1 is limited.
     assert np.abs(ours.drive - built_in.drive).max() < 1e-5
     assert (ours.status, built_in.solver) == ("done", "naive")
 
@@ -112,7 +112,7 @@ def test_what_it_raises_comes_out_unchanged(error) -> None:
     with pytest.raises(error if isinstance(error, type) else type(error)) as raised:
         midair.solve(small(), broken)
     assert raised.value is error or isinstance(error, type)
-    # Its own frame is reported, so that it can be found.
+    # The traceback ends in the function itself, so that a user can find the fault.
     assert [entry.name for entry in raised.traceback][-1] == "broken"
     assert usable(midair.solve(small(), foci))
 

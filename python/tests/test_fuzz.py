@@ -1,4 +1,4 @@
-"""Targets of guided fuzzing written in Python: the inputs of the tree, seeds and past crashes, pass."""
+"""The fuzz targets written in Python pass for the stored inputs: seeds and past crashes."""
 
 import subprocess
 import sys

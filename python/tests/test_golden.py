@@ -1,4 +1,4 @@
-"""Golden vectors: under the scalar instruction set Python gets the bits that Rust wrote."""
+"""Golden vectors: with the scalar instruction set, Python computes the bits that Rust recorded."""
 
 import json
 import os
@@ -13,7 +13,7 @@ import midair
 
 GOLDEN = sorted(Path(__file__).parents[2].joinpath("golden").glob("*.json"))
 
-#: Solves the scenes named on the command line and writes the drives, one after the other.
+#: A program that solves the scenes named on its command line and writes their drives one after the other.
 PROGRAM = """
 import json, sys, warnings, midair
 warnings.simplefilter("ignore")
@@ -41,7 +41,7 @@ def test_golden_vectors_come_out_bit_for_bit_under_the_scalar_set(tmp_path: Path
     drives = np.frombuffer(done.stdout, dtype=np.float32)
     for path in GOLDEN:
         expected = recorded(path).reshape(-1)
-        # Compared as bits: -0.0 and 0.0 differ there.
+        # Bits are compared, so that -0.0 and 0.0 differ.
         assert drives[: expected.size].tobytes() == expected.tobytes(), path.stem
         drives = drives[expected.size :]
     assert drives.size == 0
@@ -55,6 +55,6 @@ def test_golden_vectors_are_as_good_under_the_best_set(path: Path, tmp_path: Pat
     file = tmp_path / "scene.json"
     file.write_text(json.dumps(record["scene"]))
     metrics = midair.solve(midair.Scene.load(file), balance=record["balance"]).metrics
-    # The allowed differences between instruction sets: docs/reproducibility.md.
+    # docs/reproducibility.md lists the allowed differences between instruction sets.
     assert metrics.accuracy == pytest.approx(record["metrics"]["accuracy"], abs=2e-3)
     assert metrics.sigma == pytest.approx(record["metrics"]["sigma"], abs=5e-3)

@@ -1,4 +1,6 @@
-"""`midair.grad`: shapes, conventions, arguments and refusals; the core's tests hold it to differences."""
+"""`midair.grad`: shapes, conventions, arguments, error messages.
+The core's tests compare it with differences.
+"""
 
 import re
 from typing import Any
@@ -38,7 +40,7 @@ def test_a_complex_gradient_is_the_direction_in_which_the_scalar_rises() -> None
     moved = midair.grad.amplitude(ARRAY, DRIVE + step, POINTS).value[0]
     rise = float((by.drive.conj() * step).real.sum())
     assert moved - by.value[0] == pytest.approx(rise, rel=1e-4)
-    # L = Re(conj(w) p): that of the drive is G^H w.
+    # For L = Re(conj(w) p), the gradient by the drive is G^H w.
     matrix = scene().propagation().astype(complex)
     assert midair.grad.pressure(scene(), DRIVE, None, [1j, 2]).drive == pytest.approx(
         matrix.conj().T @ [1j, 2], rel=1e-3, abs=1e-3 * abs(matrix).max()
@@ -100,7 +102,7 @@ def test_a_particle_feels_what_gorkov_computes() -> None:
     assert near(midair.grad.gorkov(scene(), DRIVE, **bead).value, felt.potential)
     assert near(midair.grad.force(scene(), DRIVE, **bead).value, felt.force)
     assert near(midair.grad.stiffness(scene(), DRIVE, **bead).value, felt.stiffness)
-    # dF_x/dx is less the stiffness.
+    # dF_x/dx is minus the stiffness.
     along = midair.grad.force(scene(), DRIVE, None, [[1, 0, 0], [1, 0, 0]], **bead)
     assert near(along.points[:, 0], -felt.stiffness[:, 0])
     with pytest.raises(midair.SceneError, match=r"^radius is 0"):

@@ -1,4 +1,6 @@
-"""`midair.torch` and `midair.jax` against `midair.grad`; where one is missing, a line names its extra."""
+"""`midair.torch` and `midair.jax` against `midair.grad`;
+if a framework is missing, the message names its extra.
+"""
 
 import sys
 from typing import Any
@@ -11,13 +13,13 @@ import midair
 ARRAY = midair.Array.grid(4, 3, 10e-3, directivity={"piston": 4.5e-3})
 POINTS = np.array([[0.01, 0, 0.1], [-0.02, 0.01, 0.12]])
 DRIVE = np.exp(1j * np.arange(12))
-#: Normals of any length.
+#: Normals whose lengths are not 1.
 NORMALS = ARRAY.normals * np.linspace(0.5, 2, 12)[:, None]
 QUANTITIES = ("pressure", "amplitude", "radiation", "gorkov", "force", "stiffness")
 
 
 def wanted(quantity: str) -> tuple[Any, midair.grad.Gradient]:
-    """A cotangent, and the gradients that belong to it."""
+    """Returns a random cotangent of a quantity, and the gradients that `midair.grad` computes for it."""
     shape = (2, 3) if quantity in ("force", "stiffness") else (2,)
     rng = np.random.default_rng(1)
     cotangent = rng.normal(size=shape) + (1j * rng.normal(size=shape) if quantity == "pressure" else 0)
@@ -72,7 +74,7 @@ def test_jax_has_the_gradients_of_midair(quantity: str) -> None:
 
     value, back = jax.vjp(jax.jit(field), {**own, "sound_speed": 340.0})
     assert near(value, by.value)
-    # JAX's gradient by a complex number is the conjugate.
+    # JAX's gradient by a complex number is the complex conjugate of ours.
     (found,) = back(jax.numpy.asarray(np.conj(cotangent), value.dtype))
     length = np.linalg.norm(NORMALS, axis=1, keepdims=True)
     assert near(found["drive"], by.drive.conj())

@@ -1,4 +1,6 @@
-"""`midair.haptic`: what it chooses is felt as reported, within the bound, and spares ears."""
+"""`midair.haptic`: the reported strength is right, the change bound is kept,
+and levels at ears are limited.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,7 @@ def test_a_schedule_is_felt_more_than_the_usual_techniques() -> None:
     assert len(found.standards) == 4
     assert found.technique not in found.standards
     assert len(found.sequence) <= 1024
-    # The reported strength is that of the drives on the skin.
+    # The reported strength is the one that `midair.skin` computes for the drives.
     again = midair.skin(found.sequence, found.skin.hand)
     places = np.linspace(*np.array(LINE), 20)
     assert along(again, places) == pytest.approx(found.strength, abs=0.2)
@@ -43,7 +45,7 @@ def foci(rate: float, frames: int) -> tuple[Foci, Any, midair.Plane]:
 
 
 def scores(found: Foci, schedule: Any) -> Any:
-    """The fast channel along the curve, by a plain sum over the lines."""
+    """Returns the strength of the fast receptors along the curve, by a plain sum over the spectral lines."""
     moved = 0
     total = np.zeros(found.answers.shape[1])
     for k, answer in enumerate(found.answers):
@@ -65,7 +67,7 @@ def test_an_ascent_counts_what_the_skin_feels_and_does_not_fall() -> None:
     strong, even = found.climb(start, "strong"), found.climb(start, "even")
     assert scores(found, strong).mean() > scores(found, start).mean()
     assert scores(found, even).min() >= scores(found, start).min()
-    # An end stays where it is.
+    # A second ascent from its result changes nothing.
     again = found.climb(strong, "strong")
     assert scores(found, again).mean() == pytest.approx(scores(found, strong).mean(), rel=1e-3)
     on = (strong >= 0)[:, None]
@@ -95,7 +97,7 @@ def test_ears_are_spared_at_a_lower_level() -> None:
     assert spared.exposure["ear"].spl == pytest.approx(loud.exposure["ear"].spl - 6, abs=0.05)
     with pytest.raises(midair.SceneError, match="and the board has one amplitude: move away"):
         midair.haptic(LINE, midair.Array.preset("sonicsurface"), rate=89, ears=ears, limit=60)
-    # The push goes with the square of the pressure.
+    # The force is proportional to the square of the pressure.
     assert spared.strength == pytest.approx(loud.strength - 12, abs=0.1)
 
 

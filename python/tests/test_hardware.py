@@ -1,4 +1,6 @@
-"""Presets are the hardware: AUTD3's lobe and a room's air by default, the paper's arrays as they were."""
+"""Presets have the hardware's defaults: AUTD3's directivity and room air;
+the paper's arrays keep the paper's medium.
+"""
 
 import copy
 import json
@@ -10,7 +12,7 @@ import pytest
 import midair
 import oracle
 
-#: A room's air, by the standard's formula: m/s, dB/m, kg/m^3.
+#: Air of a room by the standard's formula: sound speed in m/s, absorption in dB/m, density in kg/m^3.
 SPEED, LOSS, DENSITY = oracle.air(40e3, 25, 50, 101325)
 ALPHA = LOSS / (20 / np.log(10))
 PAPER = {"frequency": 40e3, "sound_speed": 340, "absorption": 0, "density": 1.223}
@@ -18,7 +20,7 @@ POINT = [[0, 0, 0.15]]
 
 
 def places(count: int, seed: int) -> np.ndarray:
-    """Points (M, 3) in m over one board, two wavelengths and more apart."""
+    """Returns random points (M, 3) in m over one board, two wavelengths or more apart."""
     random, found = np.random.default_rng(seed), []
     while len(found) < count:
         one = random.uniform([-0.07, -0.05, 0.13], [0.07, 0.05, 0.2])
@@ -41,7 +43,7 @@ def test_a_drive_of_the_preset_is_what_its_lobe_and_air_play(count: int, tiles: 
         assert played.mean() == pytest.approx(reported.mean(), rel=0.01)
         assert (played / solution.targets).mean() == pytest.approx(solution.metrics.level, rel=0.01)
         assert played.min() / played.max() > 0.99
-        # Point sources in the paper's medium have another field: the test sees a difference.
+        # The test can fail: point sources in the paper's medium give another field.
         ideal = np.abs(oracle.propagation(array.positions, points) @ solution.drive.astype(complex))
         assert abs(played.mean() / ideal.mean() - 1) > 0.01
 
@@ -56,14 +58,14 @@ def test_every_preset_but_the_papers_stands_in_a_rooms_air(name: str) -> None:
         return
     assert array.directivity != "point"
     assert scene.sound_speed == pytest.approx(SPEED, rel=1e-12)
-    # A MEGA64 emits 40.404 kHz, of which the air takes some more.
+    # A MEGA64 emits 40.404 kHz, which air absorbs slightly more.
     own = (scene.frequency / 40e3) ** 1.2
     assert scene.absorption == pytest.approx(ALPHA * own, rel=1e-4 if own == 1 else 0.01)
     assert scene.density == pytest.approx(DENSITY, rel=2e-4)
 
 
 def test_the_papers_medium_is_air_of_one_state() -> None:
-    """The density is that of the temperature at which air has the sound speed."""
+    """Checks that the density is that of air at the temperature that gives the sound speed."""
     celsius = 273.15 * ((340 / 331.3) ** 2 - 1)
     speed, _, density = oracle.air(40e3, celsius, 50, 101325)
     assert (speed, density) == (pytest.approx(340), pytest.approx(PAPER["density"], rel=5e-4))
@@ -78,13 +80,13 @@ def test_what_is_stated_wins() -> None:
     assert midair.Scene(board, POINT, absorption=0).medium == room | {"absorption": 0}
     paper = midair.Array.preset("paper20").medium
     assert midair.Scene(board, POINT, **paper).medium == PAPER
-    # Absorption is that of the air at the frequency.
+    # The absorption is that of air at the scene's frequency.
     _, loss, _ = oracle.air(25e3, 25, 50, 101325)
     assert midair.Scene(board, POINT, frequency=25e3).absorption * 8.686 == pytest.approx(loss, rel=1e-6)
-    # A temperature has the air of that temperature, a humidity that of 25 degrees.
+    # Only the temperature is given, or only the humidity: the other keeps its default, 50 % or 25 degrees.
     assert midair.Scene(board, POINT, temperature=25).medium == pytest.approx(room)
     assert midair.Scene(board, POINT, humidity=50).medium == pytest.approx(room)
-    # A scene's own medium stays when its array changes.
+    # A scene keeps its own medium when its array is replaced.
     assert midair.Scene(midair.Array.grid(4, 4, 0.01), POINT).replace(array=board).medium == PAPER
 
 
@@ -115,7 +117,7 @@ def test_a_board_stays_one_whatever_is_made_of_it(tmp_path) -> None:
     for made in (copy.deepcopy(moved), pickle.loads(pickle.dumps(moved)), midair.Board("autd3", moved).array):
         assert made.medium == room
     assert (pickle.loads(pickle.dumps(moved)).positions == moved.positions).all()
-    # Positions alone are no hardware, wherever they come from.
+    # An array made of positions alone has no board's medium, wherever the positions come from.
     assert midair.Array(board.positions[:9]).medium == PAPER
     pose = {"origin": [0.0, 0.0, 0.0], "rotation": [1.0, 0.0, 0.0, 0.0]}
     geometry = tmp_path / "boards.json"

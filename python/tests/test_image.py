@@ -1,4 +1,4 @@
-"""Pictures as points: where pixels lie, what they ask for, and what is refused."""
+"""Pictures as points: positions of pixels, their targets, and rejected arguments."""
 
 import sys
 from pathlib import Path
@@ -12,7 +12,7 @@ from scenes import small, usable
 
 
 def saved(path: Path, pixels: object, mode: str = "L") -> Path:
-    """A picture whose rows are given from the top."""
+    """Writes a picture whose rows are given from top to bottom, and returns its path."""
     Image.fromarray(np.array(pixels, np.uint8), mode=None if mode == "L" else mode).save(path)
     return path
 
@@ -31,7 +31,7 @@ def test_pixels_lie_on_a_grid_with_y_up_and_ask_for_their_brightness(tmp_path: P
 
 
 def test_dark_pixels_are_left_out_or_quiet(tmp_path: Path) -> None:
-    # 5 % of white is 12.75.
+    # Pixels below 5 % of white, 12.75, are dark.
     path = saved(tmp_path / "a.png", [[255, 12, 13, 0]])
     assert midair.image(path, size=0.04, z=0.1, pixels=4).pressures == pytest.approx([1000, 1000 * 13 / 255])
     quiet = midair.image(path, size=0.04, z=0.1, pixels=4, quiet=True)
@@ -44,7 +44,7 @@ def test_a_pixel_is_the_mean_over_its_square(tmp_path: Path) -> None:
     path = saved(tmp_path / "a.png", source)
     picture = midair.image(path, size=0.06, z=0.1, pixels=6, pressure=255)
     blocks = source.reshape(3, 10, 6, 10).mean(axis=(1, 3))
-    # Rounded to whole grey levels along x, then along y.
+    # Resampling rounds to whole grey levels along x, then along y.
     assert picture.pressures == pytest.approx(blocks.ravel(), abs=1.01)
     assert np.ptp(picture.points, axis=0) == pytest.approx([0.05, 0.02, 0])
     tall = saved(tmp_path / "b.png", source.T)
@@ -76,7 +76,7 @@ def test_colours_transparency_sixteen_bits_and_turned_photographs(tmp_path: Path
     turned = tmp_path / "turned.png"
     picture_on_its_side = Image.fromarray(np.array([[255, 100]], np.uint8))
     exif = Image.Exif()
-    exif[0x0112] = 6  # A viewer turns it clockwise by a quarter turn.
+    exif[0x0112] = 6  # a viewer rotates it clockwise by a quarter turn
     picture_on_its_side.save(turned, exif=exif)
     upright = midair.image(turned, size=0.04, z=0.1, pixels=2, pressure=255)
     assert upright.points[:, :2] == pytest.approx(np.array([[0, 0.01], [0, -0.01]]))

@@ -1,4 +1,6 @@
-"""Instruction sets: MIDAIR_SIMD reaches field and matrix, and scalar bits are the same on every machine."""
+"""Instruction sets: MIDAIR_SIMD applies to fields and matrices,
+and scalar results have the same bits everywhere.
+"""
 
 import hashlib
 import os
@@ -7,7 +9,8 @@ import sys
 
 import pytest
 
-#: The field of a drive and the matrix G of a small scene, by pistons in air that absorbs; the drive is exact.
+#: Writes the field of an exactly representable drive and the matrix G of a small scene: pistons, absorbing
+#: air.
 PROGRAM = """
 import sys, midair, numpy as np
 array = midair.Array.grid(6, 5, 0.01, directivity={"piston": 4.5e-3})
@@ -19,7 +22,8 @@ for part in (field.pressure, scene.propagation(), scene.reach().level):
     sys.stdout.buffer.write(part.tobytes())
 """
 
-#: Bytes of field and matrix, complex64, and of the balanced level, float64; the SHA-256 of all, scalar set.
+#: Lengths in bytes of field and matrix (complex64) and balanced level (float64); SHA-256 of all three for
+#: scalar.
 FIELD, MATRIX, LEVEL = 8 * 9 * 9, 8 * 3 * 30, 8 * 3
 SCALAR = "ffdee22d794383aafcce622de651e53c27612f6d114784c60c1fe54d0caea883"
 

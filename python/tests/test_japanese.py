@@ -1,4 +1,4 @@
-"""Japanese pages beside the English ones: the same code, pictures and terms, and links to each other."""
+"""Japanese pages against the English ones: the same code, pictures and terms, and links to each other."""
 
 import ast
 import re
@@ -10,18 +10,18 @@ ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 TUTORIALS = sorted(path.name for path in (DOCS / "tutorials").glob("*.md"))
 PAGES = ["index.md", "glossary.md", *(f"tutorials/{name}" for name in TUTORIALS)]
-#: A character of Japanese text: kana, a Chinese character, a full-width mark.
+#: A regular expression for a Japanese character: kana, kanji or full-width punctuation.
 JAPANESE = "[\u3001-\u30ff\u4e00-\u9fff\uff01-\uff5e]"
 
 
 def code(page: Path) -> list[tuple[str, str]]:
-    """Language and content of each code block, without comments and docstrings."""
+    """Returns language and content of each code block, without comments and docstrings."""
     found = re.findall(r"^```(\w+)\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)
     return [(language, bare(language, block)) for language, block in found]
 
 
 def bare(language: str, block: str) -> str:
-    """A block without what a translation may change."""
+    """Returns a code block without the parts that a translation may change."""
     if language != "python":
         return re.sub(r" *#.*", "", block)
     tree = ast.parse(block)
@@ -38,7 +38,7 @@ def pictures(page: Path) -> list[Path]:
 
 
 def rows(page: Path) -> list[list[str]]:
-    """The cells of every row of the page's tables that is no head and no rule."""
+    """Returns the cells of every row of the page's tables, without heads and rules."""
     lines = re.findall(r"^\| .*\|$", page.read_text(), re.MULTILINE)
     cells = [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in lines]
     return [row for row in cells if row[0] not in ("English", "用語")]
@@ -72,6 +72,6 @@ def test_both_glossaries_have_the_same_terms() -> None:
 
 @pytest.mark.parametrize("page", PAGES)
 def test_no_line_ends_within_a_paragraph(page: str) -> None:
-    """A line's end becomes a space on the page, which Japanese text has not."""
+    """Checks that lines are not broken within Japanese text: the page would show a space there."""
     text = re.sub(r"^```.*?^```", "", (DOCS / "ja" / page).read_text(), flags=re.MULTILINE | re.DOTALL)
     assert not re.findall(rf"{JAPANESE}\n{JAPANESE}", text)

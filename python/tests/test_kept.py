@@ -1,4 +1,4 @@
-"""Kept files: what is damaged is made again, one run works on a folder, nothing of others is touched."""
+"""Files for resuming: damaged ones are made again, one process uses a folder, other files are not touched."""
 
 import subprocess
 import sys
@@ -19,7 +19,7 @@ BOARD = midair.Array.grid(8, 8, 10e-3, quantization=midair.Array.preset("sonicsu
 ANGLE = np.arange(80)[:, None] / 40
 RING = np.stack([0.01 * np.cos(ANGLE), 0.01 * np.sin(ANGLE), np.full(ANGLE.shape, 0.12)], axis=-1)
 
-#: A run on a folder, which stops after this many pieces.
+#: A process that resumes in a folder and sleeps after each piece; `most` limits the size of its files.
 SCRIPT = """
 import sys, time
 from pathlib import Path
@@ -57,7 +57,7 @@ def whole() -> midair.Sequence:
 
 @pytest.fixture
 def stopped(tmp_path: Path) -> Path:
-    """A file that is not complete: all pieces except the last are there."""
+    """Returns an incomplete file: all pieces except the last are stored."""
     path = tmp_path / "x.npz"
 
     def stop(done: int, total: int) -> None:
@@ -122,7 +122,9 @@ def test_a_folder_that_is_a_link_is_refused(tmp_path: Path) -> None:
 
 
 def start(path: Path, slow: float, most: int = 0) -> "subprocess.Popen[str]":
-    """Start a run that sleeps after each piece, whose files may have this many bytes."""
+    """Starts a process that sleeps `slow` seconds after each piece;
+    its files may have `most` bytes, 0 for any number.
+    """
     script = SCRIPT.format(tests=str(Path(__file__).parent), path=str(path), slow=slow, most=most)
     return subprocess.Popen(
         [sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
@@ -206,7 +208,7 @@ def test_kept_sound_of_a_mesh_with_a_flipped_bit_is_none(
     ):
         file.write_bytes(spoilt)
         assert cache.load(b"content", (40, 30)) is None
-    # Another mesh's.
+    # The file of another mesh.
     cache.path(b"other")[0].write_bytes(content)
     assert cache.load(b"other", (40, 30)) is None
     (tmp_path / "notes.npz").write_text("mine")

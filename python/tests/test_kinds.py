@@ -1,4 +1,4 @@
-"""Arguments of another kind than meant: a path that is none, a `progress` that cannot be called."""
+"""Arguments of a wrong type: a path that is not a path, a `progress` that cannot be called."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Forces on spheres that are not small, against the momentum that the sound carries to their surface."""
+"""Forces on spheres that are not small, compared with the momentum flux through their surface."""
 
 from __future__ import annotations
 
@@ -16,10 +16,11 @@ BOARD = midair.Array.grid(16, 16, 10.5e-3, directivity="point", source_pressure=
 
 
 def flux(sources: Real, drive: Complex, center: Real, radius: float) -> Real:
-    """The force (3,) on a rigid sphere at rest: -int n (|p|^2/(4 rho c^2) - |grad p|^2/(4 rho omega^2)) dS.
+    """Returns the force (3,) on a fixed rigid sphere: -int n (|p|^2/(4 rho c^2) - |grad p|^2/(4 rho omega^2))
+    dS.
 
-    On its surface the sound of a monopole e^{jkr}/r is, by the Wronskian of j_n and h_n,
-    -1/(k a^2) sum_n (2n + 1) h_n(k r_s)/h_n'(ka) P_n(cos gamma).
+    On its surface, the total pressure of a monopole e^{jkr}/r is -1/(k a^2) sum_n (2n + 1) h_n(k
+    r_s)/h_n'(ka) P_n(cos gamma), by the Wronskian of j_n and h_n. sphere_series.py defines the symbols.
     """
     x = K * radius
     terms = int(x + 4 * x ** (1 / 3) + 14)
@@ -42,7 +43,7 @@ def flux(sources: Real, drive: Complex, center: Real, radius: float) -> Real:
         amplitude = -(2 * n + 1) * h / rise / (K * radius**2)
         legendre = eval_legendre(n, cosines)
         p += amplitude * legendre
-        # P_n' by (x^2 - 1) P_n' = n (x P_n - P_(n-1)).
+        # The slope P_n' from (x^2 - 1) P_n' = n (x P_n - P_(n-1)).
         slope += amplitude * n * (cosines * legendre - before) / (cosines**2 - 1)
         before = legendre
     total = p @ drive
@@ -74,7 +75,7 @@ def test_the_force_is_the_flux_of_momentum(radius: float, places: int) -> None:
 
 
 def test_a_sphere_that_is_just_large_feels_nearly_what_a_small_one_does() -> None:
-    """At lambda/8 Gor'kov's potential is right to a third, for every density."""
+    """Checks that at lambda/8 Gor'kov's potential is right to a third, for every density."""
     positions, normals = traps.openmpd()
     array = midair.Array(positions, normals, directivity="point")
     scene = midair.Scene(array, [[0, 0, 0]], signature="trap")

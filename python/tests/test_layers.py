@@ -1,4 +1,6 @@
-"""Who may import whom in the package: downwards only, no circles, lazy and type-checking imports counted."""
+"""Allowed imports within the package: from lower layers only, without cycles;
+lazy and type-checking imports count.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,7 @@ from midair._toolbox import HOMES
 
 PACKAGE = Path(midair.__file__).parent
 
-#: The packages and single modules from the lowest layer up; one may import those before it, and itself.
+#: Packages and single modules from the lowest layer up; each may import those before it, and itself.
 LAYERS = (
     "_midair",
     "_support",
@@ -42,19 +44,19 @@ LAYERS = (
     "__main__",
 )
 
-#: Modules of fewer than 40 lines, each with its reason.
+#: The modules of fewer than 40 lines, each with the reason why it is not merged into another one.
 SHORT = {
     "midair.__main__": "python -m midair",
     "midair._boards.start": "the guard's process begins here, before it imports what a board needs",
     "midair._studio.widget": "imports anywidget, an extra",
 }
 
-#: Public modules, which show public names only.
+#: Public modules, which have public names only.
 PUBLIC = ("midair", "midair.grad", "midair.jax", "midair.torch", "midair.path", "midair.shape")
 
 
 def imported(text: str, package: str) -> Iterator[str]:
-    """The names that a module's imports give, dotted, wherever in the file they stand."""
+    """Yields the dotted names that a module imports anywhere in its file."""
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
@@ -66,7 +68,7 @@ def imported(text: str, package: str) -> Iterator[str]:
 
 
 def graph(texts: dict[str, str]) -> dict[str, set[str]]:
-    """The modules that each module imports, by dotted names; `a.b.__init__` is the package a.b."""
+    """Returns the modules that each module imports, by dotted names; `a.b.__init__` is the package a.b."""
     known = {name.removesuffix(".__init__") for name in texts} | {"midair._midair"}
 
     def longest(name: str) -> str | None:
@@ -81,7 +83,7 @@ def graph(texts: dict[str, str]) -> dict[str, set[str]]:
 
 
 def layer(module: str) -> int:
-    """The layer of a module: that of the package right under midair, or of the package itself."""
+    """Returns the layer of a module: that of its package in midair, or of the module itself."""
     parts = module.split(".")
     name = parts[1] if len(parts) > 1 else parts[0]
     assert name in LAYERS, f"{name} is in no layer: list it"
@@ -93,7 +95,7 @@ def upward(uses: dict[str, set[str]]) -> list[str]:
 
 
 def circle(uses: dict[str, set[str]]) -> list[str]:
-    """The modules of one circle, or none."""
+    """Returns the modules of one import cycle, empty without a cycle."""
     try:
         TopologicalSorter(uses).prepare()
     except CycleError as error:
@@ -167,7 +169,7 @@ def test_names_that_are_loaded_later_are_those_that_type_checkers_see() -> None:
     assert later | {home for home, names in HOMES.items() if not names} <= set(midair.__all__)
 
 
-#: The modules that `import midair` loads: NumPy and the extension.
+#: A program that checks which modules `import midair` loads: NumPy and the extension.
 LOADED = """
 import sys, midair
 own = {name for name in sys.modules if name.startswith("midair")}
@@ -184,7 +186,7 @@ def test_importing_midair_loads_the_extension_alone() -> None:
     subprocess.run([sys.executable, "-c", LOADED], check=True)
 
 
-#: `midair --help` loads no command.
+#: A program that checks that `midair --help` loads no command's module.
 LISTED = """
 import sys
 from midair._cli.app import COMMANDS, app, explain

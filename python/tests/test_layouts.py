@@ -1,4 +1,4 @@
-"""Array arguments: the same bits from every memory layout, and out written right or refused."""
+"""Array arguments: every memory layout gives the same bits; `out` is written correctly or rejected."""
 
 from collections.abc import Callable
 from typing import Any
@@ -35,12 +35,12 @@ def batch(points: Any = PLACES, **beside: Any) -> np.ndarray:
 
 def solver(points: Any = POINTS, solver: str = "fast", **beside: Any) -> np.ndarray:
     call = midair.Solver(GRID, solver)
-    # The second call goes through memory that the first one left.
+    # The first call fills the solver's buffers with other values, which must not change the second call.
     call(POINTS[::-1].copy(), PRESSURES[::-1].copy(), weights=PRESSURES)
     return call(points, **beside).drive
 
 
-#: Who takes an array: what comes out of it, and the array.
+#: Functions that take an array: a call that returns what was read, and the array.
 ARGUMENTS: dict[str, tuple[Callable[[Any], Any], np.ndarray]] = {
     "positions": (lambda a: midair.Array(a).positions, GRID.positions),
     "normals": (lambda a: midair.Array(GRID.positions[:3], a).normals, POINTS),
@@ -115,7 +115,7 @@ def backwards(array: np.ndarray) -> np.ndarray:
     return array[turned].copy()[turned]
 
 
-#: Every way to lay the same numbers out.
+#: Functions that store the same numbers in every kind of memory layout.
 LAYOUTS: dict[str, Callable[[np.ndarray], Any]] = {
     "Fortran": np.asfortranarray,
     "transposed": lambda array: array.T.copy().T,
@@ -204,7 +204,7 @@ def test_lists_without_end_are_refused_where_no_array_is_meant() -> None:
         refused(call)
 
 
-#: Arrays that a drive (20,) can be written into.
+#: Memory layouts of `out` that a drive (20,) can be written into.
 WRITABLE = {
     "C": np.copy,
     "strided": strided,
@@ -212,7 +212,7 @@ WRITABLE = {
     "records": field_of_records,
     "masked nowhere": np.ma.masked_array,
 }
-#: Arrays that it cannot be written into, and the word that says why.
+#: Layouts of `out` that a drive cannot be written into, with the word of the message that says why.
 UNWRITABLE: dict[str, tuple[str, Callable[[np.ndarray], Any]]] = {
     "misaligned": ("misaligned", misaligned),
     "big-endian": ("dtype >c8", LAYOUTS["big-endian"]),

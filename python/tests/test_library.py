@@ -137,7 +137,7 @@ def test_normals_are_normalised_once_and_then_stay() -> None:
 @pytest.mark.parametrize(("preset", "p1"), [("paper20", 2.36066), ("paper36", 6.40341)])
 def test_preset_reaches_the_pressure_of_the_paper(preset: str, p1: float) -> None:
     scene = midair.Scene(midair.Array.preset(preset), [[0, 0, 0.15]])
-    # The last digit printed; f32 sums of hundreds of terms of one sign are good to 1e-6.
+    # The tolerance is the last printed digit; f32 sums of hundreds of positive terms are accurate to 1e-6.
     assert np.abs(scene.propagation()).sum(dtype=float) == pytest.approx(p1, abs=8e-6)
     assert scene.in_paper_unit
     assert scene.array.source_pressure == 1e-3
@@ -191,8 +191,8 @@ def test_temperature_gives_the_sound_speed() -> None:
     assert scene.sound_speed == pytest.approx(331.3 * (1 + 20 / 273.15) ** 0.5, rel=1e-15)
 
 
-# Relative to what a point source would give: where a pattern is nearly 0 it has no digits of its own. No
-# air has the largest absorption.
+# Errors are relative to a point source's field: where a pattern is nearly 0, f32 leaves it no correct digits.
+# The largest absorption, which no air has, causes a warning.
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 @pytest.mark.parametrize(
     ("directivity", "absorption"),
@@ -209,7 +209,7 @@ def test_propagation_is_eq_5_for_tilted_transducers_of_any_response(
     positions, normals = rng.uniform(-0.1, 0.1, (90, 3)), rng.normal(size=(90, 3))
     response = rng.uniform(0.1, 2, 90) * np.exp(1j * rng.uniform(-np.pi, np.pi, 90))
     response[7] = 0
-    # Within 1 m of every transducer, and none nearer than 5 cm: all around.
+    # Points all around: less than 1 m from every transducer, and no nearer than 5 cm.
     points = rng.uniform(-0.4, 0.4, (70, 3))
     points = points[np.linalg.norm(points, axis=1) > 0.23]
     array = midair.Array(positions, normals, response=response, directivity=directivity, source_pressure=2.0)
@@ -259,7 +259,8 @@ def test_propagation_is_accurate_at_every_angle_or_refused(directivity: dict, fr
     expected = oracle.propagation(
         [[0, 0, 0]], points, directivity=next(iter(directivity.items())), frequency=frequency
     )
-    # Moduli: at 4 MHz a tenth of a metre is as long, in wavelengths, as 10 m at 40 kHz.
+    # Only moduli are compared: at 4 MHz, 0.1 m is as many wavelengths as 10 m at 40 kHz, too many for f32
+    # phases.
     assert np.abs(np.abs(found) - np.abs(expected)).max() <= GAIN * 4.386 / 0.1
 
 
@@ -268,16 +269,16 @@ def test_propagation_reaches_two_metres_wherever_the_origin_is(offset: float) ->
     rng = np.random.default_rng(4)
     positions, points = rng.uniform(-0.1, 0.1, (50, 3)), rng.uniform(-0.7, 0.7, (50, 3))
     points[:, 2] += 1.2
-    # Coordinates 1 km away are themselves rounded to 1e-13 m, 1e-10 rad.
+    # Coordinates of 1 km are themselves rounded to 1e-13 m, a phase of 1e-10 rad.
     expected = oracle.propagation(positions + offset, points + offset)
     found = midair.Scene(midair.Array(positions + offset), points + offset).propagation()
     far = np.linalg.norm(points[:, None] - positions, axis=2).max()
     assert 1.9 < far < 2.2
-    # Twice the distance, twice the spacing of f32.
+    # At twice the distance the spacing of f32 numbers is twice as large.
     assert (np.abs(found - expected) <= 2 * GAIN * np.abs(expected)).all()
 
 
-# Transducers metres apart are probably a mistake.
+# Transducers metres apart cause a warning.
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 @pytest.mark.parametrize("ending", ["toml", "json"])
 def test_a_saved_scene_is_read_back_to_the_last_bit(tmp_path, ending: str) -> None:

@@ -1,4 +1,4 @@
-"""The output of `make test` and `make demo`: a line above each command, and the name of one that fails."""
+"""The output of `make test` and `make demo`: a line above each command, and the name of a step that fails."""
 
 import os
 import re
@@ -13,7 +13,7 @@ pytestmark = pytest.mark.skipif(shutil.which("make") is None, reason="make is mi
 
 
 def make(*arguments: str) -> subprocess.CompletedProcess[str]:
-    # The tests may themselves be run by make, which tells those it starts.
+    # If make runs these tests, the inner make must not inherit the options of the outer one.
     alone = {
         name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MAKELEVEL", "MFLAGS")
     }
@@ -22,7 +22,7 @@ def make(*arguments: str) -> subprocess.CompletedProcess[str]:
 
 @pytest.mark.parametrize("target", ["check", "test", "demo"])
 def test_every_command_is_announced(target: str) -> None:
-    # Without doing anything; the environment, up to date or not, has its own line.
+    # A dry run; the rule of the environment has its own line whether it is up to date or not.
     lines = make("--dry-run", "--assume-old=.venv/ready", target).stdout.splitlines()
     assert len(lines) >= 4
     for line in lines:
@@ -30,7 +30,7 @@ def test_every_command_is_announced(target: str) -> None:
 
 
 def test_no_name_of_a_step_has_a_comma() -> None:
-    # Make would take what follows for the command.
+    # Make would take the text after a comma for the command.
     names = re.findall(r"call step,([^(]*)\(", (ROOT / "Makefile").read_text(encoding="utf-8"))
     assert len(names) > 20
     assert [name for name in names if "," in name] == []

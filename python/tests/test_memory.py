@@ -1,4 +1,6 @@
-"""More memory than there is, or than is allowed, is refused before it is taken, with N, M and the bytes."""
+"""Requests above the existing or allowed memory fail before the allocation;
+the message has N, M and the bytes.
+"""
 
 import os
 import subprocess
@@ -8,7 +10,7 @@ import pytest
 
 from test_control import POSIX
 
-#: Calls that request too much, and the expected words of the refusal.
+#: Calls that need too much memory, with expected words of the message.
 TOO_MUCH = {
     "gspat": (
         'midair.solve(scene(4, 200_000), "gspat")',
@@ -39,7 +41,7 @@ except MemoryError as error:
 
 
 def run(code: str, **environment: str) -> str:
-    """The output of the program with little memory."""
+    """Returns the output of code that runs in a process with 3 GiB of address space."""
     program = (
         "import resource; resource.setrlimit(resource.RLIMIT_AS, (3 << 30, 3 << 30))\n" + PROGRAM.format(code)
     )
@@ -71,7 +73,7 @@ def test_the_limit_can_be_set() -> None:
     code = 'midair.solve(scene(100, 1000), "gspat"); print("done")'
     assert run(code) == "done\n"
     assert "the limit is 0.001 GB" in run(code, MIDAIR_MEMORY="1MB")
-    # Allowed, and still not to be had.
+    # Allowed by MIDAIR_MEMORY, but not available.
     assert "GB" in run('midair.solve(scene(4, 30_000), "gspat")', MIDAIR_MEMORY="1TB")
     assert (
         "give bytes, such as 2e9"

@@ -1,4 +1,4 @@
-"""The paper's methods against their double-precision reference, on the paper's scenes."""
+"""The paper's methods against their double-precision reference, for the paper's scenes."""
 
 from functools import cache
 from pathlib import Path
@@ -19,7 +19,9 @@ LIMITED = ("tikhonov", "evd", "gspat", "sdp", "naive")
 
 @cache
 def scene(count: int, seed: int) -> midair.Scene:
-    """M points uniform over the array, 150 mm above it, p1/sqrt(M) each: figures 3 and 4."""
+    """Returns M random points 150 mm above the array, with targets p1/sqrt(M):
+    the scenes of figures 3 and 4.
+    """
     rng = np.random.default_rng([count, seed])
     points = np.c_[rng.uniform(-0.1, 0.1, (count, 2)), np.full(count, 0.15)]
     return midair.Scene(ARRAY, points, P1 / np.sqrt(count))
@@ -27,7 +29,7 @@ def scene(count: int, seed: int) -> midair.Scene:
 
 @cache
 def exact(count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """G in the paper's unit and the targets, in double precision."""
+    """Returns G in the paper's unit and the targets, in double precision."""
     where = scene(count, seed)
     return oracle.propagation(ARRAY.positions, where.points, source_pressure=1e-3), where.pressures
 
@@ -39,7 +41,7 @@ def judged(count: int, seed: int, drive: np.ndarray) -> np.ndarray:
 
 
 def means(count: int, seeds: range, ours, theirs) -> tuple[np.ndarray, np.ndarray]:
-    """Mean accuracy and sigma of midair's drives and the reference's."""
+    """Returns the mean accuracy and sigma (2,) of midair's drives and of the reference's drives."""
     mine = [judged(count, seed, ours(scene(count, seed), seed).drive) for seed in seeds]
     yours = [judged(count, seed, theirs(*exact(count, seed), seed)) for seed in seeds]
     return np.mean(mine, axis=0), np.mean(yours, axis=0)
@@ -79,7 +81,7 @@ def test_sdp_is_the_reference_in_the_mean(count: int, moduli: str) -> None:
     def ours(where: midair.Scene, seed: int) -> midair.Solution:
         return midair.solve(where, "sdp", moduli=moduli, seed=seed)
 
-    # Other columns at random: means of 40 scenes.
+    # The two differ in the random order of columns, so means of 40 scenes are compared.
     mine, yours = means(count, range(40), ours, theirs)
     assert mine == pytest.approx(yours, abs=0.03)
 
@@ -90,10 +92,10 @@ def test_sdp_reaches_the_optimum_of_its_relaxation(count: int) -> None:
         _, Q = methods.sdp_parts(*exact(count, seed))
         optimum, _ = methods.relaxed(Q)
         begun = np.trace(Q).real
-        # All but the last entry of the trace are tr(Q X)/tr(Q) of the descent, from X = I.
+        # The trace starts at X = 1; all entries but the last are tr(Q X)/tr(Q) during the descent.
         solution = midair.solve(scene(count, seed), "sdp", steps=20000, lambda_=0.9999, trace=True)
         reached = solution.trace[-2] * begun
-        # The optimum lies within a percent of tr(Q) itself at M = 2: what counts is the part gained.
+        # At M = 2 the optimum is only a percent below tr(Q), so the error is compared with the reduction.
         assert reached <= 1.01 * optimum
         assert abs(reached - optimum) <= 0.01 * (begun - optimum)
 
@@ -114,7 +116,9 @@ def test_lm_is_the_reference_in_the_mean(count: int, trials: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [4, 16])
 def test_lm_is_no_worse_than_scipy(count: int) -> None:
-    """From the same drives, with the same number of steps: SciPy evaluates once a step, too."""
+    """Compares costs from the same drives after the same number of steps;
+    SciPy evaluates once per step, too.
+    """
     costs = []
     for seed in range(6):
         G, t = exact(count, seed)
@@ -201,13 +205,13 @@ def test_going_on_from_an_answer_makes_it_no_worse(name: str) -> None:
     for count, seed, steps in [(4, 0, 1), (16, 1, 1), (16, 2, 5), (64, 3, 5)]:
         first = midair.solve(scene(count, seed), name, balance=False)
         again = midair.solve(scene(count, seed), name, balance=False, start=first, steps=steps)
-        # gspat begins with the phases of a clamped drive, not with those before the clamp.
+        # gspat starts from the phases of the limited drive, which differ from those before the limit.
         assert again.metrics.residual <= first.metrics.residual + 1e-3
 
 
 @pytest.mark.parametrize("name", ["lm", "wgs", "gspat"])
 def test_moving_points_follow_from_frame_to_frame(name: str, record_property) -> None:
-    """200 frames of four points that move 0.5 mm a frame on circles, each started from the last."""
+    """Solves 200 frames of four points that move 0.5 mm per frame on circles, each started from the last."""
     middles = np.array([[-0.03, 0.03], [0.035, 0.02], [-0.02, -0.035], [0.03, -0.03]])
     radius = 0.015
     warm, cold, turns, last = [], [], [], None
@@ -225,16 +229,17 @@ def test_moving_points_follow_from_frame_to_frame(name: str, record_property) ->
         last = followed
     change = float(np.mean(turns))
     record_property(f"{name}: mean phase change, rad a transducer and frame", change)
-    # The same in the mean: which of two near optima a start leads to is chance, worth less than 0.001.
+    # Means are equal: which of two near optima a start leads to is chance, and changes the residual by <
+    # 0.001.
     assert np.mean(warm) <= np.mean(cold) + 0.001
-    # Cold starts would turn the phases at random, by pi/2 in the mean.
+    # Without a start the phases would be independent, a mean change of pi/2.
     assert change < 0.5
 
 
 @pytest.mark.parametrize("name", ["gspat", "gs", "wgs", "sdp"])
 def test_a_tolerance_ends_early_and_says_whether_it_was_met(name: str) -> None:
     where, loose = scene(8, 1), 0.05 if name == "wgs" else 1e-2
-    # The descent of sdp never settles at its default of 0.9.
+    # The descent of sdp does not converge at its default lambda_ of 0.9.
     options = {"lambda_": 0.9999} if name == "sdp" else {}
     met = midair.solve(where, name, tolerance=loose, steps=5000, trace=True, **options)
     assert (met.status, met.steps < 5000) == ("done", True)
@@ -244,7 +249,7 @@ def test_a_tolerance_ends_early_and_says_whether_it_was_met(name: str) -> None:
     assert (stopped.status, stopped.steps) == ("stopped", 3)
     for solution in (met, missed, stopped):
         assert len(solution.trace) == solution.steps
-        # However it ended, the last entry is the answer's own.
+        # The last entry is the solution's residual, however the solver ended.
         assert solution.trace[-1] == pytest.approx(solution.metrics.residual, abs=1e-4)
 
 

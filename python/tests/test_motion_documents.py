@@ -1,4 +1,4 @@
-"""Scene files of points that move: read once for every command, and refused with the line at fault."""
+"""Scene files with moving points: all commands read them alike, and error messages name the line at fault."""
 
 import json
 import subprocess
@@ -47,7 +47,7 @@ def read(folder: Path, text: str, name: str = "scene.toml") -> document.Document
 
 
 def drives(folder: Path, text: str) -> tuple[np.ndarray, np.ndarray]:
-    """The drives that `midair play` plays, and those that `midair motion` writes."""
+    """Returns the drives that `midair play` sends, and those that `midair motion` writes."""
     scene, solved = folder / "scene.toml", folder / "solved.npz"
     scene.write_text(text)
     played = play._thing(scene, None, lambda array: midair.Board("autd3", array))
@@ -64,16 +64,17 @@ def drives(folder: Path, text: str) -> tuple[np.ndarray, np.ndarray]:
 def test_play_and_motion_play_the_same_drives(tmp_path: Path) -> None:
     played, solved = drives(tmp_path, SCENE)
     np.testing.assert_array_equal(played, solved)
-    # `aim` reaches the solver: full drive, where the pressure alone needs a part of it.
+    # `aim` reaches the solver: the drive is full, although the pressures need only a part of it.
     assert np.abs(played).max() == pytest.approx(1)
-    # So low a level lies between two amplitudes of the board: `glide` takes the lower one, and reports it.
+    # This low level lies between two amplitudes of the board: `glide` takes the lower one, and reports a
+    # miss.
     with pytest.warns(midair.SceneWarning, match="missed by"):
         quiet, _ = drives(tmp_path, SCENE.replace('aim = "max"\n', ""))
     assert np.abs(quiet).max() < 0.1
 
 
 @pytest.mark.slow
-@pytest.mark.filterwarnings("ignore:point 1 takes:midair.SceneWarning")  # a weak trap, a quick circle
+@pytest.mark.filterwarnings("ignore:point 1 takes:midair.SceneWarning")  # a weak trap on a fast circle
 def test_play_and_motion_play_the_same_traps(tmp_path: Path) -> None:
     text = 'signature = "trap"\n' + SCENE
     played, solved = drives(tmp_path, text)
@@ -172,7 +173,7 @@ def test_a_refused_value_of_motion_is_reported_in_its_line(
     with pytest.raises(midair.SceneError) as refusal:
         moving.solve()
     assert str(refusal.value).startswith(f"{tmp_path / 'scene.toml'}, {fault}")
-    # A value that is given beside the file has no place in it.
+    # A value passed as an argument has no line in the file.
     with pytest.raises(midair.SceneError, match=r"^rate is -3"):
         read(tmp_path, SCENE).solve(rate=-3)
 

@@ -1,4 +1,4 @@
-"""Traps that move, traps of a scene's own bead, and points each with its own signature."""
+"""Moving traps, traps for a bead that the scene describes, and a signature for each point."""
 
 import pickle
 from typing import Any
@@ -40,7 +40,7 @@ def test_traps_that_stand_still_keep_their_codes() -> None:
 
 def test_the_first_frame_of_a_closed_sequence_carries_its_bead_as_the_others_do() -> None:
     array = midair.Array.preset("openmpd_pair", quantization={})
-    # Of 625 whole frames a lap.
+    # A lap has 625 frames exactly.
     radius, frequency = 0.01, 16
     speed = 2 * np.pi * frequency * radius
     ring = midair.path.circle([0, 0, 0], radius, frequency=frequency)
@@ -51,7 +51,7 @@ def test_the_first_frame_of_a_closed_sequence_carries_its_bead_as_the_others_do(
         bead = Bead(moved.scene(t))
         inwards = -place[0] / np.linalg.norm(place[0])
         pulled = speed**2 / radius * bead.mass
-        # With the drag along the way at right angles.
+        # The force also overcomes the drag, which is at right angles along the path.
         assert felt.net[0] @ inwards == pytest.approx(pulled, rel=0.02)
         along = np.cross([0, 0, 1.0], -inwards)
         drag = np.linalg.norm(bead.needed(np.array([[speed, 0, 0]]), np.zeros((1, 3))))
@@ -94,14 +94,14 @@ def test_each_point_may_have_its_own_signature() -> None:
         np.testing.assert_allclose(scene.propagation()[j], alone, atol=1e-3)
     solution = midair.solve(scene)
     np.testing.assert_allclose(abs(solution.pressures), scene.pressures, rtol=1e-3)
-    # The focus is in the air, too; the traps are silent.
+    # The focus exists in the real field, too; the traps are quiet there.
     real = abs(solution.field(points).pressure)
     assert real[1] == pytest.approx(1500, rel=1e-3)
     assert (real[[0, 2]] < 0.5 * scene.pressures[[0, 2]]).all()
     for again in (midair.Scene.parse(scene.json()), pickle.loads(pickle.dumps(scene))):
         assert again == scene
     assert '"focus"' in scene.json()
-    # Of weight 0 a point takes no part, and the others keep their own.
+    # A point of weight 0 is left out, and the other points keep their signatures.
     rest = midair.solve(scene, weights=[1, 0, 1])
     np.testing.assert_allclose(abs(rest.pressures[[0, 2]]), [3000, 2000], rtol=1e-3)
     for bad, refusal in (
@@ -129,7 +129,7 @@ def test_traps_are_made_for_the_bead_of_the_scene() -> None:
     resting, other = midair.solve(scene).rest(), midair.solve(scene.replace(bead={}))
     astray = midair.rest(scene, other.drive)
     assert resting.held.all()
-    # Of 72 transducers the drive for the usual bead lets this one sag by .5 mm and more.
+    # With 72 transducers, the drive for the default bead lets this bead sag by more than 0.3 mm.
     far, farther = (np.linalg.norm(rest.place - points, axis=1).max() for rest in (resting, astray))
     assert far < 0.15e-3 < 0.5 * farther
     assert not np.array_equal(other.drive, midair.solve(scene).drive)

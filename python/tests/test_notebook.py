@@ -1,4 +1,4 @@
-"""Pictures in notebooks: what they show, how large they are, and what they load."""
+"""Pictures in notebooks: their content, their size, and the modules that they load."""
 
 import base64
 import io
@@ -16,7 +16,7 @@ import midair
 from midair._pictures.notebook import MOST_DOTS
 from scenes import small
 
-#: The most letters that a picture may take in a notebook.
+#: The largest number of characters that a picture may take in a notebook.
 MOST = 40_000
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -32,13 +32,13 @@ assert "matplotlib" not in sys.modules
 
 
 def drawn(html: str) -> ElementTree.Element:
-    """The first SVG of what a notebook shows."""
+    """Returns the first SVG of an HTML representation."""
     text = re.findall(r"<svg.*?</svg>", html)[0]
     return ElementTree.fromstring(text)
 
 
 def rings(picture: ElementTree.Element) -> dict[str, list[tuple[int, int]]]:
-    """Where the rings are, by colour."""
+    """Returns the positions of the rings, by colour."""
     groups = [group for group in picture.iter(f"{SVG}g") if group.get("fill") == "none"]
     return {
         group.get("stroke", ""): [(int(ring.get("cx", "")), int(ring.get("cy", ""))) for ring in group]
@@ -99,7 +99,7 @@ def test_fields_show_a_picture() -> None:
     shades = np.abs(made.pressure[::-2, ::2]) / np.abs(made.pressure).max()
     assert seen.shape == (*shades.shape, 3)
     wanted = np.asarray(colormaps["magma"](shades))[..., :3] * 255
-    # Steps of a palette, and colours between stops.
+    # Tolerance for the steps of the palette and for interpolation between colour stops.
     assert np.abs(seen - wanted).max() < 6
     assert len(html) < MOST
     assert "further planes" in html
@@ -120,7 +120,7 @@ def test_solutions_show_a_slice_and_the_phases_of_their_transducers() -> None:
     counts = {path.get("stroke"): path.get("d", "").count("h0") for path in paths}
     assert sum(counts.values()) == 64
     assert counts.pop("currentColor") == 1
-    # Two transducers a colour; half a turn is dark.
+    # At most two transducers per colour; the phase pi is dark.
     assert set(counts.values()) <= {1, 2}
     assert len(counts) == 32
     assert "#303030" in counts

@@ -1,4 +1,4 @@
-"""greedy by a function in place of eq. (7), and in several sweeps."""
+"""greedy with a Python function as its objective in place of eq. (7), and in several sweeps."""
 
 from itertools import pairwise
 
@@ -44,7 +44,7 @@ def test_each_choice_is_the_best_of_its_turn() -> None:
     requested = scene(9)
     solution = midair.solve(requested, "greedy", objective=noted, seed=9)
     assert len(turns) == 400
-    # The field after a turn is what the next one starts from: the mean over a whole circle of phases.
+    # The candidates' mean over all phases is the field without this transducer's change: the start of a turn.
     for (pressures, costs), (later, _) in pairwise(turns):
         chosen = np.abs(pressures - later.mean(axis=0)).max(axis=1).argmin()
         assert costs[chosen] <= costs.min() + 1e-6 * costs.max()

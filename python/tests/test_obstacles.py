@@ -1,4 +1,4 @@
-"""Obstacles: walls against image sums in NumPy, through every interface."""
+"""Walls as obstacles, compared with sums of image sources in NumPy, through every interface."""
 
 from __future__ import annotations
 
@@ -15,13 +15,15 @@ from numpy.typing import NDArray
 
 import midair
 
-#: A wall at x = 60 mm, seen from the left.
+#: A wall at x = 60 mm, whose front faces -x.
 WALL = midair.Wall([0.06, 0.3, -2.0], [-3, 0, 0])
 POINTS = [[-0.02, 0.0, 0.12], [0.03, 0.01, 0.1], [0.055, -0.02, 0.12]]
 
 
 def array() -> midair.Array:
-    """Pistons that look in all directions, one of them dead, one half as loud and late."""
+    """Returns pistons tilted in random directions, one of them dead,
+    one at half amplitude and out of phase.
+    """
     grid = midair.Array.grid(8, 6, 9e-3)
     tilts = np.random.default_rng(3).normal([0.0, 0.0, 1.0], 0.3, (48, 3))
     response = np.ones(48, complex)
@@ -30,7 +32,7 @@ def array() -> midair.Array:
 
 
 def direct(scene: midair.Scene, positions: Any, normals: Any, points: Any) -> NDArray[np.complex128]:
-    """Eq. (5) in NumPy for pistons and absorption, (P, N)."""
+    """Returns eq. (5) in NumPy for pistons with absorption, (P, N)."""
     from scipy.special import j1
 
     rays = np.asarray(points)[:, None] - positions
@@ -45,7 +47,7 @@ def direct(scene: midair.Scene, positions: Any, normals: Any, points: Any) -> ND
 
 
 def images(scene: midair.Scene, points: Any, sign: float) -> NDArray[np.complex128]:
-    """G in front of the wall, (P, N)."""
+    """Returns G (P, N) in front of the wall: sources plus `sign` times their images."""
     mirror = np.array([-1, 1, 1])
     own = (scene.array.positions, scene.array.normals)
     seen = (own[0] * mirror + [0.12, 0, 0], own[1] * mirror)
@@ -66,7 +68,7 @@ def test_a_wall_is_the_sum_of_images(kind: Any, sign: float) -> None:
     expected = images(scene, places, sign) @ drive
     expected[places[:, 0] > 0.06 + 1e-9] = 0
     assert np.abs(found.pressure.ravel() - expected).max() < 1e-5 * np.abs(expected).max()
-    # Forces are those of the same field.
+    # The forces are those of the field with the wall.
     places = np.array([[0.03, 0.01, 0.1], [0.05, 0.0, 0.1]])
     force = midair.gorkov(scene, drive, places).force
     away = 1e-6 * np.eye(3)
@@ -84,7 +86,7 @@ def test_every_solver_meets_the_same_waves(solver: str) -> None:
     assert np.abs(solution.pressures - expected).max() < 2e-5 * np.abs(expected).max()
     ignored = midair.solve(scene.replace(obstacles=None), solver).drive
     own, other = (midair.judge(scene, drive) for drive in (solution.drive, ignored))
-    # A drive that was solved with the wall is at least as good in front of it as one solved without.
+    # A drive solved with the wall is at least as accurate in front of it as one solved without.
     assert own.accuracy > other.accuracy - 0.02
 
 

@@ -1,4 +1,4 @@
-"""Known answers of the NumPy reference with which midair is compared."""
+"""Known results of the NumPy reference with which midair is compared."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ import oracle
 
 
 def grid(n: int) -> np.ndarray:
-    """Square grid at 10 mm pitch, centred in z = 0."""
+    """Returns an n x n grid with a pitch of 10 mm, centred in z = 0."""
     line = 0.01 * (np.arange(n) - (n - 1) / 2)
     x, y = np.meshgrid(line, line)
     return np.stack([x.ravel(), y.ravel(), np.zeros(n * n)], axis=1)

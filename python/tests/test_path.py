@@ -1,4 +1,4 @@
-"""Paths: where points are, how fast they go, their targets, and the frames that are read."""
+"""Paths: positions of points, their speed, their targets, and the frames made of them."""
 
 import math
 import pickle
@@ -17,7 +17,7 @@ from midair import path
 from paths import HEAD, SQUARE, Z, ring, steps, still
 from sane import sane
 
-# The same examples in every run: a failure is a failure for everybody.
+# The same examples in every run, so that a failure can be repeated.
 steady = settings(max_examples=100, derandomize=True, deadline=None)
 
 # Curves
@@ -36,7 +36,7 @@ def test_a_circle_is_where_its_formula_is(normal: tuple[float, ...], count: int)
     away = points - center
     assert np.linalg.norm(away, axis=2) == pytest.approx(np.full((200, count), radius))
     assert away @ normal == pytest.approx(np.zeros((200, count)), abs=1e-12)
-    # The chord of 2 pi / 200 at every step, that over the seam, too, to rounding.
+    # Every step is the chord of 2 pi / 200, also the one from the last frame to the first, up to rounding.
     chord = 2 * radius * math.sin(math.pi / 200)
     assert np.abs(steps(points, closed=True) / chord - 1).max() < 1e-11
     assert np.cross(away[0, 0], away[1, 0]) @ normal > 0
@@ -89,10 +89,11 @@ def test_a_polyline_keeps_its_speed_around_corners() -> None:
     square = path.polyline([*SQUARE, SQUARE[-1]], frequency=10, closed=True)
     assert square.speed([0.0]) == pytest.approx(1.2)
     points, _ = square.frames(1200)
-    # 30 steps of a millimetre a side, and the corners among them.
+    # 30 steps of 1 mm on each side; the corners are among the frames.
     assert steps(points, closed=True) == pytest.approx(np.full((120, 1), 0.001))
     assert points[::30, 0] == pytest.approx(np.array(SQUARE))
-    # A frame that is not at a corner cuts it, but the way is the same.
+    # Between two frames on both sides of a corner, the length along the path is the same as on a straight
+    # line.
     ways = square.at([0.1 * 0.24, 0.1 * 0.26])
     assert np.abs(ways[1] - ways[0]).sum() == pytest.approx(0.02 * 0.12)
     opened = path.polyline(SQUARE, frequency=10)
@@ -114,9 +115,9 @@ def test_a_lissajous_figure_is_walked_at_one_speed(
     figure = path.lissajous([0.01, 0, Z], size, ratio, phase=phase, frequency=20)
     points, _ = figure.frames(200e3)
     wanted = figure.speed([0.0])[0, 0] / 200e3
-    # Chords of 1e-4 laps are shorter than arcs by their bend, (step / radius)^2 / 24.
+    # Chords of 1e-4 laps are shorter than their arcs by (step / radius)^2 / 24.
     assert np.abs(steps(points, closed=True) / wanted - 1).max() < 1e-3
-    # Points of the formula are on the figure: what is found at a time is the formula's at some u.
+    # The points lie on the figure: each is the formula's point for some u.
     a, b = ratio
     shift = (points[:, 0] - [0.01, 0, Z]) * [2 / size[0], 2 / size[1], 1]
     assert np.abs(shift[:, 2]).max() < 1e-15
@@ -170,7 +171,7 @@ def test_no_step_is_longer_than_speed_allows(corners: list[list[float]], closed:
     assert len(points) == 500 + (not closed)
     apart = steps(points, closed=closed)
     assert apart.max() <= length / 500 * (1 + 1e-9)
-    # All but those around corners are of full length.
+    # All chords except those around corners have the full length.
     assert (apart > length / 500 * (1 - 1e-9)).sum() >= 500 - len(ends)
     again = walked.at(np.array([0.3, 1.3]) * walked.duration)
     assert (np.abs(again[0] - again[1]).max() < 1e-12) == closed or len(corners) == 2
@@ -208,7 +209,7 @@ def test_an_array_is_copied() -> None:
 def test_a_morph_goes_straight_from_set_to_set() -> None:
     a, b = np.array([[0, 0, Z], [0.01, 0, Z]]), np.array([[0.03, 0, Z], [0.01, 0.04, Z]])
     morph = path.morph(a, b, speed=0.5)
-    # The second goes 40 mm.
+    # The second point moves 40 mm, the longest distance.
     assert morph.duration == pytest.approx(0.08)
     assert morph.speed([0.0, 0.04])[1] == pytest.approx([0.375, 0.5])
     points, _ = morph.frames(1e3)
@@ -249,7 +250,7 @@ def test_amplitude_modulation_is_its_formula(shape: Any, depth: float) -> None:
 def test_the_mean_force_of_modulation(shape: Any, mean: float) -> None:
     _, targets = ring().with_am(200, shape).frames(8e3)
     assert (targets**2).mean() == pytest.approx(mean)
-    # A square wave has as many frames in each half, whatever rounding does to times.
+    # A square wave has equally many frames in each half, whatever the rounding of times.
     long = still(0.0, seconds=100).with_am(200, shape)
     _, targets = long.frames(8e3)
     assert (targets[:-1] ** 2).mean() == pytest.approx(mean, rel=1e-12)

@@ -1,4 +1,4 @@
-"""The fastest run along a curve, against closed forms, and in flight."""
+"""The fastest motion along a curve, compared with closed forms and simulated flights."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def ring(radius: float) -> Real:
 
 
 def limit() -> tuple[Bead, float]:
-    """The default bead, and the force across the boards' axis that the middle's trap gives it."""
+    """Returns the default bead, and the smallest lateral restoring force of a trap in the middle."""
     return Bead(SCENE), float(midair.rest(midair.solve(SCENE)).restoring[0, :2].min())
 
 
@@ -44,7 +44,7 @@ def test_on_a_circle_the_speed_is_where_the_pull_inwards_and_the_drag_are_all_th
     speed = speeds[np.searchsorted(taken, margin * most)]
     assert path.closed
     assert abs(2 * np.pi * radius / speed / path.duration - 1) < 0.03
-    # The path is that of the bead: `sequence` computes the force that its acceleration needs.
+    # The path is the bead's: `sequence` adds the force for its acceleration.
     apart = np.linalg.norm(path.at(np.linspace(0, 1, 50))[:, 0], axis=1) - radius
     assert abs(apart).max() < 0.02 * radius
 
@@ -55,7 +55,7 @@ def test_from_rest_to_rest_half_of_the_way_is_gaining_and_half_losing_speed() ->
     line = np.linspace(-0.5, 0.5, 5)[:, None] * [way, 0, 0]
     path = midair.path.fastest(line, BOARDS, closed=False, margin=margin)
     without_drag = 2 * np.sqrt(way * bead.mass / (margin * most))
-    # Drag costs a little time, and the force may change only slowly, which takes some ticks at both ends.
+    # Drag costs some time, and the force must change slowly, which takes some steps at both ends.
     assert not path.closed
     assert 1.0 < path.duration / without_drag < 1.25
     ends = path.at([0.0, path.duration])[:, 0]
@@ -68,7 +68,7 @@ def test_a_bead_on_the_fastest_run_stays_on_its_curve() -> None:
     sequence = midair.sequence(BOARDS, path, rate=10e3, signature="trap", change=np.pi / 4)
     flight = midair.fly(sequence, duration=0.5)
     assert flight.held.all()
-    # The bead is on the curve, whatever its trap does.
+    # The bead is on the curve, wherever its trap is.
     apart = np.linalg.norm(flight.places[::5, 0, None] - dense(clover()), axis=2).min(axis=1)
     assert apart.max() < 0.3e-3
     assert path.duration < midair.path.fastest(clover(), BOARDS, margin=0.2).duration
@@ -80,12 +80,13 @@ def test_a_bead_in_a_flight_of_our_own_stays_on_the_curve_too() -> None:
     boards = midair.Array(positions, normals, source_pressure=2.3)
     path = midair.path.fastest(clover(), boards, margin=0.3)
     sequence = midair.sequence(boards, path, rate=10e3, signature="trap", change=np.pi / 4)
-    # Three laps, from the path's own speed.
+    # Three laps, begun at the path's own speed.
     points = np.concatenate([sequence.points] * 3)
     drives = np.concatenate([sequence.drives] * 3)
     speed = (points[1] - points[-1]) * 10e3 / 2
     air = beads.Air(positions, 2.3)
-    # A frame's point is where the trap is in the middle of the frame: at its end it is halfway to the next.
+    # A frame's point is the trap's place in the middle of the frame; at its end the trap is halfway to the
+    # next.
     halfway = (points + np.roll(points, 1, axis=0)) / 2
     begin = (points[0] + points[-1]) / 2
     assert air.stray(drives, halfway, begin, 10e3, speed)[:-1].max() < 0.3e-3
@@ -99,7 +100,7 @@ def clover() -> Real:
 
 
 def dense(points: Real) -> Real:
-    """Many places on the curve through points, by its Fourier series."""
+    """Returns many points on the curve through the given points, by its Fourier series."""
     count, more = len(points), 2000
     series = np.fft.fftshift(np.fft.fft(points, axis=0), axes=0)
     orders = np.arange(-(count // 2), count - count // 2)

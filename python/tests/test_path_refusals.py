@@ -1,4 +1,4 @@
-"""Paths that are refused, each in one line."""
+"""Arguments of paths that are rejected, each with a message of one line."""
 
 import math
 from collections.abc import Callable

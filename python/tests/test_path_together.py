@@ -1,4 +1,4 @@
-"""Paths at the same time and one after the other: points, seams, and fades between them."""
+"""Paths played together and one after the other: points, joints, and fades between paths."""
 
 import math
 from itertools import pairwise
@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from midair import path
 from paths import SQUARE, Numbers, Z, ring, steps, still
 
-# The same examples in every run: a failure is a failure for everybody.
+# The same examples in every run, so that a failure can be repeated.
 steady = settings(max_examples=100, derandomize=True, deadline=None)
 
 
@@ -45,7 +45,7 @@ def test_paths_that_meet_are_joined_without_a_fade() -> None:
     assert joined.closed
     assert joined.points == 1
     assert joined.duration == pytest.approx(whole.duration)
-    # A fade is for what does not meet.
+    # A fade applies only where paths do not meet.
     assert out.then(home, fade=0.1).duration == joined.duration
     assert joined.frames(1e3)[0] == pytest.approx(whole.frames(1e3)[0])
     assert joined.speed([0, 0.1, 0.2]) == pytest.approx(np.full((3, 1), 0.5))
@@ -63,10 +63,10 @@ def test_points_that_meet_in_another_order_go_on() -> None:
 
 
 def there(points: Numbers, targets: Numbers, most: float) -> None:
-    """Where there is a point, it goes no further than `most` in a step; targets change smoothly."""
+    """Checks that no audible point moves further than `most` in a step, and that targets change smoothly."""
     seen = (targets[1:] > 0) & (targets[:-1] > 0)
     assert steps(points)[seen].max(initial=0) <= most * (1 + 1e-9)
-    # Nothing appears at once: from 0 it is only a first step of the cosine.
+    # No target jumps: from 0 it rises by the first step of a cosine.
     assert np.abs(np.diff(targets, axis=0)).max() < 0.1
 
 
@@ -106,7 +106,7 @@ def test_silent_slots_wait_where_they_were_or_will_be() -> None:
         points, targets = joined.frames(1e3)
         assert joined.points == slots
         assert (points[:, :, 2] == Z).all()
-        # A slot goes where its next point will be, once, as that begins to rise.
+        # A silent slot moves once to its next point, just before that point begins to rise.
         moved = steps(points) > 0
         assert moved.sum() == reused
         assert (targets[:-1][moved] == 0).all()

@@ -1,4 +1,4 @@
-"""Probably wrong units give one warning everywhere: scenes, files, Solvers, batches, planes, commands."""
+"""Probably wrong units cause one warning everywhere: scenes, files, Solvers, batches, planes, commands."""
 
 import pickle
 import warnings
@@ -16,7 +16,7 @@ POINTS = np.array([[-0.02, 0, 0.15], [0.02, 0, 0.15]])
 
 
 def received(call: Callable[[], object]) -> list[str]:
-    """The texts of the SceneWarnings of a call."""
+    """Returns the texts of the SceneWarnings of a call."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         call()
@@ -32,7 +32,7 @@ def batch(points: np.ndarray, **keywords: float) -> midair.Batch:
     return midair.solve_batch(ARRAY, points, solver="fast", **keywords)
 
 
-#: The call, and the beginning of its warning.
+#: Calls with a probably wrong unit, and the beginning of the warning.
 SLIPS: dict[str, tuple[Callable[[], object], str]] = {
     "pitch": (lambda: midair.Scene(midair.Array.grid(9, 9, 1.05), POINTS), "array.grid.pitch is 1.05 m"),
     "points": (lambda: scene(POINTS * 1e3), "points[0].position is [-20, 0, 150] m (and 1 more)"),
@@ -78,7 +78,7 @@ def test_a_slip_is_reported_each_object_once(tmp_path: Path) -> None:
     (odd,) = scenes
     path = tmp_path / "odd.toml"
     odd.save(path)
-    # A new scene warns again; its use does not.
+    # A new scene warns again; the use of a scene does not.
     assert len(received(lambda: midair.Scene.load(path))) == 1
     assert len(received(lambda: midair.Scene.parse(path.read_text()))) == 1
     midair.solve(odd, "naive")

@@ -1,4 +1,4 @@
-"""Pictures, by the data on their axes: fields in planes, targets and pressures, contact sheets."""
+"""Plots, checked by the data on their axes: fields in planes, targets and pressures, contact sheets."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -29,7 +29,8 @@ def test_plot_draws_into_the_axes_given_and_marks_the_points() -> None:
     assert midair.plot(field, right) is right
     assert not left.images
     (image,) = right.images
-    # The image is |p| in Pa: bottom row first, pixels around their samples, a scale from 0 to its largest.
+    # The image is |p| in Pa: bottom row first, pixels centred on their samples, a colour scale from 0 to the
+    # maximum.
     assert np.asarray(image.get_array()) == pytest.approx(np.abs(field.pressure), rel=1e-6)
     assert image.origin == "lower"
     assert image.get_extent() == pytest.approx([-41, 41, -41, 41])
@@ -57,7 +58,7 @@ def test_plot_without_axes_has_a_panel_for_each_plane() -> None:
     assert len(panels) == 3
     for image, panel in zip(images(figure), panels, strict=True):
         assert np.asarray(image) == pytest.approx(np.abs(panel.pressure), rel=1e-6)
-        # A black panel would say that the points are silent.
+        # A black panel would wrongly show that the points are silent.
         assert image.max() > 0.9 * solution.targets.min()
     assert [ax.get_title() for ax in figure.axes[:3]] == [
         f"z = {height} mm, 1 of 3 points" for height in (100, 120, 150)
@@ -72,7 +73,7 @@ def test_an_upright_picture_names_its_axes() -> None:
     assert marks(ax)["dots"] == pytest.approx(np.array([[0, 100], [0, 140]]))
 
 
-# 400 Pa m are probably a mistake.
+# A source pressure of 400 Pa m causes a warning.
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 @pytest.mark.parametrize(
@@ -107,14 +108,14 @@ def test_plot_says_what_its_colours_mean(
     }[quantity]
     seen = ~np.ma.getmaskarray(image)
     assert np.asarray(image)[seen] == pytest.approx(expected[seen] * factor, rel=1e-5)
-    # Phases are drawn where there is a pressure.
+    # Phases are drawn only where there is pressure.
     assert np.array_equal(seen, pressure > 0.01 * pressure.max()) or quantity != "phase"
     low, high = ax.images[0].get_clim()
     top = expected.max() * factor
     assert (low, high) == pytest.approx(
         {"spl": (top - 60, top), "phase": (-np.pi, np.pi)}.get(quantity, (0, top)), rel=1e-5
     )
-    # A colour bar that reads 0 to 0.0 or 0 to 1e7 says nothing.
+    # The unit suits the values: the colour bar's top is neither 0.0 nor 1e7.
     assert quantity == "spl" or 0.02 <= high < 1e4
 
 
@@ -149,7 +150,7 @@ def test_pictures_count_the_scale_in_and_tell_it() -> None:
     plotted = midair.plot(solution).figure
     for figure in (plotted, solution.plot()):
         assert f"targets 16 Pa, {reported}" in titles(figure)
-        # The brightest pixels are as loud as the table says, within what 200 pixels miss of a focus.
+        # The brightest pixels match the table's pressures, up to what 200 pixels miss of a focus.
         assert images(figure)[0].max() == pytest.approx(np.abs(solution.pressures).max(), rel=0.05)
     sheet = table.plot()
     assert f"naive, scale {solution.scale:.3g}" in titles(sheet)
@@ -195,7 +196,7 @@ def test_a_sheet_shares_axes_and_a_scale_that_no_method_alone_sets() -> None:
     panels = [ax for ax in figure.axes if ax.images]
     assert len(panels) == 4
     assert len({ax.images[0].get_clim() for ax in panels}) == len({ax.get_xlim() for ax in panels}) == 1
-    # Labels once a row and column: of 3 + 1 panels the second and third are the lowest of theirs.
+    # One label per row and column: of 3 + 1 panels, the second to fourth are the lowest of their columns.
     assert [bool(ax.get_xlabel()) for ax in panels] == [False, True, True, True]
     assert [bool(ax.get_ylabel()) for ax in panels] == [True, False, False, True]
     for ax, name, solution in zip(panels, table.names, table, strict=True):
@@ -205,7 +206,7 @@ def test_a_sheet_shares_axes_and_a_scale_that_no_method_alone_sets() -> None:
         assert "sigma" in ax.get_title()
     assert "targets 60 Pa" in figure.get_suptitle()
     assert "z = 150 mm" in figure.get_suptitle()
-    # One that is far louder than requested is clipped, and an arrow says so.
+    # A panel that is far louder than requested is clipped, and the colour bar has an arrow.
     right, loud = midair.field(scene, table[0]), midair.field(scene, np.ones(64))
     assert np.abs(loud.pressure).max() > 5 * 60
     sheet = contact_sheet([right, right, loud], ["a", "b", "loud"])
@@ -227,7 +228,7 @@ def test_a_sheet_has_a_row_a_solver_where_points_lie_in_several_planes() -> None
     assert "rings are points off the plane" in figure.get_suptitle()
 
 
-# Of a hundred points some are near one another.
+# Some of a hundred points are close together, which causes a warning.
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 @pytest.mark.parametrize("count", [2, 3, 100])
 def test_a_solution_plots_what_was_requested_and_got(count: int) -> None:
@@ -283,7 +284,7 @@ def test_pictures_have_one_map_of_fields_and_one_of_phases() -> None:
     assert np.abs(table("field") - 255 * colormaps["magma"](shades)[:, :3]).max() < 3
     assert np.abs(table("phase") - 255 * colormaps["midair.phase"](shades)[:, :3]).max() < 1
     assert (table("phase")[0] == table("phase")[-1]).all(), "a turn is none"
-    # On light ground silence is the page's own colour, and louder is darker.
+    # On a light page, silence has the page's colour, and a louder field is darker.
     light = table("field_light")
     assert light[0].tolist() == [246, 248, 250]
     assert light[-1].tolist() == table("field")[0].tolist()

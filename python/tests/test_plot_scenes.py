@@ -1,4 +1,4 @@
-"""Pictures of traps, nodes and bodies, and the style of a journal, by the data on their axes."""
+"""Plots of traps, nodes and bodies, and the style for journals, checked by the data on their axes."""
 
 from contextlib import nullcontext
 from pathlib import Path
@@ -78,7 +78,7 @@ def test_traps_are_drawn_in_two_upright_planes_each_with_the_force_on_a_bead() -
     figure = solution.plot()
     for image, panel in zip(images(figure), panels, strict=True):
         assert np.asarray(image) == pytest.approx(np.abs(panel.pressure), rel=1e-6)
-        # The shell is as loud as the focus was that is a trap.
+        # The field around the trap is about as loud as the focus with the trap's signature.
         assert image.max() > 0.5 * np.abs(solution.pressures).max()
     assert "arrows" in titles(figure)
     for ax, trap in zip(figure.axes, [0, 1, 0, 1], strict=False):
@@ -95,7 +95,7 @@ def test_traps_are_drawn_in_two_upright_planes_each_with_the_force_on_a_bead() -
 
 @pytest.mark.filterwarnings("ignore:no point lies in")
 def test_a_plane_of_next_to_nothing_says_so_and_is_dark() -> None:
-    # A soft wall holds the pressure down to rounding.
+    # At a soft wall the pressure is 0 up to rounding.
     wall = midair.Wall([0, 0, 0.2], [0, 0, -1], kind="soft")
     solution = midair.solve(small(points=[[0, 0, 0.15]], obstacles=[wall]), "uniform")
     node = solution.field(midair.Plane(0.2, 0.06))

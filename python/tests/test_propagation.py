@@ -1,4 +1,6 @@
-"""Propagation: a user's own matrix G through `solve`, `Solver`, `solve_batch`, `judge` and `bound`."""
+"""Propagation, a user's own matrix G, as an argument of `solve`, `Solver`, `solve_batch`,
+`judge` and `bound`.
+"""
 
 from collections.abc import Callable
 from typing import Any
@@ -13,7 +15,7 @@ from scenes import GAIN, POINTS, exact, numbers, same_bits, small
 G = small().propagation()
 MATRIX = midair.Propagation(G)
 LEVEL = oracle.balanced_factor(exact(small()), np.ones(4))
-#: Three problems of one matrix.
+#: Targets of three problems with the same matrix.
 PRESSURES = LEVEL * np.array([[1, 1, 1, 1], [0.6, 1, 0.8, 0.9], [1.2, 0.7, 0.9, 1]])
 MASK = np.ones(64, dtype=bool)
 MASK[[0, 9, 63]] = False
@@ -36,7 +38,7 @@ NO_MATRIX = ["x", None, object(), True, [[True]], [["1"]], [[None]], [1, 2], 1.0
 
 
 def one_line(call: Callable[[], object], *words: str) -> None:
-    """Holds that `call` is refused in one line that has these words."""
+    """Checks that `call` raises SceneError with a message of one line that contains these words."""
     with pytest.raises(midair.SceneError) as refused:
         call()
     assert "\n" not in str(refused.value)
@@ -66,7 +68,7 @@ def test_every_door_gives_the_same_answer_on_the_board(solver: str) -> None:
         alone = midair.solve(MATRIX, solver, pressures=pressures, balance=False, **BOARD)
         assert (alone.drive[~MASK] == 0).all()
         played = alone.drive[MASK]
-        # One rounding to f32, in steps of the phases.
+        # The drive is rounded once to f32; differences are in steps of the phases.
         turns = np.angle(played) / (2 * np.pi) * 16
         assert np.abs(turns - np.round(turns)).max() < 1e-5
         assert np.abs(np.abs(played) - np.round(np.abs(played))).max() < 1e-6
@@ -105,7 +107,7 @@ def test_weights_go_through_every_door() -> None:
     alone = midair.solve(MATRIX, "fast", **requested)
     rows = np.flatnonzero(weights)
     fewer = midair.solve(midair.Propagation(G[rows]), "fast", pressures=PRESSURES[1][rows])
-    # A matrix is scaled by its mean modulus, to which a point without weight belongs: other rounding.
+    # A matrix is scaled by its mean modulus, which includes points of weight 0: the rounding differs.
     assert alone.pressures[rows] == pytest.approx(fewer.pressures, rel=1e-5)
     assert same_bits(midair.Solver(MATRIX, "fast")(**requested).drive, alone.drive)
     batch = midair.solve_batch(MATRIX, None, PRESSURES[1:2], "fast", weights=[weights])
@@ -134,7 +136,7 @@ def test_the_matrix_of_a_scene_gets_the_answer_of_the_scene(solver: str) -> None
         given = {"pressures": pressures, "positions": scene.array.positions}
         found = midair.solve(MATRIX, solver, balance=False, **given, **options)
         assert numbers(found.metrics) == pytest.approx(numbers(known.metrics), abs=1e-3)
-        # The radiation is that of default air.
+        # A matrix has no medium: the radiation is that of default air.
         p_abs = np.abs(found.pressures.astype(complex))
         assert found.radiation == pytest.approx(p_abs**2 / (1.223 * 340**2), rel=1e-12)
         bound = GAIN * np.abs(G).sum(axis=1)
@@ -149,7 +151,7 @@ def test_greedy_takes_the_best_candidate_at_every_step() -> None:
     search = {"order": "rows", "amplitudes": 2}
     drive = midair.solve(midair.Propagation(matrix), "greedy", pressures=targets, **search).drive
     assert drive[11] == 0
-    # f32 energy differences of a few points.
+    # The tolerance is for f32 energy differences of a few points.
     assert oracle.regrets(matrix, targets, drive, order=range(80), amplitudes=2).max() < 1e-6
 
 

@@ -1,4 +1,4 @@
-"""Properties that hold for any scene, tried on random ones."""
+"""Properties that hold for every scene, checked for random scenes."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import midair
 from scenes import usable
 
-# The same examples in every run: a failure is a failure for everybody.
+# The same examples in every run, so that a failure can be repeated.
 steady = settings(
     max_examples=150, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow]
 )
@@ -39,7 +39,7 @@ def scenes(draw: st.DrawFn, *, unit: float = 1.0) -> midair.Scene:
 
 
 def attempt(make, *arguments, **keywords):
-    """The answer, or None where the request is refused in one line."""
+    """Returns the result, or None if the call is rejected with a message of one line."""
     try:
         return make(*arguments, **keywords)
     except midair.SceneError as error:
@@ -55,7 +55,7 @@ def attempt(make, *arguments, **keywords):
 def test_any_scene_is_refused_or_answered_with_finite_numbers(data, solver: str, balance: bool) -> None:
     scene = attempt(lambda: data.draw(scenes()))
     solution = scene and attempt(midair.solve, scene, solver, balance=balance)
-    # Refused: another one is drawn, and too many of them are a failure.
+    # Hypothesis draws another scene for a rejected one; too many rejections are a failure.
     assume(solution is not None)
     assert usable(solution)
     assert ((solution.phases >= 0) & (solution.phases < 2 * np.pi)).all()
@@ -68,7 +68,7 @@ def test_any_scene_is_refused_or_answered_with_finite_numbers(data, solver: str,
 def test_a_saved_scene_gives_the_same_bits(data, solver: str, name: str) -> None:
     scene = attempt(lambda: data.draw(scenes()))
     solution = scene and attempt(midair.solve, scene, solver)
-    # Refused: another one is drawn, and too many of them are a failure.
+    # Hypothesis draws another scene for a rejected one; too many rejections are a failure.
     assume(solution is not None)
     with TemporaryDirectory() as folder:
         path = Path(folder) / name

@@ -1,4 +1,4 @@
-"""Quantization and masks: answers on the device's grid, in files, and refusals."""
+"""Quantization and masks: drives that the device can play, in files too, and error messages."""
 
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ def board(**keywords: Any) -> midair.Array:
 
 
 def steps(phases: np.ndarray, count: int) -> np.ndarray:
-    """How far phases are from the nearest of `count`, in steps."""
+    """Returns the distance of phases to the nearest of `count` phases, in steps."""
     turns = phases / (2 * np.pi) * count
     return np.abs(turns - np.round(turns))
 
@@ -30,7 +30,7 @@ def steps(phases: np.ndarray, count: int) -> np.ndarray:
 def test_answers_lie_on_the_grid(amplitudes: Any) -> None:
     array = board(quantization={"phases": np.uint16(24), "amplitudes": amplitudes})
     solution = midair.solve(midair.Scene(array, POINTS), "wgs")
-    # One rounding to f32 of the drive, in steps of the grid.
+    # The drive is rounded once to f32; differences are in steps of the phases.
     assert steps(solution.phases, 24).max() < 1e-5
     assert np.abs(solution.amplitudes[:, None] - [0, 0.5, 1]).min(axis=1).max() < 1e-6
     assert solution.scale == 1

@@ -1,4 +1,6 @@
-"""Reach and bound: what an array can do, warnings beyond it, and the bound against a conic solver."""
+"""Reach and bound: the pressures an array can reach, warnings beyond them,
+and the bound against a conic solver.
+"""
 
 from pathlib import Path
 
@@ -13,7 +15,11 @@ from scenes import POINTS, exact, small
 
 
 def relaxation(G: np.ndarray, targets: np.ndarray) -> float:
-    """The bound by a conic solver: sqrt(min sum d) with diag(d) >= sum w a a^H, sum w = 1, w >= 0."""
+    """Returns the bound by a conic solver: sqrt(min sum_i d_i) with diag(d) >= sum_m w_m a_m a_m^H, sum w =
+    1, w >= 0.
+
+    The a_m are the rows of G over their targets, conjugated.
+    """
     M, N = G.shape
     columns, rows = np.tril_indices(2 * N)  # the upper triangle, column by column
     scale = np.where(rows == columns, 1, np.sqrt(2))
@@ -35,7 +41,7 @@ def relaxation(G: np.ndarray, targets: np.ndarray) -> float:
     cost = np.concatenate([np.ones(N), np.zeros(M)])
     empty = scipy.sparse.csc_matrix((N + M, N + M))
     answer = clarabel.DefaultSolver(empty, cost, A, b, cones, settings).solve()
-    # Each eigenvalue comes twice, which keeps the solver from its last digits.
+    # Each eigenvalue occurs twice, which limits the solver's accuracy.
     assert str(answer.status) in {"Solved", "AlmostSolved"}
     return float(np.sqrt(answer.obj_val))
 
@@ -48,7 +54,8 @@ def test_bound_is_the_value_of_the_relaxation(seed: int) -> None:
     targets = rng.uniform(0.5, 2, M)
     best = relaxation(G, targets)
     found = midair.bound(midair.Propagation(G), pressures=targets)
-    # Never below it, but for the conic solver's own digits; a first-order method ends within half a per cent.
+    # The bound is not below the optimum, up to the conic solver's accuracy, and at most half a per cent
+    # above.
     assert best * (1 - 1e-5) < found < best * 1.005
 
 

@@ -1,4 +1,4 @@
-"""Refusals: an argument that cannot be meant gets one line that names it and its value."""
+"""Invalid arguments: the message has one line and names the argument and its value."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -14,7 +14,7 @@ ARRAY = midair.Array.grid(4, 4, pitch=0.01)
 POINT = [[0, 0, 0.1]]
 NAN, INF = float("nan"), float("inf")
 
-#: Values that are no real numbers, by name: of another kind, or of another shape than a scalar or a list has.
+#: Values that are not real numbers: of another type, or of another shape than a scalar or a list has.
 NO_NUMBER: Mapping[str, Any] = {
     "text": "1",
     "text with a line break": "1\n2",
@@ -40,7 +40,9 @@ NOT_FINITE = {"NaN": NAN, "infinite": INF, "minus infinite": -INF}
 
 
 def refused(call: Callable[[], object], *words: str) -> str:
-    """The one line that `call` is refused with; it has these words."""
+    """Checks that `call` raises SceneError with a message of one line with these words,
+    and returns the message.
+    """
     with pytest.raises(midair.SceneError) as caught:
         call()
     text = str(caught.value)
@@ -51,12 +53,12 @@ def refused(call: Callable[[], object], *words: str) -> str:
 
 
 def scene(**arguments: Any) -> midair.Scene:
-    """A scene of one point above 4 x 4 transducers by default."""
+    """Returns a scene of one point above 4 x 4 transducers, unless others are given."""
     return midair.Scene(arguments.pop("array", ARRAY), arguments.pop("points", POINT), **arguments)
 
 
 TWO = [[0, 0, 0.1], [0.01, 0, 0.1]]
-#: Who reads a number (a scalar or, for `pressures` and `weights`, a list), by the name that a refusal has.
+#: Calls that read a real number (a list for `pressures` and `weights`), by the name in the error message.
 REALS: dict[str, Callable[[Any], object]] = {
     **{
         item: lambda value, item=item: scene(**{item: value})
@@ -110,12 +112,12 @@ def test_pressures_and_weights_are_refused_by_name(bad: str) -> None:
     values = {"NaN": [1, NAN], "infinite": [INF, 1], "minus infinite": [1, -INF]}
     value = (NO_NUMBER | more | values)[bad]
     matrix = midair.Propagation(np.ones((2, 3)))
-    # Complex pressures have phases: test_complex.py.
+    # Complex pressures are allowed: test_complex.py.
     for item in ("weights",) if bad in ("complex", "numpy complex") else ("pressures", "weights"):
         given = {item: value}
         word = f"points[{int(bad != 'infinite')}].{item[:-1]}" if bad in [*NOT_FINITE, "negative"] else item
         refused(lambda given=given: scene(points=TWO, **given), word)
-        # And the same where they go with a matrix.
+        # Also for a matrix.
         refused(lambda given=given: midair.solve(matrix, **given), word)
         judged = {"pressures": 1, **given}
         refused(lambda judged=judged: midair.judge(matrix, np.ones(3), **judged), word)
@@ -148,7 +150,7 @@ NO_VECTORS: Mapping[str, Any] = {
 @pytest.mark.parametrize("bad", NO_VECTORS)
 def test_vectors_of_another_shape_are_refused_by_name(bad: str) -> None:
     value = NO_VECTORS[bad]
-    # Normals and the points of a field may be left out.
+    # Normals and the points of a field are optional.
     for item in ("points", "positions") if value is None else VECTORS:
         refused(lambda item=item: VECTORS[item](value), item)
 
@@ -164,7 +166,7 @@ def test_vector_that_is_not_finite_or_far_away_is_named_by_its_index(axis: int, 
         refused(lambda: midair.Array(vectors), "array.positions[1]")
         refused(lambda: midair.Array(np.zeros((2, 3)), vectors), "array.normals[1]")
     else:
-        # The middle of two transducers is as far from either, so the first is named.
+        # The middle between two transducers is equally far from both, so the message names the first.
         refused(lambda: scene(array=midair.Array(vectors)), "array.positions[0]")
 
 
@@ -297,7 +299,7 @@ def test_point_on_a_transducer_names_both_and_their_distance() -> None:
     for call in (lambda: midair.solve(on), on.propagation, lambda: midair.judge(on, np.ones(16))):
         text = refused(call, "points[1]", "transducer 10", "8.5")
         assert "6.000e-5 m" in text
-    # The first distance that is not too near.
+    # The smallest distance that is allowed.
     assert usable(midair.solve(scene(points=[[0.005, 0.005, 8.6e-5]])))
 
 
@@ -325,7 +327,7 @@ DRIVES: dict[str, Any] = {
 
 @pytest.mark.parametrize("bad", DRIVES)
 def test_drive_is_refused_by_name(bad: str) -> None:
-    # A single row of a table is a table with one row.
+    # A table with a single row is an allowed drive, so the case "matrix" has two rows.
     refused(lambda: midair.judge(scene(), DRIVES[bad] if bad != "matrix" else np.ones((2, 15))), "drive")
     refused(lambda: midair.field(scene(), DRIVES[bad]), "drive")
 

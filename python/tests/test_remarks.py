@@ -1,4 +1,4 @@
-"""Warnings of an answer's shortcomings: once for a solve and a Solver, with counts for a batch."""
+"""Warnings about a solution's quality: one for a solve and for a Solver, one with counts for a batch."""
 
 import warnings
 from collections.abc import Callable
@@ -10,12 +10,12 @@ import midair
 
 ARRAY = midair.Array.preset("paper20")
 POINTS = np.array([[-0.03, 0, 0.15], [0.03, 0, 0.15]])
-#: Two of five problems ask too much (one of them for 800 at a point that can have 2.3), one for very little.
+#: Targets of five problems: two request too much (800 Pa at a point that can have 2.3 Pa), one very little.
 PRESSURES = np.array([[1, 1], [800, 1], [1, 1], [1, 400], [0.01, 0.01]])
 
 
 def received(call: Callable[[], object]) -> list[str]:
-    """The texts of the SceneWarnings of a call."""
+    """Returns the texts of the SceneWarnings of a call."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         call()
@@ -43,7 +43,7 @@ def test_a_batch_without_a_shortcoming_is_silent() -> None:
     batch = midair.solve_batch(ARRAY, np.broadcast_to(POINTS, (3, 2, 3)), solver="wgs")
     assert not batch.beyond.any()
     assert not batch.weak.any()
-    # Balanced, or by a method that finds the level itself, nothing is too weak.
+    # With balancing, or with a method that finds the level itself, no result is marked as too weak.
     for options in ({"solver": "wgs", "balance": True}, {"solver": "uniform"}):
         assert not midair.solve_batch(ARRAY, POINTS[None], 0.01, **options).weak.any()
 
@@ -98,7 +98,9 @@ def test_a_warning_made_an_error_leaves_the_drive_written() -> None:
 
 
 def test_the_second_harmonic_has_a_warning_where_it_is_large() -> None:
-    """3 pi beta |p|/(2 rho c^2), beta = 1.2, above .25: of pressures that are requested and reached."""
+    """Checks the estimate 3 pi beta |p|/(2 rho c^2), beta = 1.2:
+    it warns above 0.25, for pressures that are reached.
+    """
     board, point = midair.Array.preset("autd3", (2, 2)), [[0, 0, 0.15]]
     air = board.medium
     assert not received(lambda: midair.solve(midair.Scene(board, point, 6000)))

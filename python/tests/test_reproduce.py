@@ -1,4 +1,6 @@
-"""The paper's figures: written whole, the same every time, confirmed by the independent reference, judged."""
+"""The paper's figures: complete files, the same every time,
+and results that the independent reference confirms.
+"""
 
 import csv
 import signal
@@ -21,13 +23,13 @@ from midair._reproduce.scenes import curves, panels
 from midair._reproduce.tables import Run
 from midair._sweep.block import solve_block
 
-#: There so that a hang is a failure and not a hung suite.
+#: Time limit in s, so that a hang is a failed test and not a hung test suite.
 HANG = 60
 
 
 @pytest.fixture(autouse=True)
 def few(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Sizes that take seconds."""
+    """Sets sizes of problems that take seconds."""
     monkeypatch.setattr(scenes, "COUNTS", (2, 4))
     monkeypatch.setattr(scenes, "MANY", (2, 64, 80, 96))
     monkeypatch.setattr(scenes, "SIDES", (12, 14, 16))
@@ -120,7 +122,7 @@ def test_figs_3_and_4_share_their_trials_and_more_trials_use_what_is_there(
 
 
 def reference(key: str, G: np.ndarray, t: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """The method of a curve in double precision, from the tests' own oracle."""
+    """Returns the drive of a curve's method in double precision, from the tests' reference."""
     order = rng.permutation(G.shape[1])
     random = rng.uniform(0, 2 * np.pi, sum(G.shape))
     return {
@@ -150,7 +152,7 @@ def test_the_reference_lies_within_the_interval_of_fig_3(method: Any, count: int
         "seeds": None,
         "drives": True,
     }
-    # The grid of 4096 candidates takes the plain loops a second a scene.
+    # With 4096 candidates the reference's loops take a second per scene.
     trials = 4 if method.key == "greedy-fine" else 8
     ours = solve_block(settings, 0, trials)
     interval = tables.spread(ours["accuracy"])
@@ -164,7 +166,7 @@ def test_the_reference_lies_within_the_interval_of_fig_3(method: Any, count: int
 
 
 def test_the_scenes_are_the_papers() -> None:
-    # The numbers of docs/conventions.md.
+    # docs/conventions.md has these numbers.
     assert scenes.reach(20) == pytest.approx(2.36066, abs=5e-6)
     assert scenes.reach(36) == pytest.approx(6.40341, abs=5e-6)
     smiley = midair.Scene.load(Path(__file__).parents[2] / "docs" / "scenes" / "smiley.toml")
@@ -176,7 +178,7 @@ def test_the_scenes_are_the_papers() -> None:
 def test_a_slope_is_found_with_its_error() -> None:
     x = np.array([1.0, 2.0, 4.0, 8.0])
     assert timing.slope(x, 3 * x**1.5) == pytest.approx((1.5, 0.0), abs=1e-12)
-    # By hand: about the line of slope 0.9 the powers of 2 are off by .1, -.3, .3, -.1.
+    # By hand: the powers of 2 differ from the line of slope 0.9 by 0.1, -0.3, 0.3, -0.1.
     found, error = timing.slope(x, 2.0 ** np.array([0.0, 0.5, 2.0, 2.5]))
     assert found == pytest.approx(0.9)
     assert error == pytest.approx(np.sqrt(0.2 / 2 / 5), rel=1e-9)

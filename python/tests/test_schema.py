@@ -1,4 +1,4 @@
-"""docs/*.schema.json: made from the core's tables of keys, and true of scene files and sweeps."""
+"""docs/*.schema.json: made from the core's tables of keys, and valid for all scene files and sweeps."""
 
 import importlib.util
 import json
@@ -29,7 +29,7 @@ TYPES = {
 
 
 def faults(value: Any, wanted: dict[str, Any], path: str = "") -> list[str]:
-    """The checks for the words of JSON Schema that the file uses."""
+    """Returns the faults of a value, for the keywords of JSON Schema that the schemas use."""
     if "anyOf" in wanted:
         each = [faults(value, one, path) for one in wanted["anyOf"]]
         return [] if [] in each else each[0]
@@ -54,7 +54,7 @@ def faults(value: Any, wanted: dict[str, Any], path: str = "") -> list[str]:
 
 
 def documents() -> list[tuple[str, str]]:
-    """The scene files of docs/scenes, and those of the pages."""
+    """Returns the scene files of docs/scenes and those in the pages, with their names."""
     found = [(file.name, file.read_text()) for file in sorted((ROOT / "docs" / "scenes").glob("*.toml"))]
     for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]:
         blocks = re.findall(r"^```toml\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)
@@ -81,7 +81,7 @@ def test_scene_files_fit(name: str, text: str) -> None:
 
 
 def sweeps() -> list[tuple[str, str]]:
-    """The sweep files of docs/sweeps, and those of the pages."""
+    """Returns the sweep files of docs/sweeps and those in the pages, with their names."""
     found = [(file.name, file.read_text()) for file in sorted((ROOT / "docs" / "sweeps").glob("*.toml"))]
     for page in sorted((ROOT / "docs").rglob("*.md")):
         blocks = re.findall(r"^```toml\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)

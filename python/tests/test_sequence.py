@@ -1,4 +1,4 @@
-"""`midair.sequence` and `midair.stream`: bounds, targets, files that go on, warnings and refusals."""
+"""`midair.sequence` and `midair.stream`: bounds, targets, resumed files, warnings and error messages."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_a_path_is_even_within_the_bound(board, ring):
     assert found.change == pytest.approx(np.pi / 16)
     assert found.metrics.largest_change <= np.pi / 16 + 1e-6
     assert found.metrics.uniformity > 0.99
-    # In whole codes of the board.
+    # The board's phases change by whole codes.
     steps = found.changes * 256 / (2 * np.pi)
     np.testing.assert_allclose(steps, steps.round(), atol=1e-3)
     # The same bound in rad/s.
@@ -51,7 +51,7 @@ def test_targets_in_pascals_are_met_and_modulation_is_played(ring):
     found = midair.sequence(array, still.with_am(200, "sqrt"), rate=RATE)
     there = found.targets > 25
     np.testing.assert_allclose(found.pressures[there], found.targets[there], rtol=2e-3)
-    # The balanced level itself is a little above what two points so near can have.
+    # The balanced level is slightly above what two points so close together can reach.
     with pytest.warns(midair.SceneWarning, match="missed by"):
         relative = midair.sequence(array, ring.with_am(200, "cosine"), rate=RATE)
     assert relative.targets.min() == pytest.approx(0.0, abs=1e-6 * relative.targets.max())
@@ -108,7 +108,7 @@ def test_a_file_goes_on_where_it_was_to_the_same_bits(board, ring, tmp_path, mon
     assert seen == [48, 50]
     assert found == whole
     assert midair.Sequence.load(file) == whole
-    # Large ones stay where they lie.
+    # Large arrays stay in the file and are read on demand.
     monkeypatch.setattr("midair._motion.files.LARGE", 0)
     assert midair.Sequence.load(file) == whole
     free = midair.Array.grid(16, 16, 10e-3)
@@ -377,7 +377,7 @@ def test_numbers_below_the_least_are_no_error():
 
 @pytest.mark.parametrize(("points", "most"), [(1, 1.0), (4, 1.5), (8, 1.5)])
 def test_glide_keeps_codes_of_few_phases(points: int, most: float) -> None:
-    """Each change of a code sounds: about as many are needed as of the nearest codes of free phases."""
+    """Checks that few codes change (each change is audible): about as few as after rounding free phases."""
     t, turn = np.arange(200)[:, None] / 10e3, 2 * np.pi * np.arange(points) / points
     x, y = (0.02 * of(2 * np.pi * 6 * t + turn) for of in (np.cos, np.sin))
     path = np.stack([x, y, np.full_like(x, 0.2)], -1)

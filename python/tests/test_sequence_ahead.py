@@ -1,4 +1,4 @@
-"""Frames decided with some of the next in sight: bound, level, delay, files that go on, refusals."""
+"""Sequences solved with frames ahead in view: bound, level, delay, resumed files, error messages."""
 
 from __future__ import annotations
 
@@ -18,7 +18,9 @@ BOARD = midair.Array.grid(16, 16, 10e-3, quantization={"phases": 256})
 
 
 def fast(frames: int = 60) -> np.ndarray:
-    """Three points that cross at 2 m/s, faster than the bound lets all transducers follow."""
+    """Returns frames of three points that cross at 2 m/s,
+    too fast for the bound to let every transducer follow.
+    """
     along = (np.arange(frames) - frames / 2) * 2.0 / RATE
     turns = np.array([0.3, 2.2, 4.4])
     points = np.empty((frames, 3, 3))
@@ -29,7 +31,7 @@ def fast(frames: int = 60) -> np.ndarray:
 
 
 def moduli(points: np.ndarray, drives: np.ndarray) -> np.ndarray:
-    """|p| (T, M) of point sources, in f64."""
+    """Returns |p| (T, M) of point sources, in f64."""
     scene = midair.Scene(BOARD, points[0], absorption=0)
     distance = np.linalg.norm(points[:, :, None] - BOARD.positions, axis=3)
     waves = np.exp(2j * np.pi * scene.frequency / scene.sound_speed * distance) / distance
@@ -41,7 +43,7 @@ def solved(points: np.ndarray, ahead: int | str, **given: object) -> midair.Sequ
 
 
 def steps(codes: np.ndarray) -> np.ndarray:
-    """Whole phase steps between frames, the shorter way round."""
+    """Returns the numbers of phase steps between frames, the shorter way round."""
     apart = np.abs(np.diff(codes.astype(int), axis=0))
     return np.minimum(apart, 256 - apart)
 
@@ -94,7 +96,7 @@ def test_points_of_a_stream_come_and_go() -> None:
     drives = np.array(list(midair.stream(BOARD, frames, rate=RATE, change=CHANGE, ahead=4, absorption=0)))
     loud = np.abs(drives).max(axis=1)
     assert loud[:8].max() < 0.9
-    # A point that appears at once is uneven for some frames, and the loudest is no louder than requested.
+    # After a point appears, some frames are uneven, but no point is louder than requested.
     assert loud[12:].min() > 0.95
     codes = np.rint(np.angle(drives) * 128 / np.pi).astype(int) % 256
     assert steps(codes).max() <= 4
@@ -121,7 +123,7 @@ def test_frames_without_points_are_silent_and_bind_no_one() -> None:
 def test_a_file_goes_on_where_it_was_to_the_same_bits(pressures, tmp_path, monkeypatch) -> None:
     points, file = fast(50), tmp_path / "motion.npz"
     whole = solved(points, 8, pressures=pressures)
-    # Whatever the blocks: they have nothing to do with the windows.
+    # The size of the blocks in a file does not change the result.
     monkeypatch.setattr("midair._motion.solve.BLOCK", 7)
     assert solved(points, 8, pressures=pressures) == whole
 
@@ -192,7 +194,8 @@ def test_a_closed_sequence_asks_for_a_closed_path() -> None:
     for ahead in (0, 3, "all"):
         with pytest.raises(midair.SceneError, match=r"^closed is True: the path's end is not its start"):
             midair.sequence(BOARD, line, rate=RATE, closed=True, ahead=ahead)
-    # Of an unknown array; its seam is a step like any other.
+    # An array of points may be closed without ending where it starts; the change at the seam is then a
+    # warning.
     with pytest.warns(midair.SceneWarning, match="rad a frame, 0.196 allowed"):
         midair.sequence(BOARD, line.frames(RATE)[0][:40], rate=RATE, closed=True, ahead="all")
 

@@ -27,7 +27,7 @@ def points() -> np.ndarray[Any, Any]:
 
 
 def made(**given: Any) -> midair.Sequence:
-    """Two foci on a circle by 16 phases; the second is gone for a while, and both at the end."""
+    """Returns two foci on a circle with 16 phases; the second is off for some frames, and both at the end."""
     targets = np.full((FRAMES, 2), 300.0)
     targets[8:12, 1], targets[-1] = 0, 0
     codes = np.random.default_rng(2).integers(0, 16, (FRAMES, 25))
@@ -231,12 +231,12 @@ def test_an_animation_is_a_webp_of_what_the_frames_are(tmp_path: Path) -> None:
             film.seek(frame)
             assert film.info.get("duration", 50) == 50
             pictures.append(np.asarray(film.convert("L"), dtype=float))
-    # The margin stays, the field moves.
+    # The margins of the pictures stay the same, and the field moves.
     assert np.abs(pictures[0] - pictures[2])[:, :40].max() < 30
     assert np.abs(pictures[0] - pictures[2])[:, 100:300].max() > 100
 
 
-#: In place of ffmpeg: keeps its pictures, or ends in its way.
+#: Scripts in place of ffmpeg: one stores its pictures, one fails.
 KEEPS = '#!/bin/sh\nfor last; do :; done\ncat > "$last"\n'
 FAILS = "#!/bin/sh\necho no such codec >&2\nexit 3\n"
 
@@ -311,11 +311,12 @@ def test_sequences_of_traps_report_their_foci(tmp_path: Any) -> None:
         assert 0.98 < moved.metrics.level <= 1.001
         assert moved.scene(5).signature == "trap"
         bead = midair.rest(moved.scene(40), moved.drives[40])
-        # Frame by frame the trap carries a bead that goes round: one at rest lies where the force is m v^2/r.
+        # Without frames ahead, the trap accounts for the bead's motion: a bead at rest lies where the force
+        # is m v^2/r.
         inward = 0 if ahead else bead.mass * 0.8**2 / 0.01 / bead.stiffness.min()
         at = moved.points[40] * (1 - inward / 0.01)
         assert np.linalg.norm(bead.place - at) < 5e-5 + 5e-5 * (ahead == "all")
-        # A hand at the node feels the real field, of which little is left there.
+        # The skin at a trap's node feels the real field, which is nearly 0 there.
         assert moved.felt(moved.points[40, 0]).values[40] < 0.01 * moved.radiation[40, 0]
         moved.save(tmp_path / "moved.npz")
         assert midair.Sequence.load(tmp_path / "moved.npz") == pickle.loads(pickle.dumps(moved)) == moved

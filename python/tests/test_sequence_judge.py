@@ -1,4 +1,4 @@
-"""Sequences, judged: pressures, changes, envelopes, forces and noise against plain loops and formulas."""
+"""Metrics of sequences: pressures, changes, envelopes, forces and noise, against plain loops and formulas."""
 
 from collections.abc import Callable
 from typing import Any
@@ -18,28 +18,30 @@ SPOT = np.array([0.004, -0.003, 0.12])
 
 
 def circles(frames: int = FRAMES) -> np.ndarray[Any, Any]:
-    """Three points (T, 3, 3) on circles of different radii, 0.15 m high."""
+    """Returns three points (T, 3, 3) on circles of different radii, at a height of 0.15 m."""
     angle = 2 * np.pi * (np.arange(frames)[:, None] / frames + np.arange(3) / 3)
     radius = np.array([0.01, 0.015, 0.02])
     return np.stack([radius * np.cos(angle), radius * np.sin(angle), np.full(angle.shape, 0.15)], axis=-1)
 
 
 def wild(frames: int = FRAMES, seed: int = 3) -> np.ndarray[Any, Any]:
-    """Drives of any phase; amplitudes 0, 0.5 and 1."""
+    """Returns drives of random phases, with the amplitudes 0, 0.5 and 1."""
     rng = np.random.default_rng(seed)
     phases = rng.uniform(-np.pi, np.pi, (frames, len(ARRAY)))
     return rng.choice([0, 0.5, 1, 1], phases.shape) * np.exp(1j * phases)
 
 
 def made(drives: Any = None, **given: Any) -> midair.Sequence:
-    """Points on circles with wild drives by default."""
+    """Returns a sequence of points on circles, with the drives of `wild` unless others are given."""
     drives = wild() if drives is None else drives
     setting = {"array": ARRAY, "points": circles(len(drives)), "targets": 500.0, "rate": RATE} | given
     return midair.Sequence(drives=drives, **setting)
 
 
 def single(drives: Any, **given: Any) -> midair.Sequence:
-    """One transducer and one point at rest, so that |p| is |y| times 4.386 / 0.1."""
+    """Returns a sequence of one transducer and one point at rest;
+    |p| is 4.386 / 0.1 times |y|, y being its output.
+    """
     points = np.broadcast_to([0.0, 0.0, 0.1], (len(drives), 1, 3))
     setting = {"targets": 1.0, "rate": RATE} | given
     return midair.Sequence(midair.Array([[0, 0, 0]]), points, drives=np.reshape(drives, (-1, 1)), **setting)
@@ -77,7 +79,7 @@ def test_codes_are_phases_and_their_changes_whole_steps() -> None:
     assert sequence.drives == pytest.approx(drives, abs=1e-6)
     same = made(drives, array=array, closed=True)
     assert same.codes is None
-    # A transducer that is off plays nothing, whatever it is given.
+    # A transducer that is masked off plays nothing, whatever its drive.
     assert made(drives + (np.arange(36) == 7), array=array, closed=True) == same
     assert sequence.pressures == pytest.approx(same.pressures, rel=1e-5)
     assert sequence.changes == pytest.approx(same.changes, abs=1e-6)
@@ -129,7 +131,7 @@ def test_metrics_are_those_of_plain_loops_over_the_points_that_are_there() -> No
 
 
 def euler(drives: Any, hold: str, closed: bool, tau: float, fine: int = 4000) -> np.ndarray[Any, Any]:
-    """Four times a frame y (T 4, N), by this many steps a frame of y' = (q - y)/tau."""
+    """Integrates y' = (q - y)/tau with `fine` steps per frame; returns y (4 T, N), four times per frame."""
     count, step = len(drives), 1 / (RATE * fine)
     following = [(t + 1) % count if closed else min(t + 1, count - 1) for t in range(count)]
     laps, y, taken = 3 if closed else 1, np.array(drives[0], complex), []
@@ -166,7 +168,7 @@ def test_pressures_inside_the_frames_solve_the_equation_of_the_transducers(hold:
 
 def test_a_closed_sequence_slower_than_its_transducers_is_steady_from_its_start() -> None:
     drives = np.exp(2j * np.pi * np.arange(16) / 16)
-    # A lap lasts three time constants: the state at the end of the last lap matters.
+    # A lap lasts three time constants, so the state at the end of the last lap has an effect.
     tau = 16 / RATE / 3
     _, once = single(drives, closed=True).between(tau, substeps=1)
     _, thrice = single(np.tile(drives, 3), closed=True).between(tau, substeps=1)
@@ -175,7 +177,7 @@ def test_a_closed_sequence_slower_than_its_transducers_is_steady_from_its_start(
 
 @pytest.mark.parametrize("angle", [np.pi, np.pi / 2, np.pi / 4, np.pi / 16])
 def test_one_phase_step_goes_through_the_cosine_of_its_half(angle: float) -> None:
-    # Two sub-steps a frame, the first of them tau ln 2 long.
+    # Two sub-steps per frame, the first of them tau ln 2 long.
     sequence = single([1, np.exp(1j * angle)], rate=1 / (2 * TAU * np.log(2)))
     _, inside = sequence.between(TAU, substeps=2)
     assert inside[:, 0] * 0.1 / 4.386 == pytest.approx([1, 1, 1, np.cos(angle / 2)], abs=2e-6)
@@ -218,7 +220,7 @@ def test_cold_frames_jump_and_motion_tells() -> None:
 def modulated(
     shape: Callable[[Any], Any], frequency: float = 200, rate: float = RATE, closed: bool = True
 ) -> midair.Sequence:
-    """All transducers in phase at a spot for 0.1 s, their amplitude a function of the cosine."""
+    """Returns a focus at a point for 0.1 s; the amplitude of all transducers is a function of the cosine."""
     frames = round(rate / 10)
     focus = np.conj(gains(SPOT)[0] / abs(gains(SPOT)[0]))
     amplitudes = shape(np.cos(2 * np.pi * frequency * np.arange(frames) / rate))
@@ -234,7 +236,7 @@ def test_amplitude_modulation_has_three_eighths_or_half_of_the_force() -> None:
     )
     assert plain.static == pytest.approx(3 / 8 * full, rel=GAIN)
     assert root.static == pytest.approx(full / 2, rel=GAIN)
-    # (1 + c)^2/4 = 3/8 + c/2 + cos(2wt)/8, and (1 + c)/2 has one line.
+    # (1 + c)^2/4 = 3/8 + c/2 + cos(2wt)/8 has two lines, and (1 + c)/2 has one.
     assert plain.rms == pytest.approx(full * np.array([0, 0.5, np.hypot(0.5, 0.125)]) / np.sqrt(2), abs=1e-3)
     assert root.rms == pytest.approx(full * np.array([0, 0.5, 0.5]) / np.sqrt(2), abs=1e-3)
     assert root.frequencies[np.argmax(root.spectrum[1:]) + 1] == 200
@@ -254,7 +256,7 @@ def test_laps_of_any_rate_have_their_lines_in_the_bands(radius: float, speed: fl
         inside = [f for f in felt.frequencies if low <= f < high]
         assert (rms > 0) == bool(inside)
         assert not inside or inside[0] / lap == pytest.approx(round(inside[0] / lap))
-    # A band beyond half the frame rate has no line.
+    # A band above half the frame rate has no line.
     assert sequence.felt(SPOT, bands=[(RATE, 2 * RATE)]).rms == [0]
 
 
@@ -272,9 +274,9 @@ def test_a_patch_feels_the_mean_of_its_places_and_its_area() -> None:
     assert pressure.values == pytest.approx(np.array(expected), rel=1e-3)
     assert force.values == pytest.approx(1e3 * 2e-4 * np.array(expected), rel=1e-3)
     assert (force.unit, force.static) == ("mN", pytest.approx(0.2 * np.mean(expected), rel=1e-3))
-    # The lines hold all of the power: Parseval.
+    # The sum of the squared lines is the signal's power (Parseval).
     assert np.sqrt(np.sum(force.spectrum[1:] ** 2) / 2) == pytest.approx(np.std(force.values), rel=1e-9)
-    # Transducers with a time constant of ten frames hardly follow it.
+    # Transducers with a time constant of ten frames hardly follow the modulation.
     slow = sequence.felt(patch, bands=[(500, 5000)], tau=1e-3)
     assert np.std(slow.values) < 0.6 * np.std(pressure.values)
 
@@ -288,10 +290,10 @@ def test_noise_is_reported_beside_amplitude_modulation_at_200_hertz() -> None:
     def plain(c: Any) -> Any:
         return (1 + c) / 2
 
-    # This many frames that no corner of their amplitudes is audible.
+    # So many frames that the corners of the amplitude between frames are inaudible.
     rate = 40e3
     assert modulated(plain, rate=rate).judge(TAU, hold="linear").noise == pytest.approx(0, abs=0.01)
-    # Twice the frequency: four times the bend, and the ear hears its lines 6.1 and 4.0 dB better.
+    # Twice the frequency has four times the second derivative, and A-weighting is 6.1 and 4.0 dB higher.
     left = [1 / np.hypot(1, 2 * np.pi * f * TAU) for f in (200, 400)]
     lines = [np.array([g / 2, g**2 / 2]) for g in left]
     received = [
@@ -302,7 +304,7 @@ def test_noise_is_reported_beside_amplitude_modulation_at_200_hertz() -> None:
     assert modulated(plain, 400, rate).judge(TAU, hold="linear").noise == pytest.approx(louder, abs=0.03)
     opened = modulated(plain, rate=rate, closed=False)
     assert opened.judge(TAU, hold="linear").noise == pytest.approx(0, abs=0.1)
-    # Frames of 10 kHz with steps: these are audible, too.
+    # Steps between frames at 10 kHz are audible, too.
     assert modulated(plain).judge(TAU).noise > 3
     assert single(np.ones(50)).metrics.noise == -200
 

@@ -1,4 +1,4 @@
-"""`midair serve`: points of other programs by WebSocket and OSC, and what is refused."""
+"""`midair serve`: points that other programs send by WebSocket and OSC, and messages that it rejects."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from websockets.sync.client import connect
 from midair._boards.doors import Doors, Reports
 from midair._boards.playing import SILENCE, Live
 
-# A board of one amplitude warns that it plays louder than requested.
+# A board with one amplitude warns that it plays louder than requested.
 pytestmark = pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 
 POINT = [0.0, 0.0, 0.1]
@@ -45,7 +45,7 @@ def ask(client: Any, **message: Any) -> Any:
 
 
 def until(doors: Doors, state: str, seconds: float = 2.0) -> float:
-    """The time until the board is in a state."""
+    """Waits until the board is in a state, and returns the time in s."""
     begin = time.monotonic()
     while doors._live.connection.state != state:
         assert time.monotonic() - begin < seconds, doors._live.state()
@@ -54,7 +54,7 @@ def until(doors: Doors, state: str, seconds: float = 2.0) -> float:
 
 
 def focus(doors: Doors) -> float:
-    """|p| of what plays at POINT, over what one focus there can have."""
+    """Returns |p| of the playing drive at POINT, over the |p| of one full focus there."""
     gains = midair.Scene(doors._live.connection.board.array, [POINT]).propagation()[0]
     return float(abs(gains @ doors._live.connection.emitting) / abs(gains).sum())
 
@@ -67,9 +67,9 @@ def test_points_are_played_and_silence_is_silent(doors: Doors) -> None:
         assert ask(client, points=[POINT])["error"] is None
         until(doors, "playing")
         assert focus(doors) > 0.9
-        # A client that says nothing more is taken for dead.
+        # A client that sends nothing more counts as gone.
         assert until(doors, "off") < SILENCE + 0.3
-        # A later sign of life does not bring its points back.
+        # A later `keep` does not bring the client's points back.
         assert ask(client, keep=True)["state"] == "off"
         time.sleep(0.1)
         assert doors._live.connection.state == "off"
@@ -79,7 +79,7 @@ def test_points_are_played_and_silence_is_silent(doors: Doors) -> None:
         until(doors, "off")
         ask(client, points=[POINT, [0.01, 0, 0.1]], pressures=[300, 100])
         until(doors, "playing")
-    # The end of the server turns the board off.
+    # The board turns off when the client has gone.
     assert until(doors, "off") < SILENCE + 0.3
 
 
@@ -104,7 +104,7 @@ def test_a_message_wakes_a_server_at_rest() -> None:
         live = Live(board, rate=1.0, change=np.pi)
         live.place(np.array([POINT]))
         begin = time.monotonic()
-        # One frame a second; the second is as the first, and then nothing is sent.
+        # One frame per second; the second repeats the first, and then nothing more is sent.
         while time.monotonic() - begin < 2.5:
             live.keep()
             time.sleep(0.02)

@@ -1,4 +1,6 @@
-"""The protocol of Adaptics Engine: five tactons of our own against their curves, and what is refused."""
+"""The protocol of Adaptics Engine: five tactons of our own against their curves,
+and messages that are rejected.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,7 @@ from midair._boards.tacton import Moment, Tacton
 
 pytestmark = pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 
-#: mm and the share of the full intensity, as published for the rule of evaluation.
+#: Published tolerances of the evaluation rule: place in mm, and intensity relative to full.
 PLACE, STRENGTH = 0.1, 0.01
 
 UNMOVED = [[float(i == k) for k in range(4)] for i in range(4)]
@@ -43,7 +45,7 @@ def send(client: Any, command: str, **data: Any) -> None:
 
 
 def start(client: Any, case: tactons.Case) -> None:
-    """What the Designer sends before it plays."""
+    """Sends the messages that the Designer sends before it plays."""
     send(client, "update_pattern", pattern_json=json.dumps(case.pattern))
     given = {"time": 0, "user_parameters": case.values, "geometric_transform": UNMOVED}
     send(client, "update_parameters", evaluator_params=given)
@@ -76,7 +78,7 @@ def test_a_tacton_follows_its_curves_at_1_khz(case: tactons.Case) -> None:
     apart = np.abs(np.array(found).T - expected)[:, plays]
     assert apart[:3].max() < PLACE
     assert apart[3].max() < STRENGTH
-    # It is no near miss.
+    # The agreement is much closer than the tolerance.
     assert apart.max() < 1e-6
     assert np.ptp(np.array(found)[plays], axis=0)[[0, 1, 3]].min() > 0.3
 
@@ -105,7 +107,7 @@ def test_a_tacton_is_played_on_a_board(case: tactons.Case, doors: Doors) -> None
     expected = case.expected(own, since, case.values)
     assert np.abs(points - expected[:3].T).max() < PLACE
     assert np.abs(strength - expected[3]).max() < STRENGTH
-    # The board got a focus at each of these points, unless its intensity is nearer to off.
+    # The board received a focus at each of these points, unless the intensity rounds to off.
     assert len(sent) >= len(played) - 1
     for point, loud, (_, drive) in zip(points, strength, sent, strict=False):
         gains = midair.Scene(board.board.array, [1e-3 * point]).propagation()[0]
@@ -115,7 +117,9 @@ def test_a_tacton_is_played_on_a_board(case: tactons.Case, doors: Doors) -> None
 
 
 def test_parameters_jumps_and_transforms() -> None:
-    """Values are limited by their definitions; a matrix moves the place and not the brush."""
+    """Checks that definitions limit their parameters' values,
+    and that a matrix moves places but not the brush.
+    """
     circle = ("circle", {"radius": "size", "am_freq": 0})
     given = tactons.pattern(
         [tactons.keyframe(0, (10, 0, 0), circle, 1), tactons.keyframe(100, (20, 0, 0))],
@@ -128,7 +132,7 @@ def test_parameters_jumps_and_transforms() -> None:
         assert tacton.at(0, Moment(), values).point == (10 + radius, 0, 50)
     moved = tacton.at(0, Moment(), {}, [[2, 0, 0, 1], [0, 1, 0, 0], [0, 0, 1, -5], [0, 0, 0, 1]])
     assert moved.point == (24, 0, 45)
-    # From the middle: the start's own time is that of the parameters.
+    # A start in the middle: the offset is the time given with the parameters.
     assert tacton.at(50, Moment(50), {}).point[0] == pytest.approx(15 + 3)
 
 
@@ -144,7 +148,7 @@ def test_hands_move_a_tacton_and_silence_is_silent(doors: Doors) -> None:
         send(tracker, "tracking_data", tracking_frame={"hand": hand})
         assert received(client, "tracking_data")["tracking_frame"]["hand"] == hand
         start(client, tactons.CASES[0])
-        # Without a further message: the client answers pings while it reads.
+        # No further message is needed: the client answers pings while it reads.
         begin = time.monotonic()
         while time.monotonic() - begin < 0.6:
             received(client, "playback_update")
@@ -172,7 +176,7 @@ def test_a_client_of_adaptics_needs_the_token(doors: Doors) -> None:
 
 
 def changed(*keys: Any, to: Any) -> str:
-    """A good pattern with one value replaced."""
+    """Returns a valid pattern with one value replaced."""
     made = deepcopy(tactons.CASES[3].pattern)
     inner: Any = made
     for key in keys[:-1]:
@@ -283,7 +287,7 @@ def test_hostile_messages_make_no_sound_and_end_nothing(doors: Doors) -> None:
             answer = json.loads(client.recv(timeout=10))
             assert answer["cmd"] == "error", message[:60]
             assert len(answer["data"]["message"]) <= 300
-        # Below the array, where no point can be.
+        # A pattern below the array, where no point can be.
         low = tactons.pattern([tactons.keyframe(0, (0, 0, 0), None, 1)], shift=(0, 0, -50))
         start(client, tactons.Case("low", low, tactons.CASES[0].expected))
         assert "\n" not in received(client, "error")["message"]

@@ -1,4 +1,6 @@
-"""The clients of examples/serve against `midair serve`: Python's, and that of a web page, in Node."""
+"""The clients in examples/serve against `midair serve`:
+the Python client, and the web page's script in Node.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore::midair.Scene
 
 CLIENTS = Path(__file__).parents[2] / "examples" / "serve"
 
-#: A page around the script of client.html: the mouse moves for .4 s, then leaves.
+#: A page around the script of client.html: the mouse moves for 0.4 s, then leaves.
 PAGE = """
 const parts = { hand: {}, state: {}, address: {} };
 globalThis.document = { getElementById: (name) => parts[name] };
@@ -46,7 +48,7 @@ def doors() -> Iterator[Doors]:
 
 
 def places(doors: Doors, program: subprocess.Popen[str]) -> list[list[float]]:
-    """The points that the board played while a client ran; its end is the board's."""
+    """Returns the points that the board played while a client ran; then the board must turn off."""
     found: list[list[float]] = []
     begin = time.monotonic()
     while program.poll() is None and time.monotonic() - begin < 60:
@@ -93,7 +95,7 @@ def test_a_web_page(doors: Doors, tmp_path: Path) -> None:
 
 
 def test_processing_sends_what_the_server_reads(doors: Doors) -> None:
-    """oscP5 writes text as s and float as f, in the order of its calls."""
+    """Checks the message that oscP5 builds: text as s, floats as f, in the order of the calls."""
     program = (CLIENTS / "client.pde").read_text("utf-8")
     assert re.findall(r"OscMessage\(\"(.*?)\"\)", program) == ["/midair/points"]
     added = re.findall(r"message\.add\((.*)\);", program)

@@ -1,4 +1,4 @@
-"""Shapes as points: where they lie, how far apart, and what is refused."""
+"""Shapes as points: their positions, their distances, and rejected arguments."""
 
 import sys
 from collections.abc import Callable
@@ -20,7 +20,7 @@ HEAD = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100">'
 
 @pytest.fixture
 def svg(tmp_path: Path) -> Callable[..., Points]:
-    """Points of an SVG drawing given by what stands in it."""
+    """Returns a function that makes points of an SVG drawing with this content."""
 
     def drawn(inside: str, **keywords: Any) -> Points:
         path = tmp_path / "drawing.svg"
@@ -31,12 +31,12 @@ def svg(tmp_path: Path) -> Callable[..., Points]:
 
 
 def steps(points: Points, *, closed: bool = False) -> Points:
-    """Distances of neighbours in order."""
+    """Returns the distances of consecutive points."""
     return np.linalg.norm(np.diff([*points, points[0]] if closed else points, axis=0), axis=1)
 
 
 def nearest(points: Points) -> float:
-    """The least distance of any two."""
+    """Returns the smallest distance between two points."""
     apart = np.linalg.norm(points[:, None] - points[None], axis=2)
     return float(apart[np.triu_indices(len(points), 1)].min())
 
@@ -58,7 +58,7 @@ def test_a_line_has_equal_steps_and_both_ends(step: float) -> None:
     assert (points[0] == start).all()
     assert points[-1] == pytest.approx(end)
     length = np.linalg.norm(end - start)
-    # Within half a step in all, of 0.1 m at the most.
+    # The number of steps is rounded; lines are shorter than 0.1 m here.
     assert steps(points) == pytest.approx(np.full(len(points) - 1, length / (len(points) - 1)))
     assert abs(length / step - (len(points) - 1)) <= 0.5 or len(points) == 2
 
@@ -73,7 +73,7 @@ def test_a_circle_is_round_flat_even_and_not_doubled(normal: tuple[float, ...]) 
     chords = steps(points, closed=True)
     assert chords == pytest.approx(np.full(len(points), 2 * radius * np.sin(np.pi / len(points))))
     assert len(points) == round(2 * np.pi * radius / shape.STEP)
-    # Counterclockwise as seen against the normal.
+    # Counterclockwise when seen from the side that the normal points to.
     assert np.cross(away[0], away[1]) @ normal > 0
     if normal == (0, 0, 1):
         assert points[0] == pytest.approx([0.01 + radius, -0.02, 0.15])
@@ -83,7 +83,7 @@ def test_a_polyline_is_even_along_its_way() -> None:
     vertices = np.array([[0, 0, 0.1], [0.03, 0, 0.1], [0.03, 0.02, 0.1], [0, 0.03, 0.11]])
     for closed in (False, True):
         points = shape.polyline(vertices, step=0.002, closed=closed)
-        # The way walked in pieces of a micrometre.
+        # The polyline in steps of a micrometre.
         corners = [*vertices, vertices[0]] if closed else list(vertices)
         fine = np.concatenate(
             [np.linspace(a, b, round(np.linalg.norm(b - a) * 1e6)) for a, b in pairwise(corners)]
@@ -104,13 +104,13 @@ def test_a_triangle_and_a_line_there_and_back_have_no_point_twice() -> None:
 
 
 def test_points_of_crossing_contours_keep_half_a_step(svg: Callable[..., Points]) -> None:
-    # An even number of steps, so that both have a point in the middle.
+    # An even number of steps, so that both lines have a point in the middle.
     step, alone = np.hypot(0.08, 0.08) / 50, 51
     cross = svg('<path d="M0 0 L100 100 M0 100 L100 0"/>', step=step)
     assert nearest(cross) >= step / 2 * (1 - 1e-6)
-    # One of both middles is left out, and no other.
+    # Only one of the two coinciding middle points is left out.
     assert len(cross) == 2 * alone - 1
-    # The same line twice is one line.
+    # The same line twice counts as one line.
     assert len(svg('<path d="M0 0 L100 100 M0 0 L100 100"/>', step=step)) == alone
 
 
@@ -130,7 +130,7 @@ def test_a_letter_is_as_high_as_requested_in_the_middle_and_upright() -> None:
     assert np.ptp(points[:, 1]) == pytest.approx(0.03, abs=1e-3)
     assert middle(points) == pytest.approx([0, 0, 0.2], abs=1e-3)
     assert (points[:, 2] == 0.2).all()
-    # An A is wide below, and has a hole.
+    # An A is wide at the bottom, and has a hole.
     width = [np.ptp(points[half, 0]) for half in (points[:, 1] < -0.01, points[:, 1] > 0.01)]
     assert width[0] > 2 * width[1] > 0
     assert len(points) == pytest.approx(len(shape.text("A", height=0.06, z=0.2, step=0.002)), abs=2)
@@ -143,7 +143,7 @@ def test_a_word_is_read_from_left_to_right() -> None:
     # The i has a gap below its dot.
     gaps = [np.diff(np.sort(side)).max() for side in (left, right)]
     assert gaps[1] > 2 * gaps[0]
-    # $ is a letter, no mathematics.
+    # $ is an ordinary character, not the start of a formula.
     assert len(shape.text("$x$", height=0.03, z=0.15)) > len(shape.text("x", height=0.03, z=0.15)) + 60
 
 
@@ -169,7 +169,7 @@ def test_svg_curves_are_where_their_formulas_are(svg: Callable[..., Points]) -> 
     points = svg('<path d="M0 0 C10 90 60 -40 100 30"/>', step=0.001)
     t = np.linspace(0, 1, 100_001)[:, None]
     curve = (1 - t) ** 3 * p[0] + 3 * t * (1 - t) ** 2 * p[1] + 3 * t**2 * (1 - t) * p[2] + t**3 * p[3]
-    # The longer side is made 80 mm, the middle 0, y turned up.
+    # The longer side is scaled to 80 mm, the middle is at 0, and y points up.
     scale = 0.08 / np.ptp(curve, axis=0).max()
     curve = (curve - (curve.min(axis=0) + curve.max(axis=0)) / 2) * scale * [1, -1]
     away = np.abs(points[:, None, :2] - curve[None, ::20]).max(axis=2).min(axis=1)
@@ -182,7 +182,7 @@ def test_svg_has_y_up_groups_moved_and_hidden_things_left_out(svg: Callable[...,
     <g transform="translate(10 10) scale(2)"><path d="M0 0 h20 v5"/></g>
     <path d="M-500 -500 L500 500" display="none"/><text x="900" y="900">hi</text>"""
     points = svg(inside, step=0.001)
-    # A line across and then, as y points down in SVG, a shorter one down.
+    # A horizontal line, then a shorter one downwards: y points down in SVG.
     assert points[0] == pytest.approx([-0.04, 0.01, 0.15])
     assert points[-1] == pytest.approx([0.04, -0.01, 0.15])
     assert len(points) == 101

@@ -1,4 +1,4 @@
-"""The skin under a sequence: closed forms, an independent membrane, and published orders."""
+"""The skin's motion under a sequence: closed forms, an independent membrane model, and published rankings."""
 
 from __future__ import annotations
 
@@ -21,14 +21,16 @@ AROUND = midair.Plane(z=HEIGHT, size=0.08, pixels=33)
 
 
 def ring(radius: float, count: int, points: int = 1) -> NDArray[np.float64]:
-    """Frames (T, M, 3) of one turn."""
+    """Returns frames (T, M, 3) of one turn on a circle."""
     turns = np.arange(count)[:, None] / count + np.arange(points) / points
     angles = 2 * np.pi * turns
     return MIDDLE + radius * np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=2)
 
 
 def played(points: Any, rate: float, amplitudes: Any = 1.0) -> midair.Sequence:
-    """Every frame by itself: one focus in closed form, more by `fast`, all at full amplitude."""
+    """Returns a sequence of full-amplitude frames:
+    a single focus in closed form, several by the solver `fast`.
+    """
     if points.shape[1] == 1:
         gains = midair.Scene(ARRAY, points[:, 0]).propagation()
         drives = (gains / abs(gains)).conj()
@@ -40,12 +42,12 @@ def played(points: Any, rate: float, amplitudes: Any = 1.0) -> midair.Sequence:
 
 
 def frames(frequency: float) -> int:
-    """Frames a period: enough that the steps between them are not felt."""
+    """Returns the number of frames per period: enough that the steps between frames are not felt."""
     return max(30, round(3000 / frequency))
 
 
 def am(frequency: float) -> midair.Sequence:
-    """Full amplitude modulation (1 + cos)/2 in place."""
+    """Returns full amplitude modulation (1 + cos)/2 of a focus at rest."""
     count = frames(frequency)
     c = np.cos(2 * np.pi * np.arange(count) / count)
     return played(np.broadcast_to(MIDDLE, (count, 1, 3)), count * frequency, (1 + c) / 2)
@@ -72,7 +74,7 @@ def test_a_point_load_is_the_closed_form() -> None:
 
 
 def spot(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A push of some mm, off the middle."""
+    """Returns a Gaussian pressure some mm wide, off the middle."""
     found: NDArray[np.float64] = np.exp(-((x - 0.004) ** 2 + y**2) / (2 * 0.003**2))
     return found
 
@@ -86,7 +88,7 @@ def test_the_sheet_is_that_of_finite_differences(frequency: float) -> None:
     second = sparse.diags_array([1.0, -2.0, 1.0], offsets=[-1, 0, 1], shape=(count, count)) / step**2
     one = sparse.eye_array(count)
     laplacian = sparse.kron(second, one) + sparse.kron(one, second)
-    # m w'' = T laplacian w + p, T with a loss, fixed at rims 8 cm away.
+    # The equation m w'' = T laplacian w + p, with a complex tension T for the loss, fixed at rims 8 cm away.
     w2 = (2 * np.pi * frequency) ** 2
     matrix = 6.4 * 36 * (1 + 0.4j) * laplacian + 6.4 * w2 * sparse.eye_array(count**2)
     push = spot(*np.meshgrid(x, x, indexing="ij"))
@@ -114,7 +116,7 @@ def test_triangles_move_as_the_plane_does() -> None:
     plane = SHEET.on_plane(frequencies, push[None], step)[0]
     mesh = Triangles(vertices, faces)
     moved = SHEET.on_mesh(frequencies, push.reshape(1, -1), mesh)
-    # Waves come back from the rims of the triangles.
+    # The rims of the triangles reflect waves, so only the inner part is compared.
     inner = (slice(10, -10), slice(10, -10))
     apart = np.abs(moved.reshape(count, count) - plane)[inner]
     assert apart.max() < 0.02 * np.abs(plane).max()
@@ -150,13 +152,13 @@ def test_a_hand_of_triangles_is_pushed_on_its_near_side() -> None:
     assert found.level == pytest.approx(flat.level, abs=1.5)
 
 
-# The published orders: docs/touch.md lists them.
+# Published rankings; docs/touch.md lists them.
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("wave", [5.0, 7.0])
 def test_a_focus_moves_the_skin_most_at_the_speed_of_its_waves(wave: float) -> None:
-    """Frier et al. 2018."""
+    """Checks a result of Frier et al. 2018."""
     speeds = np.arange(3.5, 9.5, 0.5)
     moved = [midair.skin(stm(speed), AROUND, speed=wave).rms.max() for speed in speeds]
     assert speeds[np.argmax(moved)] == pytest.approx(wave, abs=0.6)
@@ -164,7 +166,7 @@ def test_a_focus_moves_the_skin_most_at_the_speed_of_its_waves(wave: float) -> N
 
 @pytest.mark.slow
 def test_the_strongest_speed_is_5_to_8_m_a_second_and_goes_with_the_wave() -> None:
-    """Frier et al. 2018, of what is felt."""
+    """Checks the result of Frier et al. 2018 on perceived strength."""
     speeds = np.arange(3.0, 12, 1.0)
     found = {
         wave: speeds[np.argmax([full(stm(speed), speed=wave) for speed in speeds])]
@@ -175,28 +177,28 @@ def test_the_strongest_speed_is_5_to_8_m_a_second_and_goes_with_the_wave() -> No
 
 
 def full(sequence: midair.Sequence, **skin: Any) -> float:
-    """Strength on the ring, in the mean."""
+    """Returns the mean strength on the ring."""
     return float(midair.skin(sequence, AROUND, **skin).along(ring(0.03, 24)[:, 0]).mean())
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("frequency", [10, 20, 50, 100, 200])
 def test_lateral_modulation_is_felt_more_than_amplitude_modulation(frequency: float) -> None:
-    """Takahashi et al. 2020, by circles; here of a radius of one wavelength."""
+    """Checks the result of Takahashi et al. 2020, here with circles of one wavelength radius."""
     lateral = midair.skin(played(ring(8.5e-3, frames(frequency)), frames(frequency) * frequency), PLANE)
     assert lateral.level > midair.skin(am(frequency), PLANE).level
 
 
 @pytest.mark.slow
 def test_more_points_at_once_are_weaker() -> None:
-    """Shen et al. 2023."""
+    """Checks a result of Shen et al. 2023."""
     strengths = [full(stm(7.0, points=points)) for points in (1, 2, 3, 4, 6)]
     assert strengths == sorted(strengths, reverse=True)
 
 
 @pytest.mark.slow
 def test_amplitude_modulation_is_strongest_near_200_hertz() -> None:
-    """Dalecki et al. 1995; and its threshold there, 0.4 mN on 1.8 cm^2, is what `mass` is fitted to."""
+    """Checks Dalecki et al. 1995; `mass` is fitted to its threshold at 200 Hz, 0.4 mN on 1.8 cm^2."""
     frequencies = [50, 100, 150, 200, 250, 300, 400, 500]
     levels = [midair.skin(am(frequency), PLANE).level for frequency in frequencies]
     assert frequencies[int(np.argmax(levels))] in (200, 250)
@@ -211,7 +213,7 @@ def test_amplitude_modulation_is_strongest_near_200_hertz() -> None:
 
 @pytest.mark.slow
 def test_a_tacton_has_lines_at_its_lap_its_modulation_and_their_sums() -> None:
-    """Lim et al. 2024: a circle of 15 Hz with amplitude modulation of 110 Hz."""
+    """Checks the lines found by Lim et al. 2024: a circle at 15 Hz with amplitude modulation of 110 Hz."""
     count, lap, modulation = 800, 15, 110
     angles = np.arange(count) / count
     points = ring(0.01, count)[np.arange(count) * 3 % count]
@@ -231,13 +233,13 @@ def test_a_tacton_has_lines_at_its_lap_its_modulation_and_their_sums() -> None:
 
 
 def test_it_is_felt_wider_than_the_focus() -> None:
-    """Reardon et al. 2023: by up to an order of magnitude; the sheet has a factor of 2 to 4."""
+    """Checks Reardon et al. 2023, who found up to an order of magnitude; the model has a factor of 2 to 4."""
     touch = midair.skin(am(200), midair.Plane(z=HEIGHT, size=0.06, pixels=41))
     assert 2 < touch.width(MIDDLE) / touch.focus_width(MIDDLE) < 10
 
 
 def test_kept_frames_have_the_lines_of_their_steps() -> None:
-    """On and off at 40 Hz in two frames: a square wave, 2/pi at 40 Hz, a third of that at 120 Hz."""
+    """Checks on and off at 40 Hz in two frames, a square wave: 2/pi at 40 Hz, a third of that at 120 Hz."""
     points = np.broadcast_to(MIDDLE, (2, 1, 3))
     touch = midair.skin(played(points, 80, np.array([1.0, 0.0])), PLANE)
     fine = midair.skin(played(np.repeat(points, 60, axis=0), 4800, np.repeat([1.0, 0.0], 60)), PLANE)

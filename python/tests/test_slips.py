@@ -1,4 +1,4 @@
-"""Slips of the keyboard: every public callable names a keyword that it lacks, and the one that was meant."""
+"""Misspelled keywords: every public callable names the unknown keyword and suggests the nearest known one."""
 
 import inspect
 import pickle
@@ -16,14 +16,14 @@ SCENE = midair.Scene(ARRAY, [[0, 0, 0.1]])
 
 
 def walked(module: ModuleType) -> Iterator[tuple[str, Callable[..., Any]]]:
-    """Public callables by name."""
+    """Yields the public callables of a module by name."""
     for key in module.__all__:
         value, name = getattr(module, key), f"{module.__name__}.{key}"
         if isinstance(value, ModuleType):
             yield from walked(value)
         elif isinstance(value, type):
             for method in [*vars(value)]:
-                getattr(value, method)  # one that is loaded later is a function from now on
+                getattr(value, method)  # loads a lazy method, which is a plain function afterwards
             own = {**vars(value)}
             if "_new" in own or isinstance(own.get("__init__"), FunctionType):
                 yield name, value
@@ -68,7 +68,7 @@ def test_a_slipped_keyword_is_named_with_what_was_meant(name: str) -> None:
         reported = str(refusal.value)
         assert reported.startswith(f'unknown argument of {name} "{meant}q": did you mean '), reported
         assert reported.endswith(f"known are {', '.join(known)}")
-        # One that is as near, as `x` and `y` are, may be named in its place.
+        # For names as short as `x` and `y`, another one that is equally near may be suggested.
         assert f"did you mean {meant}? " in reported or len(meant) < 3, reported
 
 

@@ -1,4 +1,4 @@
-"""Solving: every choice of the search, attributes, metrics, warnings, and the solver of a scene file."""
+"""`midair.solve`: every step of the search, attributes, metrics, warnings, and the solver of a scene file."""
 
 import warnings
 
@@ -9,17 +9,19 @@ import midair
 import oracle
 from scenes import GAIN, POINTS, exact, numbers, same_bits, small, usable
 
-#: One step of greedy may be off the best by this part of E(0): f32 energy differences of a few points.
+#: Allowed energy above the best candidate, relative to E(0), for a step of greedy: f32 energy differences.
 REGRET = 1e-6
 
-#: One step a transducer, one step an iteration.
+#: A solver with one step per transducer, and one with one step per iteration.
 KINDS = ("greedy", "wgs")
 BALANCED = {"fast", "descent", "glide", "wgs", "uniform", "best"}
 WITH_AIM = {"uniform", "best", "glide"}
 
 
 def shuffled(count: int, seed: int) -> list[int]:
-    """The order of a seed: SplitMix64 under Fisher and Yates, from the last place to the second."""
+    """Returns the order of a seed: SplitMix64 and a Fisher-Yates shuffle from the last place to the
+    second.
+    """
     state, mask, order = seed, 2**64 - 1, list(range(count))
     for last in range(count - 1, 0, -1):
         state = (state + 0x9E3779B97F4A7C15) & mask
@@ -31,7 +33,7 @@ def shuffled(count: int, seed: int) -> list[int]:
 
 
 def scaled(part: float, **scene) -> midair.Scene:
-    """POINTS at a part of the balanced level."""
+    """Returns a scene of POINTS whose targets are a part of the balanced level."""
     level = oracle.balanced_factor(exact(small(**scene)), np.ones(4))
     return small(pressures=part * level, **scene)
 
@@ -83,7 +85,7 @@ def test_what_an_array_keeps_for_its_next_scene_changes_no_bit() -> None:
         assert same_bits(scene.propagation(), fresh.propagation())
         expected = midair.solve(fresh, "fast").drive
         assert same_bits(midair.solve(scene, "fast").drive, expected)
-        # A scene brings its own array and medium.
+        # A scene has its own array and medium.
         again = scene.replace(points=POINTS[::-1]).replace(points=POINTS)
         assert same_bits(midair.solve(again, "fast").drive, expected)
         assert same_bits(midair.Solver(scene, "fast")(POINTS).drive, expected)
@@ -115,7 +117,7 @@ def test_greedy_takes_the_best_candidate_at_every_step(objective: str, phases: i
         drive = midair.solve(scene, "greedy", order=order, **search).drive
         sizes = np.abs(drive.astype(complex)) * amplitudes
         turns = np.angle(drive.astype(complex)) / (2 * np.pi) * phases
-        # On the grid, to f32 rounding.
+        # The drive is on the grid of phases and amplitudes, up to f32 rounding.
         assert np.abs(sizes - np.round(sizes)).max() < 1e-6 * amplitudes
         assert sizes.min() > 0.5
         assert np.abs(turns - np.round(turns)).max() < 1e-6 * phases
@@ -136,7 +138,7 @@ def test_random_order_is_that_of_its_seed() -> None:
 def test_columns_run_along_y_from_the_corner_with_the_smallest_x() -> None:
     array = midair.Array.grid(5, 4, pitch=0.01)
     positions = array.positions.copy()
-    # Columns are distinguished to 1 um.
+    # Positions that differ by less than 1 um are in the same column.
     positions[:, 0] += np.random.default_rng(7).uniform(-1e-7, 1e-7, 20)
     order = np.arange(20).reshape(4, 5).T.ravel()
     for made in (array, midair.Array(positions)):
@@ -152,7 +154,7 @@ def test_naive_is_the_sum_of_the_single_foci(limit: str) -> None:
     scene = small(pressures=[3e3, 2e3, 0, 1e3])
     expected = oracle.naive(exact(scene), scene.pressures, limit)
     found = midair.solve(scene, "naive", limit=limit).drive
-    # A drive adds four propagation; where they nearly cancel ("full") its phase loses some digits.
+    # A drive sums four elements of G; where they nearly cancel, the limit "full" magnifies the phase error.
     assert np.abs(found - expected).max() < (1e-2 if limit == "full" else 4 * GAIN)
     assert (np.abs(expected) > 0.999).any()
 
@@ -162,7 +164,7 @@ def test_solution_is_consistent_with_the_reference(solver: str) -> None:
     scene = scaled(0.8, absorption=0.15)
     solution = midair.solve(scene, solver, trace=True)
     G, drive = exact(scene), solution.drive.astype(complex)
-    # Each of the propagation summed is within GAIN.
+    # Each summed element of G has an error of at most GAIN.
     assert (np.abs(solution.pressures - G @ drive) <= GAIN * (np.abs(G) @ np.abs(drive))).all()
     assert solution.amplitudes == pytest.approx(np.minimum(np.abs(drive), 1), rel=1e-12)
     assert solution.amplitudes * np.exp(1j * solution.phases) == pytest.approx(drive, abs=1e-7)
@@ -197,8 +199,8 @@ def test_judge_takes_a_drive_of_any_kind_of_number() -> None:
     scene, rng = small(), np.random.default_rng(8)
     drive = rng.uniform(0, 0.7, 64) * np.exp(1j * rng.uniform(0, 6, 64))
     targets = np.full(4, oracle.balanced_factor(exact(scene), np.ones(4)))
-    # The drive is rounded to complex64 (6e-8), and a sigma is a difference of such sums. The targets are the
-    # balanced level, which is summed up in f32.
+    # The drive is rounded to complex64 (6e-8), and sigma is a difference of such sums. The targets are the
+    # balanced level, which is summed in f32.
     expected = oracle.metrics(np.abs(exact(scene) @ drive), targets)
     for given in (drive, drive.astype(np.complex64), drive.tolist()):
         judged = numbers(midair.judge(scene, given, precision="double"))
@@ -210,7 +212,7 @@ def test_judge_takes_a_drive_of_any_kind_of_number() -> None:
 
 
 def test_pressures_left_out_are_the_balanced_level() -> None:
-    # Moduli have no phase to lose: f32 sums of 64 of them are good to 1e-5.
+    # Moduli do not depend on phases: f32 sums of 64 of them are accurate to 1e-5.
     for weights in (None, [1, 0, 2, 1]):
         scene = small(weights=weights)
         expected = oracle.balanced_factor(exact(scene), np.ones(4), weights)
@@ -226,12 +228,12 @@ def test_balance_solves_at_the_balanced_level_and_reduces_the_drive() -> None:
     factor = oracle.balanced_factor(G, ratios)
     full = solution.drive / np.abs(solution.drive)
     requested = ratios > 0
-    # Brought down to the targets, which the points then have in the mean.
+    # The drive is scaled so that the mean pressure is the targets' mean.
     assert 1 / reduced == pytest.approx(np.mean(np.abs(G @ full)[requested] / ratios[requested]), rel=2e-4)
-    # Within f32 rounding of the level that was solved at.
+    # The unscaled drive is optimal at the balanced level, up to f32 rounding.
     found = oracle.regrets(G, ratios * factor, full, order=order)
     assert found.max() < REGRET
-    # All results refer to the drive returned and the requested pressures.
+    # All results are for the scaled drive and the requested pressures.
     assert solution.targets.tolist() == ratios.tolist()
     p_abs = np.abs(G @ solution.drive)
     assert numbers(solution.metrics) == pytest.approx(oracle.metrics(p_abs, ratios), rel=1e-2)

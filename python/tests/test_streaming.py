@@ -1,4 +1,6 @@
-"""`midair.streaming`: the force by plain NumPy, its direction by the exact gradient, and least force."""
+"""`midair.streaming`: the force against plain NumPy, its direction against the exact gradient,
+the least force.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,7 @@ SCENE = midair.Scene(ARRAY, [[0.02, 0, 0.12], [-0.02, 0.01, 0.12]], sound_speed=
 
 
 def oracle(drive: np.ndarray, points: np.ndarray, alpha: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-    """Pressures (P,) and their gradients (P, 3): sums of spherical waves in float64."""
+    """Returns pressures (P,) and their gradients (P, 3): sums of spherical waves in float64."""
     k = 2 * np.pi * 40e3 / 345
     apart = points[:, None] - ARRAY.positions
     r = np.linalg.norm(apart, axis=2)
@@ -38,7 +40,7 @@ def test_force_and_direction_are_those_of_numpy() -> None:
 
 
 def test_the_published_size_of_the_force() -> None:
-    # 5 kPa and 0.15 Np/m are 26.5 N/m^3.
+    # 5 kPa and 0.15 Np/m give 26.5 N/m^3.
     scene = midair.Scene(midair.Array([[0, 0, 0]], source_pressure=50), [[0, 0, 0.1]])
     found = midair.streaming(scene, [1], [[0, 0, 0.01]])
     assert found.force[0] == pytest.approx(0.15 * 5000**2 / (1.223 * 340**2), rel=1e-4)

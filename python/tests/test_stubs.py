@@ -1,4 +1,4 @@
-"""Typed overloads: what the registry says, and what a type checker makes of right and wrong calls."""
+"""Typed overloads: they list what the core's solver table has, and a type checker rejects wrong calls."""
 
 import re
 import runpy
@@ -12,7 +12,7 @@ import midair
 ROOT = Path(__file__).parents[2]
 MADE = runpy.run_path(str(ROOT / "python" / "stubs.py"))
 
-#: A line with `# wrong` is to be refused, all others are right.
+#: Calls: a type checker must reject the lines with `# wrong` and accept all others.
 CALLS = """
 from typing import Any, Literal
 import numpy as np

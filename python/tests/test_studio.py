@@ -1,4 +1,4 @@
-"""The studio: the server of its page, and `midair studio`."""
+"""The web server of the studio's page, and the command `midair studio`."""
 
 import http.client
 import json
@@ -21,7 +21,7 @@ from midair._studio.page import BUILT, scene_text, shown_scene
 from midair._studio.server import POLICY, Server
 from pages import FILES, STATE, build
 
-#: There so that a hang is a failure and not a hung suite.
+#: Time limit in s, so that a hang is a failed test and not a hung test suite.
 HANG = 60
 
 SCENE = """
@@ -131,7 +131,7 @@ def test_every_answer_is_strict(served: Server) -> None:
 def test_a_browser_that_leaves_is_no_news(served: Server, capfd: pytest.CaptureFixture[str]) -> None:
     for request in (b"GET / HTTP/1.1\r\n", b"\0\1\2\r\n\r\n", b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n"):
         with socket.create_connection(("127.0.0.1", served.server_port), timeout=HANG) as line:
-            # Reset at once, whatever was sent.
+            # Linger 0: the connection is reset at once, whatever was sent.
             line.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\1\0\0\0\0\0\0\0")
             line.sendall(request)
     assert ask(served, "/")[0] == 200
@@ -157,7 +157,9 @@ Run = Callable[..., tuple[int, str, str]]
 
 @pytest.fixture
 def run(capsys: pytest.CaptureFixture[str]) -> Run:
-    """Runs the command line in this process: status, standard output, standard error."""
+    """Returns a function that runs `midair studio` in this process:
+    exit status, standard output, standard error.
+    """
 
     def run(*arguments: object) -> tuple[int, str, str]:
         with pytest.raises(SystemExit) as left:

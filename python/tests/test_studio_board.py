@@ -1,4 +1,6 @@
-"""The board that the studio's page plays through its server: by its own page alone, and off in time."""
+"""The board that the studio's page plays through its server:
+only the page itself can, and it turns off in time.
+"""
 
 import http.client
 import json
@@ -17,7 +19,7 @@ from midair._studio.page import greeting, scene_text
 from midair._studio.server import PagesBoard, Server
 from pages import build
 
-#: There so that a hang is a failure and not a hung suite.
+#: Time limit in s, so that a hang is a failed test and not a hung test suite.
 HANG = 60
 BINARY = "application/octet-stream"
 
@@ -43,7 +45,7 @@ def served(tmp_path: Path, surface: midair.Connection) -> Iterator[Server]:
 def give(
     server: Server, content: bytes, at: float | str = 1, path: str = "/board", **headers: str | None
 ) -> tuple[int, str]:
-    """The status of a request as the page makes it, but for some headers, and its text."""
+    """Sends a request like the page's, apart from the given headers; returns its status and text."""
     own = f"127.0.0.1:{server.server_port}"
     all_headers = {"Host": own, "Origin": f"http://{own}", "Content-Type": BINARY} | {
         name.replace("_", "-"): value for name, value in headers.items()

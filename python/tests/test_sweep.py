@@ -1,4 +1,4 @@
-"""Sweeps: the same numbers however they are worked off, a row for each problem."""
+"""Sweeps: the same numbers in any order of computation, and one row per problem."""
 
 import csv
 import json
@@ -48,14 +48,14 @@ def test_a_row_is_what_solve_gives_for_its_scene() -> None:
         array = [midair.Array.preset("paper20"), midair.Array.grid(8, 8, 0.01)][table["array"][index]]
         scene = midair.Scene(array, group["points"][index, :count], group["targets"][index, :count])
         if solver == "greedy":
-            # The seed of a trial is no column: what it reached must be what its drive gives.
+            # A trial's seed is not in the table, so the accuracy is checked with the stored drive.
             drive = group["drive"][index, : len(array)]
         else:
             solution = midair.solve(scene, "naive", balance=True)
             drive = solution.drive
             assert np.array_equal(drive, group["drive"][index, : len(array)])
             assert solution.metrics.accuracy == table["accuracy"][index]
-        # The two precisions agree to f32 rounding of 400 summands.
+        # The two precisions agree up to f32 rounding of 400 terms.
         assert midair.judge(scene, drive).accuracy == pytest.approx(table["accuracy"][index], abs=1e-4)
         assert not group["drive"][index, len(array) :].any()
         assert np.isnan(group["points"][index, count:]).all()
@@ -144,7 +144,7 @@ def test_scenes_are_swept_relative_to_the_file() -> None:
     assert table["residual"].tolist() == [expected.residual]
 
 
-#: Pressures that the paper's array cannot reach in the paper's unit, and weak ones.
+#: An array in the paper's unit, and pressures that it cannot reach or that are weak for it.
 PAPER = {"grid": {"nx": 20, "ny": 20, "pitch": 0.01}, "source_pressure": 1e-3}
 SHORT: dict[str, tuple[float, str]] = {
     "beyond": (
@@ -163,7 +163,8 @@ def test_too_much_and_too_little_is_reported_once_with_counts(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pressure, words = SHORT[name]
-    # One of a batch, one with a seed for each trial; the second time all of it is kept results.
+    # gspat solves problems as a batch, greedy one by one with a seed each. The second run reads stored
+    # results.
     solvers = [{"name": "gspat"}, {"name": "greedy"}, {"name": "greedy", "balance": True}]
     points = {**REQUESTED["points"], "count": 3, "pressure": [0.9 * pressure, pressure]}
     request = changed(array=PAPER, points=points, solver=solvers[: 3 if name == "beyond" else 2])
@@ -191,7 +192,7 @@ def blocks(language: str) -> list[str]:
 
 
 def sane(table: dict[str, np.ndarray]) -> bool:
-    """Whether the numbers are what somebody would want: nothing far below or above what was requested."""
+    """Returns whether the metrics are near the targets and every problem is done."""
     near = [(table[name] > 0.5) & (table[name] < 1.5) for name in ("accuracy", "level")]
     return bool(np.all(near)) and set(table["status"]) == {"done"}
 
@@ -207,7 +208,7 @@ def test_the_docs_sweeps_have_sane_numbers(text: str, problems: int) -> None:
     request = tomllib.loads(text)
     assert read(request).problems == problems
     request["seeds"] = 4
-    # And no warning, which would be an error here.
+    # pytest turns warnings into errors.
     assert sane(midair.sweep(request))
 
 

@@ -1,4 +1,4 @@
-"""Axes of sweeps: whatever a study varies is a column, and a row is what `solve` gives for its scene."""
+"""Axes of sweeps: a varied parameter is a column, and a row is what `solve` gives for its scene."""
 
 import json
 from collections.abc import Callable
@@ -17,7 +17,7 @@ from sweeps import equal
 GRID = {"nx": 8, "ny": 8, "pitch": 0.01}
 PLACES = [[-0.02, 0.0, 0.12], [0.015, 0.01, 0.12]]
 
-#: Nothing random but for what an axis brings: every row can be said in a line of Python.
+#: A sweep without randomness: every row can be computed by a line of Python.
 STILL: dict[str, Any] = {
     "array": {"grid": GRID},
     "points": {"positions": PLACES, "pressure": 200.0},
@@ -31,13 +31,13 @@ def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def solved(points: Any = PLACES, pressures: Any = 200.0, medium: Any = None, **array: Any) -> float:
-    """The residual that `solve` leaves."""
+    """Returns the residual of `solve` for a scene."""
     grid = {**GRID, **array.pop("grid", {})}
     scene = midair.Scene(midair.Array.grid(**grid, **array), points, pressures, **(medium or {}))
     return midair.solve(scene, "gspat", balance=True).metrics.residual
 
 
-#: Values of an axis, and the scene of each.
+#: Values of each axis, and a function that computes the residual of one value.
 AXES: dict[str, tuple[list[Any], Callable[[Any], float]]] = {
     "medium.temperature": ([15, 25.5], lambda value: solved(medium={"temperature": value})),
     "medium.frequency": ([40e3, 25e3], lambda value: solved(medium={"frequency": value})),
@@ -223,7 +223,7 @@ def test_an_axis_of_presets_brings_their_own_pressure_even_to_an_object() -> Non
     scene = midair.Scene(array, PLACES)
     names = ["paper20", "autd3"]
     for own in ({"array": array, "points": {"positions": PLACES}}, {"scenes": [scene]}):
-        # The medium of a scene is a part of it; without one it is that of each array.
+        # A scene has its own medium; without a scene each array has its default medium.
         air = scene.medium if "scenes" in own else {}
         each = [midair.Scene(midair.Array.preset(name), PLACES, **air) for name in names]
         expected = [midair.solve(one, "uniform").pressures for one in each]

@@ -1,4 +1,4 @@
-"""Kept results of sweeps: whatever happened to such a file, it is what was computed or made again."""
+"""Stored results of sweeps: a damaged file is either read with the right content, or computed again."""
 
 import io
 import zipfile
@@ -30,7 +30,7 @@ def job(number: int = 0) -> Job:
 
 @pytest.fixture
 def kept() -> tuple[Path, dict[str, np.ndarray]]:
-    """A kept result, and the arrays in it."""
+    """Returns the path of a stored result, and its arrays."""
     whole = job()
     arrays = solve_block(whole.settings, 0, 5)
     path = Path("kept", whole.path)
@@ -39,7 +39,7 @@ def kept() -> tuple[Path, dict[str, np.ndarray]]:
 
 
 def mutations(content: bytes) -> dict[str, bytes]:
-    """Some hundred kinds of damage."""
+    """Returns some hundred damaged versions of a file."""
     random = np.random.default_rng(0)
     found: dict[str, bytes] = {"empty": b"", "doubled": content * 2, "longer": content + b"\0"}
     for place in random.integers(0, len(content), 200).tolist():
@@ -73,14 +73,14 @@ def test_no_damage_passes_or_escapes(kept: tuple[Path, dict[str, np.ndarray]]) -
 
 
 class Trap:
-    """Makes a file when it is unpickled."""
+    """An object that creates a file when it is unpickled."""
 
     def __reduce__(self) -> tuple[Callable[[str], None], tuple[str]]:
         return Path.touch, (Path("sprung"),)
 
 
 def header(shape: str, kind: str = "<f8") -> bytes:
-    """A .npy file that says more than it holds."""
+    """Returns the header of a .npy file, which claims more data than follows."""
     text = f"{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}}}\n".encode()
     return b"\x93NUMPY\x01\x00" + len(text).to_bytes(2, "little") + text
 
@@ -99,7 +99,7 @@ def saved(**arrays: Any) -> bytes:
     return content.getvalue()
 
 
-#: A file that has the right digest but is no result.
+#: Files with a correct checksum that are not results.
 FORGED: dict[str, Callable[[dict[str, Any]], bytes]] = {
     "no archive": lambda arrays: b"nothing of the kind",
     "pickle": lambda arrays: saved(**{**arrays, "level": np.array([Trap()] * 5)}),
@@ -142,7 +142,7 @@ def test_a_sweep_over_damaged_chunks_ends_the_same(monkeypatch: pytest.MonkeyPat
     paths[3].unlink()
     forged = saved(level=np.zeros(5))
     paths[4].write_bytes(forged + kept_files.digest(engine.identity(paths[4]), forged))
-    # A number changed within an array, which a zip archive alone would also notice, and its check after it.
+    # A changed number inside an array, with a checksum that does not match.
     paths[5].write_bytes(content[:300] + b"\x01" + content[301:])
     assert equal(midair.sweep(REQUESTED, "table.csv"), whole)
     assert sorted(path.name for path in Path().iterdir()) == ["table.csv"]

@@ -1,4 +1,4 @@
-"""`midair sweep`: what it writes, and every bad request in one line."""
+"""`midair sweep`: the files it writes, and a message of one line for every bad request."""
 
 import json
 import sys

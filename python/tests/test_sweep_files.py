@@ -1,4 +1,4 @@
-"""Files of sweeps: whole or none, kept results reused or made again, no file of another program replaced."""
+"""Files of sweeps: complete or absent, stored results reused or made again, no foreign file replaced."""
 
 import errno
 import os
@@ -22,7 +22,7 @@ from midair._sweep.engine import Job
 from midair._sweep.request import read
 from sweeps import HANG, REQUESTED, SCENE, TOML, changed, equal
 
-#: The package: `midair.sweep` is its function.
+#: The package `midair._sweep`; the name `midair.sweep` is its function.
 sweep_module = sys.modules["midair._sweep"]
 
 
@@ -83,7 +83,7 @@ def test_a_stopped_sweep_leaves_its_chunks_in_their_midst(
         raise KeyboardInterrupt
 
     monkeypatch.setattr(block, "_arrays", finished)
-    # Some seconds of work a chunk.
+    # A chunk takes some seconds.
     solver = {"name": "lm", "eps": 0.0, "steps": 1000, **seed}
     points = {**REQUESTED["points"], "count": 8}
     with pytest.raises(KeyboardInterrupt):
@@ -118,7 +118,7 @@ def test_a_signal_keeps_what_is_done_and_says_so_in_one_line(number: int, words:
 
 
 def tree(folder: Path) -> dict[str, bytes]:
-    """Every file below a folder."""
+    """Returns the content of every file below a folder."""
     return {str(path): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
@@ -126,7 +126,7 @@ def group(path: Path, **attributes: Any) -> None:
     zarr.open_group(path, mode="w", attributes=attributes).create_array("data", data=np.arange(3))
 
 
-#: Folders that no sweep made, or not alone.
+#: Folders that no sweep made, or that contain something else besides.
 FOREIGN: dict[str, Callable[[Path], None]] = {
     "somebody's group": group,
     "a group of another program": lambda path: group(path, midair="calibration"),
@@ -190,7 +190,7 @@ def test_drives_that_came_meanwhile_are_not_replaced(monkeypatch: pytest.MonkeyP
 @pytest.mark.parametrize("way", ["itself", "link", "hard link", "link in a folder"])
 @pytest.mark.parametrize("file", ["sweep.csv", "scene.csv"])
 def test_what_is_read_is_not_written_over(file: str, way: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    # Any ending is TOML but .json's.
+    # Every file is read as TOML unless it ends in .json.
     Path("scene.csv").write_text(SCENE)
     Path("sweep.csv").write_text('scenes = ["scene.csv"]\nsolver = { name = "naive" }\n')
     output = Path("table.csv")

@@ -1,4 +1,4 @@
-"""`midair.tolerate`: closed forms, an oracle in plain NumPy, seeds, stops and the command line."""
+"""`midair.tolerate`: closed forms, a reference in plain NumPy, seeds, stops and the command line."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def test_levels_are_those_of_the_closed_forms(fault: str, size: float, left: flo
 
 
 def played(scene: midair.Scene, drive: np.ndarray, positions: np.ndarray, response: np.ndarray, speed: float):
-    """Mean and min/max of |p| / target, in float64."""
+    """Returns the mean and the min/max of |p| / target, in float64."""
     distance = np.linalg.norm(POINTS[:, None] - positions, axis=2)
     pressure = (4.386 / distance * np.exp(2j * np.pi * 40e3 / speed * distance)) @ (response * drive)
     parts = np.abs(pressure)
@@ -63,7 +63,7 @@ def test_every_trial_is_that_of_numpy() -> None:
         axis, angle = randoms[5].standard_normal(3), np.radians(2) * randoms[5].standard_normal()
         axis[2] = 0
         axis /= np.linalg.norm(axis)
-        # The array lies in z = 0 about the origin: Rodrigues without what is along the axis of a turn.
+        # Rodrigues' rotation of the array, which lies in z = 0 around the origin.
         along = np.outer(ARRAY.positions @ axis, axis)
         positions = along + np.cos(angle) * (ARRAY.positions - along)
         positions += np.sin(angle) * np.cross(axis, ARRAY.positions)
@@ -80,7 +80,7 @@ def test_a_seed_is_the_same_table_whatever_the_threads() -> None:
     for name in ("phase", "tilt", "together"):
         np.testing.assert_array_equal(one[name].level, other[name].level)
         np.testing.assert_array_equal(one[name].uniformity, other[name].uniformity)
-    # A fault alone is the same draw whatever else is requested.
+    # A fault has the same random draws whichever other faults are requested.
     alone = midair.tolerate(SCENE, "naive", seed=3, tilt=0.5, trials=25)
     np.testing.assert_array_equal(alone["tilt"].level, one["tilt"].level)
     assert list(alone.rows) == ["tilt"]
@@ -191,7 +191,7 @@ def test_a_drive_is_played_as_it_is() -> None:
             np.testing.assert_array_equal(same[name].uniformity, table[name].uniformity)
         assert same.solution == (solution if isinstance(drive, midair.Solution) else None)
         assert "trials a row" in same.plot().get_suptitle()
-    # A drive that no solver of the scene's board would give, at pressures of the scene's own.
+    # A drive that no solver gives for a board of two phases, at the scene's own pressures.
     rounded = SCENE.replace(
         array=midair.Array.grid(16, 16, 10e-3, quantization={"phases": 2}), pressures=[1, 2, 3]
     )
@@ -268,7 +268,7 @@ def test_ctrl_c_is_noticed_and_keeps_the_trials_that_are_done(
     press_soon.start()
     with pytest.raises(SystemExit) as left:
         cli.main(["tolerate", "scene.toml", "--phase", "20", "--json", "--trials", "1000000"])
-    # Half a second, and as much again where the machine is busy.
+    # The stop takes half a second, and up to twice that on a busy machine.
     assert time.monotonic() - pressed[0] < 1
     assert left.value.code == 130
     found = json.loads(capsys.readouterr().out)

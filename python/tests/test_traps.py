@@ -1,4 +1,4 @@
-"""Traps: signatures, Gor'kov's potential against differences, and how strong traps are."""
+"""Traps: signatures, Gor'kov's potential against differences, and the strength of traps."""
 
 import pickle
 from typing import Any
@@ -12,7 +12,7 @@ import traps
 from oracle import Complex, Real
 from traps import least, scattered
 
-# Each with the box around its middle in which points trap, in m, and how near to each other they may be.
+# Boards: positions and normals, half the size in m of the box of trap points, their least distance in m.
 BOARDS = {
     "openmpd": (traps.openmpd, [0.05, 0.05, 0.02], 0.02),
     "tinylev": (traps.tinylev, [0.02, 0.02, 0.005], 0.01),
@@ -26,7 +26,7 @@ def test_presets_have_the_geometry_of_their_boards(preset: str) -> None:
     apart = np.linalg.norm(array.positions[:, None] - positions, axis=2)
     nearest = apart.argmin(axis=1)
     assert sorted(nearest) == list(range(len(positions)))
-    # The rings' radii and heights are given to 10 um.
+    # The rings' radii and heights are published with a precision of 10 um.
     assert apart.min(axis=1).max() < 2e-5
     assert np.allclose(array.normals, normals[nearest], atol=1e-3)
 
@@ -57,13 +57,14 @@ def test_gorkov_is_what_differences_in_double_precision_give(directivity: Any, a
     potential, force, hessian = traps.gorkov(pressure, points, **particle)
     k = 2 * np.pi / traps.WAVELENGTH
     scale = abs(potential).max()
-    # Of measured values the second derivative jumps every 10 degrees, and differences reach across.
+    # The measured pattern's second derivative jumps every 10 degrees, so differences across a jump are
+    # coarse.
     coarse = 1e4 if directivity == "t4010a1" else 1.0
     np.testing.assert_allclose(found.potential, potential, rtol=0, atol=1e-9 * scale)
     np.testing.assert_allclose(found.force, force, rtol=0, atol=1e-9 * coarse * k * scale)
     np.testing.assert_allclose(found.hessian, hessian, rtol=0, atol=1e-8 * coarse * k * k * scale)
     np.testing.assert_array_equal(found.stiffness, np.diagonal(found.hessian, axis1=1, axis2=2))
-    # Somewhere else, one by one or all at once.
+    # A point alone gives the same bits as all points together.
     alone = midair.gorkov(scene, drive, points[3:4], **particle)
     assert alone.potential[0] == found.potential[3]
     assert np.array_equal(alone.hessian[0], found.hessian[3])
@@ -72,7 +73,9 @@ def test_gorkov_is_what_differences_in_double_precision_give(directivity: Any, a
 
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 def test_a_plane_standing_wave_has_the_textbook_force() -> None:
-    """Bruus 2012, eq. (31): F = 4 pi Phi a^3 k E sin(2 k z), Phi = (5 rho - 2)/(2 rho + 1)/3 - kappa/3."""
+    """Checks Bruus 2012, eq. (31): F = 4 pi Phi a^3 k E sin(2 k z),
+    Phi = (5 rho - 2)/(2 rho + 1)/3 - kappa/3.
+    """
     far = 200.0
     array = midair.Array([[0, 0, -far], [0, 0, far]], [[0, 0, 1], [0, 0, -1]], source_pressure=1e3 * far)
     k = 2 * np.pi / traps.WAVELENGTH
@@ -81,10 +84,10 @@ def test_a_plane_standing_wave_has_the_textbook_force() -> None:
     found = midair.gorkov(scene, [1, 1], radius=5e-4)
     density, kappa = 29 / 1.223, 1.223 * 340**2 / (29 * 900**2)
     contrast = (5 * density - 2) / (2 * density + 1) / 3 - kappa / 3
-    # p = 2 P cos(k z) up to a phase: the energy density is (2 P)^2/(4 rho c^2).
+    # p = 2 P cos(k z) up to a phase, so the energy density is (2 P)^2/(4 rho c^2).
     energy = (2e3) ** 2 / (4 * 1.223 * 340**2)
     force = 4 * np.pi * contrast * (5e-4) ** 3 * k * energy * np.sin(2 * k * z)
-    # Towards a node of the pressure, up from z = 0.
+    # The force is towards a pressure node, upwards from z = 0.
     assert found.force[0, 2] == pytest.approx(force, rel=1e-5)
     assert force > 0
 
@@ -92,7 +95,7 @@ def test_a_plane_standing_wave_has_the_textbook_force() -> None:
 @pytest.mark.usefixtures("cache")
 @pytest.mark.parametrize("body", ["sphere", "mesh"])
 def test_forces_beside_a_body_are_the_slopes_of_the_field(body: str) -> None:
-    # By differences of G, in which bodies have six digits.
+    # Compared with differences of G, which has six correct digits beside bodies.
     center, radius = np.array([0.0, 0.0, 0.1]), 0.008
     ball = pytest.importorskip("trimesh").creation.icosphere(2, radius)
     mesh = midair.Mesh(ball.vertices + center, ball.faces, "soft")
@@ -143,7 +146,7 @@ def test_beads_rest_where_the_net_force_is_0() -> None:
     assert rest.mass == there.mass == pytest.approx(mass)
     assert np.allclose(rest.frequencies, np.sqrt(rest.stiffness / mass) / (2 * np.pi))
     assert np.allclose(rest.acceleration, rest.restoring / mass)
-    # A spring alone would pull back so much at a part of the basin's width.
+    # An ideal spring would restore this much already within the width of the basin.
     assert (rest.restoring < rest.stiffness[:, :, None] * rest.basin).all()
     assert (rest.basin > 1.5e-3).all()
     lost = midair.rest(solution.scene, np.zeros(512), points)
@@ -172,11 +175,11 @@ def test_a_signature_multiplies_the_responses_and_is_not_played(name: str) -> No
     real = oracle.propagation(positions, points, normals=normals) @ drive
     np.testing.assert_allclose(midair.field(scene, solution, points).pressure, real, atol=1.0)
     assert (abs(real) < 0.5 * abs(solution.pressures)).all()
-    # Given factors give the same foci, and a single factor stands for all points.
+    # Signatures given as factors give the same foci, and a single signature applies to all points.
     given = plain.replace(signature=signs)
     foci = [midair.solve(which, "uniform", pressures=1000.0, aim="max").drive for which in (given, scene)]
     assert np.array_equal(*foci)
-    # The name alone asks for stiff traps as well.
+    # Only the name "trap" makes the solver also increase the stiffness.
     assert np.array_equal(midair.solve(given, "uniform").drive, solution.drive) == (name != "trap")
     one = midair.Scene(array, points[:1], signature=signs[0])
     assert np.array_equal(
@@ -283,12 +286,14 @@ def test_facing_boards_trap_in_all_three_axes(board: str, count: int) -> None:
         scene = midair.Scene(array, points, signature="trap")
         found = midair.gorkov(scene, midair.solve(scene))
         assert (found.stiffness > 0).all(), found.stiffness
-        # 72 transducers at eight points have little to spare across the axes.
+        # 72 transducers have few degrees of freedom left for the lateral stiffness of eight points.
         assert board == "tinylev" or (np.linalg.eigvalsh(found.hessian) > 0).all(), found.hessian
 
 
 def test_twin_and_vortex_fail_for_several_points_between_two_boards() -> None:
-    """They hold one point; of eight they lose some in most scenes, where standing waves hold all."""
+    """Checks that both keep a single bead but lose some of eight in most scenes,
+    where standing waves keep all.
+    """
     array = midair.Array(*traps.openmpd())
     for name, points in [("twin", 1), ("vortex", 1)]:
         scene = midair.Scene(array, np.zeros((points, 3)), signature=name)
@@ -334,14 +339,14 @@ def test_beads_of_traps_rest_at_their_points(quantization: Any, count: int) -> N
         solution = midair.solve(midair.Scene(boards, points, signature="trap"))
         rest = solution.rest()
         assert rest.held.all()
-        # On 16 phases eight beads rest a little farther.
+        # With 16 phases, eight beads rest slightly farther away.
         most = 1e-4 if quantization == {"phases": 16} else 5e-5
         assert np.linalg.norm(rest.place - points, axis=1).max() < most
 
 
 @pytest.mark.parametrize("board", BOARDS)
 def test_traps_of_which_nothing_is_requested_are_stiffer_than_equal_foci(board: str) -> None:
-    """Along the softest axis of each, whichever way it lies; on ten phases, too."""
+    """Compares the stiffness along the softest direction of each point, for ten phases, too."""
     made, box, apart = BOARDS[board]
     for quantization in ({}, {"phases": 10}):
         array = midair.Array(*made(), quantization=quantization)

@@ -1,4 +1,4 @@
-"""Readings in the loop: counts, choices, what is kept whatever ends the work."""
+"""Tuning with readings: numbers of readings, options, and the best drive, which is kept however it ends."""
 
 import os
 import signal
@@ -15,7 +15,7 @@ from microphones import Rig
 
 
 class Reader:
-    """A microphone at each point of a scene, with noise."""
+    """A simulated microphone at each point of a scene, with noise."""
 
     def __init__(self, rig: Rig, decibels: float | None = None) -> None:
         self.matrix = rig.matrix(rig.new)
@@ -28,7 +28,7 @@ class Reader:
         return np.abs(np.abs(self.matrix @ drive) + self.sd * self.rng.normal(size=len(self.matrix)))
 
     def level(self, drive: Any) -> tuple[float, float]:
-        """Mean over that of the truth solved, and evenness."""
+        """Returns the mean pressure over that of the best drive for the true model, and min/max."""
         best = np.abs(self.matrix @ midair.solve(midair.Propagation(self.matrix), "uniform").drive).mean()
         p = np.abs(self.matrix @ drive)
         return float(p.mean() / best), float(p.min() / p.max())
@@ -168,7 +168,7 @@ def test_a_dead_microphone_is_reported_once(method: Any, received: float) -> Non
 
 
 def test_one_drive_says_nothing_of_a_microphone() -> None:
-    # Where the model is right, feedback plays one drive ten times: that all stays the same is no fault.
+    # With a right model, "feedback" plays the same drive ten times: equal readings are then no fault.
     rig = Rig(45)
     model = scene(rig)
     received = model.propagation()

@@ -1,4 +1,4 @@
-"""examples/cpp/ultraleap.cpp: without the SDK it says so; with a stand-in points come at their times."""
+"""examples/cpp/ultraleap.cpp: it compiles without the SDK, and with a stand-in SDK its points are on time."""
 
 import shutil
 import subprocess
@@ -13,7 +13,7 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "cpp" / "ultraleap.cpp"
 COMPILER = shutil.which("c++")
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(COMPILER is None, reason="needs a C++ compiler")]
 
-#: The names of the SDK that the example uses; `start` asks for samples of 1/4 ms and prints them.
+#: A stand-in with the SDK's names that the example uses; `start` requests samples of 1/4 ms and prints them.
 SDK = """
 #include <chrono>
 #include <cstddef>
@@ -105,7 +105,7 @@ def test_points_come_at_their_times(tmp_path: Path) -> None:
     assert run.returncode == 0, run.stderr
     rows = [line for line in run.stdout.splitlines() if line[0] in "-0123456789"]
     got = np.array([row.split() for row in rows], float).reshape(80, 2, 4)
-    # The stand-in's clock begins a little before the program's.
+    # The stand-in's clock starts slightly before the program's.
     angle = np.unwrap(np.angle(got[:, 0, 0] + 1j * got[:, 0, 1]))
     times = (angle - angle[0]) / (2 * np.pi * 100)
     np.testing.assert_allclose(times, 250e-6 * np.arange(80), atol=2e-5)

@@ -1,4 +1,4 @@
-"""Values: pickled, copied, compared, saved, read again and shown in notebooks; answers cannot be written."""
+"""Values can be pickled, copied, compared, saved, read back and shown in notebooks; results are read-only."""
 
 import copy
 import functools
@@ -73,7 +73,7 @@ def batch(**options: Any) -> midair.Batch:
     return midair.solve_batch(small(temperature=20), points, solver="greedy", seed=3, **options)
 
 
-#: One value of each kind, and of each way to make it.
+#: One value of each type, and of each way to make it.
 VALUES: dict[str, Callable[[], Any]] = {
     "grid": lambda: midair.Array.grid(3, 2, 0.01),
     "positions": lambda: midair.Array([[0, 0, 0], [0.1, 1 / 3, 0]], [[0, 0, 1], [1, 2, 3]]),
@@ -111,7 +111,7 @@ VALUES: dict[str, Callable[[], Any]] = {
 
 
 def attributes(value: Any) -> dict[str, Any]:
-    """Every attribute that a value shows, arrays as what they hold."""
+    """Returns every attribute of a value, with arrays as plain data."""
     if isinstance(value, dict):
         return value
 
@@ -262,7 +262,7 @@ def test_solutions_are_saved_and_read(kind: str, ending: str, tmp_path: Path) ->
 
 
 class Malice:
-    """The function that runs when it is unpickled."""
+    """An object that calls a function when it is unpickled."""
 
     def __reduce__(self) -> Any:
         return pytest.fail, ("a file was run",)

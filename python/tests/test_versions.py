@@ -1,4 +1,4 @@
-"""One version, in Cargo.toml, and whatever else of the repository states one."""
+"""The version: stated in Cargo.toml, and the same in every other file that states it."""
 
 import json
 import re
@@ -14,7 +14,7 @@ import midair
 ROOT = Path(__file__).parents[2]
 VERSION = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]["version"]
 
-#: Files that repeat the version, each with the pattern that finds it there.
+#: Files that repeat the version, each with the pattern of its line.
 REPEATED = {
     "CITATION.cff": r"^version: (\S+)$",
     "docs/javascript.md": r"^npm install \./midair-(\S+)\.tgz ",
@@ -65,7 +65,7 @@ def test_the_recipe_for_conda_needs_what_the_wheel_needs() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     (run,) = re.findall(r"^  run:\n((?:    - .*\n)+)", recipe, re.MULTILINE)
     given = [line.removeprefix("    - ").replace(" ", "") for line in run.splitlines()]
-    # conda's matplotlib brings windows; what the package needs is its base.
+    # conda's matplotlib includes graphical backends; the package needs only matplotlib-base.
     needed = [each.replace("matplotlib", "matplotlib-base") for each in project["dependencies"]]
     assert given == [f"python{project['requires-python']}", *needed]
 

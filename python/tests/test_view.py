@@ -1,4 +1,4 @@
-"""`midair.view` with a page that is played, and the scenes that Python and the page tell each other."""
+"""`midair.view` with a simulated page, and the scenes that Python and the page send to each other."""
 
 import inspect
 import json
@@ -103,7 +103,7 @@ def test_without_anywidget_it_says_what_to_install(monkeypatch) -> None:
 
 
 class Page:
-    """The page in place of a browser: it takes what Python sends, and tells its own state."""
+    """A simulated page in place of a browser: it stores what Python sends, and sends its own state."""
 
     def __init__(self, view: View) -> None:
         self.widget = view.widget
@@ -111,7 +111,7 @@ class Page:
         self.widget.observe(lambda change: self.seen.append(change["new"]), "scene")
 
     def tell(self, **changes: object) -> None:
-        # As a message of the front end arrives.
+        # A message arrives in this form from a front end.
         self.widget.set_state({"state": json.dumps(STATE | changes), "metrics": {"naive": {"accuracy": 0.9}}})
 
 
@@ -200,7 +200,7 @@ def test_a_view_that_is_not_built_says_so(tmp_path: Path) -> None:
 
 
 def test_the_page_of_the_docs_runs(shown, monkeypatch, built: Path) -> None:
-    # Its blocks need anywidget and a built page, and are not among those that test_docs.py runs.
+    # These blocks need anywidget and a built page, so test_docs.py does not run them.
     monkeypatch.setattr(inspect.unwrap(View.__init__), "__defaults__", (built,))
     names: dict[str, object] = {}
     text = (ROOT / "docs" / "studio.md").read_text(encoding="utf-8")

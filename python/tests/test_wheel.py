@@ -1,4 +1,4 @@
-"""The wheel, in a bare environment with nothing but NumPy beside it."""
+"""The wheel, installed in an environment with only NumPy."""
 
 import subprocess
 import sys
@@ -30,7 +30,7 @@ def run(*command: object, cwd: Path) -> None:
     assert done.returncode == 0, done.stderr
 
 
-# One test, in one process: maturin builds in one folder.
+# One test in one process, because maturin builds in one folder.
 @pytest.mark.slow
 def test_the_wheel_holds_the_package_and_works_with_nothing_but_numpy(tmp_path: Path) -> None:
     run(BIN / "maturin", "build", "--quiet", "--release", "--out", tmp_path, cwd=ROOT)
@@ -47,7 +47,7 @@ def test_the_wheel_holds_the_package_and_works_with_nothing_but_numpy(tmp_path: 
     )
     assert names >= {f"midair/{name}" for name in inner}
     assert not [name for name in names if "test" in name or "oracle" in name or name.startswith("python/")]
-    # Made by `make studio`, if it ran.
+    # `make studio` writes these files, if it was run.
     studio = [path for path in STUDIO.rglob("*") if path.is_file()]
     assert {f"midair/_studio/built/{path.relative_to(STUDIO).as_posix()}" for path in studio} <= names
 

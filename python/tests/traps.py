@@ -1,6 +1,6 @@
 """Traps in double precision: Gor'kov's potential by differences, facing boards, and direct optimisation.
 
-Written from the definitions, apart from the core: Bruus, Lab on a Chip 12, 1014 (2012).
+Written from the definitions, without the core: Bruus, Lab on a Chip 12, 1014 (2012).
 """
 
 from collections.abc import Callable
@@ -15,14 +15,16 @@ from oracle import Complex, Real
 
 FREQUENCY, SOUND_SPEED, DENSITY = 40e3, 340.0, 1.223
 WAVELENGTH = SOUND_SPEED / FREQUENCY
-# A first derivative by eight samples: its error is of order (k h)^8, with k h = 0.06 below rounding.
+# A first derivative from eight samples: its error is of order (k h)^8, which is below rounding at k h = 0.06.
 STEP = WAVELENGTH / 100
 SAMPLES = np.array([-4, -3, -2, -1, 1, 2, 3, 4])
 FIRST = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 4 / 5, -1 / 5, 4 / 105, -1 / 280]) / STEP
 
 
 def openmpd() -> tuple[Real, Real]:
-    """Positions and normals of two OpenMPD boards: 16 x 16 at 10.5 mm each, facing, 236.5 mm apart."""
+    """Returns positions and normals of two OpenMPD boards of 16 x 16 at 10.5 mm,
+    which face each other at 236.5 mm.
+    """
     x = (np.arange(16) - 7.5) * 10.5e-3
     flat = np.stack([*np.meshgrid(x, x, indexing="ij"), np.zeros((16, 16))], axis=-1).reshape(-1, 3)
     height = [0, 0, 0.2365 / 2]
@@ -31,7 +33,7 @@ def openmpd() -> tuple[Real, Real]:
 
 
 def tinylev() -> tuple[Real, Real]:
-    """Positions and normals of a TinyLev: two caps of 36 on a sphere of 60 mm, looking at its centre."""
+    """Returns positions and normals of a TinyLev: two caps of 36 on a sphere of 60 mm, facing its centre."""
     cap = [
         [r * np.cos(angle), r * np.sin(angle), -np.sqrt(60**2 - r**2)]
         for count, r in ((6, 10.3), (12, 20.5), (18, 30.0))
@@ -42,7 +44,7 @@ def tinylev() -> tuple[Real, Real]:
 
 
 def factors(radius: float = 1e-3, density: float = 29.0, sound_speed: float = 900.0) -> tuple[float, float]:
-    """The factors of |p|^2 and |grad p|^2 (peak values) in U."""
+    """Returns the factors of |p|^2 and |grad p|^2 (peak values) in Gor'kov's potential U."""
     volume = 4 / 3 * np.pi * radius**3
     f1 = 1 - DENSITY * SOUND_SPEED**2 / (density * sound_speed**2)
     f2 = 2 * (density - DENSITY) / (2 * density + DENSITY)
@@ -53,13 +55,15 @@ def factors(radius: float = 1e-3, density: float = 29.0, sound_speed: float = 90
 
 
 def along(function: Callable[[Real], NDArray[Any]], points: Real) -> NDArray[Any]:
-    """The derivatives along x, y and z of a function of points (..., 3), in the place of their last axis."""
+    """Returns the derivatives along x, y, z of a function of points (..., 3); they replace the last axis."""
     shifts = np.eye(3)[:, None] * SAMPLES[:, None] * STEP
     return np.tensordot(function(points[..., None, None, :] + shifts), FIRST, (points.ndim, 0))
 
 
 def gorkov(pressure: Callable[[Real], Complex], points: Real, **particle: float) -> tuple[Real, Real, Real]:
-    """U (P,), force (P, 3) and second derivatives of U (P, 3, 3), all by differences of a pressure."""
+    """Returns U (P,), force (P, 3) and second derivatives of U (P, 3, 3),
+    all by differences of a pressure.
+    """
     compression, motion = factors(**particle)
 
     def potential(at: Real) -> Real:
@@ -72,10 +76,11 @@ def gorkov(pressure: Callable[[Real], Complex], points: Real, **particle: float)
 
 
 def direct(positions: Real, points: Real, starts: list[Real]) -> Complex:
-    """The drive (N,) of point sources, |q| = 1, of the largest least stiffness that L-BFGS finds.
+    """Returns the drive (N,) with |q| = 1 whose least stiffness is the largest that L-BFGS finds, for point
+    sources.
 
-    The least of M points and three axes is smoothed, less and less. U is quadratic in p and grad p, and the
-    stiffness a second difference of U, so that the gradient by the phases is exact.
+    The least over M points and three axes is smoothed, with a decreasing width. U is quadratic in p and
+    grad p, and the stiffness is a second difference of U, so the gradient by the phases is exact.
     """
     compression, motion = factors()
     h = WAVELENGTH / 50
@@ -88,7 +93,7 @@ def direct(positions: Real, points: Real, starts: list[Real]) -> Complex:
         [p[..., None, :], np.moveaxis((p * (1j * k - 1 / r) / r)[..., None] * way, -1, -2)], axis=-2
     )
     scales = np.array([compression, motion, motion, motion])
-    # Stiffness along each axis from U at the seven places.
+    # The stiffness along each axis from U at seven places.
     differences = np.concatenate([np.full((3, 1), -2.0), np.eye(3), np.eye(3)], axis=1) / h**2
 
     def smooth(phases: Real, sharpness: float, unit: float) -> tuple[float, Real]:
@@ -119,7 +124,7 @@ def direct(positions: Real, points: Real, starts: list[Real]) -> Complex:
 
 
 def scattered(count: int, box: list[float], apart: float, seed: int) -> Real:
-    """Points at random in a box around the origin, none nearer to another than `apart`."""
+    """Returns random points in a box around the origin, with distances above `apart`."""
     rng = np.random.default_rng(seed)
     while True:
         points = rng.uniform(-1, 1, (count, 3)) * box
@@ -129,5 +134,5 @@ def scattered(count: int, box: list[float], apart: float, seed: int) -> Real:
 
 
 def least(scene: midair.Scene, drive: Any) -> Real:
-    """The least stiffness of each point, over x, y and z."""
+    """Returns the least stiffness of each point over x, y and z."""
     return midair.gorkov(scene, drive).stiffness.min(axis=1)
