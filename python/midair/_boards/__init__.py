@@ -1,4 +1,4 @@
-"""Boards: the bytes that make them play, and the links that carry these."""
+"""Boards: conversion of drives to the bytes of each kind of board, and the links that carry these bytes."""
 
 from .address import Port, ports
 from .board import Board

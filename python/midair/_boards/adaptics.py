@@ -1,6 +1,6 @@
-"""The public protocol of Adaptics Engine: tactons, their parameters and starts; playback updates, hands.
+"""Protocol of Adaptics Engine: clients send tactons (tactile patterns), parameters, starts and hands.
 
-A message is {"cmd": ..., "data": {...}}; docs/serve.md lists them. Lengths are in mm, times in ms.
+A message is {"cmd": ..., "data": {...}}; docs/serve.md lists all messages. Lengths are in mm, times in ms.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from .._support.arguments import flag, json_object, number, refused, word
 from .playing import Frame, Live, Wanted
 from .tacton import Matrix, Moment, Tacton, Touch
 
-#: Characters of an error, which may contain what a client sent.
+#: The most characters of an error message to a client: the message may quote data from the client.
 MOST_TEXT = 300
 
-#: s between two reports to a client, and the reported points that wait for it at most.
+#: Time in s between two playback reports to a client, and the most touches that wait for the next report.
 REPORT, MOST_REPORTED = 1 / 60, 4096
 
 
 class Player:
-    """What clients want to play on a board: one tacton, its parameters and where it is."""
+    """Keeps the tacton that clients chose, its parameters, its transform and the hand's place. Plays it."""
 
     def __init__(self, live: Live) -> None:
         self._live = live
@@ -41,9 +41,9 @@ class Player:
         self._clients: list[Client] = []
 
     def obey(self, message: str | bytes, client: Client) -> None:
-        """Do what a message says.
+        """Execute a client's message.
 
-        Raises SceneError for a message that is not in order, BoardError where the board is gone.
+        Raises SceneError for an invalid message, BoardError if the board is gone.
         """
         given = json_object("message", message, 'give {"cmd": ..., "data": {...}}')
         command, data = given.get("cmd"), given.get("data")
@@ -90,7 +90,10 @@ class Player:
                 other.send("tracking_data", tracking_frame=frame)
 
     def _frames(self, begin: float, start: Moment) -> Callable[[float], Frame | None]:
-        """The frames of a start; their times are those of this computer, not since the start."""
+        """Return a function that computes the frame to play now.
+
+        The function uses this computer's clock and ignores its argument.
+        """
         moment, over = start, False
 
         def frame(_: float) -> Frame | None:
@@ -113,17 +116,20 @@ class Player:
         return frame
 
     def join(self, client: Client) -> None:
-        """Add a client to those that get reports."""
+        """Add a client to the list of clients that receive reports."""
         self._clients = [*self._clients, client]
 
     def leave(self, client: Client) -> None:
-        """Leave out a client; what it began ends."""
+        """Remove a client, and turn the board off if this client had started the playback."""
         self._clients = [each for each in self._clients if each is not client]
         if client.playing:
             self._live.off()
 
     def others(self, client: Client) -> None:
-        """Note that a client began to play: the others' death is then no news."""
+        """Record that this client started the playback.
+
+        From now on the end of another client does not stop it.
+        """
         for other in self._clients:
             other.playing = other is client
 
@@ -138,7 +144,7 @@ COMMANDS: dict[str, Callable[[Player, dict[str, Any], Client], None]] = {
 
 
 class Client:
-    """A client by WebSocket: what it is sent, and its signs of life, the answers to pings."""
+    """A WebSocket client: sends it reports, and uses its answers to pings as signs of life."""
 
     def __init__(self, socket: Any, player: Player, live: Live) -> None:
         self.reported: deque[Touch] = deque(maxlen=MOST_REPORTED)
@@ -149,19 +155,19 @@ class Client:
         self._gone = threading.Event()
 
     def begins(self) -> None:
-        """Note that what plays is this client's."""
+        """Record this client as the one that started the playback."""
         self._player.others(self)
 
     def send(self, command: str, **data: Any) -> None:
-        """Send a message, unless the client is gone."""
+        """Send a message, unless the connection is closed."""
         try:
             self._socket.send(json.dumps({"cmd": command, "data": data}))
-        # Whatever a broken connection raises.
+        # The library raises several kinds of errors for a broken connection.
         except Exception:
             self._gone.set()
 
     def talk(self) -> None:
-        """Obey the client's messages until it is gone."""
+        """Execute the client's messages until the connection closes."""
         from .errors import BoardError
 
         self._player.join(self)
@@ -177,7 +183,10 @@ class Client:
             self._player.leave(self)
 
     def _report(self) -> None:
-        """Send what was played; while the client answers pings it lives."""
+        """Send the touches that were played, and pings.
+
+        Each answered ping keeps this client's playback going.
+        """
         answered: Any = None
         error: str | None = None
         while not self._gone.wait(REPORT):
@@ -191,7 +200,7 @@ class Client:
                     if answered is not None and self.playing:
                         self._live.keep()
                     answered = self._socket.ping()
-            # Whatever a broken connection raises.
+            # The library raises several kinds of errors for a broken connection.
             except Exception:
                 return
 

@@ -1,4 +1,4 @@
-"""Addresses and ports: board, link and place of an address, and the description of the guard's transport."""
+"""Parses the address of a board, finds serial ports, and describes the guard process's transport."""
 
 from __future__ import annotations
 
@@ -17,25 +17,26 @@ from .board import Board
 from .errors import BoardError
 from .layout import autd3_boards
 
-#: The boards that an address may name.
+#: Kinds of boards that an address can name.
 KINDS = Codec.kinds()
 
-#: Packages that a link needs: the package's name, the name for import, and the extra that installs it.
+#: Python packages that each kind of link needs: name to install, name to import, and the extra of midair that
+#: has it.
 NEEDS = {
     "serial": ("pyserial", "serial", "serial"),
     "fifo": ("pyftdi", "pyftdi", "ftdi"),
 }
 
-#: Suffix of the presets of two boards of a kind.
+#: Suffix of the names of presets that contain two boards, as in "sonicsurface_pair".
 PAIR = "_pair"
 
-#: The board of an address without a name.
+#: Kind of board that "null" and "file:" addresses simulate, since they name none.
 DEFAULT = "autd3"
 
 
 @dataclass(frozen=True)
 class Address:
-    """A board's name or None, the kind of its link, and its place."""
+    """A parsed address: the board's name (or None), the kind of its link, and the rest: a port or path."""
 
     board: str | None
     kind: str
@@ -43,12 +44,12 @@ class Address:
 
     @property
     def kind_of_board(self) -> str | None:
-        """Kind of the board, as links use it: a pair has the kind of its boards."""
+        """The board's name without "_pair": the links treat a pair as two boards of one kind."""
         return None if self.board is None else self.board.removesuffix(PAIR)
 
 
 def parse(address: Any) -> Address:
-    """Read an address: a board's name and its place, "null", or "file:" and a path."""
+    """Parse an address: a board's name and its port, "null", or "file:" and a path."""
     text = word("address", address)
     name, _, where = text.partition(":")
     if name == "null" and not where:
@@ -78,14 +79,14 @@ def parse(address: Any) -> Address:
 
 
 def can_modulate(board: str) -> None:
-    """Reject a kind of board that does not modulate."""
+    """Raise BoardError if boards of this kind cannot modulate."""
     if not KINDS[board].link["modulates"]:
         others = " or ".join(name for name, kind in KINDS.items() if kind.link["modulates"])
         raise BoardError(f"{board} cannot modulate: stream drives of changing amplitude, or take {others}")
 
 
 def modulation(board: str, given: Any) -> tuple[float, bytes]:
-    """Return a frequency in Hz and no codes; or NaN and codes, for a kind of board that stores samples."""
+    """Check a modulation; return (Hz, no codes) for a frequency, or (NaN, codes of 0 to 255) for samples."""
     if np.ndim(given) == 0:
         frequency = number("hz", given, above=0)
         can_modulate(board)
@@ -101,7 +102,7 @@ def modulation(board: str, given: Any) -> tuple[float, bytes]:
 
 
 def describe(address: Address, board: Board) -> dict[str, Any]:
-    """Description of the board's transport, as JSON, for `open_transport`."""
+    """Return the JSON description of the transport that `open_transport` reads in the guard process."""
     silence, off = board.silence.hex(), board.off_frame.hex()
     swap = board.link["swap"]
     if address.kind == "null":
@@ -125,10 +126,11 @@ def describe(address: Address, board: Board) -> dict[str, Any]:
 
 
 def _places(address: Address, board: Board) -> list[tuple[str, int]]:
-    """Serial number and interface of each line: one chip each, or the two of one chip."""
+    """Return (serial number of the chip, interface) of each line. A chip may have both lines of a pair."""
     serials = address.where.split("+")
     if serials[0] and len(serials) == 1 and board.link["one_chip"]:
-        # Its first FPGA is on the chip's channel B, which is interface 2.
+        # The first FPGA of such a board is connected to the chip's channel B, which USB numbers as interface
+        # 2.
         return [(serials[0], 2 - line) for line in range(board.lines)]
     if len(serials) != board.lines or not all(serials):
         raise refused("address", f"{address.board}:{address.where}", f"give {board.lines} serial numbers")
@@ -140,14 +142,15 @@ def _examples() -> list[str]:
 
 
 def _place(kind: str) -> str:
-    """Describe the part of an address after the colon."""
+    """Return a placeholder for the part of an address after the colon, for error messages."""
     link, most = KINDS[kind].link, KINDS[kind].most_boards
     if link["kind"] == "fifo":
         return "SERIAL" if link["one_chip"] else "+".join(["SERIAL"] * most)
     return "PORT" if link["kind"] == "serial" else "INTERFACE"
 
 
-#: Boards behind an adapter, by USB vendor and product (None: any): Arduino's own, CH340, and FTDI's chips.
+#: Boards that may be connected through a USB adapter, by its vendor and product numbers. Product None: any
+#: product.
 ADAPTERS: dict[tuple[int | None, int | None], str] = {
     (0x2341, None): "an Arduino: mega64, nano16, nano",
     (0x2A03, None): "an Arduino: mega64, nano16, nano",
@@ -188,7 +191,8 @@ class Port:
 
 
 def _could_be(vid: int | None, pid: int | None, product: str) -> str:
-    # FTDI's serial lines and FIFOs have the same numbers and different names.
+    # FTDI's serial adapters and FIFO chips can have equal USB numbers; only the product name tells them
+    # apart.
     if "FT245" in product:
         return "an FT245: openmpd"
     return ADAPTERS.get((vid, pid)) or ADAPTERS.get((vid, None), "")

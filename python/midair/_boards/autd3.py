@@ -1,4 +1,4 @@
-"""AUTD3 boards over UDP, of either protocol: all boards acknowledge every step."""
+"""Transport to AUTD3 boards over UDP, for both protocol versions. All boards acknowledge every step."""
 
 from __future__ import annotations
 
@@ -17,16 +17,17 @@ from .errors import BoardError, BoardLost
 MOST_BOARDS = 128
 EMULATOR = "autd3:emulator"
 
-#: A step without an acknowledgement within this time, in s, is repeated. A lost datagram costs one retry.
+#: A step that is not acknowledged within this time, in s, is sent again, so a lost datagram costs one retry.
 ACKNOWLEDGED = 0.02
 RETRIES = 5
-#: Repetitions of the last step to lost boards.
+#: A loss turns the boards off; the "off" step is sent this often, because some boards may not answer.
 TWICE = 2
-#: Time between two words to the boards, in s. Boards silent for the second time are lost and mute themselves.
+#: Time in s between two keep-alive datagrams. Boards that do not answer for LOST s count as lost and mute
+#: themselves.
 BEAT = 0.03
 LOST = 0.4
 
-#: Reasons of a board to reject a step; a step to a board that is not ready is repeated for this time, in s.
+#: Reasons for which a board rejects a step, by its status code.
 REFUSED = {
     0x01: "it does not know it",
     0x02: "its content is not in order",
@@ -40,24 +41,21 @@ REFUSED = {
 NOT_READY = (0x08, 0x14)
 READY = 5.0
 
-#: Causes of boards without a reply.
+#: Possible causes, for the error message, if boards stop answering.
 ELSEWHERE = ": unplugged, rebooted or taken over by another program"
 
-_STEP = struct.Struct("<BBI")  # count, command, 0: at once
-_REPLY = struct.Struct("<BBBBQ")  # count, status, flags, the board's number, its clock
+_STEP = struct.Struct("<BBI")  # count, command, 0: execute now
+_REPLY = struct.Struct("<BBBBQ")  # count, status, flags, board number, board clock
 
 _Reply = tuple[int, bytes]
 
 
 class Overtaken(Exception):
-    """Raised for a step that was given up."""
+    """Raised if `silence` was called while a step was being sent, so that the step is dropped."""
 
 
 class Link:
-    """Boards that are silent at first; a thread keeps them alive while nothing else is sent.
-
-    Raises the errors of `Chain`, and BoardError for a board with firmware of two series.
-    """
+    """Connection to a chain of boards, silent at first. A thread sends keep-alive messages."""
 
     def __init__(self, address: str, boards: int) -> None:
         self._address, self._boards = address, boards
@@ -80,11 +78,7 @@ class Link:
         threading.Thread(target=self._beat, name=address, daemon=True).start()
 
     def send(self, step: Step, wanted: Callable[[], bool] = lambda: True) -> list[bytes]:
-        """Send a step until every board has acknowledged it; return the data of their replies.
-
-        Raises Overtaken if the step was given up, BoardLost if boards do not reply, BoardError if a board
-        rejects it.
-        """
+        """Send a step repeatedly until every board has acknowledged it; return the data of their replies."""
         with self._lock:
             until = time.monotonic() + READY
             replies = self._acknowledged(step, wanted)
@@ -98,19 +92,19 @@ class Link:
         return [data for _, data in replies]
 
     def look(self) -> None:
-        """Raise BoardLost once boards do not reply."""
+        """Raise BoardLost if boards have stopped replying."""
         if self._gone:
             raise BoardLost(f"{self._address}: {self._gone}; connect again")
 
     def close(self) -> None:
-        """Leave the boards."""
+        """Close the connection without turning the boards off."""
         self._over.set()
         with self._lock:
             self._gone = "closed"
             self._chain.close()
 
     def _acknowledged(self, step: Step, wanted: Callable[[], bool]) -> list[_Reply]:
-        """Wait for each board's reply to a step."""
+        """Send a step, with retries, and return each board's reply."""
         replies: dict[int, _Reply] = {}
         for _ in range(1 + RETRIES):
             if not wanted():
@@ -122,7 +116,7 @@ class Link:
         raise self._lost(f"board {missing} did not reply within {1000 * ACKNOWLEDGED:g} ms", ELSEWHERE)
 
     def _exchange(self, units: Collection[int], step: Step | None = None) -> dict[int, _Reply]:
-        """Return status and data of the replies that arrive in time to a step, or to a keep-alive word."""
+        """Send a step, or a keep-alive if `step` is None; return (status, data) of the boards that reply."""
         self.look()
         now = time.monotonic()
         if now - self._spoken > FAILSAFE_MS / 1000:
@@ -140,7 +134,7 @@ class Link:
             if step is None and flags & MUTED:
                 raise self._lost(f"board {unit} has muted itself")
             if self.protocol.counted and step is not None and step.command != Command.RESET:
-                # A board that drops a step acknowledges the one before.
+                # A board that lost this step repeats the reply to the step before it, with the older count.
                 if count != self._counts[unit]:
                     continue
                 self._counts[unit] = (count + 1) % 256
@@ -151,14 +145,14 @@ class Link:
         return replies
 
     def _content(self, unit: int, step: Step | None) -> bytes:
-        """Datagrams of a step, a board each."""
+        """Return the content of the datagram to one board."""
         if step is None:
             return b""
         payload = step.payloads[unit if len(step.payloads) > 1 else 0]
         return _STEP.pack(self._counts[unit], step.command, 0) + payload
 
     def _lost(self, why: str, cause: str = "") -> BoardLost:
-        """Make the error of lost boards, and turn off those that still receive; no message follows."""
+        """Turn off the boards that still receive, stop the keep-alive messages, and return the error."""
         self._over.set()
         self._gone = f"{why}{cause}; boards that still play mute themselves in half a second"
         off = commands.pattern(bytes(self._boards * CODES), self._boards, self.protocol)
@@ -168,7 +162,7 @@ class Link:
         return BoardLost(f"{self._address}: {self._gone}; connect again")
 
     def _beat(self) -> None:
-        """Keep the boards alive; report boards that do not reply for long as lost."""
+        """Send keep-alive messages until closed. No reply for LOST s: the connection is lost."""
         while not self._over.wait(BEAT):
             with self._lock, suppress(BoardError):
                 self._exchange(range(self._boards))
@@ -177,7 +171,7 @@ class Link:
                         raise self._lost(f"board {unit} stopped answering", ELSEWHERE)
 
     def _check_firmware(self, unit: int, info: bytes) -> None:
-        """Reject a board whose processor and FPGA have firmware of two series."""
+        """Raise BoardError if the processor and the FPGA of a board have firmware of different versions."""
         if info[:2] != info[3:5]:
             raise BoardError(
                 f"{self._address}: board {unit} has firmware {version(info[:3])} in its processor, "
@@ -186,10 +180,11 @@ class Link:
 
 
 class Autd3Transport:
-    """Frames to AUTD3 boards.
+    """Plays frames on AUTD3 boards.
 
-    `address` is "autd3" (searches every network interface), "autd3:eth0" (one), "autd3:[IPv6]:PORT" or
-    "autd3:emulator" (emulated in this process, where nothing emits). Opening leaves the boards silent.
+    `address` is "autd3" (searches every network interface), "autd3:eth0" (one interface), "autd3:[IPv6]:PORT"
+    or "autd3:emulator" (an emulator in this process, which makes no sound). After opening, the boards are
+    silent.
     """
 
     def __init__(self, address: str, boards: int) -> None:
@@ -197,7 +192,7 @@ class Autd3Transport:
             raise BoardError(f"{address}: {boards} boards, give 1 to {MOST_BOARDS}")
         self._boards = boards
         self._bank, self._divider = BANKS[0], PHASE_STEPS
-        # Number of calls of `silence`: steps from before one are given up.
+        # Number of calls of `silence` so far. A step that began before the last call is dropped.
         self._silenced = 0
         self._lock = threading.Lock()
         if address == EMULATOR:
@@ -210,25 +205,25 @@ class Autd3Transport:
             raise
 
     def play(self, frame: bytes) -> None:
-        """Play a frame until another; return when every board has acknowledged it."""
+        """Play one frame without end. Returns when every board has acknowledged it."""
         before, step = self._silenced, commands.pattern(frame, self._boards, self._link.protocol)
         self._play([step], PHASE_STEPS, BANKS[0], before)
 
     def upload(self, frames: bytes, count: int, rate: float) -> None:
-        """Let the boards repeat `count` frames at `rate` a second by themselves."""
+        """Store `count` frames in the boards, which repeat them by themselves at `rate` frames a second."""
         before, divider, bank = self._silenced, commands.divider(rate), 1 - self._bank
         steps = commands.sequence(frames, count, self._boards, divider, bank, self._link.protocol)
         self._play(steps, divider, bank, before)
 
     def modulate(self, wave: float | bytes | None) -> None:
-        """Multiply the pressure, now and later, by a sine from 0 to 1, or by codes; by 1 for None."""
+        """Multiply the pressure of all frames from now on by a sine from 0 to 1 (Hz) or codes; None: by 1."""
         steps = commands.modulation(wave)
         with self._lock:
             for step in steps:
                 self._link.send(step)
 
     def silence(self) -> None:
-        """Turn all transducers off within 250 us of the arrival; give up frames on their way."""
+        """Turn all transducers off within 250 us after arrival; drop frames that are being sent."""
         self._silenced += 1
         off = commands.pattern(bytes(self._boards * CODES), self._boards, self._link.protocol)
         with self._lock:
@@ -241,13 +236,13 @@ class Autd3Transport:
         self._link.look()
 
     def close(self) -> None:
-        """Turn all transducers off, also of boards that do not answer, and release the boards."""
+        """Turn all transducers off, as far as boards still receive, and close the connection."""
         with suppress(BoardError):
             self.silence()
         self._link.close()
 
     def _play(self, steps: Sequence[Step], divider: int, bank: int, before: int) -> None:
-        """Play frames of `divider` ultrasound periods each, with a silencer fast enough for them."""
+        """Send the steps of frames of `divider` ultrasound periods each, after a fast enough silencer."""
 
         def wanted() -> bool:
             return self._silenced == before
@@ -262,7 +257,7 @@ class Autd3Transport:
 
 
 def _emulated(boards: int) -> tuple[Any, str]:
-    """The makers' emulator of boards with firmware 0.12, and its address."""
+    """Start the makers' emulator of boards with firmware 0.12; return it and its address."""
     try:
         import autd3
     except ImportError as error:

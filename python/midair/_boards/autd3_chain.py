@@ -1,8 +1,9 @@
-"""Chain of AUTD3 boards: finds them by UDP, numbers and synchronises them, and exchanges datagrams.
+"""Chain of AUTD3 boards: finds the boards by UDP, numbers and synchronises them, and exchanges datagrams.
 
-Boards are connected one behind another to a network interface and receive from all nodes of its IPv6 link. A
-reset board closes its port to those behind it, so that one after the other is discovered, numbered, and opens
-port. The first board's clock is that of all. Order and times are those of the makers' autd3-rs 0.13.0.
+The boards are connected in one line to a network interface and receive IPv6 multicast ("all nodes of the
+link"). A board that was reset does not forward datagrams to the boards behind it. So the boards are
+discovered, numbered and opened one after another. The first board's clock is the reference for all. The order
+of these steps and the times are those of the makers' autd3-rs 0.13.0.
 """
 
 from __future__ import annotations
@@ -22,26 +23,28 @@ from .autd3_commands import PROTOCOLS, counted
 from .errors import BoardError, BoardNotFound
 
 PORT = 44336
-#: Address of all nodes of a link.
+#: IPv6 multicast address of all nodes on a link.
 ALL = "ff02::1"
 
-#: Time in s in which a board answers a request, and the number of requests.
+#: Time in s to wait for the answer to a request, and the number of attempts.
 RESPONSE = 0.2
 ATTEMPTS = 3
-#: Reset boards close their ports within the first time; the second is for two that are discovered at once.
+#: Time in s after which reset boards no longer forward, and the time to wait for a second, unwanted discovery
+#: answer.
 SETTLE = 0.1
 LINGER = 0.01
-#: Time of the search for boards, and of the wait for their clocks, in s.
+#: Longest times in s of the search for boards and of the synchronisation of their clocks; the pause between
+#: two checks.
 ENUMERATION = 10.0
 IN_STEP = 30.0
 PAUSE = 0.05
 
-#: Flags of a board: it has a number, its clock runs and follows the first one's, it has muted itself.
+#: Flags of a board: it has a number; its clock runs and follows the first board's; it has muted itself.
 ASSIGNED, IN_TIME, MUTED = 0x01, 0x18, 0x40
 
-_HEADER = struct.Struct("<BBH")  # protocol, kind, number of the datagram
-_INFO = struct.Struct("<BBB")  # status, the board's number, flags
-#: Place of the firmware in the information of protocols before 5.
+_HEADER = struct.Struct("<BBH")  # protocol version, kind of the datagram, its number
+_INFO = struct.Struct("<BBB")  # status, board number, flags
+#: Where the firmware's version is in the information of protocols before 5.
 _FIRMWARE = slice(5, 8)
 
 _Place = tuple[Any, ...]
@@ -61,7 +64,7 @@ class Kind(IntEnum):
 
 
 class Info(NamedTuple):
-    """Information that a board sends about itself."""
+    """Information that a board sends about itself: its network address, its number, its flags."""
 
     place: _Place
     unit: int
@@ -69,19 +72,21 @@ class Info(NamedTuple):
 
 
 class Chain:
-    """A given number of boards at an address, numbered from 0 on and synchronised.
+    """A chain of AUTD3 boards, found, numbered from 0 on and synchronised.
 
     Parameters
     ----------
     address
         "autd3" (searches every network interface), "autd3:eth0" (one interface) or "autd3:[IPv6]:PORT".
+    boards
+        The number of boards that the chain must have.
 
     Raises
     ------
     BoardNotFound
-        For none, fewer or more boards.
+        If no board answers, or fewer or more boards than `boards`.
     BoardError
-        For firmware with another protocol.
+        If a board's firmware has another protocol.
     """
 
     def __init__(self, address: str, boards: int) -> None:
@@ -101,26 +106,26 @@ class Chain:
         self.protocol = PROTOCOLS[self._version]
 
     def send(self, kind: Kind, contents: Mapping[int, bytes]) -> None:
-        """Send datagrams to boards by their number, the last in the chain first."""
+        """Send a datagram to each board, by its number. The last board in the chain gets its own first."""
         self._next()
         for unit in sorted(contents, reverse=True):
             self._write(self._places[unit], kind, contents[unit])
 
     def replies(self, kind: Kind, seconds: float) -> Iterator[tuple[int, bytes]]:
-        """Return the boards that reply within a time in s to the last datagrams, and their replies."""
+        """Yield (board number, reply) of the replies that arrive within `seconds` after the datagrams."""
         for place, body in self._answers(kind, seconds):
             if place[:2] in self._units:
                 yield self._units[place[:2]], body
 
     def close(self) -> None:
-        """Leave the boards."""
+        """Close the socket."""
         self._socket.close()
 
     def _search(self) -> tuple[socket.socket, _Place]:
-        """Open a socket to the first network with an answering board; return it with the boards' address."""
+        """Search the networks for boards; return a socket to the first with an answer, and its address."""
         groups = {}
         for group in self._groups():
-            # Some interfaces have no IPv6.
+            # An interface without IPv6 cannot be used.
             with suppress(OSError):
                 groups[_socket(group)] = group
         asking = _HEADER.pack(self._version, Kind.INFO, self._number)
@@ -141,7 +146,7 @@ class Chain:
         raise self._not_found("no AUTD3 board answers")
 
     def _groups(self) -> list[_Place]:
-        """List the address of all boards in each network of the search."""
+        """Return the multicast address of each network to search."""
         _, colon, where = self._address.partition(":")
         interfaces = {name: index for index, name in socket.if_nameindex()}
         if not colon:
@@ -152,7 +157,7 @@ class Chain:
             host, port = found[1] or found[3], int(found[2] or PORT)
             with suppress(OSError):
                 place = socket.getaddrinfo(host, port, socket.AF_INET6, flags=socket.AI_NUMERICHOST)[0][4]
-                # Some systems take a port modulo 65536.
+                # Some systems reduce a port number modulo 65536 without an error.
                 if place[1] == port:
                     return [place]
         raise BoardError(
@@ -161,7 +166,7 @@ class Chain:
         )
 
     def _enumerate(self) -> list[_Place]:
-        """Number the boards in their order; return the place of each."""
+        """Give all boards numbers, in their order in the chain; return the network address of each."""
         self._request(self._group, Kind.RESET)
         time.sleep(SETTLE)
         places: list[_Place] = []
@@ -186,7 +191,7 @@ class Chain:
                 return places
 
     def _discover(self) -> _Place | None:
-        """Return the place of the next board without a number."""
+        """Return the address of the next board without a number, None if there is none."""
         for place, _ in self._request(self._group, Kind.DISCOVER, most=1):
             if list(self._answers(Kind.DISCOVER, LINGER)):
                 raise self._not_found("two AUTD3 boards answer at once, which are not in one line")
@@ -194,7 +199,7 @@ class Chain:
         return None
 
     def _release(self, known: list[_Place]) -> bool:
-        """Reset boards that still have an older number; return whether there are some."""
+        """Reset boards that still have a number from an earlier connection; return whether there were any."""
         old = [info.place for info in self._infos() if info.flags & ASSIGNED and info.place not in known]
         for place in old:
             self._request(place, Kind.RESET, most=1)
@@ -203,19 +208,19 @@ class Chain:
         return bool(old)
 
     def _assign(self, place: _Place, unit: int) -> _Place:
-        """Give a board its number, and the first one the clock; return its new place."""
+        """Give a board its number and make the first one the reference clock; return its new address."""
         for _ in range(ATTEMPTS):
             for answer, body in self._request(place, Kind.NUMBER, bytes([unit, unit == 0]), most=1):
                 self._check(unit, Kind.NUMBER, body)
                 return answer
-            # A board whose answer was lost has its number already.
+            # The board may have taken its number although its answer was lost.
             for info in self._infos():
                 if info.flags & ASSIGNED and info.unit == unit:
                     return info.place
         raise self._not_found(f"board {unit} does not take its number")
 
     def _synchronize(self) -> None:
-        """Set the first board's clock, and wait until the clocks of all follow it."""
+        """Set the first board's clock, and wait until the clocks of all boards follow it."""
         self._ask(0, self._places[0], Kind.SET_CLOCK, bytes(8))
         until = time.monotonic() + IN_STEP
         while True:
@@ -231,12 +236,12 @@ class Chain:
             time.sleep(PAUSE)
 
     def _infos(self, most: int | None = None) -> list[Info]:
-        """Read the information of the boards."""
+        """Request and return the information of all boards."""
         found = self._request(self._group, Kind.INFO, most=most)
         return [Info(place, *_INFO.unpack_from(body)[1:]) for place, body in found if len(body) >= _INFO.size]
 
     def _ask(self, unit: int, place: _Place, kind: Kind, content: bytes = b"") -> bytes:
-        """Return a board's answer to a request."""
+        """Return a board's answer to a request, with retries."""
         for _ in range(ATTEMPTS):
             for _, body in self._request(place, kind, content, most=1):
                 self._check(unit, kind, body)
@@ -252,7 +257,7 @@ class Chain:
     def _request(
         self, place: _Place, kind: Kind, content: bytes = b"", most: int | None = None
     ) -> list[tuple[_Place, bytes]]:
-        """Yield the senders of answers to a request, and the answers."""
+        """Send a request; return (address of the sender, answer) of the answers, at most `most`."""
         self._next()
         self._write(place, kind, content)
         return list(islice(self._answers(kind, RESPONSE), most))
@@ -261,18 +266,18 @@ class Chain:
         self._number = (self._number + 1) % 0x10000
 
     def _write(self, place: _Place, kind: Kind, content: bytes) -> None:
-        # A datagram that the system cannot send counts as lost and is repeated.
+        # A datagram that the system cannot send counts as lost; the caller repeats it.
         with suppress(OSError):
             self._socket.sendto(_HEADER.pack(self._version, kind, self._number) + content, place)
 
     def _answers(self, kind: Kind, seconds: float) -> Iterator[tuple[_Place, bytes]]:
-        """Yield the answers to the last datagram that arrive within a number of seconds."""
+        """Yield (sender's address, content) of the answers to the last datagram within `seconds`."""
         until = time.monotonic() + seconds
         while (left := until - time.monotonic()) > 0:
             self._socket.settimeout(left)
             try:
                 found, place = self._socket.recvfrom(2048)
-            # No answer in time; or the system's error for a datagram that did not arrive.
+            # Either no answer came in time, or the system reports that an earlier datagram did not arrive.
             except OSError:
                 continue
             if len(found) <= _HEADER.size or _HEADER.unpack_from(found)[1:] != (kind, self._number):
@@ -285,7 +290,7 @@ class Chain:
             yield place, found[_HEADER.size :]
 
     def _other_firmware(self) -> BoardError:
-        """Make the error for firmware of another protocol."""
+        """Return the error for boards whose firmware has another protocol."""
         firmware = ""
         if self._version < min(PROTOCOLS):
             for _, body in self._request(self._group, Kind.INFO, most=1):
@@ -305,12 +310,12 @@ class Chain:
 
 
 def version(numbers: bytes) -> str:
-    """Version in the usual notation."""
+    """Return version numbers as text, such as "0.13.0"."""
     return ".".join(map(str, numbers))
 
 
 def _socket(group: _Place) -> socket.socket:
-    """Open a socket to a network, without routing."""
+    """Open a socket to one network; its datagrams are not routed to others."""
     made = socket.socket(socket.AF_INET6, socket.SOCK_DGRAM)
     made.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_MULTICAST_HOPS, 1)
     if group[3]:

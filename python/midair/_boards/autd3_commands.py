@@ -1,9 +1,9 @@
 """Commands of AUTD3 boards as bytes: frames, sequences and modulation in the two protocols of their firmware.
 
-A frame is, for each board, 249 phase codes and then 249 intensity codes. A command is one step or several;
-every board acknowledges a step before the next one goes out. The layouts are those of the makers' crates
-autd3-cpu-wire and autd3-cpu-fw, 0.12.0 for protocol 3 and 0.13.0 for protocol 5. Nothing here imports midair
-itself.
+A frame has 249 phase codes and then 249 intensity codes for each board. A command consists of one or several
+steps; every board acknowledges a step before the next one is sent. The layouts are those of the makers'
+crates autd3-cpu-wire and autd3-cpu-fw, 0.12.0 for protocol 3 and 0.13.0 for protocol 5. This module does not
+import midair itself.
 """
 
 from __future__ import annotations
@@ -18,44 +18,46 @@ from typing import NamedTuple
 from .errors import BoardError
 
 TRANSDUCERS = 249
-#: Bytes of a board in a frame.
+#: Bytes of one board in a frame.
 CODES = 2 * TRANSDUCERS
-#: Ultrasound periods a second; the clock of everything that a device plays by itself.
+#: Ultrasound periods per second; the unit of time in the board's sequences.
 ULTRASOUND = 40_000
-#: Patterns in each of the two banks of a device, and the longest time of one in ultrasound periods.
+#: Least and largest number of frames ("patterns") in a bank, and of ultrasound periods that one frame lasts.
 PATTERNS = (2, 1024)
 DIVIDERS = (1, 65535)
 BANKS = (0, 1)
-#: The largest number of samples of a modulation, samples a second, and samples in a period of a sine at
-#: least. The time of one sample is the time in which the silencer changes an intensity.
+#: Largest number of samples of a modulation; samples per second; least number of samples in a sine's period.
+#: A sample lasts as long as the silencer takes to change an intensity.
 SAMPLES = 65536
 SAMPLING = 4000
 SAMPLES_A_PERIOD = 4
-#: Times of the default silencer in ultrasound periods: 1 ms for a phase, 250 us for an intensity.
+#: Times of the default silencer, which changes phases and intensities gradually, in ultrasound periods: 1 ms
+#: for a phase, 250 us for an intensity.
 PHASE_STEPS = 40
 INTENSITY_STEPS = 10
-#: Step of the silencer in a period if it has no time; the device needs a number.
+#: Change per period in the silencer's other mode, which midair does not use; the board needs a number.
 RATE_STEPS = 256
-#: A device without a message for this time, in s, mutes itself.
+#: A board that receives nothing for this time, in ms, mutes itself.
 FAILSAFE_MS = 500
 
-#: The most bytes of a step behind its header, and the most patterns of codes in it.
+#: Most bytes of a step after its header, and most frames in one step.
 PAYLOAD = 1442
 PATTERNS_A_STEP = 2
 
-#: Behaviour of an activated bank: it plays at once and repeats.
+#: Settings of a bank: play at once, and repeat without end.
 AT_ONCE = 0xFF
 ENDLESS = 0xFFFF
-#: A bank contains codes, not foci.
+#: Code for a bank that stores phase and intensity codes, not foci.
 RAW = 1
 
-_BANK = struct.Struct("<BBQ")  # bank, when, and by which value
-_PATTERNS = struct.Struct("<BBH")  # bank, count, the first one's place
-_CONFIG_PATTERNS = struct.Struct("<BBHIBBHH")  # bank, RAW, divider, count, three of foci, repetitions
-_SAMPLES = struct.Struct("<BBI")  # bank, 0, the first sample's place
+_BANK = struct.Struct("<BBQ")  # bank, when to switch, parameter of the switch
+_PATTERNS = struct.Struct("<BBH")  # bank, number of frames, index of the first
+_CONFIG_PATTERNS = struct.Struct("<BBHIBBHH")  # bank, RAW, divider, count, three values for foci, repetitions
+_SAMPLES = struct.Struct("<BBI")  # bank, 0, index of the first sample
 _CONFIG_SAMPLES = struct.Struct("<BBHIH")  # bank, 0, divider, count, repetitions
 _SILENCER = struct.Struct("<BBHHHH")  # flags, 0, two rates, steps of an intensity, steps of a phase
-#: Settings of a processor: the makers' defaults, and the failsafe, which is off by default in protocol 5.
+#: Settings of a board's processor: the makers' defaults, and the failsafe, which protocol 5 leaves off by
+#: default.
 _SETTINGS = struct.pack(
     "<I5H5I9H",
     *(250_000, 8, 3, 6, 1000, 64, 10_000, 100, 50, 1, 500_000),
@@ -64,14 +66,14 @@ _SETTINGS = struct.pack(
 
 
 class Protocol(NamedTuple):
-    """A protocol, by its number, and the firmware that has it.
+    """A version of the boards' protocol and the firmware that uses it.
 
     Attributes
     ----------
     counted
-        Whether steps carry a count, by which a board drops a repeated step.
+        Whether each step has a count, by which a board ignores a repeated step.
     paired
-        Whether codes are in pairs of phase and intensity, or all phases before all intensities.
+        Whether codes are pairs of phase and intensity; otherwise all phases precede all intensities.
     """
 
     number: int
@@ -87,7 +89,7 @@ PROTOCOLS = {
 
 
 class Command(IntEnum):
-    """Kinds of steps that midair sends, by their number."""
+    """Steps that midair sends, by their number in the protocol."""
 
     RESET = 0x00
     SYNCHRONIZE = 0x01
@@ -105,22 +107,22 @@ class Command(IntEnum):
 
 
 class Step(NamedTuple):
-    """One datagram to every board: its command and its payload, one for all boards or one for each."""
+    """A datagram to every board: its command, and one payload for all boards or one for each."""
 
     command: Command
     payloads: Sequence[bytes] = (b"",)
 
 
 def opening(protocol: Protocol) -> list[Step]:
-    """Steps that put boards into their first state: silent and synchronised."""
+    """Return the steps that make boards silent and synchronised after connecting."""
     if protocol.counted:
-        # The count starts again; the failsafe is on by default.
+        # RESET restarts the count of steps. The failsafe is on by default.
         return [Step(Command.RESET), Step(Command.CLEAR), Step(Command.SYNCHRONIZE)]
     return [Step(Command.CLEAR), Step(Command.SETTINGS, [_SETTINGS]), Step(Command.SYNCHRONIZE)]
 
 
 def pattern(frame: bytes, boards: int, protocol: Protocol) -> Step:
-    """One frame, played at once, in the device's first bank of patterns."""
+    """Return the step that plays one frame at once, from the first bank."""
     _check_length(frame, 1, boards)
     header = _BANK.pack(BANKS[0], AT_ONCE, 0)
     return Step(Command.PATTERN, [header + codes for codes in _parts(frame, protocol)])
@@ -129,14 +131,15 @@ def pattern(frame: bytes, boards: int, protocol: Protocol) -> Step:
 def sequence(
     frames: bytes, count: int, boards: int, divider: int, bank: int, protocol: Protocol
 ) -> list[Step]:
-    """Frames that the device repeats by itself, each for `divider` ultrasound periods."""
+    """Return the steps by which boards store frames and repeat them; a frame lasts `divider` periods."""
     check_count(count)
     _check_length(frames, count, boards)
     parts, steps = _parts(frames, protocol), []
     for first in range(0, count, PATTERNS_A_STEP):
         last = min(first + PATTERNS_A_STEP, count)
         header = _PATTERNS.pack(bank, last - first, first)
-        # The parts of a frame are one board after another.
+        # `parts` has all boards of the first frame, then all boards of the next: every `boards`-th part is
+        # this board's.
         payloads = [
             header + b"".join(parts[first * boards + k : last * boards : boards]) for k in range(boards)
         ]
@@ -147,7 +150,7 @@ def sequence(
 
 
 def check_count(count: int) -> None:
-    """Reject a sequence of fewer or more frames than a device can store."""
+    """Raise BoardError for a sequence of fewer or more frames than a board can store."""
     least, most = PATTERNS
     if not least <= count <= most:
         raise BoardError(
@@ -157,7 +160,10 @@ def check_count(count: int) -> None:
 
 
 def divider(rate: float) -> int:
-    """Ultrasound periods a frame at `rate` frames a second; rejects a rate without a whole number of them."""
+    """Return how many ultrasound periods a frame lasts at `rate` frames a second.
+
+    Raises BoardError if this is no whole number.
+    """
     least, most = DIVIDERS
     periods = ULTRASOUND / rate if math.isfinite(rate) and rate > 0 else math.nan
     nearest = min(max(round(periods), least), most) if math.isfinite(periods) else least
@@ -170,7 +176,7 @@ def divider(rate: float) -> int:
 
 
 def modulation(wave: float | bytes | None) -> list[Step]:
-    """Samples of a sine of 0 to 255 at `wave` Hz, a whole number of periods; given codes; or 255 for None."""
+    """Return the steps of a modulation: a sine of `wave` Hz, given codes of 0 to 255, or 255 for None."""
     samples = bytes([255, 255]) if wave is None else wave if isinstance(wave, bytes) else _sine(wave)
     if not 2 <= len(samples) <= SAMPLES:
         raise BoardError(
@@ -187,21 +193,18 @@ def modulation(wave: float | bytes | None) -> list[Step]:
 
 
 def silencer(divider: int) -> Step:
-    """Phases and intensities reach a pattern within its time, and at most within the default silencer's.
-
-    Not strict: the strict silencer cannot be set during a fast sequence, and needs a newer FPGA.
-    """
+    """Return the step that sets how slowly phases and intensities change: at most a frame or the default."""
     steps = min(INTENSITY_STEPS, divider), min(PHASE_STEPS, divider)
     return Step(Command.SILENCER, [_SILENCER.pack(0, 0, RATE_STEPS, RATE_STEPS, *steps)])
 
 
 def counted(number: int, thing: str) -> str:
-    """Number of things, in words."""
+    """Return a number and a noun, in the plural if needed."""
     return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
 
 
 def _check_length(frames: bytes, count: int, boards: int) -> None:
-    """Reject frames of another number of boards."""
+    """Raise BoardError if the frames are not for this number of boards."""
     wanted = count * boards * CODES
     if len(frames) != wanted:
         raise BoardError(
@@ -211,7 +214,7 @@ def _check_length(frames: bytes, count: int, boards: int) -> None:
 
 
 def _parts(frames: bytes, protocol: Protocol) -> list[bytes]:
-    """Order the codes of each board and frame for the protocol."""
+    """Split frames into the codes of each board, in the order of the protocol."""
     parts = [frames[at : at + CODES] for at in range(0, len(frames), CODES)]
     return [_paired(part) for part in parts] if protocol.paired else parts
 
@@ -223,7 +226,7 @@ def _paired(codes: bytes) -> bytes:
 
 
 def _sine(hz: float) -> bytes:
-    """Codes round(127.5 (1 + sin)) of the shortest buffer with whole periods of `hz`."""
+    """Return codes round(127.5 (1 + sin)) of the shortest buffer that contains whole periods of `hz`."""
     highest = SAMPLING / SAMPLES_A_PERIOD
     lowest = SAMPLING / SAMPLES
     if not lowest <= hz <= highest:

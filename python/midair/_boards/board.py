@@ -1,4 +1,4 @@
-"""Boards: conversion of drives to the bytes of a board, and back."""
+"""`midair.Board`: converts drives to the bytes of a board, and back."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ class Board:
             array = Array.preset(str(name), tiles) if name in presets() else Codec.array(kind, tiles)
         elif tiles is not None:
             raise refused("tiles", tiles, "the array has its boards, leave them out")
-        # The parts that make boards equal, in a pickle.
+        # Arguments that make an equal board, for pickling.
         self._made = kind, array, channels, corrections
         self._codec = Codec(kind, array, channels=channels, corrections=corrections)
         self._array = _on_board(array, self._codec)
@@ -202,7 +202,7 @@ class Board:
 
 
 def _files(name: Any) -> list[str]:
-    """Return the given board files, none for a name."""
+    """Return the paths of .pat files in a board's name; an empty list for a name that is no file."""
     several = [name] if isinstance(name, str | PathLike) else name
     try:
         paths = [fspath(one) for one in several]
@@ -216,7 +216,7 @@ def _files(name: Any) -> list[str]:
 def _from_files(
     paths: list[str], array: Array | None, channels: Any, corrections: Any
 ) -> tuple[str, Array, Any, Any]:
-    """Read one board file or two, the lower one first: their pins, corrections and dead transducers."""
+    """Read one or two .pat files, the lower board first; return kind, array, channels and corrections."""
     from . import pat
 
     if len(paths) > 2:
@@ -239,7 +239,7 @@ def _from_files(
 
 
 def _on_board(array: Array, codec: Codec) -> Array:
-    """The array with the board's grid and response unless it has its own; hardware at its frequency."""
+    """Return the array with the board's quantization, response and frequency where it has none of its own."""
     own: dict[str, Any] = {"quantization": dict(codec.quantization), "response": codec.response}
     missing = {
         name: value for name, value in own.items() if value is not None and getattr(array, name) is None

@@ -35,16 +35,16 @@ from .limit import (
 from .process import PATIENCE, GuardProcess, Stats
 from .wire import Kind, Late
 
-#: Frames of a stream that are on their way: the next one and one behind it, or as many as last this long,
-#: in s, so that a busy computer does not interrupt them; fewer of those that are made while they play.
+#: A stream keeps frames for LEAD s on their way to the guard (LIVE s if a generator makes them while they
+#: play; at least AHEAD frames), so that a busy computer does not interrupt it.
 AHEAD = 2
 LEAD = 0.2
 LIVE = 0.04
 
-#: Messages of a waiting caller to the guard during a hold.
+#: A caller that waits for an answer sends this many keep-alive messages to the guard within the time `hold`.
 HOLDS = 4
 
-#: Treatment of a late frame of a stream.
+#: Treatments of a late frame of a stream, by their names.
 LATE = {"skip": Late.SKIP, "wait": Late.WAIT, "error": Late.ERROR}
 
 
@@ -142,7 +142,7 @@ class Connection:
         try:
             known = isinstance(drives, Sequence | np.ndarray | list | tuple)
             then = None if rate is None else LATE[late]
-            # Frames that come faster than the board plays them would only fill the queue.
+            # Frames beyond the board's own rate would only wait in the queue.
             ahead = max(AHEAD, math.ceil(min(pace, self.board.rate) * (LEAD if known else LIVE)))
             self._stream(frames, 1 / pace, then, ahead)
         except BaseException:
@@ -212,7 +212,7 @@ class Connection:
         return self
 
     def __exit__(self, kind: object, *_: object) -> None:
-        """Close; raises BoardLost if the board is gone and no call has reported it yet."""
+        """Turn off and close. Raises BoardLost if the board is gone and no call has reported it yet."""
         try:
             if kind is None and self._finalizer.alive and not self._missed:
                 self.off()
@@ -253,7 +253,7 @@ class Connection:
         return f"<midair.Connection to {self.board.name} at {self._place}: {self.state}>"
 
     def _call(self, kind: Kind, content: bytes = b"") -> None:
-        """Send a request to the guard and store its status; turn off if the call was interrupted."""
+        """Send a request to the guard and store the status that it returns; an error turns off."""
         requested = self._guard.ask(kind, content)
         try:
             self._note(requested)
@@ -273,19 +273,19 @@ class Connection:
         self._note(requested, 0.0)
 
     def _wait(self, seconds: float, requested: Future[bytes]) -> None:
-        """Wait for the answer to a call; from time to time report to the guard that a caller waits."""
+        """Wait for the answer to a call; send keep-alive messages so that the `hold` time does not expire."""
         until = time.monotonic() + seconds
         while (left := until - time.monotonic()) > 0 and not requested.done():
             if wait([requested], min(left, self._hold / HOLDS)).not_done:
                 self._guard.ask(Kind.HOLD)
 
     def _quiet(self) -> None:
-        """Turn off after an interrupted call, without waiting."""
+        """Turn off after an interrupted call, without waiting for the answer."""
         with suppress(BoardError):
             self._guard.ask(Kind.OFF)
 
     def _encode(self, drive: ArrayLike | Solution) -> bytes:
-        """The frame of a drive; rejects a drive that is too loud or was solved for other places."""
+        """Return a drive's frame; rejects drives above the limit and solutions for other transducers."""
         if isinstance(drive, Solution):
             if drive.scene is not None:
                 refuse_elsewhere(self.board, drive.scene.array)
@@ -302,7 +302,7 @@ class Connection:
     def _stream(
         self, drives: Iterator[ArrayLike | Solution], period: float, late: Late | None, ahead: int
     ) -> None:
-        """Pass frames to the guard before their time, for which it waits; at once if `late` is None."""
+        """Send frames to the guard, which waits until each is due; if `late` is None, it plays at once."""
         patience = PATIENCE + ahead * period
         under_way: deque[Future[bytes]] = deque()
         due = math.inf
@@ -319,19 +319,19 @@ class Connection:
                     due += period
                     continue
                 due = now
-            # The guard does not count a frame that is counted here.
+            # This program has counted the frame as late; with WAIT the guard does not count it again.
             then = Late.WAIT if counted else late or Late.WAIT
             frame = wire.WHEN.pack(due, due + period, then) + self._encode(drive)
             under_way.append(self._guard.ask(Kind.PLAY, frame))
             due += period
             if len(under_way) >= ahead:
                 self._answered(under_way.popleft(), patience)
-        # Nothing is sent here, but a caller waits.
+        # All frames are sent; these messages show the guard that the caller still waits for them.
         for each in under_way:
             self._guard.ask(Kind.HOLD)
             self._answered(each, patience)
         self._guard.ask(Kind.HOLD)
-        # The last frame also lasts a period.
+        # Wait until the last frame has played for a period, too.
         if math.isfinite(due):
             self._wait(due - time.monotonic(), Future())
 

@@ -1,10 +1,8 @@
-"""Doors: points of other programs for a board, by WebSocket and by OSC over UDP, of this machine alone.
+"""WebSocket and OSC (UDP) server by which other programs on this machine play points on a board.
 
-At /adaptics the server speaks the protocol of Adaptics Engine.
-
-A message says what is to play; docs/serve.md lists them. A client without the token is refused, and so is a
-page of another origin, unless `origins` names it. A client that is silent for 0.2 s, or gone, leaves the
-board off.
+docs/serve.md lists the messages. The path /adaptics has the protocol of Adaptics Engine. A client needs the
+token. Web pages of other origins are refused, unless `origins` names them. The board turns off if the client
+sends nothing for 0.2 s or disconnects.
 """
 
 from __future__ import annotations
@@ -33,32 +31,33 @@ from .errors import BoardError
 from .playing import SILENCE, Live
 from .transport import before_what_computes
 
-#: The largest message in bytes, the largest pattern of Adaptics, and numbers of a point in a binary message.
+#: Most bytes of a message and of an Adaptics pattern; numbers per point in a binary message (x, y, z,
+#: pressure).
 MOST_BYTES, MOST_PATTERN, ROW = 1 << 16, 1 << 20, 4
 
-#: Limits of a message.
+#: Keys of a JSON message, of which a message needs at least one.
 KEYS = ("points", "path", "modulation", "off", "keep", "state", "metrics")
 
-#: Least s between two reports of the metrics.
+#: Shortest time in s between two reports of the metrics.
 LEAST_REPORT = 0.01
 
 MISSING = 'serve needs websockets and python-osc: pip install "midair[serve]"'
 
 
 class Doors:
-    """Serves a board until it is closed.
+    """Server that plays clients' messages on a board until it is closed.
 
     Parameters
     ----------
     port, osc
-        Of 127.0.0.1, for WebSocket and for OSC; 0 for free ones.
+        Ports of 127.0.0.1 for WebSocket and for OSC; 0 chooses free ones.
     origins
-        Of web pages that may connect, such as "http://localhost:8000".
+        Origins of web pages that may connect, such as "http://localhost:8000".
 
     Raises
     ------
     SceneError
-        For ports that cannot be had, and where websockets or python-osc is missing.
+        If a port is not available, or websockets or python-osc is not installed.
     """
 
     def __init__(self, live: Live, port: int = 0, osc: int = 0, origins: Iterable[str] = ()) -> None:
@@ -79,7 +78,7 @@ class Doors:
                 self._serve,
                 "127.0.0.1",
                 port,
-                origins=[None, *origins],  # type: ignore[list-item]
+                origins=[None, *origins],  # None admits programs that are no web pages.
                 process_request=self._admit,
                 max_size=MOST_PATTERN,
                 compression=None,
@@ -96,12 +95,12 @@ class Doors:
 
     @property
     def address(self) -> str:
-        """Where a WebSocket client connects, with the token."""
+        """URL for WebSocket clients, with the token."""
         return f"ws://127.0.0.1:{self.port}/?token={self.token}"
 
     @property
     def adaptics(self) -> str:
-        """Where Adaptics Designer connects, with the token."""
+        """URL for Adaptics Designer, with the token."""
         return f"ws://127.0.0.1:{self.port}/adaptics?token={self.token}"
 
     def close(self) -> None:
@@ -117,10 +116,7 @@ class Doors:
         self.close()
 
     def obey(self, message: str | bytes, reports: Reports | None = None) -> dict[str, Any]:
-        """Do what a message says; returns the answer. `reports` sends the metrics again and again.
-
-        Raises SceneError for a message that is not in order, BoardError where the board is gone.
-        """
+        """Execute a message and return the answer. `reports` sends the metrics repeatedly if requested."""
         live = self._live
         if isinstance(message, bytes):
             return self._rows(np.frombuffer(_whole(message), "<f4").astype(np.float64))
@@ -149,7 +145,10 @@ class Doors:
         return live.state() if "state" in wanted else {}
 
     def _rows(self, values: NDArray[np.float64]) -> dict[str, Any]:
-        """Points and pressures (M, 4); none turns off, and pressures of 0 alone mean as loud as possible."""
+        """Play points and pressures (M, 4).
+
+        No rows turn the board off. Pressures that are all 0 mean as loud as possible.
+        """
         rows = values.reshape(-1, ROW)
         if not len(rows):
             self._live.off()
@@ -158,14 +157,14 @@ class Doors:
         return {}
 
     def _admit(self, connection: Any, request: Any) -> Any:
-        """Reject a client without the token."""
+        """Refuse a client without the token."""
         given = parse_qs(urlsplit(request.path).query).get("token", [""])[0]
         if hmac.compare_digest(given.encode(), self.token.encode()):
             return None
         return connection.respond(HTTPStatus.FORBIDDEN, "the token that midair serve printed is missing\n")
 
     def _accept(self) -> None:
-        """Serve clients by WebSocket; the threads that read them are begun here, and inherit the order."""
+        """Serve WebSocket clients. Their threads start from this one and inherit its priority."""
         before_what_computes()
         self._server.serve_forever()
 
@@ -198,7 +197,7 @@ class Doors:
                 self._live.off()
 
     def _listen(self) -> None:
-        """Obey datagrams of OSC whose first argument is the token; others are dropped without an answer."""
+        """Execute OSC datagrams whose first argument is the token; others are ignored."""
         before_what_computes()
         while True:
             try:
@@ -209,7 +208,7 @@ class Doors:
                 continue
             try:
                 messages = [each.message for each in self._packet(data).messages]
-            # Whatever a damaged datagram makes the parser raise.
+            # The parser raises errors of many kinds for a damaged datagram.
             except Exception:
                 continue
             for message in messages:
@@ -234,7 +233,7 @@ class Doors:
                 self._udp.sendto(built.build().dgram, sender)
 
     def _by_osc(self, name: str, values: list[Any]) -> dict[str, Any]:
-        """The same messages as OSC: points x y z ..., rows x y z pressure ..., modulation hz, ..."""
+        """Execute an OSC message: /points x y z ..., /rows x y z pressure ..., /modulation hz, ..."""
         if name in ("points", "rows"):
             numbers = real(name, values, "give numbers")
             width = 3 if name == "points" else ROW
@@ -252,7 +251,7 @@ class Doors:
 
 
 class Reports:
-    """Sends the metrics to a client again and again."""
+    """Sends the metrics to a client at regular times."""
 
     def __init__(self, client: Any, live: Live) -> None:
         self._client = client
@@ -260,7 +259,7 @@ class Reports:
         self._stop = threading.Event()
 
     def every(self, seconds: float) -> None:
-        """Send the metrics every so many s from now on; 0 for no more."""
+        """Send the metrics every `seconds` s from now on; 0 stops."""
         self._stop.set()
         if seconds:
             self._stop = threading.Event()
@@ -268,7 +267,7 @@ class Reports:
             threading.Thread(target=self._send, args=given, daemon=True).start()
 
     def _send(self, stop: threading.Event, seconds: float) -> None:
-        # A client that is gone, or a board.
+        # Ends when the client or the board is gone.
         with suppress(Exception):
             while not stop.wait(seconds):
                 self._client.send(json.dumps(self._live.metrics()))
@@ -281,7 +280,7 @@ def _whole(message: bytes) -> bytes:
 
 
 def _read(message: str) -> dict[str, Any]:
-    """A JSON object of known keys, without NaN."""
+    """Parse a message: a JSON object with known keys and without NaN."""
     wanted = json_object("message", message, 'give an object such as {"points": [[0, 0, 0.15]]}')
     if not wanted.keys() & set(KEYS):
         raise SceneError(f"message has none of the keys {', '.join(KEYS)}")
@@ -292,7 +291,7 @@ def _read(message: str) -> dict[str, Any]:
 
 
 def _path(table: Any) -> Any:
-    """A path of the table that a scene file has; none that reads a file."""
+    """Return the path of a table as in a scene file. Tables that name files are refused, for safety."""
     if not isinstance(table, dict) or table.get("kind") == "svg" or "file" in table:
         raise SceneError("path reads a file, or is no object: give a table as in [[motion.path]], but no svg")
     return document.path_of(dict(table), Path())

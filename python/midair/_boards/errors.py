@@ -1,4 +1,4 @@
-"""Errors of links to boards: each is one line with item, value and cure."""
+"""Errors of boards and their links. Each message is one line with the item, its value and the cure."""
 
 from __future__ import annotations
 
@@ -93,11 +93,11 @@ class BoardTimeout(BoardError):
 
 
 def named(error: BaseException) -> str:
-    """Text of a library's error, with its name."""
+    """Return the name and the text of another library's error, in one line."""
     return ": ".join(filter(None, (type(error).__name__, " ".join(str(error).split()))))
 
 
-#: Errors by the name under which the guard process reports them to its owner.
+#: Error classes by name: the guard process sends the name, its owner raises the error.
 KINDS: dict[str, type[BoardError]] = {
     kind.__name__: kind
     for kind in (BoardError, BoardNotFound, BoardBusy, BoardPermission, BoardLost, BoardTimeout)

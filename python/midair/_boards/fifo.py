@@ -1,6 +1,6 @@
-"""FIFOs of FTDI's chips, by pyftdi, as OpenMPD and ultrasonic-homies have them. Untested on hardware.
+"""FIFO links of FTDI's chips (pyftdi), for OpenMPD and ultrasonic-homies boards. Untested on hardware.
 
-A FIFO accepts bytes as fast as the board plays frames, and stops the line when the board's memory is full.
+The chip accepts bytes as fast as the board plays frames, and blocks while the board's memory is full.
 """
 
 from __future__ import annotations
@@ -12,30 +12,31 @@ from pyftdi.ftdi import Ftdi
 
 from .errors import BoardBusy, BoardError, BoardLost, BoardNotFound, BoardPermission, BoardTimeout
 
-#: A board that accepts no bytes for this time, in ms, is stalled.
+#: A board that accepts no bytes for this time, in ms, counts as lost.
 STALLED_MS = 200
 
-#: Values of OpenMPD's own driver: a packet that is not full is sent after 2 ms; bytes of a USB transfer.
+#: Values of OpenMPD's own driver: time in ms after which the chip sends an incomplete USB packet; bytes per
+#: transfer.
 LATENCY_MS = 2
 CHUNK = 65536
 
-#: errno of Linux and macOS, which USB drivers return.
+#: Error numbers of Linux and macOS that USB drivers return: no permission, busy, timed out.
 NO_ACCESS, BUSY = 13, 16
 TIMED_OUT = (60, 110)
 
 
 class FifoTransport:
-    """Boards with a FIFO each; a frame is divided among them in parts of equal length.
+    """Plays frames on boards with one FIFO each. A frame has one part of equal length for each board.
 
     Parameters
     ----------
     places
-        The chip's serial number and the interface (2 for the second one of an FT2232H) of each FIFO, in the
-        order of a frame's parts.
+        (serial number of the chip, interface) of each FIFO, in the order of a frame's parts. Interface 2 is
+        the second one of an FT2232H.
     length
         Bytes of a frame.
     silence
-        Hexadecimal, the frames that make the boards silent from any state.
+        Hexadecimal: the frames that make the boards silent from any state.
     """
 
     def __init__(self, *, places: list[tuple[str, int]], length: int, silence: str) -> None:
@@ -52,11 +53,11 @@ class FifoTransport:
             raise
 
     def play(self, frame: bytes) -> None:
-        """Write each board's part; return when the chips have accepted them."""
+        """Write each board's part of the frame. Returns when the chips have accepted all parts."""
         self._deal(frame)
 
     def silence(self) -> None:
-        """Write the bytes that turn everything off; the rest in the chips plays for a few ms."""
+        """Write the bytes that turn everything off. Frames already in the chips play for a few ms more."""
         self._deal(self._silence)
 
     def modulate(self, hz: float | None) -> None:
@@ -69,16 +70,16 @@ class FifoTransport:
         raise BoardError("this board holds no sequence: use stream")
 
     def look(self) -> None:
-        """Read the state of each chip's lines."""
+        """Raise BoardLost if a chip does not answer."""
         for (serial, _), chip in zip(self._places, self._chips, strict=True):
             try:
                 chip.poll_modem_status()
-            # Any error of pyftdi and libusb.
+            # pyftdi and libusb raise errors of many kinds.
             except Exception as error:
                 raise _failed(serial, error) from error
 
     def close(self) -> None:
-        """Release the chips."""
+        """Close the chips."""
         for chip in self._chips:
             with suppress(Exception):
                 chip.close()
@@ -89,16 +90,16 @@ class FifoTransport:
             one = k % len(self._chips)
             try:
                 self._chips[one].write_data(content[k * self._part : (k + 1) * self._part])
-            # Any error of pyftdi and libusb.
+            # pyftdi and libusb raise errors of many kinds.
             except Exception as error:
-                # The parts of the other boards are written all the same: they may turn them off.
+                # The other boards still receive their parts: these may turn them off.
                 failed = _failed(self._places[one][0], error)
         if failed is not None:
             raise failed
 
 
 def _open(serial: str, interface: int) -> Any:
-    """Return an empty FIFO of the chip with a serial number."""
+    """Open the chip with this serial number and empty its buffers."""
     chip = Ftdi()
     try:
         chip.open_from_url(f"ftdi://::{serial}/{interface}")
@@ -106,7 +107,7 @@ def _open(serial: str, interface: int) -> Any:
         chip.set_latency_timer(LATENCY_MS)
         chip.write_data_set_chunksize(CHUNK)
         chip.purge_buffers()
-    # Any error of pyftdi and libusb, also UsbToolsError for a missing chip.
+    # pyftdi and libusb raise errors of many kinds, also UsbToolsError for a missing chip.
     except Exception as error:
         with suppress(Exception):
             chip.close()
@@ -135,7 +136,7 @@ def _failed(serial: str, error: Exception) -> BoardError:
 
 
 def _number(error: Exception) -> int | None:
-    """Return the system's number of an error, its own or that of its cause."""
+    """Return the system's error number (errno) of an error or of its cause, None if neither has one."""
     found = getattr(error, "errno", None)
     behind = error.__cause__ or error.__context__
     return found if found is not None or behind is None else getattr(behind, "errno", None)

@@ -1,9 +1,9 @@
-"""Guard: the process that owns a device, and turns it off when its owner ends, hangs or requests it.
+"""Guard: the process that owns a device, and turns it off when its owner (the user's program) ends or hangs.
 
-The guard notices the end of its owner by the end of the pipe between them, and by its parent's number,
-which changes even if a forked child of the owner keeps the pipe open. It checks if its owner is stopped, and
-notices missing beats of an owner that hangs in foreign code. Its own session protects it from the end of the
-owner's terminal.
+The guard detects the owner's end in two ways. The pipe between them closes. Or the guard's parent number
+changes, even if a forked child of the owner keeps the pipe open. The guard also checks whether the owner is
+stopped, and counts missing beats of an owner that hangs in native code. It runs in a session of its own, so
+closing the owner's terminal does not end it.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ from .transport import Transport, before_what_computes, open_transport
 from .watcher import Stops, Watch
 from .wire import Kind, Late
 
-#: Time between two checks of the owner, in s.
+#: Time in s between two checks of the owner.
 TICK = 0.02
 
-#: Time between two checks that an idle, playing device is still there, in s.
+#: Time in s between two checks that a playing device without new frames is still connected.
 LOOK = 0.25
 
-#: Time in s that the guard may work with its device before its owner assumes that it hangs.
+#: Time in s that a call to the device may take before the owner assumes that the guard hangs.
 BUSY = {Kind.UPLOAD: 10.0, Kind.MODULATE: 10.0}
 
 Message = tuple[Kind, int, bytes]
@@ -41,7 +41,7 @@ Message = tuple[Kind, int, bytes]
 
 @dataclass(frozen=True)
 class Waiting:
-    """A frame that waits for its time; `number` is that of its message."""
+    """A frame that waits until it is due. `number` is the number of the message that sent it."""
 
     due: float
     latest: float
@@ -51,16 +51,16 @@ class Waiting:
 
 
 class Guard:
-    """State of the guard: the transport, the playing frame, and the time since the last call.
+    """State of the guard: the transport, the playing frame, and the time of the last call.
 
     Parameters
     ----------
     hold
-        S without a call after which everything is turned off.
+        Time in s without a call after which everything is turned off.
     parent
-        The number of the owner's process.
+        Process number of the owner.
     inbox, replies
-        Source of messages, and the pipe for answers.
+        Queue of messages from the owner, and the pipe for answers.
     """
 
     def __init__(
@@ -88,11 +88,11 @@ class Guard:
         self._lapses = 0
 
     def run(self) -> None:
-        """Serve until the owner closes or is gone."""
+        """Execute messages until the owner closes the connection or is gone."""
         before_what_computes()
         while os.getppid() == self._parent:
-            # All messages are read before the next frame is played: "off" and newer frames overtake older
-            # ones.
+            # All messages are read before the next frame is played, so that "off" and newer frames overtake
+            # older ones.
             for kind, number, content in (came := self._come()):
                 if kind == Kind.CLOSE:
                     return
@@ -111,20 +111,20 @@ class Guard:
                 self._attempt(0, self._transport.look)
 
     def beat(self, number: int) -> None:
-        """Note that the owner lives, and answer unless the device blocks the guard; in any thread."""
+        """Record that the owner lives. Answer, unless the device blocks the guard. Runs in any thread."""
         self._beaten = now = time.monotonic()
         if now < self._until:
             self._answer(Kind.DONE, number, b"")
 
     def _come(self) -> list[Message]:
-        """Return the messages that arrived, after a pause."""
+        """Wait for messages, at most until the next task, and return those that arrived."""
         found, self._put_by = self._put_by, []
         with suppress(Empty):
             found.append(self._inbox.get(timeout=0 if found else self._pause()))
         return found + self._more()
 
     def _more(self) -> list[Message]:
-        """Return the messages that have already arrived."""
+        """Return the messages that are already in the queue."""
         found = []
         with suppress(Empty):
             while True:
@@ -132,7 +132,7 @@ class Guard:
         return found
 
     def _pause(self) -> float:
-        """Time in s until the guard has work, if no message comes."""
+        """Return the time in s to wait for a message: until the next frame, check or end of the hold."""
         now = time.monotonic()
         due = self._waiting[0].due if self._waiting else math.inf
         return max(0.0, min(TICK, due - now, self._called + self._hold - now if self._playing else math.inf))
@@ -158,13 +158,13 @@ class Guard:
             self._answer(Kind.DONE, number, self.status())
 
     def _attempt(self, number: int, act: Any, *arguments: Any) -> None:
-        """Call the device, and answer with the result; number 0 is no call of an owner."""
+        """Call the device and answer with the result. Number 0 marks the guard's own calls: no answer."""
         try:
             act(*arguments)
         except BoardError as error:
             self._lost |= type(error) is not BoardError
             self._fail(number, error)
-        # Any error of the device's library.
+        # A device's library may raise errors of any kind.
         except Exception as error:
             self._lost = True
             self._fail(number, BoardLost(f"the link failed ({named(error)}): connect again"))
@@ -172,7 +172,7 @@ class Guard:
             self._answer(Kind.DONE, number, self.status())
 
     def _fail(self, number: int, error: BoardError) -> None:
-        """Answer that a call failed, and with it all earlier calls whose result was unknown; turn off."""
+        """Answer that a call failed, and all earlier calls that still wait; turn everything off."""
         reported = _reported(error)
         for message in self._more():
             if message[0] == Kind.PLAY:
@@ -186,7 +186,7 @@ class Guard:
             self._transport.silence()
 
     def _play_next(self) -> None:
-        """Play the first waiting frame, unless it is too late."""
+        """Play the first waiting frame; if it is late, wait, skip it or report an error as requested."""
         first, now = self._waiting.popleft(), time.monotonic()
         if first.late == Late.SKIP and self._waiting and self._waiting[0].due <= now:
             self._late += 1
@@ -198,7 +198,7 @@ class Guard:
             self._attempt(first.number, self._play, first.frame)
 
     def _play(self, frame: bytes) -> None:
-        # The device may play the frame although the line failed behind it.
+        # These are set first, because the device may play the frame even if the link then fails.
         self._playing, self._uploaded = [frame], (0.0, 1.0)
         self._transport.play(frame)
         self._frames += 1
@@ -226,28 +226,28 @@ class Guard:
                 self._answer(Kind.DONE, each.number, self.status())
 
     def _now(self) -> bytes:
-        """The frame that plays now; for an uploaded sequence by the clock."""
+        """Return the frame that plays now; of an uploaded sequence, the one that the elapsed time gives."""
         if not self._playing:
             return b""
         begin, rate = self._uploaded
         return self._playing[int((time.monotonic() - begin) * rate) % len(self._playing)]
 
     def status(self, **more: str) -> bytes:
-        """Status for the owner, as JSON."""
+        """Return the status for the owner, as JSON."""
         playing = "off" if not self._playing else "playing" if self._wave is None else "modulating"
         state = "lost" if self._lost else playing
         reported = {"state": state, "frames": self._frames, "late": self._late, "lapses": self._lapses}
         return json.dumps(reported | more).encode()
 
     def _answer(self, kind: Kind, number: int, content: bytes) -> None:
-        # Number 0 is no call of an owner; `run` notices an owner that is gone.
+        # Number 0 needs no answer. `run` detects an owner that is gone.
         if number:
             with suppress(wire.Gone), self._lock:
                 wire.write(self._replies, kind, number, content)
 
 
 def main() -> None:
-    """Open the device of the first message, serve its owner, and turn the device off."""
+    """Open the device that the first message describes, serve the owner, and turn the device off."""
     parent = os.getppid()
     watch = Watch()
     requests, replies = _pipes()
@@ -269,7 +269,7 @@ def main() -> None:
         watch.begin({name: setting[name] for name in ("path", "transport")})
         wire.write(replies, Kind.DONE, number, guard.status())
         guard.run()
-    # Any error of a device's library when it opens the device.
+    # A device's library may raise errors of any kind.
     except Exception as error:
         with suppress(wire.Gone):
             wire.write(replies, Kind.FAILED, number, json.dumps(_reported(error)).encode())
@@ -283,7 +283,10 @@ def main() -> None:
 
 
 def _pipes() -> tuple[int, int]:
-    """The pipes from and to the owner, hidden from libraries that print or read."""
+    """Return the pipes from and to the owner.
+
+    Standard input and output become empty, so that libraries cannot use the pipes.
+    """
     requests, replies = os.dup(0), os.dup(1)
     nothing = os.open(os.devnull, os.O_RDWR)
     os.dup2(nothing, 0)
@@ -292,13 +295,13 @@ def _pipes() -> tuple[int, int]:
 
 
 def _reported(error: Exception) -> dict[str, str]:
-    """Error for the owner, in one line; the name is added if it is not one of the boards' own."""
+    """Return kind and text of an error for the owner, in one line."""
     text = str(error) if isinstance(error, BoardError | ImportError) else named(error)
     return {"kind": type(error).__name__, "message": " ".join(text.split())}
 
 
 def _listen(requests: int, inbox: SimpleQueue[Message], served: list[Guard]) -> None:
-    """Pass beats to the guard at once, other messages to the inbox, and close when the owner is gone."""
+    """Read messages: answer beats at once, queue the others. At the end of the pipe, queue CLOSE."""
     before_what_computes()
     with suppress(wire.Gone):
         while True:
@@ -311,6 +314,6 @@ def _listen(requests: int, inbox: SimpleQueue[Message], served: list[Guard]) -> 
 
 
 def _end(number: int, frame: object) -> None:
-    """SIGTERM: end through the code that turns the device off."""
+    """Handle SIGTERM: exit through the code that turns the device off."""
     signal.signal(number, signal.SIG_IGN)
     raise SystemExit

@@ -1,4 +1,4 @@
-"""Layout: an array from a file, as `midair.Array` accepts it; changed parts of an array; AUTD3 boards."""
+"""Array data from files for `midair.Array`, copies with changed parts, and detection of AUTD3 boards."""
 
 from __future__ import annotations
 
@@ -11,14 +11,15 @@ from numpy.typing import NDArray
 
 from .._midair import Array, SceneError, array_parts
 
-#: Largest error of a transducer's place on a board, and of its normal, in rad.
+#: Largest errors of a transducer that still counts as part of an AUTD3 board: of its place in mm, of its
+#: normal in rad.
 TOLERANCE_MM = 0.01
 LEAN = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Positions and normals (N, 3) in m, and other data of a format, as the keywords of `midair.Array`."""
+    """Positions and normals (N, 3) in m, and other data of a file, named as in `midair.Array`."""
 
     positions: NDArray[np.float64]
     normals: NDArray[np.float64] | None = None
@@ -30,7 +31,7 @@ class Layout:
 
 
 def changed(array: Array, **parts: Any) -> Array:
-    """Copy an array with other positions, normals or parts."""
+    """Return a copy of an array with some of its parts replaced."""
     own = {name: getattr(array, name) for name in ("positions", "normals", *array_parts())}
     return Array(**{**own, **parts})._with_hardware(array._hardware)
 
@@ -45,11 +46,11 @@ def turned(quaternions: NDArray[np.float64], vector: Sequence[float]) -> NDArray
 
 
 def autd3_boards(array: Array) -> int:
-    """The number of AUTD3 boards in an array, in the order of its preset and at any place.
+    """Return the number of AUTD3 boards in an array. Each board has the preset's order and may lie anywhere.
 
-    A board is fitted to its 249 transducers in least squares: Kabsch 1976, "A solution for the best rotation
-    to relate two sets of vectors". Raises `SceneError` if a transducer lies more than 0.01 mm off its place,
-    or faces another direction than the board.
+    Each block of 249 transducers is compared with the preset after the best rotation in least squares (Kabsch
+    1976, "A solution for the best rotation to relate two sets of vectors"). Raises SceneError if a transducer
+    is more than 0.01 mm from its place, or does not face the direction of its board.
     """
     sites = 1e3 * Array.preset("autd3").positions
     boards, rest = divmod(len(array), len(sites))
@@ -63,7 +64,7 @@ def autd3_boards(array: Array) -> int:
         block = slice(first, first + len(sites))
         places = 1e3 * array.positions[block]
         left, _, right = np.linalg.svd(centred.T @ (places - places.mean(0)))
-        # A mirror image is no rotation.
+        # The determinant excludes mirror images.
         axes = left @ np.diag([1, 1, np.linalg.det(left @ right)]) @ right
         off = np.linalg.norm(places.mean(0) + centred @ axes - places, axis=1)
         lean = np.linalg.norm(array.normals[block] - axes[2], axis=1)

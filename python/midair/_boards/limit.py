@@ -1,4 +1,4 @@
-"""Checks before a frame is sent: frames too loud at an ear, real numbers, other arrays, rates, jumps."""
+"""Checks of drives before they are sent: loudness at given places, real numbers, arrays, rates, jumps."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ from .board import Board
 from .errors import BoardError, BoardTimeout
 from .wire import Late
 
-#: Largest distance in m of a solution's transducers from those of the board.
+#: Largest distance in m between a solution's transducers and the board's.
 APART = 0.5e-3
 
-#: Tolerance of rounding for bounds and rates.
+#: Relative tolerance for rounding in bounds and rates.
 ROUNDING = 1e-6
 
 
 class Limit:
-    """Rejects drives that are too loud at some places.
+    """Rejects drives whose pressure is too high at given places.
 
     Parameters
     ----------
     given
-        {"positions": (K, 3) in m or a midair.Ear, "pressure": peak |p| in Pa, one or (K,)}; other entries are
-        for `midair.Scene`: temperature, sound_speed, ...
+        {"positions": (K, 3) in m or a midair.Ear, "pressure": peak |p| in Pa, one or (K,)}. Other entries are
+        arguments of `midair.Scene`: temperature, sound_speed, ...
     array
-        The playing array.
+        The array that plays.
     """
 
     def __init__(self, given: Any, array: Array) -> None:
@@ -51,7 +51,7 @@ class Limit:
             most = np.asarray(pressure)
             if most.dtype.kind not in "iuf":
                 raise TypeError(f"pressure is {shown(pressure)}")
-            # A copy, so that later changes by the caller have no effect.
+            # A copy: later changes of the caller's array must have no effect.
             self._most = np.array(np.broadcast_to(most, len(self._scene.points)), np.float64)
             self._most.flags.writeable = False
         except TypeError as error:
@@ -62,7 +62,7 @@ class Limit:
             raise refused('limit["pressure"]', pressure, "give pressures of at least 0 Pa")
 
     def check(self, drive: NDArray[np.complex64]) -> None:
-        """Raise BoardError if the drive's |p| is above the limit, with the worst place."""
+        """Raise BoardError, which names the worst place, if |p| of a drive exceeds the limit."""
         pressures = np.abs(field(self._scene, drive, self._scene.points).pressure)
         above = pressures - self._most
         worst = int(np.argmax(above))
@@ -75,7 +75,7 @@ class Limit:
 
 
 def refuse_real(drive: Any) -> None:
-    """Reject real numbers except -1, 0 and 1, which are plainly drives: others may be phases or codes."""
+    """Reject real numbers, which may be phases or codes by mistake. Only -1, 0 and 1 are accepted."""
     given = np.asarray(drive)
     if given.dtype.kind in "iuf" and not np.isin(given, (-1, 0, 1)).all():
         cure = "give np.exp(1j * phases) of phases in rad, amplitudes + 0j where all phases are 0"
@@ -83,7 +83,7 @@ def refuse_real(drive: Any) -> None:
 
 
 def given_drives(board: Board, given: Any) -> Iterator[ArrayLike | Solution]:
-    """The drives of a stream, one by one."""
+    """Yield the drives of a stream: of a sequence, an array (T, N) or any iterable. Rejects other values."""
     if isinstance(given, Sequence):
         refuse_elsewhere(board, given.array)
         return (given.drive(frame) for frame in range(len(given)))
@@ -97,7 +97,7 @@ def given_drives(board: Board, given: Any) -> Iterator[ArrayLike | Solution]:
 
 
 def timed(drives: Iterator[ArrayLike | Solution]) -> Iterator[tuple[float, ArrayLike | Solution]]:
-    """Yield each drive with the time at which it was requested."""
+    """Yield each drive together with the time at which the caller requested it."""
     requested = time.monotonic()
     for drive in drives:
         yield requested, drive
@@ -105,7 +105,7 @@ def timed(drives: Iterator[ArrayLike | Solution]) -> Iterator[tuple[float, Array
 
 
 def refuse_elsewhere(board: Board, array: Array) -> None:
-    """Reject an array whose transducers are in other places than the board's."""
+    """Raise BoardError if the transducers of an array are not where the board's are."""
     mine, theirs = board.array.positions, array.positions
     if len(mine) != len(theirs):
         found = f"{len(theirs)} transducers, {board.name} has {len(mine)}"
@@ -120,7 +120,7 @@ def refuse_elsewhere(board: Board, array: Array) -> None:
 
 
 def warn_of_scale(scale: float) -> None:
-    """Warn that a board cannot play as softly as requested."""
+    """Warn that the board plays louder than requested, because it cannot play so softly."""
     warn(
         f"the board plays {1 / scale:.3g} times the requested pressures, "
         f"{-20 * math.log10(scale):.3g} dB more: turn its supply or modulation down to {scale:.3g}, "
@@ -129,7 +129,7 @@ def warn_of_scale(scale: float) -> None:
 
 
 def check_rate(rate: float, board: Board, late: Late) -> None:
-    """Reject a rate that drops frames where none may be late; warn of frames that it drops or weakens."""
+    """Reject a rate above the board's if no frame may be late; else warn of dropped or weaker frames."""
     if late == Late.ERROR and rate > board.rate * (1 + ROUNDING):
         raise BoardTimeout(
             f"rate is {rate:g} frames/s, {board.name} takes {board.rate:.4g}: "
@@ -149,7 +149,7 @@ def check_rate(rate: float, board: Board, late: Late) -> None:
 
 
 def warn_of_seam(sequence: Sequence) -> None:
-    """Warn if phases jump beyond the bound between the last frame and the first."""
+    """Warn if the phases jump, where the sequence starts again, by more than its bound."""
     drives = [sequence.drive(frame) for frame in (0, len(sequence) - 1)]
     jump = float(np.abs(np.angle(drives[0] * drives[1].conj())).max())
     bound = 0.0 if sequence.change is None else sequence.change

@@ -1,4 +1,4 @@
-"""Line of known speed that never answers; the clock here paces its frames."""
+"""Base class of serial lines. The board never answers, so a clock here computes when the line is free."""
 
 from __future__ import annotations
 
@@ -9,37 +9,25 @@ from abc import ABC, abstractmethod
 from .errors import BoardError
 from .transport import before_what_computes
 
-#: Bits that a serial line takes for a byte: a start bit, eight bits, a stop bit.
+#: Bits on a serial line for each byte: a start bit, eight data bits, a stop bit.
 BITS = 10
 
-#: Long frames, such as those of a chain of boards: less than one is in the line when the next one comes, by
-#: this time, in s.
+#: The longest time in s that bytes may wait in the line when the next frame is written. It matters for long
+#: frames, as of a chain of boards; otherwise at most one frame waits.
 MOST_AHEAD = 0.025
 
-#: Below this frequency, in Hz, on and off are sent as frames.
+#: Modulation below this frequency, in Hz, sends whole frames, on and off, instead of swaps.
 LEAST_HZ = 0.05
 
-#: Largest part of a line's time for swaps.
+#: Largest share of the line's time that the swaps of a modulation may take.
 MOST_SWAPS = 0.2
 
-#: A modulation delayed by more than this, in s, does not catch up.
+#: A modulation that is late by more than this, in s, skips swaps instead of catching up.
 DELAYED = 0.1
 
 
 class LineTransport(ABC):
-    """Paces frames and modulates by swaps; a subclass has the line itself.
-
-    Parameters
-    ----------
-    baud
-        Bits a second; a byte takes 10.
-    silence
-        Hexadecimal, the bytes that make the device silent from any state.
-    off
-        Hexadecimal, a frame that plays nothing.
-    swap
-        Hexadecimal, the byte by which a device of two banks plays the other one; None for one bank.
-    """
+    """Sends frames at the line's speed; modulates by swapping two banks. Subclasses write the bytes."""
 
     def __init__(self, *, baud: int, silence: str, off: str, swap: str | None = None) -> None:
         self._byte = BITS / baud
@@ -58,14 +46,14 @@ class LineTransport(ABC):
         """Write bytes to the line."""
 
     def play(self, frame: bytes) -> None:
-        """Wait until at most one frame is still in the line, then write this one."""
+        """Wait until at most one frame is still in the line, then write this frame."""
         with self._lock:
             self._steady()
             self._frame = frame
             self._begin()
 
     def modulate(self, hz: float | None) -> None:
-        """Swap the banks, one with the frame and one that is off, 2 hz times a second."""
+        """Modulate at `hz`: swap between a bank with the frame and one that is off, 2 hz times a second."""
         most = MOST_SWAPS / (2 * self._byte)
         if hz is not None and not LEAST_HZ <= hz <= most:
             raise BoardError(
@@ -79,14 +67,14 @@ class LineTransport(ABC):
             self._drain()
 
     def silence(self) -> None:
-        """Turn everything off, after the bytes that are already in the line."""
+        """Stop the modulation and turn everything off. Bytes that are already in the line are sent first."""
         with self._lock:
             self._swinging.set()
             self._failed = self._frame = None
             self._give(self._silence)
 
     def upload(self, frames: bytes, count: int, rate: float) -> None:
-        """Raise BoardError: such boards store one frame."""
+        """Raise BoardError: these boards store no sequence."""
         raise BoardError("this board holds no sequence: use stream")
 
     @abstractmethod
@@ -95,10 +83,10 @@ class LineTransport(ABC):
 
     @abstractmethod
     def close(self) -> None:
-        """Release the line. Never raises, never hangs."""
+        """Release the line. Never raises an error and never hangs."""
 
     def _begin(self, *, loaded: bool = False) -> None:
-        """Play the frame, unless it plays already, and swap from then on if it is modulated."""
+        """Send the frame unless the board has it (`loaded`), and start the swaps if a modulation is set."""
         assert self._frame is not None
         if not loaded:
             self._pace(self._frame)
@@ -121,7 +109,7 @@ class LineTransport(ABC):
         self._free = max(self._free, time.monotonic()) + len(content) * self._byte
 
     def _swing(self, stopped: threading.Event, begin: float, half: float) -> None:
-        """Swap every half period after `begin`, until stopped."""
+        """Swap the banks every half period after `begin`, until stopped."""
         assert self._swap is not None
         before_what_computes()
         count = 1
@@ -137,21 +125,21 @@ class LineTransport(ABC):
             count += 1
             late = time.monotonic() - begin - count * half
             if late > DELAYED:
-                # Pairs of swaps change nothing, so the playing bank stays the same.
+                # An even number of swaps is skipped, so that the bank that plays stays the same.
                 count += 2 * int(late / (2 * half))
 
     def _steady(self) -> None:
-        """Stop swapping, and raise an error that occurred meanwhile."""
+        """Stop swapping; raise the error that the swaps had met, if any."""
         self._swinging.set()
         if self._failed is not None:
             failed, self._failed = self._failed, None
             raise failed
 
     def _stop(self) -> None:
-        """Prevent further swaps."""
+        """Stop the swaps for good."""
         with self._lock:
             self._swinging.set()
 
     def _drain(self) -> None:
-        """Wait until the line has carried all its bytes."""
+        """Wait until the line has transmitted all bytes."""
         time.sleep(max(0.0, self._free - time.monotonic()))

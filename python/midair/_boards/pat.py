@@ -1,8 +1,8 @@
 """`.pat`: file of a measured OpenMPD board (RMResearch/OpenMPD, Docs/GS_PAT_BoardFileFormat).
 
-Seven lines: the serial number; 256 transducers; 128 divisions of a period; positions "(x, y, z)," in m; the
-pin of each transducer; phase corrections in degrees; gains, 1, or 0 of a dead transducer. Lists end with a
-comma.
+It has seven lines: the serial number; 256, the number of transducers; 128, the number of phases in a period;
+positions "(x, y, z)," in m; the pin of each transducer; phase corrections in degrees; gains, which are 1, or
+0 for a dead transducer. Lists end with a comma.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from .._support.text import fault, numbers, text
 
-#: Transducers of a board.
+#: Number of transducers of a board.
 COUNT = 256
 
 LINES = (
@@ -32,20 +32,20 @@ LINES = (
 
 @dataclass(frozen=True, eq=False)
 class Pat:
-    """A board of OpenMPD: its transducers in the order of the file, index t = 16 x + y.
+    """Data of an OpenMPD board; the transducers are in the order of the file, index t = 16 x + y.
 
     Attributes
     ----------
     positions
-        (256, 3) in m, in z = 0, radiating to +z.
+        (256, 3) in m, in z = 0; the transducers radiate to +z.
     divisions
-        Phases of a period.
+        Number of phases in a period.
     pins
-        (256,), the place of each transducer's byte in a frame.
+        (256,): the index of each transducer's byte in a frame.
     corrections
-        (256,) in degrees; sent = wanted - correction.
+        (256,) in degrees; phase sent = wanted phase - correction.
     gains
-        (256,), 0 where a transducer is dead.
+        (256,): 1, or 0 for a dead transducer.
     """
 
     serial: str
@@ -57,7 +57,7 @@ class Pat:
 
 
 def read(path: str | PathLike[str]) -> Pat:
-    """Read a .pat file, or report the line of an error."""
+    """Read a .pat file. Errors name the line."""
     lines = text(path).rstrip().splitlines()
     lines += [""] * (len(LINES) - len(lines))
     for line, (what, found) in enumerate(zip(LINES, lines, strict=False), 1):

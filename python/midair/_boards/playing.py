@@ -1,4 +1,4 @@
-"""Playing: one drive that stays and is repeated; and points that come while the board plays."""
+"""Plays one drive for some time, or points that another program sends while the board plays."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from .errors import BoardError
 from .transport import before_what_computes
 from .wire import Kind
 
-#: Time in s after which a drive is sent again, well before a connection's `hold` expires.
+#: Time in s after which a drive is sent again, so that the connection's `hold` time does not expire.
 AGAIN = 10.0
 
 #: Seconds between two checks of the board's state.
@@ -37,7 +37,7 @@ def keep(
     seconds: float | None,
     show: Callable[[], object] = lambda: None,
 ) -> None:
-    """Play one drive for a number of seconds; None plays it until Ctrl-C."""
+    """Play one drive for a number of seconds, or until Ctrl-C if None. Calls `show` repeatedly."""
     begin = time.monotonic()
     for k in count():
         if k % round(AGAIN / LOOK) == 0:
@@ -84,19 +84,19 @@ def play(solution: Solution, address: str, *, seconds: float | None = None, **op
         keep(connection, solution, duration)
 
 
-#: The most points at once, and the time in s without a sign of life from the sender after which the board is
+#: The most points in a frame; and the time in s without a message from the sender after which the board turns
 #: off.
 MOST_POINTS, SILENCE = 256, 0.2
 
-#: Times of a path that are looked at before it is played.
+#: Number of places along a path that are checked before it is played.
 LOOKED = 16
 
-#: Seconds between two signs of life to the board while nothing changes.
+#: Time in s between two keep-alive messages to the board while the frame does not change.
 REST = 0.05
 
 
 class Frame(NamedTuple):
-    """Points (M, 3) in m, pressures (M,) in Pa or as loud as possible, and a factor of the drive."""
+    """Points (M, 3) in m; pressures (M,) in Pa, None for as loud as possible; and a factor for the drive."""
 
     points: NDArray[np.float64]
     pressures: NDArray[np.float64] | None = None
@@ -105,10 +105,10 @@ class Frame(NamedTuple):
 
 @dataclass
 class Wanted:
-    """A frame by the time in s since it was given; None ends it.
+    """What to play: a function that returns the frame at a time in s since the start, or None at the end.
 
-    constant : all frames are the same
-    change : the bound of a phase in rad a frame, where none is given
+    constant : whether all frames are the same
+    change : largest change of a phase in rad per frame, used if `Live` has no bound of its own
     """
 
     at: Callable[[float], Frame | None]
@@ -117,15 +117,7 @@ class Wanted:
 
 
 class Live:
-    """Plays the newest points on a board, each frame within a bound of the one before; off in silence.
-
-    Parameters
-    ----------
-    rate
-        Frames a second; left out, as many as the board takes.
-    change
-        The bound in rad a frame; left out, that of `midair.stream`.
-    """
+    """Plays the newest points on a board, and turns it off without signs of life from the sender."""
 
     def __init__(
         self, connection: Connection, rate: float | None = None, change: float | None = None
@@ -147,7 +139,7 @@ class Live:
     def place(self, points: NDArray[np.float64], pressures: NDArray[np.float64] | None = None) -> None:
         """Play points (M, 3) in m, with pressures (M,) in Pa or as loud as possible.
 
-        Raises SceneError for points where none can be, BoardError where the board is gone.
+        Raises SceneError for invalid points, BoardError if the board is gone.
         """
         if len(points) > MOST_POINTS:
             raise SceneError(f"points are {len(points)}: give {MOST_POINTS} at most")
@@ -155,9 +147,9 @@ class Live:
         self.play(Wanted(lambda time: Frame(points, pressures), constant=True))
 
     def follow(self, path: Path) -> None:
-        """Play a path, over and over where it is closed; then its end stays.
+        """Play a path: a closed path repeats, the end of an open path stays.
 
-        Raises SceneError for more points than a frame takes, BoardError where the board is gone.
+        Raises SceneError for more points than a frame can have, BoardError if the board is gone.
         """
         if path.points > MOST_POINTS:
             raise SceneError(f"path has {path.points} points: give {MOST_POINTS} at most")
@@ -172,19 +164,19 @@ class Live:
         self.play(Wanted(wanted))
 
     def play(self, wanted: Wanted) -> None:
-        """Play frames from now on, in place of those before."""
+        """Play these frames from now on, instead of the earlier ones."""
         with self._news:
             self._wanted, self._error = wanted, None
             self._begun = self._signed = time.monotonic()
             self._news.notify()
 
     def keep(self) -> None:
-        """Note a sign of life."""
+        """Record a sign of life from the sender."""
         with self._news:
             self._signed = time.monotonic()
 
     def off(self) -> None:
-        """Turn off until the next points. Raises BoardError where the board is gone."""
+        """Turn off until new points come. Raises BoardError if the board is gone."""
         with self._news:
             self._wanted = None
             self._news.notify()
@@ -192,17 +184,17 @@ class Live:
 
     @property
     def error(self) -> str | None:
-        """The error that ended the last points, if any."""
+        """The error that ended the last playback, None if there was none."""
         return self._error
 
     def state(self) -> dict[str, Any]:
-        """The board's state, its counts of frames, and the error that ended the last points, if any."""
+        """Return the board's state, its counts of frames, and the error that ended the last playback."""
         stats = self.connection.stats
         counts = {"frames": stats.frames, "late": stats.late, "lapses": stats.lapses}
         return {"state": self.connection.state, **counts, "error": self._error}
 
     def metrics(self) -> dict[str, Any]:
-        """The state; points in m and |p| in Pa there of the last frame; its delay behind its time, in ms."""
+        """Return the state, and of the last frame: its points in m, |p| there in Pa, and its delay in ms."""
         points: list[list[float]] = []
         reached: list[float] = []
         if self._wanted is not None and (played := self._played) is not None:
@@ -213,7 +205,7 @@ class Live:
         return {**self.state(), "points": points, "pressures": reached, "delay": 1e3 * self._delay}
 
     def close(self) -> None:
-        """Stop playing; the connection stays."""
+        """Stop playing and turn off; the connection stays open."""
         with self._news:
             self._ended, self._wanted = True, None
             self._news.notify()
@@ -234,10 +226,10 @@ class Live:
                 with self._news:
                     if self._lives():
                         continue
-                    # A later sign of life does not bring them back.
+                    # Later signs of life must not restart these points.
                     self._wanted = None
                 self.connection.off()
-            # Whatever ends these points, the next ones are played.
+            # An error of any kind ends these points only; the next ones are played.
             except Exception as error:
                 with self._news:
                     self._wanted, self._error = None, str(error)
@@ -245,7 +237,7 @@ class Live:
                     self.connection.off()
 
     def _stream(self) -> None:
-        """Play frames of one bound until nothing is wanted, or something of another bound."""
+        """Play frames with one bound of phase change, until nothing is left to play or the bound changes."""
         if (wanted := self._wanted) is None:
             return
         board, period = self.connection.board, 1 / self.rate
@@ -257,7 +249,7 @@ class Live:
             if (playing := self._wanted) is None or not self._lives():
                 return
             frame = frames.pop()
-            # A loudness of 1 is the most frequent: it needs no product.
+            # Most frames have a loudness of 1; no copy is made for them.
             played = drive if frame.loudness == 1 else drive * np.float32(frame.loudness)
             code = board.encode(played)
             self._played = frame, played
@@ -268,12 +260,12 @@ class Live:
             self.connection.send(played)
             last, now = code, time.monotonic()
             self._delay = now - due
-            # A frame that came late moves the clock.
+            # After a late frame the following ones are due later, too.
             due = max(due + period, now - period)
             time.sleep(max(0.0, due - now))
 
     def _rest(self, playing: Wanted) -> None:
-        """Wait for other points while the board plays what it should; report that this program lives."""
+        """Wait for other points while a constant frame plays, and send the board keep-alive messages."""
         while self._wanted is playing and self._lives() and not self._ended:
             with self._news:
                 left = self._signed + SILENCE - time.monotonic()
@@ -282,7 +274,7 @@ class Live:
                 self.connection._call(Kind.HOLD)
 
     def _frames(self, change: float | None, frames: list[Frame]) -> Iterator[Any]:
-        """The drives that `midair.stream` reads, and the whole frames beside them."""
+        """Yield the points and pressures for `midair.stream`, and append the whole frames to `frames`."""
         while (wanted := self._wanted) is not None and wanted.change == change and self._lives():
             frame = wanted.at(time.monotonic() - self._begun)
             if frame is None:

@@ -1,4 +1,4 @@
-"""The owner's side of a guard process: calls, answers, and the actions if the guard itself is gone."""
+"""The owner's side of a guard process: sends calls, and turns the device off if the guard dies."""
 
 from __future__ import annotations
 
@@ -24,14 +24,16 @@ from .transport import SIMULATED, before_what_computes, open_transport
 from .watcher import Stops
 from .wire import Kind
 
-#: Time in s to wait for a call, and for one that opens a device: more than the transports' own limits.
+#: Longest time in s to wait for a call, and for a call that opens a device; longer than the transports' own
+#: limits.
 PATIENCE = 12.0
 OPENING = 70.0
 
-#: Set in the environment of a guard: a program that connects there was started in place of an interpreter.
+#: Environment variable of a guard. If a program that connects has it, that program was started as if it were
+#: Python.
 GUARD = "MIDAIR_GUARD"
 
-#: Parts of the time to wait for an answer to a beat.
+#: The wait for the answer to a beat is divided into this many short waits.
 WAITS = 40
 
 CLOSED = "this connection is closed: connect again"
@@ -60,16 +62,16 @@ class Stats:
 
 
 class GuardProcess:
-    """A guard process of a device, and the two threads that exchange messages with it.
+    """Starts the guard process of a device. Two threads exchange messages with it.
 
-    Signals interrupt only the main thread, so no message is ever cut.
+    A signal interrupts only the main thread, so it never cuts a message.
 
     Parameters
     ----------
     transport
         Description for `open_transport`.
     hold
-        S without a call after which the guard turns everything off.
+        Time in s without a call after which the guard turns everything off.
     """
 
     def __init__(self, transport: dict[str, Any], hold: float) -> None:
@@ -89,7 +91,7 @@ class GuardProcess:
         try:
             self.answer(self.ask(Kind.OPEN, setting.encode()), OPENING)
         except BaseException:
-            # A caller that gives up does not wait until the device is open.
+            # If the caller is interrupted, do not wait until the device is open.
             self._process.terminate()
             self.close()
             raise
@@ -97,11 +99,11 @@ class GuardProcess:
         threading.Thread(target=self._beat, daemon=True).start()
 
     def call(self, kind: Kind, content: bytes = b"") -> bytes:
-        """Send a request and wait for the answer."""
+        """Send a request, wait for its answer and return it."""
         return self.answer(self.ask(kind, content))
 
     def ask(self, kind: Kind, content: bytes = b"") -> Future[bytes]:
-        """Send a message; returns the future of its answer."""
+        """Send a message; return the future of its answer."""
         if self._owner != os.getpid():
             raise BoardError(
                 f"this connection is that of process {self._owner}: connect in the process that plays"
@@ -117,14 +119,14 @@ class GuardProcess:
         return future
 
     def answer(self, future: Future[bytes], patience: float = PATIENCE) -> bytes:
-        """Wait for an answer, and raise it if it is an error."""
+        """Wait for an answer and return it; raise the error that it reports."""
         try:
             return future.result(patience)
         except NoAnswer as error:
             raise BoardTimeout("the board's guard does not answer: connect again") from error
 
     def close(self) -> None:
-        """Let the guard turn everything off and end. Never raises, never hangs."""
+        """Let the guard turn everything off and end. Never raises an error and never hangs."""
         if self._owner != os.getpid():
             return
         self._outbox.put((Kind.CLOSE, 0, b""))
@@ -132,7 +134,7 @@ class GuardProcess:
         with self._lock:
             already, self._closing = self._closing, True
         reader = self._threads[1]
-        # Garbage collection may run this in any thread.
+        # Garbage collection may call `close` in any thread, also in the reader itself.
         if already or reader is threading.current_thread():
             return
 
@@ -146,7 +148,7 @@ class GuardProcess:
             self._silence()
 
     def _beat(self) -> None:
-        """Beat while the guard answers; end a hanging guard, after which the reader turns the device off."""
+        """Send beats while the guard answers. Kill a guard that hangs; the reader then turns off."""
         with suppress(BoardError):
             while True:
                 requested = self.ask(Kind.BEAT)
@@ -161,9 +163,9 @@ class GuardProcess:
                 time.sleep(wire.BEATS)
 
     def _hangs(self, is_over: Callable[[float], bool]) -> bool:
-        """Whether the guard is stopped, or busy for longer than allowed."""
+        """Return whether the guard is stopped, or does not react within the allowed time."""
         stops = Stops(self._process.pid)
-        # This program may itself have been stopped for any time, which counts as one short wait.
+        # Many short waits: if this program was stopped itself, that counts as one short wait only.
         for _ in range(WAITS):
             if is_over(wire.MISSED / WAITS):
                 return False
@@ -172,7 +174,7 @@ class GuardProcess:
         return True
 
     def _write(self) -> None:
-        """Pass messages on until there are no more."""
+        """Write messages to the guard until the connection closes."""
         before_what_computes()
         assert self._process.stdin is not None
         with self._process.stdin as pipe, suppress(wire.Gone):
@@ -180,13 +182,13 @@ class GuardProcess:
                 wire.write(pipe.fileno(), *message)
 
     def _read(self) -> None:
-        """Pass answers to waiting callers; turn off at the end of a guard that was not closed."""
+        """Read answers and pass them to the callers. If the guard dies, turn the device off."""
         before_what_computes()
         assert self._process.stdout is not None
         with self._process.stdout as pipe, suppress(wire.Gone):
             while True:
                 kind, number, content = wire.read(pipe.fileno())
-                # A call that was given up has no future.
+                # If the caller has stopped waiting, there is no future.
                 with suppress(KeyError, InvalidStateError):
                     future = self._calls.pop(number)
                     if kind == Kind.FAILED:
@@ -200,7 +202,7 @@ class GuardProcess:
         self._abandon()
 
     def _abandon(self) -> None:
-        """Report to all waiting callers that the guard is gone."""
+        """Report to all waiting callers that the guard has ended."""
         lost = "the board's guard process has ended, everything was turned off: connect again"
         while self._calls:
             with suppress(KeyError, InvalidStateError):
@@ -218,7 +220,7 @@ class GuardProcess:
 
 
 def _started() -> subprocess.Popen[bytes]:
-    """Start a guard between two pipes, in a session of its own, with the standard library only."""
+    """Start a guard process with two pipes, in a session of its own, with Python's standard library only."""
     try:
         return subprocess.Popen(
             [_interpreter(), "-I", "-S", str(Path(__file__).with_name("start.py"))],
@@ -234,7 +236,7 @@ def _started() -> subprocess.Popen[bytes]:
 
 
 def _interpreter() -> str:
-    """The Python of a guard: not a frozen application, which would start itself endlessly."""
+    """Return the Python that runs the guard: never a frozen application, which would start itself."""
     requested = os.environ.get("MIDAIR_PYTHON") or ("" if getattr(sys, "frozen", False) else sys.executable)
     if not requested or GUARD in os.environ:
         raise BoardError(

@@ -13,20 +13,20 @@ import serial
 from .errors import BoardBusy, BoardError, BoardLost, BoardNotFound, BoardPermission, BoardTimeout
 from .line import LineTransport
 
-#: A line that accepts no bytes for this time, in s, is stalled. The system's buffers add to it:
-#: 0.6 s of it at 230400 Bd, 1.5 s at 115200 Bd, over a pseudo-terminal.
+#: A line that accepts no bytes for this time, in s, counts as lost. The system's buffers add to it: 0.6 s at
+#: 230400 Bd, 1.5 s at 115200 Bd, measured with a pseudo-terminal.
 STALLED = 0.3
 
-#: Bytes in one write.
+#: Bytes per call of write.
 PIECE = 512
 
-#: Time in s that a restarted Arduino waits for its boot loader.
+#: Time in s that a restarted Arduino spends in its boot loader.
 RESTART = 2.0
 
 #: Time in s between two checks of the system's buffer.
 LOOK = 1e-3
 
-#: Errors of pyserial for a port that is gone: the system's errors, and the terminal's, which are separate.
+#: Errors of pyserial for a port that is gone: those of the system, and on POSIX those of the terminal.
 FAILURES: tuple[type[Exception], ...] = (OSError, ValueError)
 with suppress(ImportError):
     import termios
@@ -40,13 +40,13 @@ class SerialTransport(LineTransport):
     Parameters
     ----------
     port
-        Its name, "/dev/ttyUSB0" or "COM3".
+        Name of the port, such as "/dev/ttyUSB0" or "COM3".
     restarts
         Whether opening the port may restart the board, as with an Arduino.
     exclusive
-        Whether no other program may open the port meanwhile.
+        Whether other programs are prevented from opening the port meanwhile.
     line
-        Arguments of a LineTransport.
+        Arguments of LineTransport.
     """
 
     def __init__(self, *, port: str, restarts: bool = False, exclusive: bool = True, **line: Any) -> None:
@@ -54,7 +54,8 @@ class SerialTransport(LineTransport):
         self._name = port
         self._port = serial.Serial(write_timeout=STALLED, exclusive=exclusive)
         self._port.port = port
-        # The rise of this line restarts an Arduino; Linux always raises it, so this waits for a restart.
+        # A rise of the DTR line restarts an Arduino. Linux always raises it on opening, so the code below
+        # waits for the restart.
         self._port.dtr = not restarts
         try:
             self._port.baudrate = line["baud"]
@@ -67,7 +68,7 @@ class SerialTransport(LineTransport):
                 time.sleep(RESTART)
                 self.silence()
         except BaseException:
-            # Otherwise it would begin to emit after its boot loader.
+            # Without this, the board would emit as soon as its boot loader ends.
             if restarts and self._has_control_lines():
                 with suppress(BoardError):
                     time.sleep(RESTART)
@@ -77,30 +78,33 @@ class SerialTransport(LineTransport):
 
     def _write(self, content: bytes) -> None:
         with self._reported():
-            # The adapter's own clock may be slower than this one.
+            # The clock here may run ahead of the adapter's, so wait until its buffer has room.
             patience = time.monotonic() + STALLED
             while self._port.out_waiting > len(content):
                 if time.monotonic() > patience:
                     raise serial.SerialTimeoutException
                 time.sleep(LOOK)
-            # The limit of a write's time is for as many bytes as the line carries well within it.
+            # Small pieces, so that the time limit of a write is long enough for each.
             for at in range(0, len(content), PIECE):
                 self._port.write(content[at : at + PIECE])
 
     def look(self) -> None:
-        """Check the port's buffer, which fails if the port is gone."""
+        """Read the length of the port's buffer, which raises BoardLost if the port is gone."""
         with self._reported():
             _ = self._port.out_waiting
 
     def close(self) -> None:
-        """Wait until the line has carried its last bytes, then release the port."""
+        """Wait until the line has transmitted its last bytes, then close the port."""
         self._stop()
         self._drain()
         with suppress(*FAILURES):
             self._port.close()
 
     def _has_control_lines(self) -> bool:
-        """Whether the port has a line that could restart a board; a pseudo-terminal has none."""
+        """Return whether the port has control lines, which could restart a board.
+
+        A pseudo-terminal has none.
+        """
         try:
             _ = self._port.cts
         except FAILURES:
@@ -109,11 +113,11 @@ class SerialTransport(LineTransport):
 
     @contextmanager
     def _reported(self) -> Iterator[None]:
-        """Convert pyserial's errors."""
+        """Convert pyserial's errors to BoardTimeout or BoardLost."""
         try:
             yield
         except serial.SerialTimeoutException as error:
-            # Bytes still in the buffer must not come out before those that turn everything off.
+            # Discard the buffer: its old frames must not follow the bytes that turn everything off.
             with suppress(*FAILURES):
                 self._port.reset_output_buffer()
             raise BoardTimeout(
@@ -127,11 +131,11 @@ class SerialTransport(LineTransport):
 
 
 def _refused(port: str, error: Exception) -> BoardError:
-    """Reason why a port cannot be opened, and the cure."""
+    """Return the error for a port that cannot be opened, with the reason and the cure."""
     number, reason = getattr(error, "errno", None), _reason(error)
     if number in (errno.ENOENT, errno.ENXIO, errno.ENODEV) or "FileNotFoundError" in reason:
         return BoardNotFound(f'port "{port}" is not there: plug the board in; `midair ports` lists the ports')
-    # On Windows a port in use reports missing permission.
+    # Windows reports a port that is in use as "no permission".
     if number in (errno.EAGAIN, errno.EBUSY) or "PermissionError" in reason:
         return BoardBusy(f'port "{port}" is in use: close the other program that holds it')
     if number in (errno.EACCES, errno.EPERM):
@@ -143,5 +147,5 @@ def _refused(port: str, error: Exception) -> BoardError:
 
 
 def _reason(error: Exception) -> str:
-    """The system's words, as one line."""
+    """Return the system's error text, in one line."""
     return " ".join(str(getattr(error, "strerror", None) or error).split()) or type(error).__name__

@@ -1,4 +1,4 @@
-"""Links without a device: to nowhere, to a file, or to a simulated line."""
+"""Transports without a device: one drops frames, one writes a file, one simulates the speed of a line."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .line import LineTransport
 
 
 class NullTransport:
-    """Accepts everything at once, and plays nothing."""
+    """Accepts every call at once and plays nothing."""
 
     def play(self, frame: bytes) -> None:
         """Drop the frame."""
@@ -25,21 +25,21 @@ class NullTransport:
         """Drop the frames."""
 
     def look(self) -> None:
-        """Do nothing: there is no device that could be gone."""
+        """Do nothing: there is no device that could be lost."""
 
     def close(self) -> None:
         """Do nothing: there is nothing to release."""
 
 
 class FileTransport(NullTransport):
-    """Writes frames one after another, the first and the last off.
+    """Writes frames to a file, one after another. The first and the last frame are off.
 
     Parameters
     ----------
     path
-        The file, which is replaced.
+        The file; an existing one is replaced.
     off
-        Hexadecimal, a frame that plays nothing.
+        Hexadecimal: a frame that turns all transducers off.
     """
 
     def __init__(self, *, path: str, off: str) -> None:
@@ -65,12 +65,12 @@ class FileTransport(NullTransport):
         self._last = frame
 
     def silence(self) -> None:
-        """Write a frame that is off, unless the last one is."""
+        """Write the frame that is off, unless the last frame in the file is."""
         if self._last != self._off:
             self.play(self._off)
 
     def modulate(self, hz: float | None) -> None:
-        """Raise BoardError: a file contains frames."""
+        """Raise BoardError: a file can contain only frames."""
         if hz is not None:
             raise BoardError("a file holds frames, no modulation: leave it out")
 
@@ -84,21 +84,21 @@ class FileTransport(NullTransport):
 
 
 class LoopTransport(LineTransport):
-    """A line with the speed of a real one that leads nowhere."""
+    """A line with the speed of a real one and no device at its end."""
 
     def __init__(self, **line: Any) -> None:
         super().__init__(**line)
         self.silence()
 
     def modulate(self, wave: Any) -> None:
-        """Swap as a board of two banks does; for AUTD3, which modulates by itself, apply its limits."""
+        """Modulate by swaps if the board has two banks; AUTD3 modulates by itself, so check its limits."""
         if self._swap is not None:
             super().modulate(wave)
         else:
             modulation(wave)
 
     def upload(self, frames: bytes, count: int, rate: float) -> None:
-        """Take the time of the line for frames that AUTD3, the only board that stores them, accepts."""
+        """Wait as long as a real line would take. Only AUTD3 stores sequences, so its limits are checked."""
         check_count(count)
         divider(rate)
         self.play(frames)
@@ -107,7 +107,7 @@ class LoopTransport(LineTransport):
         """Drop the bytes."""
 
     def look(self) -> None:
-        """Do nothing: there is no device that could be gone."""
+        """Do nothing: there is no device that could be lost."""
 
     def close(self) -> None:
         """End the modulation."""

@@ -1,4 +1,4 @@
-"""First code of a guard process: it finds midair's boards without importing midair and NumPy."""
+"""First code of a guard process: it imports midair's board modules without midair itself and NumPy."""
 
 import signal
 import sys
@@ -8,9 +8,10 @@ from types import ModuleType
 
 
 def start() -> None:
-    """Run the guard between the pipes in place of input and output.
+    """Run the guard; standard input and output are its pipes.
 
-    Ctrl-C and a closed terminal are for its owner, which then ends it or stops to beat.
+    The guard ignores Ctrl-C and the closing of the terminal: its owner reacts to them, and then closes the
+    guard or stops sending beats.
     """
     for name in ("SIGINT", "SIGHUP", "SIGPIPE"):
         if name in signal.Signals.__members__:

@@ -1,7 +1,7 @@
-"""Tactons: patterns of touch in the format of Adaptics Designer, and what they play at a time.
+"""Tactons: tactile patterns in the format of Adaptics Designer; computes which point they play at a time.
 
 A pattern is JSON whose "$DATA_FORMAT" is "MidAirHapticsAnimationFileFormat", with lengths in mm and times in
-ms; docs/serve.md has the rule by which it is played.
+ms. docs/serve.md describes how it is played.
 """
 
 from __future__ import annotations
@@ -17,13 +17,14 @@ from typing import Any, NamedTuple
 from .._midair import SceneError
 from .._support.arguments import json_object, number, refused, word
 
-#: Revisions that mean the same here.
+#: Revisions of the format that this module reads; they do not differ in what it uses.
 REVISIONS = ("0.1.0-alpha.3", "0.1.0-alpha.2", "0.0.10-alpha.1")
 
-#: Levels of a formula, and keyframes of a pattern.
+#: Largest depth of a formula, and most keyframes of a pattern.
 MOST_DEEP, MOST_KEYFRAMES = 32, 4096
 
-#: Parameters of each brush; those that change linearly until the next keyframe of the same brush.
+#: Parameters of each brush (the figure that the focus draws around its place), and of these the ones that
+#: change linearly until the next keyframe with the same brush.
 BRUSHES = {
     "circle": ("radius", "am_freq"),
     "line": ("length", "rotation", "am_freq", "thickness"),
@@ -31,7 +32,7 @@ BRUSHES = {
 }
 GRADUAL = {"circle": BRUSHES["circle"], "line": BRUSHES["line"], "lissajous": ("rotation", "am_freq")}
 
-#: Frequency in Hz of a brush that gives none.
+#: Laps per second of a brush that gives no frequency.
 STM = 100.0
 
 OPERATORS = {
@@ -48,14 +49,14 @@ Matrix = Sequence[Sequence[float]]
 
 
 class Moment(NamedTuple):
-    """Where a pattern is: its own time at the last look, and how far this is ahead of the clock, in ms."""
+    """Time within the pattern at the last evaluation, and how much it is ahead of the clock, both in ms."""
 
     pattern: float = 0.0
     ahead: float = 0.0
 
 
 class Touch(NamedTuple):
-    """What plays: a point in mm, its intensity, and whether playing ends."""
+    """The result of an evaluation: a point in mm, its intensity, and whether playback stops."""
 
     point: tuple[float, float, float]
     intensity: float
@@ -65,7 +66,7 @@ class Touch(NamedTuple):
 
 @dataclass(frozen=True)
 class Stage:
-    """A property of a keyframe, and whether it changes linearly until the next one."""
+    """The value of a keyframe's property, and whether it changes linearly until the next keyframe."""
 
     value: Any
     linear: bool
@@ -73,7 +74,7 @@ class Stage:
 
 @dataclass(frozen=True)
 class Keyframe:
-    """A time in ms and what begins there; what is None goes on."""
+    """A time in ms and the properties that begin there; a property that is None does not change."""
 
     time: float
     kind: str
@@ -84,7 +85,7 @@ class Keyframe:
 
 
 class Track:
-    """One property over time: at each mark, what begins there and what ended there."""
+    """One property over time: at each mark a time, the stage that begins and the stage that ends."""
 
     def __init__(self, marks: list[tuple[float, Stage | None, Stage | None]]) -> None:
         self._times = [time for time, _, _ in marks]
@@ -92,7 +93,7 @@ class Track:
         self._ends = [ended for _, _, ended in marks]
 
     def at(self, time: float) -> tuple[Any, Any, float]:
-        """The values before and after a time, and how far it is from the one to the other."""
+        """Return the values before and after a time, and the fraction of the way between them."""
         k = bisect_right(self._times, time) - 1
         if k < 0 or (begun := self._begins[k]) is None:
             return None, None, 0.0
@@ -104,11 +105,11 @@ class Track:
 
 
 class Tacton:
-    """A pattern, read once.
+    """A parsed pattern.
 
-    text : JSON
+    text : the pattern as JSON
 
-    Raises SceneError with the place in the pattern for anything that is not valid.
+    Raises SceneError, which names the place in the pattern, for anything invalid.
     """
 
     def __init__(self, text: str) -> None:
@@ -125,7 +126,7 @@ class Tacton:
         self._keyframes = sorted(read, key=lambda keyframe: keyframe.time)
         self._jumping = [keyframe for keyframe in self._keyframes if keyframe.jumps]
         self._times = [keyframe.time for keyframe in self._keyframes]
-        # A pause or a stop ends a movement where it was; only a stop ends changes of brush and intensity.
+        # A pause or a stop ends a movement where it is. Only a stop ends changes of brush and intensity.
         self._coords = _track(self._keyframes, "coords", ("standard", "pause", "stop"), onward=False)
         self._brush = _track(self._keyframes, "brush", ("stop",), onward=True)
         self._intensity = _track(self._keyframes, "intensity", ("stop",), onward=True)
@@ -136,13 +137,13 @@ class Tacton:
     def at(
         self, time: float, moment: Moment, parameters: Mapping[str, float], matrix: Matrix | None = None
     ) -> Touch:
-        """What plays at a time in ms after the start.
+        """Return the touch at a time in ms after the start.
 
-        moment : that of the last look, or of the start
-        parameters : values by name; those that are missing are the pattern's defaults
-        matrix : 4 x 4 by rows, for points in mm after the pattern's own transform
+        moment : moment of the last touch, or of the start
+        parameters : values by name; missing ones have the pattern's defaults
+        matrix : 4 x 4, by rows; applied to points in mm after the pattern's own transform
 
-        Raises SceneError where a formula gives nothing finite.
+        Raises SceneError if a formula gives no finite number.
         """
         try:
             found = self._at(time, moment, self._lookup(parameters), matrix)
@@ -173,7 +174,7 @@ class Tacton:
         return value
 
     def _jumped(self, last: float, now: float, value: Lookup) -> float:
-        """The time after the first jump, of the keyframes passed since, whose condition holds."""
+        """Return the target of the first jump whose condition holds, of keyframes since `last`; or `now`."""
         for keyframe in self._jumping:
             if last < keyframe.time <= now:
                 for name, holds, limit, to in keyframe.jumps:
@@ -188,7 +189,7 @@ class Tacton:
         return tuple(a + share * (b - a) for a, b in zip(before, after, strict=True))
 
     def _stroke(self, now: float, time: float, value: Lookup) -> tuple[float, float, float]:
-        """Where the brush is beside the place, in mm, and its modulation in Hz."""
+        """Return the brush's offset from the place, in mm, and its amplitude modulation in Hz."""
         before, after, share = self._brush.at(now)
         if before is None:
             return 0.0, 0.0, 0.0
@@ -221,7 +222,7 @@ class Tacton:
         self._speed = _value(table, "playback_speed", where)
 
     def _moved(self, point: tuple[float, ...], value: Lookup, matrix: Matrix | None) -> tuple[float, ...]:
-        """Scaled, turned about z, shifted; then by the matrix."""
+        """Scale a point, turn it about z and shift it; then apply the matrix."""
         x, y, z = (a * scale(value) for a, scale in zip(point, self._scale, strict=True))
         turn = math.radians(self._turn(value))
         x, y = x * math.cos(turn) - y * math.sin(turn), x * math.sin(turn) + y * math.cos(turn)
@@ -233,13 +234,13 @@ class Tacton:
 
 
 def _drawn(name: str, phase: float, known: dict[str, float]) -> tuple[float, float]:
-    """The point of a brush at a phase of its lap."""
+    """Return the point (x, y) of a brush at a phase in rad of its lap."""
     if name == "circle":
         return known["radius"] * math.cos(phase), known["radius"] * math.sin(phase)
     if name == "line":
         x, y, turn = known["length"] * math.cos(phase), 0.0, math.radians(known["rotation"])
     else:
-        # Adaptics plays this angle, in its schema in degrees, as one in rad.
+        # The schema says degrees, but Adaptics itself uses this angle in rad.
         turn = known["rotation"]
         x = known["x_scale"] * math.sin(known["a"] * phase + known["d"])
         y = known["y_scale"] * math.sin(known["b"] * phase)
@@ -252,7 +253,7 @@ def _drawn_lots(limits: tuple[Value, Value], value: Lookup) -> float:
 
 
 def _track(keyframes: list[Keyframe], name: str, stops: tuple[str, ...], *, onward: bool) -> Track:
-    """The track of a property; `onward` looks beyond a keyframe that stops without one of its own."""
+    """Return a property's track. `onward`: a keyframe that stops without a value ends at the next one."""
     marked = [each for each in keyframes if getattr(each, name) is not None or each.kind in stops]
     begun: list[Stage | None] = []
     for each in marked:
@@ -340,7 +341,7 @@ def _jump(given: dict[str, Any], where: str) -> tuple[str, Callable[[float, floa
 
 
 def _definition(name: str, given: Any) -> tuple[float, float, float]:
-    """Default, least and most of a parameter."""
+    """Return default, least and largest value of a parameter."""
     where = f"user_parameter_definitions.{name}"
     if not isinstance(given, dict):
         raise refused(where, given, "give an object")
@@ -352,9 +353,9 @@ def _definition(name: str, given: Any) -> tuple[float, float, float]:
 
 
 def _value(given: dict[str, Any], key: str, where: str) -> Value:
-    """A number, a parameter or a formula of them."""
+    """Parse a value: a number, a parameter's name, or a formula. Returns a function that computes it."""
     table, within = _table(given, key, where), _joined(where, key)
-    # Older revisions say "dynamic".
+    # Older revisions name a parameter "dynamic".
     kind = _one_of(table, "type", within, ("f64", "param", "dynamic", "formula"))
     if kind == "formula":
         return _formula(table.get("value"), f"{within}.value", 0)

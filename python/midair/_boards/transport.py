@@ -1,6 +1,6 @@
-"""Transport: carries frames to a device, in the guard process; `open_transport` makes each kind.
+"""Transport: sends frames to a device, in the guard process. `open_transport` makes one of each kind.
 
-Nothing here imports midair itself or NumPy: a guard starts in a few hundredths of a second.
+This module imports neither midair itself nor NumPy, so a guard starts within a few hundredths of a second.
 """
 
 from __future__ import annotations
@@ -15,34 +15,32 @@ class Transport(Protocol):
     """A device that plays frames. Every method except `close` raises `BoardError` or a subclass."""
 
     def play(self, frame: bytes) -> None:
-        """Send a frame; return when the line has accepted it. At most two frames wait in the line."""
+        """Send a frame. Returns when the line has accepted it; at most two frames wait in the line."""
 
     def silence(self) -> None:
-        """Turn everything off now; at any time, and more than once."""
+        """Turn everything off now. May be called at any time, and repeatedly."""
 
     def modulate(self, wave: Any) -> None:
-        """Modulate the amplitude of all drives, now and later, at a frequency in Hz; None for no modulation.
-
-        A device that stores sequences also accepts codes of 0 to 255.
-        """
+        """Modulate the amplitude of all frames from now on, at a frequency in Hz; None ends it."""
 
     def upload(self, frames: bytes, count: int, rate: float) -> None:
-        """Let the device repeat `count` frames at `rate` a second by itself."""
+        """Store `count` frames in the device, which repeats them by itself at `rate` frames a second."""
 
     def look(self) -> None:
-        """Raise BoardLost if the device is known to be gone, without sending anything."""
+        """Raise BoardLost if the device is known to be gone. Sends nothing."""
 
     def close(self) -> None:
-        """Release the device. Never raises, never hangs."""
+        """Release the device. Never raises an error and never hangs."""
 
 
 def before_what_computes() -> None:
-    """Let this thread, which keeps time, run before computing threads, if the system allows it."""
+    """Give this thread, which must keep time, a higher priority than computing threads, if allowed."""
     with suppress(OSError, AttributeError):
         os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))
 
 
-#: Module and class of each kind of transport; the class takes the rest of a description as keywords.
+#: Module and class of each kind of transport. The class gets the other entries of the description as
+#: arguments.
 TRANSPORTS = {
     "serial": ("serial_port", "SerialTransport"),
     "fifo": ("fifo", "FifoTransport"),
@@ -52,15 +50,15 @@ TRANSPORTS = {
     "file": ("simulated", "FileTransport"),
 }
 
-#: Kinds behind which nothing emits.
+#: Kinds of transport without a real device.
 SIMULATED = ("null", "loop", "file")
 
 
 def open_transport(description: dict[str, Any]) -> Transport:
-    """Make the transport of a description from JSON.
+    """Make the transport that a JSON description specifies.
 
     {"kind": "serial", "port": ..., "baud": ..., ...} or {"kind": "udp", "address": ..., "boards": ...}:
-    `kind` names the class, the other entries are its arguments. Opening it leaves the device silent.
+    `kind` selects the class, the other entries are its arguments. After opening, the device is silent.
     """
     given = dict(description)
     module, name = TRANSPORTS[given.pop("kind")]

@@ -1,11 +1,12 @@
-"""Watcher: a third process, which turns the device off if its guard and the guard's owner die together.
+"""Watcher: a third process, which turns the device off if the guard and its owner die at the same time.
 
-The guard forks it first of all, twice and into a session of its own, so that what ends a group or a tree of
-processes does not find it. It reads the guard's beats. Where these end without a word, the owner turns the
-device off; where the owner is gone, too, the watcher does. A guard that is stopped or silent is ended.
+The guard forks it at its start, twice and into a session of its own, so that ending the guard's process group
+or process tree does not end it. It reads beats from the guard. If the beats end without END, the owner turns
+the device off; if the owner is gone too, the watcher does. The watcher kills a guard that is stopped or
+silent.
 
-It does not survive what ends all three, and Windows, which cannot fork, has none. Whether a process
-runs or is stopped is as /proc has it; elsewhere, whether it is there.
+It cannot help if all three processes are ended. Windows has no fork and so no watcher. Process states come
+from /proc; on systems without it, a process that exists counts as running.
 """
 
 from __future__ import annotations
@@ -24,72 +25,73 @@ from typing import Any
 from .transport import open_transport
 from .wire import BEATS
 
-#: States of a dead process that its parent has not waited for, and of stopped ones.
+#: States in /proc of dead processes that still have an entry, of stopped ones and of traced ones.
 DEAD, STOPPED, TRACED = "ZX", "T", "t"
 
-#: Links behind which a board plays on: AUTD3 mutes itself, others are no device.
+#: Links whose boards continue to play without a connection. AUTD3 boards mute themselves; the others are no
+#: devices.
 WATCHED = ("serial", "fifo")
 
-#: A guard silent for this time, in s, is ended, and an owner has this time to turn the device off: longer
-#: than owner and guard may miss each other's beats.
+#: A guard that sends no beat for this time, in s, is killed. The owner has the same time to turn the device
+#: off. It is longer than the time in which owner and guard detect missing beats.
 SILENT = 1.5
 
-#: Number of attempts to open a port that another process keeps, and the seconds between them.
+#: Number of attempts to open a port that another process still uses, and the pause in s between them.
 TRIES = 50
 PAUSE = 0.02
 
-#: Time in s between two checks whether guard and owner are stopped.
+#: Time in s between two checks whether guard or owner is stopped.
 LOOK = 0.04
 
 BEAT, END = b".", b"E"
 
 
 def runs(process: int) -> bool:
-    """Whether a process exists and is neither stopped nor a zombie."""
+    """Return whether a process exists and is neither stopped nor a zombie."""
     if state := _state(process):
         return state not in DEAD + STOPPED + TRACED
     try:
         os.kill(process, 0)
     except OSError:
         return False
-    # Without /proc, an existing process counts as running.
+    # On a system without /proc, an existing process counts as running.
     return not Path("/proc/self/stat").exists()
 
 
 def is_stopped(process: int) -> bool:
-    """Whether a process is stopped by a signal."""
+    """Return whether a signal has stopped a process."""
     return _state(process) == STOPPED
 
 
 class Stops:
-    """Notes whether a process is stopped by a signal, at two checks one after another."""
+    """Detects that a process is stopped: at two checks one after the other."""
 
     def __init__(self, process: int) -> None:
         self._process = process
         self._before = False
 
     def look(self) -> bool:
-        """Whether it is stopped now and was at the check before."""
+        """Return whether the process is stopped now and was stopped at the check before."""
         before, self._before = self._before, is_stopped(self._process)
         return before and self._before
 
 
 def _state(process: int) -> str:
-    """The letter of a process's state, none if it cannot be read."""
+    """Return the letter of a process's state from /proc, "" if it cannot be read."""
     with suppress(OSError):
         return Path(f"/proc/{process}/stat").read_text(errors="replace").rpartition(")")[2].split()[0]
     return ""
 
 
 class Watch:
-    """The guard's end of the pipe to its watcher; made before there are threads."""
+    """The guard's end of the pipe to its watcher. It must be made before the guard starts threads."""
 
     def __init__(self) -> None:
         self._pipe = _forked() if hasattr(os, "fork") else None
         self._over = threading.Event()
 
     def begin(self, setting: dict[str, Any]) -> None:
-        """Send the description of the device's transport, and beat from now on."""
+        """Send the watcher the description of the transport, and beats from now on."""
         if self._pipe is None or setting["transport"]["kind"] not in WATCHED:
             self.end()
             return
@@ -98,7 +100,7 @@ class Watch:
         threading.Thread(target=self._beat, daemon=True).start()
 
     def end(self) -> None:
-        """End the watch: the device is off."""
+        """End the watcher: the guard has turned the device off."""
         self._over.set()
         if self._pipe is not None:
             self._write(END)
@@ -108,13 +110,13 @@ class Watch:
             self._write(BEAT)
 
     def _write(self, content: bytes) -> None:
-        # A watcher that was ended, or stopped for long, reads nothing.
+        # The pipe may be closed or full, if the watcher has ended or is stopped.
         with suppress(OSError):
             os.write(self._pipe or -1, content)
 
 
 def _forked() -> int:
-    """Read end of the pipe, in a watcher whose parent is not the guard."""
+    """Fork the watcher, as no child of the guard, and return the guard's end of the pipe."""
     guard, owner = os.getpid(), os.getppid()
     theirs, ours = os.pipe()
     if child := os.fork():
@@ -124,7 +126,7 @@ def _forked() -> int:
     try:
         os.setsid()
         if os.fork() == 0:
-            # The pipes between guard and owner end with them.
+            # Close the copies of the guard's pipes, so that they close when guard and owner end.
             nothing = os.open(os.devnull, os.O_RDWR)
             for standard in range(3):
                 os.dup2(nothing, standard)
@@ -136,7 +138,7 @@ def _forked() -> int:
 
 
 def _watch(pipe: int, guard: int, owner: int) -> None:
-    """Read beats until the guard reports the end, or stops."""
+    """Read beats until the guard reports its end or the beats stop; then turn the device off if needed."""
     with os.fdopen(pipe, "rb", buffering=0) as beats:
         line = beats.readline()
         if not line.endswith(b"\n"):
@@ -154,14 +156,14 @@ def _watch(pipe: int, guard: int, owner: int) -> None:
             if not came:
                 break
         else:
-            # An owner that runs would have turned it off before.
+            # An owner that still runs would have killed the guard already.
             with suppress(OSError):
                 os.kill(guard, signal.SIGKILL)
     _silence(setting["transport"], node, owner)
 
 
 def _node(transport: dict[str, Any]) -> tuple[int, ...] | None:
-    """The node in /dev of a port: a port that was pulled and plugged in again has another."""
+    """Return the identity of a port's node in /dev; it changes if the device is plugged in again."""
     with suppress(OSError, KeyError):
         found = os.stat(transport["port"])
         return found.st_ino, found.st_rdev, found.st_ctime_ns
@@ -169,7 +171,7 @@ def _node(transport: dict[str, Any]) -> tuple[int, ...] | None:
 
 
 def _left_to(owner: int) -> bool:
-    """Whether an owner runs for as long as it may need to turn the device off."""
+    """Return whether the owner still runs after the time that it has to turn the device off."""
     until = time.monotonic() + SILENT
     while runs(owner):
         if time.monotonic() > until:
@@ -179,13 +181,13 @@ def _left_to(owner: int) -> bool:
 
 
 def _silence(transport: dict[str, Any], node: tuple[int, ...] | None, owner: int) -> None:
-    """Turn the device off as soon as it is free and accepts bytes; not another device in its place."""
+    """Turn the device off as soon as its port is free. Stops if another device is now at that port."""
     for _ in range(TRIES):
         if _node(transport) != node:
             return
         if transport["kind"] == "serial" and is_stopped(owner):
-            # The process may have been stopped while it turned the device off itself, and then keeps the
-            # port.
+            # The owner may have been stopped while it was turning the device off; then its port stays in
+            # exclusive use.
             transport = {**transport, "exclusive": False}
         with suppress(Exception):
             device = open_transport(transport)

@@ -1,6 +1,6 @@
-"""Messages between a program and the guard of its board, over two pipes.
+"""Messages between a program and the guard process of its board, over two pipes.
 
-A message is its kind, a number that its answer repeats, the length of its content, and the content.
+A message consists of its kind, a number that its answer repeats, the length of its content, and the content.
 """
 
 from __future__ import annotations
@@ -14,18 +14,18 @@ class Kind(IntEnum):
     """Kind of a message: a request or an answer."""
 
     OPEN = 1  # JSON: the transport's description, and hold in s
-    PLAY = 2  # time, by the monotonic clock in s (0: now), the latest time, the treatment then; and the frame
+    PLAY = 2  # due time (monotonic clock, s; 0: now), latest time, treatment if late; then the frame
     OFF = 3
-    MODULATE = 4  # hz, NaN for no modulation; and codes of 0 to 255, if any, in place of a sine
-    UPLOAD = 5  # count and rate, and the frames
+    MODULATE = 4  # Hz, NaN for no modulation; then codes of 0 to 255, if any, instead of a sine
+    UPLOAD = 5  # count and rate; then the frames
     STATUS = 6
     EMITTING = 7
-    HOLD = 8  # nothing: the owner lives and waits for an answer
+    HOLD = 8  # no content: the owner lives and waits for an answer
     CLOSE = 9
-    BEAT = 10  # nothing: the owner's interpreter answers; so does the guard's, by DONE without content
+    BEAT = 10  # no content: the owner's interpreter runs; the guard answers with DONE without content
     DONE = 16  # JSON: the guard's status
-    FAILED = 17  # JSON: status, and the error's kind and message
-    FRAME = 18  # the frame that plays now; empty if none plays
+    FAILED = 17  # JSON: status, and the kind and text of the error
+    FRAME = 18  # the frame that plays now, empty if none does
 
 
 HEADER = struct.Struct("<BQI")
@@ -33,16 +33,16 @@ WHEN = struct.Struct("<ddB")
 MODULATION = struct.Struct("<d")
 UPLOADED = struct.Struct("<Id")
 
-#: Time between two beats of an owner, in s, and the time after which missing beats turn everything off.
+#: Time in s between two beats of an owner; and the time without beats after which everything is turned off.
 BEATS = 0.05
 MISSED = 0.6
 
-#: Message for a frame that is late, by ms, if that is an error.
+#: Error message for a late frame; the number is its delay in ms.
 LATE = "a frame of the stream is {:.3g} ms late: give a lower rate"
 
 
 class Late(IntEnum):
-    """Treatment of a late frame: wait, skip it if the next is due, or an error."""
+    """Treatment of a late frame: wait for it, skip it if the next one is due, or raise an error."""
 
     WAIT = 0
     SKIP = 1
@@ -50,11 +50,11 @@ class Late(IntEnum):
 
 
 class Gone(Exception):
-    """The other end of the pipe is closed."""
+    """Raised if the other end of the pipe is closed."""
 
 
 def write(pipe: int, kind: Kind, number: int, content: bytes = b"") -> None:
-    """Write a whole message."""
+    """Write a complete message."""
     rest = memoryview(HEADER.pack(kind, number, len(content)) + content)
     while rest:
         try:
@@ -64,7 +64,7 @@ def write(pipe: int, kind: Kind, number: int, content: bytes = b"") -> None:
 
 
 def read(pipe: int) -> tuple[Kind, int, bytes]:
-    """Wait for a message and read all of it."""
+    """Wait for a complete message; return its kind, number and content."""
     kind, number, length = HEADER.unpack(_exactly(pipe, HEADER.size))
     return Kind(kind), number, _exactly(pipe, length)
 

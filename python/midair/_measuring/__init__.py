@@ -1,4 +1,6 @@
-"""Measuring: calibration of an array by readings, and drives that readings improve."""
+"""Measuring: calibration of an array by microphone readings, fault diagnosis, and drives optimised by
+readings.
+"""
 
 from .calibrate import calibrate, calibration_drives
 from .doctor import doctor

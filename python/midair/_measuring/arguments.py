@@ -1,4 +1,4 @@
-"""Measurements as checked arrays; an error states name, value and cure."""
+"""Measurements as checked arrays. Errors state name, value and cure."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from .._midair import SceneError
 from .._support.arguments import refused
 from .model import Complex, Real
 
-#: This many readings at one microphone's maximum, and this part of all, mean a clipping converter.
+#: Readings are rejected as clipped if at least 4 readings of a microphone, and 1 % of all, equal its maximum.
 CLIPPED, CLIPPED_PART = 4, 0.01
 
 
 def drives_of(value: Any, transducers: int) -> Complex:
-    """Drives (K, N), none above full drive."""
+    """Return drives (K, N) as complex128; rejects |q| > 1."""
     found = _numbers(
         "drives", value, f"give drives (K, {transducers}), as midair.calibration_drives makes them"
     )

@@ -15,9 +15,9 @@ from .fit import Fitted, robust
 from .model import LOUDNESS, Complex, Model, Priors, Real
 from .result import Calibration
 
-#: Phases of calibration drives for a device without a grid of phases.
+#: Number of phases of calibration drives for an array without quantized phases.
 PHASES = 256
-#: Drives with more numbers than this would take too long.
+#: Largest number of values in calibration drives: more would take too long.
 MOST = 100_000_000
 
 
@@ -76,20 +76,21 @@ def calibration_drives(
     return drives
 
 
-#: A transducer is reported as dead above this probability, or if it is more probably dead than not and
-#: its gain is below QUIET times the median by this many standard deviations.
+#: A transducer is reported as dead if its probability of being dead exceeds DEAD. It is also reported if it
+#: is more probably dead than alive, and its gain is SURELY standard deviations below QUIET times the median.
 DEAD, QUIET, SURELY = 0.99, 0.5, 4
-#: A phase off by more than this, in rad, means a transducer connected the wrong way round.
+#: A transducer whose phase is off by more than this, in rad, counts as connected with reversed polarity.
 REVERSED = np.radians(115)
-#: Readings this many times louder or quieter than the model are probably not in Pa.
+#: Readings that differ from the model by more than this factor are probably not in Pa.
 FACTOR = 2.0
-#: Readings off the model by more than this part of their root mean square are probably of another array.
+#: Readings whose residual exceeds this fraction of their rms are probably of another array.
 UNEXPLAINED = 0.35
-#: A prior this wide gives no information; a wider one only costs digits.
+#: Largest prior, relative to the mean modulus: it already gives no information, a wider one only loses
+#: digits.
 MOST_PRIOR = 10
-#: Largest number of outlying readings in a warning.
+#: Largest number of outlying readings that a warning names.
 NAMED = 3
-#: Bytes of the normal equations and derived matrices, over those of one such matrix.
+#: Memory of the fit, in multiples of one normal matrix: that matrix and those derived from it.
 COPIES = 6
 
 
@@ -218,7 +219,7 @@ def _scene(given: Scene | Array, microphones: ArrayLike | None) -> Scene:
 
 
 def places_of(value: ArrayLike) -> Any:
-    """Check places of microphones (M, 3) in m."""
+    """Check the places of microphones; return them as (M, 3) in m."""
     try:
         found = np.atleast_2d(np.asarray(value, np.float64))
     except (TypeError, ValueError):
@@ -237,9 +238,10 @@ def _pose(value: Any) -> tuple[float, float]:
 
 
 def _enough(received: Any, played: Complex, array: Array) -> None:
-    """Reject fewer real numbers than transducers: the prior would invent the rest.
+    """Reject readings with fewer real numbers than transducers: only the prior would determine the rest.
 
-    C channels give C complex pressures at a microphone, minus a common phase of |p|, by any drives.
+    If an array has C channels, a microphone gives at most C complex pressures, whatever the drives; |p| does
+    not contain their common phase.
     """
     real = 2 if np.iscomplexobj(received) else 1
     count, sounding = received.size * real, int(np.any(played, axis=0).sum())
@@ -272,7 +274,8 @@ def _room(transducers: int, others: int, readings: int) -> None:
 def _result(
     scene: Scene, model: Model, found: Fitted, believed: Real, played: Complex, received: Any
 ) -> Calibration:
-    # One phase is common to all: that of the clock, or none at all for moduli.
+    # A common phase of all responses cannot be determined; it is chosen to agree with the array's own
+    # responses.
     common, scale = np.sum(believed * found.responses), float(np.exp(found.state[LOUDNESS]))
     response = found.responses * (scale * np.conj(common) / abs(common)) * model.phases
     sounding = np.any(played, axis=0)
@@ -302,7 +305,7 @@ def _result(
     off = np.abs(np.angle(response * np.conj(model.phases)))
     reversed_ = np.setdiff1d(np.flatnonzero(sounding & (off > REVERSED) & (found.chances[2] > 0.5)), dead)
     response[dead] = 0
-    # Transducers that did not play keep their values.
+    # Transducers that did not play keep the responses that the array has.
     response = np.where(sounding, response, 1.0 if scene.array.response is None else scene.array.response)
     array = model.array(found.state, response)
     state, errors = found.state, found.state_error

@@ -1,8 +1,8 @@
-"""Diagnosis: faults of boards from readings of known drives.
+"""Diagnosis: finds faults of boards from readings of known drives.
 
-It first tries orders of channels, sound speeds and delays of boards. `midair.calibrate` fits responses,
-sound speed and the microphones' places. Pairs of channels are exchanged if that explains the readings
-better. The last two steps alternate until no pair is left.
+A first search compares orders of channels, sound speeds and delays of boards. Then `midair.calibrate` fits
+responses, sound speed and the microphones' places, and pairs of channels are exchanged if that explains the
+readings better. These two steps alternate until no pair is left.
 """
 
 from __future__ import annotations
@@ -23,52 +23,52 @@ from .result import Calibration
 
 Indices = NDArray[np.intp]
 
-#: Sound speeds that are tried about the expected one, in m/s; largest error of the best of them.
+#: Differences from the expected sound speed to try, in m/s; error of the best one in the fit, in m/s.
 SPEEDS, LEFT = np.arange(-14.0, 14.5, 0.5), 3.0
-#: Readings that correlate with the model by more than this confirm its order.
+#: A correlation of the readings with the model above this confirms the order of the channels.
 ORDERED = 0.6
-#: Boards with unknown delays: with more, the first search has too many unknowns.
+#: Most boards whose delays the first search fits; more boards would have too many unknowns.
 MOST_BOARDS = 12
-#: Places nearer than this, in m, count as one when a board is turned or mirrored.
+#: Places closer than this, in m, match when a board is compared with its turned or mirrored copy.
 SAME = 1e-3
-#: The least spread of living transducers' responses, relative to their middle.
+#: Lower bound of the spread of living transducers' responses, relative to the usual response.
 LEAST_SPREAD = 0.05
-#: A transducer is suspected if its response is this many spreads off, or if the residuals of one
-#: microphone point to it by this many deviations; at most this many are suspected.
+#: A transducer is suspected if its response is SUSPECT spreads off, or if a microphone's residuals correlate
+#: with it by LEFT_OVER standard deviations. At most MOST_SUSPECTS are suspected.
 SUSPECT, LEFT_OVER, MOST_SUSPECTS = 3.5, 5.0, 80
-#: Penalties for reporting a transducer as reversed, dead, weak, of another phase, or two as exchanged: -2
-#: log of the frequency of such a fault.
+#: Penalties for reporting a transducer as reversed, dead, weak or with another phase, and two as exchanged:
+#: -2 log of the frequency of such a fault.
 REVERSED, DEAD, WEAK, ODD, EXCHANGED = 10.0, 8.0, 8.0, 10.0, 31.0
-#: A weak transducer has at least this part of the usual gain, and at most that.
+#: Smallest and largest gain of a weak transducer, relative to the usual one.
 WEAKEST, STRONG = 0.1, 0.75
-#: Delays of boards are final if they change by less, in rad, from round to round.
+#: The delays of boards are final if they change by less than this, in rad, between two rounds.
 SETTLED = 0.02
-#: Rounds of calibration, and steps of the fit of a pair.
+#: Most rounds of calibration and exchange; steps of the fit of an exchanged pair.
 ROUNDS, STEPS = 8, 3
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Model of boards after the diagnosis.
+    """Model of the boards after the diagnosis.
 
     Attributes
     ----------
     base
-        Name of the order of the whole wiring, "" for the expected one.
+        Name of the wiring's overall order, "" for the expected one.
     order
-        (N,) the place of each channel's transducer.
+        (N,): index of the position at which each channel's transducer is.
     cycles
-        Channels that are exchanged beyond that order, pairs and rings.
+        Channels that are exchanged in addition to `base`, as pairs or longer cycles.
     middle
-        (B,) complex, the usual response of each board relative to the array's.
-    relative
-        (N,) complex, each response relative to that of its board; error : (N,) of re and im.
+        (B,) complex: the usual response of each board, relative to the array's.
+    relative, error
+        (N,) complex: each response relative to that of its board; error of its re and im.
     spread
-        Of living responses about their board's, of re and im.
+        Standard deviation of re and im of living transducers' `relative`.
     calibration
-        Of the channels at their places, with sound speed and microphones.
+        The fit with each channel at its found position, with sound speed and microphones.
     unexplained
-        Residual of the readings, as a part of their root mean square.
+        Residual of the readings, relative to their rms.
     """
 
     base: str
@@ -83,7 +83,7 @@ class Diagnosis:
 
     @property
     def wave_number(self) -> float:
-        """2 pi f / c, in rad/m."""
+        """The wave number 2 pi f / c in rad/m."""
         return 2 * np.pi * self.calibration.scene.frequency / self.calibration.sound_speed
 
 
@@ -99,7 +99,7 @@ def diagnose(
     Parameters
     ----------
     boards
-        (N,) the board of each channel, from 0 on.
+        (N,): index of each channel's board, from 0 on.
     drives, readings, microphones_error
         Arguments of `midair.calibrate`.
     """
@@ -112,7 +112,7 @@ def diagnose(
     _, base, order, speed, delays = best
     turned, expected = delays / np.abs(delays), order
     for _ in range(ROUNDS):
-        # The channel keeps its delay and response; the place is that of its transducer.
+        # Each channel keeps its delay and response and gets the position of its transducer.
         array = changed(
             scene.array,
             positions=scene.array.positions[order],
@@ -120,7 +120,7 @@ def diagnose(
             response=own * turned[boards],
         )
         with warnings.catch_warnings():
-            # The report contains the warnings of the calibration.
+            # The diagnosis reports itself what the calibration would warn of.
             warnings.simplefilter("ignore", SceneWarning)
             found = calibrate(
                 scene.replace(array=array, sound_speed=speed),
@@ -137,7 +137,7 @@ def diagnose(
         cycles = _cycles(expected, order)
         state = Diagnosis(base, order, cycles, middle, relative, error, spread, found, left)
         pairs = _Pairs(state, boards, own, sounding, drives, readings).exchanged()
-        # The calibration starts from the delays of its last result, so that it stays there.
+        # The next calibration starts from these delays, so that it stays near this solution.
         delay = middle / np.abs(middle) * np.conj(middle[0]) / np.abs(middle[0])
         if not pairs and np.abs(delay - turned).max() < SETTLED:
             break
@@ -148,7 +148,7 @@ def diagnose(
 
 
 def _cycles(expected: Indices, order: Indices) -> tuple[tuple[int, ...], ...]:
-    """The rings of channels that are at each other's expected places."""
+    """Return the cycles of channels that are at each other's expected positions."""
     then = np.argsort(expected)[order]
     rings, seen = [], set(np.flatnonzero(then == np.arange(len(then))).tolist())
     for first in range(len(then)):
@@ -163,7 +163,7 @@ def _cycles(expected: Indices, order: Indices) -> tuple[tuple[int, ...], ...]:
 
 
 def _orders(scene: Scene, boards: Indices) -> Iterator[tuple[str, Indices]]:
-    """Yield the expected order, then those of exchanged, turned or mirrored boards."""
+    """Yield (name, order): the expected order, then those of exchanged, turned or mirrored boards."""
     identity = np.arange(len(boards))
     yield "", identity
     own = [np.flatnonzero(boards == b) for b in range(int(boards.max()) + 1)]
@@ -189,11 +189,11 @@ def _orders(scene: Scene, boards: Indices) -> Iterator[tuple[str, Indices]]:
 
 
 def _turned(scene: Scene, of: Indices, turn: NDArray[np.int64]) -> Indices | None:
-    """Transducers of a board after it is turned or mirrored in its plane, or None if they do not match."""
+    """Return a board's order after it is turned or mirrored in its plane, None if places do not match."""
     if len(of) < 2:
         return None
     places = scene.array.positions[of] - scene.array.positions[of].mean(axis=0)
-    # The first of equally near neighbours.
+    # Rounding makes equal distances equal, so that the first of several nearest neighbours is chosen.
     far = np.linalg.norm(places - places[0], axis=1).round(6)
     along = places[np.argsort(far, kind="stable")[1]] - places[0]
     along /= np.linalg.norm(along)
@@ -214,7 +214,7 @@ def _look(
     drives: Complex,
     readings: Real | Complex,
 ) -> tuple[float, str, Indices, float, Complex]:
-    """Correlation of the readings with an order's model, at the best speed and delays."""
+    """Return the best correlation of readings and model of an order, over sound speeds and delays."""
     best = (-1.0, name, order, scene.sound_speed, np.ones(int(boards.max()) + 1, complex))
     bare = changed(scene.array, response=None, mask=None, quantization=None)
     count = len(best[4])
@@ -226,7 +226,7 @@ def _look(
         p = (sums @ delays).ravel()
         received = readings.ravel()
         if not np.iscomplexobj(received):
-            # Moduli of any two models have a similar mean.
+            # The moduli of any two models have similar means, which would hide the difference.
             p, received = np.abs(p) - np.abs(p).mean(), received - received.mean()
         size = float(np.linalg.norm(p) * np.linalg.norm(received))
         match = float(abs(np.vdot(p, received))) / max(size, 1e-30)
@@ -236,10 +236,10 @@ def _look(
 
 
 def _delays(sums: Complex, readings: Real | Complex) -> Complex:
-    """Factors of each board's sum (K, B) with which all together give the readings (K,).
+    """Return factors v (B,) with which the boards' pressures (K, B) add up to the readings (K,).
 
-    Moduli are linear in the products v_b conj(v_c): |sum v_b a_b|^2. Of their matrix v is the leading
-    eigenvector. The first board's is positive.
+    Moduli: |sum v_b a_b|^2 is linear in the products v_b conj(v_c). v is the leading eigenvector of the
+    matrix of these products. The first factor is positive.
     """
     count = sums.shape[1]
     if np.iscomplexobj(readings):
@@ -266,18 +266,19 @@ def _matrix(scene: Scene) -> Complex:
 
 
 def _ratio(found: Calibration, own: Complex, sounding: NDArray[np.bool_]) -> tuple[Complex, Real]:
-    """Responses relative to the array's own, and their errors; 1 for transducers that cannot play."""
+    """Return responses relative to the array's own, and their errors; 1 for transducers that cannot play."""
     divisor = np.where(own == 0, 1, own)
     ratio = np.where(sounding, found.response / divisor, 1)
     return ratio, np.asarray(found.response_error / np.abs(divisor))
 
 
 def _usual(ratio: Complex, boards: Indices, sounding: NDArray[np.bool_]) -> tuple[Complex, float]:
-    """The middle (B,) of each board's responses, and the spread of re and im of all about it."""
+    """Return the usual response (B,) of each board, and the spread of re and im of all responses about it."""
     middle, off = np.ones(int(boards.max()) + 1, complex), np.full(len(ratio), np.nan + 0j)
     for b in range(len(middle)):
         of = (boards == b) & sounding
-        # A mostly dead board has no other middle.
+        # Dead transducers are left out; on a mostly dead board, 0 would otherwise count as the usual
+        # response.
         alive = of & (np.abs(ratio) > 0.1 * np.abs(ratio).max())
         if not alive.any():
             continue
@@ -292,7 +293,7 @@ def _usual(ratio: Complex, boards: Indices, sounding: NDArray[np.bool_]) -> tupl
 
 
 def cost(relative: Complex, error: Real, spread: float) -> Real:
-    """The least cost (N,) over the states of a transducer: healthy, reversed, dead, weak, or anything."""
+    """Return the least cost (N,) of each transducer's states: healthy, reversed, dead, weak, other."""
     v = spread**2 + error**2
     best = np.clip(relative.real, WEAKEST, STRONG)
     kinds = (
@@ -306,7 +307,7 @@ def cost(relative: Complex, error: Real, spread: float) -> Real:
 
 
 class _Pairs:
-    """Suspected channels, and the pairs of them whose exchange explains the readings better."""
+    """Finds pairs of suspected channels whose exchange explains the readings better."""
 
     def __init__(
         self,
@@ -324,7 +325,7 @@ class _Pairs:
         matrix = _matrix(found.scene.replace(array=bare, points=found.microphones))
         p = drives @ (matrix * found.response).T
         if np.iscomplexobj(readings):
-            # The clock of the readings.
+            # The clock of the readings has an unknown phase, which is removed.
             turn = np.exp(1j * np.angle(np.vdot(p, readings)))
             matrix, p = matrix * turn, p * turn
         self._matrix, self._p = matrix, p
@@ -335,7 +336,7 @@ class _Pairs:
         self._suspects = self._suspected(left, sounding)
 
     def exchanged(self) -> list[tuple[int, int]]:
-        """Pairs to exchange, the most certain first, each channel in one of them at most."""
+        """Return the pairs to exchange, the most certain first. No channel is in two pairs."""
         gains = [
             (gain, i, j)
             for i, j in combinations(self._suspects.tolist(), 2)
@@ -357,7 +358,7 @@ class _Pairs:
         v = np.sqrt(state.spread**2 + state.error**2)
         off = np.abs(state.relative - 1) / v / SUSPECT
         turn = 1.0 if np.iscomplexobj(left) else self._p / np.maximum(np.abs(self._p), 1e-30)
-        # Residuals by channel and microphone, in units of their usual size.
+        # Correlation of the residuals with each channel, per microphone, relative to the usual size.
         each = np.abs(self._drives.conj().T @ (left * turn))
         each /= np.maximum(np.median(each[sounding], axis=0) / 1.18, 1e-30)
         score = np.maximum(off, each.max(axis=1) / LEFT_OVER) * sounding
@@ -365,12 +366,12 @@ class _Pairs:
         return np.sort(order[score[order] > 1])
 
     def _gain(self, i: int, j: int) -> float:
-        """Reduction of the cost if i and j are exchanged, both healthy."""
+        """Return how much the cost falls if channels i and j are exchanged and both are healthy."""
         q, state = self._drives, self._state
         response = state.calibration.response
         kept = np.array([i, j])
         rest = self._p - (q[:, kept] * response[kept]) @ self._matrix[:, kept].T
-        # (K, M, 2): the wave of each from the other's place.
+        # (K, M, 2): pressure of each of the two channels from the other one's position.
         sent = q[:, None, kept] * (self._matrix[:, kept[::-1]] * self._usual[kept])
         x, v = np.ones(2, complex), state.spread**2
         for _ in range(STEPS):

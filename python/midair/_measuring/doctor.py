@@ -1,4 +1,4 @@
-"""`midair.doctor`: faults of a board by a microphone, and their report."""
+"""`midair.doctor`: finds faults of a board by a microphone and reports them."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ from .calibrate import calibration_drives, places_of
 from .diagnosis import Diagnosis, Indices, diagnose
 from .player import Fault, Report
 
-#: Real numbers that are read for each transducer, and the least number for a diagnosis.
+#: Readings per transducer, as real numbers: the usual number, and the least for a diagnosis.
 PLENTY, LEAST = 4.0, 2.2
-#: Seconds until the air is steady after a frame, and for a reading.
+#: Time in s until the sound is steady after a new frame, and time in s of a reading.
 SETTLE, LISTEN = 5e-3, 10e-3
-#: A gain below this part of its board's, by this many deviations, is weak, one below the other is dead.
+#: Gain relative to the board's usual one below which a transducer is weak (by SURELY deviations) or dead.
 WEAK, DEAD, SURELY = 0.75, 0.15, 4.0
-#: A phase further off than this, in degrees, is a fault; beyond the second value the transducer is reversed.
+#: Phase errors in degrees above which a transducer is faulty, and above which it is reversed.
 ODD, REVERSED = 50.0, 130.0
-#: A board is late from this many degrees on, a level is wrong by this part, a sound speed by this many m/s.
+#: Least errors that are reported: a board's delay in degrees, a level (relative), the sound speed in m/s.
 LATE, LEVEL, SPEED = 20.0, 0.1, 1.5
-#: Faults of the whole board need at least this many standard deviations.
+#: Faults of a whole board are reported if they exceed this many standard deviations.
 SURE = 4.0
-#: A board with this part dead is dead as a whole.
+#: A board with at least this fraction of dead transducers is reported as a dead board.
 WHOLE = 0.9
-#: Readings with a larger unexplained part are probably of another array.
+#: A larger residual, relative to the readings' rms, is reported: the readings are probably of another array.
 UNEXPLAINED = 0.35
-#: A microphone further from its place than this, in m, gets a remark.
+#: A microphone further than this from its given place, in m, is mentioned in the notes.
 APART = 3e-3
 
 
@@ -175,7 +175,7 @@ def doctor(
 def plan(
     made: Board | Array, microphones: int, *, seconds: float = 60.0, settle: float = SETTLE, seed: int = 0
 ) -> NDArray[np.complex64]:
-    """The drives (K, N) that a diagnosis plays, as the board plays them; as many as there is time for."""
+    """Return the drives (K, N) of a diagnosis, as the board plays them, as many as the time allows."""
     board = made if isinstance(made, Board) else None
     array = made if isinstance(made, Array) else made.array
     line = 1 / board.limits["steady_frames_per_second"] if board else 0.0
@@ -185,7 +185,7 @@ def plan(
 
 
 def _boards(made: Board | Array, array: Array, boards: int | None) -> Indices:
-    """The board of each transducer, from 0 on."""
+    """Return the board's index of each transducer, from 0 on."""
     if isinstance(made, Board):
         if boards is not None:
             raise refused("boards", boards, "the board knows how many it has, leave it out")
@@ -200,7 +200,7 @@ def _boards(made: Board | Array, array: Array, boards: int | None) -> Indices:
 def _named(
     found: Diagnosis, boards: Indices, sounding: NDArray[np.bool_], scene: Scene, in_pascals: bool
 ) -> tuple[list[Fault], list[str]]:
-    """The faults, and what else is to be known."""
+    """Return the faults, and notes on anything else of interest."""
     calibration = found.calibration
     places = zip(calibration.microphones, scene.points, calibration.microphones_error, strict=True)
     notes = []
@@ -230,7 +230,7 @@ def _named(
 
 
 def _transducers(found: Diagnosis, judged: NDArray[np.bool_], gone: NDArray[np.bool_]) -> list[Fault]:
-    """Faults of single transducers, and of channels that are exchanged."""
+    """Return the faults of single transducers and of exchanged channels."""
     faults = []
     gain, degrees = np.abs(found.relative), np.degrees(np.angle(found.relative))
     usual = np.sqrt(found.spread**2 + found.error**2)
@@ -261,10 +261,11 @@ def _exchanged(cycle: tuple[int, ...]) -> Fault:
 
 
 def _whole(found: Diagnosis, boards: Indices, lost: list[int], in_pascals: bool) -> list[Fault]:
-    """Delays of boards, and levels."""
+    """Return the faults of boards: their delays and levels."""
     faults = []
     left = [b for b in range(len(found.middle)) if b not in lost]
-    # A microphone that is nearer to one of two opposed boards hears the other later: by twice its way.
+    # If a microphone is nearer to one of two opposed boards, the other seems late: an error of place counts
+    # twice.
     off = np.sqrt(np.mean(found.calibration.microphones_error**2) / len(found.calibration.microphones))
     unsure = float(SURE * np.degrees(2 * found.wave_number * off))
     middle = found.middle[left] if left else np.ones(0, complex)

@@ -1,4 +1,4 @@
-"""The fit: responses, sound speed and places from readings, by Levenberg-Marquardt with falling noise."""
+"""Fit of responses, sound speed and places to readings: Levenberg-Marquardt with falling noise."""
 
 from __future__ import annotations
 
@@ -11,55 +11,55 @@ from numpy.typing import NDArray
 from .._support.ctrl_c import interruptibly
 from .model import AIR, CLOCK, LOUDNESS, SPEED, Belief, Complex, Model, Real
 
-#: Readings are first trusted to this part of their root mean square, then at most this many times tighter or
-#: looser a step. Without it the fit ends in false minima where noise is small and readings are few.
+#: Assumed noise at the start, relative to the readings' rms; largest change of it per step, as a factor.
+#: Without this the fit ends in a local minimum where noise is small and readings are few.
 FIRST_TRUST, TIGHTER = 0.3, 0.6
-#: A reading this many standard deviations off the model is an outlier: one normal reading in 10^9 is so.
-#: Scatter below this part of the median reading does not matter.
+#: A reading this many standard deviations from the model is an outlier: one normal reading in 10^9 is. A
+#: standard deviation below LEAST_SCATTER times the median reading counts as that.
 OUTLYING, LEAST_SCATTER = 6.0, 1e-3
-#: Above this part of outlying readings it is the model that is wrong; rounds of leaving out at most.
+#: With a larger share of outliers the model must be wrong, and all readings are used; most rounds of removal.
 MOST_OUTLYING, ROUNDS = 0.2, 8
-#: Steps at most. Once trusted to their noise, the fit ends when a step gains less than this part of its cost,
-#: and changes the chances of no transducer by more than so much.
+#: Most steps. Once the noise has reached its final value, the fit ends when a step reduces the cost by less
+#: than the fraction GAIN and changes no probability of a transducer's state by more than CHANGE.
 STEPS, GAIN, CHANGE = 40, 1e-3, 0.02
-#: The most damping of a step that is tried, in units of the prior's curvature; with less than the other it is
-#: whole.
+#: Largest damping that is tried, relative to the prior's curvature. With damping below WHOLE, a step counts
+#: as undamped.
 MOST_DAMPING, WHOLE = 1e3, 0.1
-#: A step that would make the mean response less than this is no step.
+#: Lower bound of the mean response's modulus in a step.
 LEAST_SCALE = 0.1
-#: Speeds looked through before the first step are so far apart, in m/s.
+#: Distance in m/s of the sound speeds that are compared before the first step.
 SPEED_STEP = 0.5
-#: Drives of a block of the normal equations: Ctrl-C waits for one block.
+#: Drives per block of the normal equations. Ctrl-C takes effect after a block.
 BLOCK = 256
 
 
 @dataclass(frozen=True)
 class Fitted:
-    """Result of a fit: responses (N,) and state with their standard deviations, 0 for fixed ones."""
+    """Result of a fit: responses (N,) and the state, with their standard deviations; fixed values have 0."""
 
     responses: Complex
     responses_error: Real
     state: Real
     state_error: Real
-    #: A pressure in Pa.
+    #: Standard deviation of a reading in Pa.
     noise: float
-    #: Model minus reading (K, M) in Pa, and which readings were used.
+    #: Model minus reading (K, M) in Pa; which readings were used.
     residuals: Real | Complex
     used: NDArray[np.bool_]
-    #: The probabilities that each transducer is alive, dead or reversed (3, N).
+    #: Probabilities (3, N) that each transducer is alive, dead or reversed.
     chances: Real
 
 
 @dataclass(frozen=True)
 class Place:
-    """An iterate: its parameters, and its distance from the readings."""
+    """An iterate: its parameters and residuals."""
 
-    #: The differences of re and im of the responses, and of the free part of the state, from the estimate.
+    #: Differences from the prior's centre: of re and im of the responses, then of the free part of the state.
     off: Real
     responses: Complex
     state: Real
     residuals: Real | Complex
-    #: The standard deviation of a modulus in Pa.
+    #: Standard deviation of a modulus in Pa.
     noise: float
 
     @property
@@ -77,12 +77,11 @@ def robust(
     noise: float,
     progress: Callable[[int, int], object],
 ) -> Fitted:
-    """Fit, leave out the readings that lie far off, and fit again until none changes sides.
+    """Fit, leave out the outliers, and fit again until the outliers do not change. See `fit`.
 
-    Arguments are those of `fit`.
-
-    Far is OUTLYING times the readings' own scatter, by the median of their distances from the model. Where so
-    many are far that the model must be wrong, all are used.
+    An outlier is OUTLYING standard deviations from the model. The standard deviation is estimated by the
+    median distance of all readings. With too many outliers the model must be wrong; then all readings are
+    used.
     """
 
     def fitted(used: NDArray[np.bool_]) -> Fitted:
@@ -90,7 +89,8 @@ def robust(
 
     used = np.ones(readings.shape, bool)
     first = found = fitted(used)
-    # The median of the modulus of a normal number, and of one of two parts, by their standard deviation.
+    # Median of the modulus of a complex or a real normal number, relative to the standard deviation of each
+    # part.
     median = np.sqrt(2 * np.log(2)) if np.iscomplexobj(readings) else 0.6745
     least = LEAST_SCATTER * float(np.median(np.abs(readings)))
     for _ in range(ROUNDS):
@@ -115,12 +115,12 @@ def fit(
     progress: Callable[[int, int], object],
     used: NDArray[np.bool_],
 ) -> Fitted:
-    """Responses and state of the least misfit, weighed against their distance from the estimate.
+    """Find responses and state with the least squared residuals plus squared distances from the prior.
 
-    Readings (K, M) of drives (K, N): moduli, or complex. `believed` are the responses' moduli: re and im are
-    along and across the phases that the model's array has. `prior` is the standard deviation of living ones,
-    relative to the mean modulus; None learns it from step to step. `noise` in Pa is the least that
-    readings are taken to have; of those that are not `used` nothing is taken.
+    Readings (K, M) of drives (K, N) are moduli or complex. `believed` are the expected moduli of the
+    responses; re and im of a response are relative to the phase that the array gives it. `prior` is the
+    standard deviation of living responses, relative to the mean modulus; None estimates it during the fit.
+    `noise` in Pa is a lower bound of the readings' noise. Readings that are not `used` have no effect.
     """
     phased, given, readings = np.iscomplexobj(readings), readings, readings * used
     state = _start(model, drives, readings, believed, used)
@@ -132,7 +132,8 @@ def fit(
 
     def place(off: Real, noise: float) -> Place:
         responses = believed + off[:n] + 1j * off[n : 2 * n]
-        # The loudness takes the common part of the responses, so that they are nearest to their prior.
+        # The scalar "loudness" takes a common factor of all responses, so that they are nearest to their
+        # prior.
         scale = max(known.scale(responses), LEAST_SCALE)
         responses /= scale
         off = np.r_[responses.real - believed, responses.imag, off[2 * n :]]
@@ -147,7 +148,7 @@ def fit(
         progress(step, STEPS)
         spread = known.spread.copy()
         square, slope = _normal(model, drives, here, spread, used)
-        # The part of the unknowns that the readings determine also uses up readings.
+        # Degrees of freedom: each unknown that the readings determine uses up one reading.
         found = float(np.sqrt(here.misfit / max(count - np.sum(1 - left), 1.0)))
         settled = trust <= 1.05 * max(found, noise)
         trust = max(noise, float(np.clip(found, TIGHTER * trust, trust / TIGHTER)))
@@ -165,7 +166,7 @@ def fit(
         whole, change = damping < WHOLE, 0.0
         if gain > 0:
             here, damping = there, damping / 4
-            # Only a whole step ends at the posterior's mean.
+            # Only an undamped step ends at the posterior mean, from which the probabilities are updated.
             change = known.learn(here.off, left) if whole else 1.0
         if settled and gain < GAIN * cost and change < CHANGE:
             break
@@ -189,10 +190,10 @@ def fit(
 def _start(
     model: Model, drives: Complex, readings: Real | Complex, believed: Real, used: NDArray[np.bool_]
 ) -> Real:
-    """The current estimate, at the loudness of the readings and in the air that fits them best.
+    """Return the initial state: the best sound speed for the readings, and their loudness.
 
-    The speeds within three standard deviations are looked through: over a large array a wave slips by more
-    than half a length for a wrong one, which no step would find back from.
+    Sound speeds within three standard deviations are compared. For a wrong one, the wave's phase over a large
+    array is wrong by more than half a period, and the steps would not converge.
     """
     phased = np.iscomplexobj(readings)
     reach = 3 * model.spread[SPEED]
@@ -212,7 +213,7 @@ def _start(
 def _modelled(
     drives: Complex, responses: Real | Complex, matrix: Complex, phased: bool, noise: float = 0.0
 ) -> Real | Complex:
-    """The expected readings (K, M): p, or the root mean square of a modulus with noise."""
+    """Return the expected readings (K, M): p, or the root mean square of a modulus with noise."""
     p = drives @ (matrix * responses).T
     return p if phased else np.hypot(np.abs(p), noise)
 
@@ -220,10 +221,10 @@ def _modelled(
 def _normal(
     model: Model, drives: Complex, here: Place, spread: Real, used: NDArray[np.bool_]
 ) -> tuple[Real, Real]:
-    """J^T J and J^T r of the residuals r, by the unknowns.
+    """Return J^T J and J^T r for the residuals r, where J are the derivatives by the unknowns.
 
-    d|p|/dx_i = conj(p)/|p| G_i q_i (re, -im), and the same of G's derivatives by the state, summed over i.
-    |p| is that with noise.
+    For a modulus, d|p|/dx_i = conj(p)/|p| G_i q_i (re and -im), and the same with the derivatives of G by the
+    state, summed over i. |p| includes the noise.
     """
     matrix = model.matrix(here.state)
     slopes = model.slopes(here.state, matrix) * here.responses
@@ -249,5 +250,5 @@ def _normal(
 
 
 def _inverse_diagonal(square: Real) -> Real:
-    """The diagonal of a matrix's inverse, by Cholesky's factor: no rounding makes it negative."""
+    """Return the diagonal of a matrix's inverse; by Cholesky's factor, rounding cannot make it negative."""
     return np.asarray(np.sum(np.linalg.inv(np.linalg.cholesky(square)) ** 2, axis=0))

@@ -1,8 +1,8 @@
-"""Microphones for `midair.doctor`: at a sound card, in a file of readings, or simulated with faults.
+"""Sources of readings for `midair.doctor`: a sound card, a file, or a simulated array with faults.
 
-A sound card hears 40 kHz if it takes 96,000 samples a second or more and has a microphone for ultrasound.
-One of 48 kHz hears nothing of it. Modulating the amplitude does not help: a linear microphone does not
-demodulate. A detector with an envelope output does; its readings go through a function of your own.
+A sound card measures 40 kHz if it takes at least 96,000 samples a second and has a microphone for ultrasound.
+With 48,000 samples a second it measures nothing at 40 kHz. Amplitude modulation does not help: a linear
+microphone does not demodulate. For a detector with an envelope output, write a reader function of your own.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from .._support.text import content, fault, text
 
 Read = Callable[[NDArray[np.complex64]], NDArray[Any]]
 
-#: Samples a period that determine an amplitude, and the limit of a converter.
+#: Samples per period that are needed to measure an amplitude; fraction of full scale that counts as clipped.
 SAMPLES, FULL = 2.2, 0.99
 
-#: The faults that can be simulated, and how many numbers each takes.
+#: Faults that can be simulated, and how many numbers each takes.
 FAULTS = {"dead": 1, "weak": 1, "reversed": 1, "swapped": 2, "delay": 2, "level": 1, "speed": 1, "noise": 1}
 
 
@@ -32,7 +32,7 @@ FAULTS = {"dead": 1, "weak": 1, "reversed": 1, "swapped": 2, "delay": 2, "level"
 def sound_card(
     channels: int, device: int | None, rate: float, pascals: float, frequency: float, listen: float
 ) -> Iterator[Read]:
-    """|p| (M,) at the first channels of a card, by its own clock; `pascals` is the peak at full scale."""
+    """Return a reader of |p| (M,) from M channels of a sound card; `pascals` is the peak at full scale."""
     if rate < SAMPLES * frequency:
         cure = f"a card that hears {frequency / 1e3:g} kHz takes 96000 or 192000 samples a second"
         raise refused("rate", rate, cure)
@@ -53,7 +53,7 @@ def sound_card(
         ) from error
 
     def read(drive: NDArray[np.complex64]) -> NDArray[Any]:
-        # Sound from before the drive played.
+        # Discard sound that was recorded before the drive played.
         stream.read(stream.read_available)
         received, _ = stream.read(count)
         if np.abs(received).max() > FULL:
@@ -65,7 +65,9 @@ def sound_card(
 
 
 def from_file(path: Path, microphones: int) -> Read:
-    """The readings of a .csv, a row a drive and a column a microphone: |p| in Pa, or complex as 1.5-2j."""
+    """Return a reader of a .csv file: a row per drive, a column per microphone; |p|, or p as 1.5-2j, in
+    Pa.
+    """
     lines = text(path, content(path)).splitlines()
     rows = [(k, line.split(",")) for k, line in enumerate(lines, 1) if line.strip()]
     found = []
@@ -92,10 +94,11 @@ def from_file(path: Path, microphones: int) -> Read:
 def simulated(
     array: Array, microphones: NDArray[np.float64], boards: int, faults: str, seed: int = 0
 ) -> Read:
-    """|p| (M,) of an array with faults, such as "dead 17, swapped 3 9, delay 1 90, speed 350, noise 0.01".
+    """Return a reader that simulates |p| (M,) with faults, such as "dead 17, swapped 3 9, noise 0.01".
 
-    Weak ones have half the gain. "delay B D" makes board B late by D degrees, "level L" multiplies all.
-    "noise X" is the readings' standard deviation, as a part of their root mean square.
+    Weak transducers have half the gain. "delay B D" delays board B by D degrees, "level L" multiplies all
+    readings, "speed C" sets the sound speed in m/s. "noise X" is the readings' standard deviation relative to
+    their rms.
     """
     response, order, speed, noise = np.ones(len(array), complex), np.arange(len(array)), None, 0.01
     board = np.arange(len(array)) * boards // len(array)

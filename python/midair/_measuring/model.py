@@ -1,4 +1,4 @@
-"""Model of readings by the core's propagation, and the prior of the fit."""
+"""Model of the readings by the core's propagation, and the prior probabilities of the fit."""
 
 from __future__ import annotations
 
@@ -15,51 +15,53 @@ from .._midair import Array, Scene, SceneWarning, directivities
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-#: The air that a fit may find, in m/s: -60 to 60 degrees C (docs/conventions.md).
+#: Range of sound speeds that a fit may find, in m/s: -60 to 60 degrees C (docs/conventions.md).
 AIR = (293.0, 366.0)
-#: Standard deviations of a directivity's number before any reading: of an exponent, and of a length in m
-#: relative to it. "point" is the cosine to the power of 0.
+#: Prior standard deviations of the directivity's parameter: of a cosine's exponent; of a length, relative to
+#: it. "point" counts as a cosine with exponent 0.
 EXPONENT, WIDTH = 2.0, 0.3
-#: Standard deviations of a clock's phase in rad and of the loudness's logarithm: nothing is known of them.
+#: Prior standard deviation of the clock's phase in rad and of log(loudness): so wide that both are unknown.
 UNKNOWN = 10.0
-#: Standard deviations of a microphone's coordinates in m, at the beginning.
+#: Initial standard deviation of a microphone's coordinates, in m.
 MISPLACED = 1e-3
-#: A transducer is alive, dead, or connected the wrong way round: how probable each is before any reading. The
-#: fit learns that from those above DECIDED alone: from all, much noise would let all be dead.
+#: Signs of the responses of alive, dead and reversed transducers, and their prior probabilities. The fit
+#: updates the probabilities from transducers that are decided with more than DECIDED. If it used all
+#: transducers, it would declare all of them dead when the noise is high.
 SIGNS, CHANCES = np.array([1.0, 0.0, -1.0]), np.array([0.94, 0.05, 0.01])
 DECIDED = 0.9
-#: Where none is given: standard deviation of re and im of a living response, relative to the mean modulus.
+#: Default prior standard deviation of re and im of a living response, relative to the mean modulus.
 SPREAD = 0.3
-#: The learnt spread of responses and of places starts as if some more of them had this error: a part of the
-#: mean modulus, and m.
+#: Estimates of a spread start as if some additional responses (or places) had this error: relative to the
+#: mean modulus, and in m.
 OFF, OFF_PLACE = 0.2, 0.1e-3
-#: No response is known to less than this part of the mean modulus, a dead one's 0 neither.
+#: Lower bound of a response's standard deviation, relative to the mean modulus, also of a dead one.
 LEAST = 0.02
-#: Steps of learning are this many times those of expectation and maximisation, safe below 2, and change a
-#: standard deviation at most by the factor.
+#: Updates of a spread are over-relaxed by this exponent (below 2 it converges), and limited to this factor.
 OVER_RELAXED, FACTOR = 1.7, 1.5
-#: The places of a state's parts.
+#: Indices in the state vector: sound speed, directivity's parameter, clock's phase, log(loudness), first
+#: place.
 SPEED, NUMBER, CLOCK, LOUDNESS, PLACES = range(5)
 
 
 @dataclass(frozen=True)
 class Priors:
-    """Standard deviations before any reading; 0 fixes its value."""
+    """Prior standard deviations. A value of 0 fixes the quantity."""
 
-    #: A speed in m/s.
+    #: Of the sound speed, in m/s.
     sound_speed: float
-    #: Standard deviation of each coordinate of a microphone, in m; None if it is learnt.
+    #: Of each coordinate of a microphone, in m; None if the fit estimates it.
     microphones: float | None
-    #: The second board's place in m, and its turn in rad.
+    #: Of the second board's position in m, and of its rotation in rad.
     pose: tuple[float, float]
 
 
 class Model:
-    """Pressures at microphones by the state of the world, a vector.
+    """Pressures at microphones as a function of a state vector.
 
-    In this order: the sound speed, the directivity's number, the phase of the readings' clock, the logarithm
-    of their loudness, places (M, 3) of the microphones, how the second board is moved (3,) in m and turned
-    (3,) about its middle in rad. Its indices are `second`, none where no board's pose is in doubt.
+    The state contains, in this order: sound speed, the directivity's parameter, the phase of the readings'
+    clock, log of their loudness, places (M, 3) of the microphones, displacement (3,) in m and rotation (3,)
+    in rad about its centre of the second board. `second` are the indices of this board's transducers, none if
+    all poses are known.
     """
 
     def __init__(
@@ -67,8 +69,8 @@ class Model:
     ) -> None:
         own = scene.array
         self._kind, number = kind_of(own.directivity)
-        # The fit searches the responses: the core's matrix is without them, the model's has only their
-        # phases.
+        # The fit determines the responses, so the core's matrix is computed without them; the model's has
+        # only their phases.
         self.phases = np.exp(1j * np.angle(np.ones(len(own)) if own.response is None else own.response))
         self._array = own
         self._scene = scene.replace(array=self._made(own.positions, own.normals, number))
@@ -87,30 +89,31 @@ class Model:
             pose,
         ]
         self.free = np.flatnonzero(self.spread)
-        #: Which free values are coordinates with a learnt spread.
+        #: Indices, among the free values, of coordinates whose spread the fit estimates.
         first = np.searchsorted(self.free, PLACES)
         self.learnt = first + np.arange(microphones.size if priors.microphones is None else 0)
 
     def array(self, state: Real, response: Complex) -> Array:
-        """The array as the state has it."""
+        """Return the array with the state's pose and directivity and with given responses."""
         own = self._array
         keep = {"response": response, "mask": own.mask, "quantization": own.quantization}
         return self._made(*self._placed(state), state[NUMBER], keep)
 
     def matrix(self, state: Real) -> Complex:
-        """Pressures (M, N) in Pa at the microphones, of each transducer at full drive and a modulus of 1."""
+        """Return the pressures (M, N) in Pa at the microphones, per transducer, for |response| 1."""
         array = self._made(*self._placed(state), state[NUMBER])
         with warnings.catch_warnings():
-            # Trial values of the fit give no warnings.
+            # Trial values of the fit must not cause warnings.
             warnings.simplefilter("ignore", SceneWarning)
             scene = self._scene.replace(array=array, points=self.microphones(state), sound_speed=state[SPEED])
         return np.asarray(scene.propagation() * self.phases * np.exp(1j * state[CLOCK] + state[LOUDNESS]))
 
     def slopes(self, state: Real, matrix: Complex) -> Complex:
-        """Derivatives (F, M, N) of the matrix by the free values.
+        """Return the derivatives (F, M, N) of the matrix by the F free values.
 
-        A wave e^{jkr}/r changes by (jk - 1/r) a metre along its ray and by -jkr/c a m/s; the directivity's
-        number by a difference. That the lobe turns with a place is left to the next step's matrix.
+        The wave e^{jkr}/r changes by (jk - 1/r) per m along its ray and by -jkr/c per m/s of sound speed. The
+        directivity's parameter has a finite difference. The change of the radiation angle with a place is
+        neglected; the next step's matrix includes it.
         """
         positions, _ = self._placed(state)
         rays = self.microphones(state)[:, None] - positions
@@ -135,7 +138,7 @@ class Model:
         return found[self.free]
 
     def moved(self, state: Real, by: Real) -> Real:
-        """The state after a step of the free values, limited to possible ones."""
+        """Return the state after a step of the free values, limited to physically possible values."""
         found = state.copy()
         found[self.free] += by
         found[SPEED] = np.clip(found[SPEED], *AIR)
@@ -144,7 +147,7 @@ class Model:
         return found
 
     def microphones(self, state: Real) -> Real:
-        """Their places (M, 3) in m."""
+        """Return the microphones' places (M, 3) in m."""
         return state[PLACES:-6].reshape(-1, 3)
 
     def _made(
@@ -158,7 +161,7 @@ class Model:
         return changed(own, **placed, **(keep or bare))
 
     def _placed(self, state: Real) -> tuple[Real, Real]:
-        """Positions and normals (N, 3) with the second board where the state has it."""
+        """Return positions and normals (N, 3) with the second board in the state's pose."""
         positions, normals = self._array.positions, self._array.normals
         if not len(self._second):
             return positions, normals
@@ -172,7 +175,7 @@ class Model:
 
 
 def kind_of(directivity: str | dict[str, float]) -> tuple[str, float]:
-    """Kind and number of a directivity, nan where it has none."""
+    """Return kind and parameter of a directivity; the parameter is NaN for a kind without one."""
     if isinstance(directivity, dict):
         ((kind, number),) = directivity.items()
         return kind, number
@@ -180,7 +183,7 @@ def kind_of(directivity: str | dict[str, float]) -> tuple[str, float]:
 
 
 def rotation(turn: Real) -> Real:
-    """The matrix that turns by |turn| rad about turn (Rodrigues)."""
+    """Return the rotation matrix by |turn| rad about the axis `turn` (Rodrigues)."""
     angle = float(np.linalg.norm(turn))
     x, y, z = turn / angle if angle else turn
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
@@ -188,17 +191,17 @@ def rotation(turn: Real) -> Real:
 
 
 class Belief:
-    """Independent normal numbers for the unknowns: re and im of N responses, then the free part of the state.
+    """Prior: independent normal numbers for re and im of N responses and the free part of the state.
 
-    A response is normal about what is believed of it, or about the opposite of that, or it is exactly 0. One
-    normal number stands for the three, with their mean and spread by how probable each is.
+    A response is alive (normal about the expected value), reversed (about its negative) or dead (exactly 0).
+    One normal number approximates the mixture of the three, with its mean and variance.
 
     Parameters
     ----------
     mean, spread
-        (2N + F,) how far each unknown is from what is believed, and its standard deviation.
+        (2N + F,): prior mean of each unknown, relative to the expected value, and its standard deviation.
     chances
-        (3, N) how probable it is that a transducer is alive, dead or reversed.
+        (3, N): probabilities that a transducer is alive, dead or reversed.
     """
 
     def __init__(self, model: Model, believed: Real, prior: float | None) -> None:
@@ -212,19 +215,20 @@ class Belief:
         self.spread[2 * n :] = model.spread[model.free]
         self._stand()
 
-    # A chance may be less than the least number there is, which a program may have made an error (np.seterr).
+    # A probability may underflow to 0; this must raise no error if the caller has set
+    # np.seterr(under="raise").
     @np.errstate(under="ignore")
     def learn(self, off: Real, left: Real) -> float:
-        """Take over the result of a step of the fit, and return the largest change of a chance.
+        """Update the prior from a step of the fit; return the largest change of a probability.
 
-        `off` is how far each unknown is from what is believed, `left` the part of the prior's variance that
-        the readings leave.
+        `off` is the distance of each unknown from its expected value. `left` is the fraction of the prior's
+        variance that remains after the readings.
         """
         n, variance = self.chances.shape[1], left * self.spread**2
         own, left_of, at, spread = (
             each[: 2 * n].reshape(2, n) for each in (off, variance, self.mean, self.spread)
         )
-        # The estimate by the readings and all others alone: its own prior divided out.
+        # Precision and mean of the estimate without this unknown's own prior, which is divided out.
         precision = np.maximum(1 / left_of - 1 / spread**2, 1e-9 / self._modulus**2)
         middle = (own / left_of - at / spread**2) / precision
         apart = middle - (SIGNS[:, None, None] - 1) * self._centre
@@ -236,21 +240,22 @@ class Belief:
         if self._learnt:
             kept = self._alive**2 / widths
             squares = np.sum(self.chances[::2, None] * ((kept * apart) ** 2 + kept / precision)[::2], axis=0)
-            # One for re and im: with two, quieter responses that differ less would be ever more probable.
+            # One spread for re and im together: with two, the estimate would favour ever smaller spreads of
+            # quiet responses.
             squares = squares.mean(axis=0, keepdims=True)
             sounding = float(self.chances[::2].sum())
             self._alive = _learnt(self._alive, squares, sounding, n / 4, OFF * self._modulus)
         if len(self._places):
             places = self._places
-            # By as many coordinates as the readings determine (MacKay 1992).
-            # Less one: with few of them the spread is in doubt itself, and errors are to hold.
+            # Divided by the number of coordinates that the readings determine (MacKay 1992), minus one: with
+            # few coordinates the spread itself is uncertain, and the reported errors must not be too small.
             determined = max(np.sum(1 - left[places]) - 1, 1.0)
             self.spread[places] = np.sqrt((np.sum(off[places] ** 2) + OFF_PLACE**2) / determined)
         self._stand()
         return float(np.abs(self.chances - before).max())
 
     def scale(self, responses: Complex) -> float:
-        """The number that divides responses (N,) to the least distance from the prior, in its spreads."""
+        """Return the divisor of responses (N,) with which they are nearest to the prior, in spreads."""
         n = len(responses)
         mean = self._centre[0] + self.mean[:n]
         parts = np.array([responses.real, responses.imag]) / self.spread[: 2 * n].reshape(2, n)
@@ -264,6 +269,6 @@ class Belief:
 
 
 def _learnt(last: Real, squares: Real, count: float, more: float, off: float) -> Real:
-    """Standard deviations by the squares (..., K) of `count` numbers and of `more`, one step past them."""
+    """Return standard deviations from K squares (..., K) of `count` numbers and `more` prior ones, `off`."""
     then = (squares.sum(axis=-1).reshape(last.shape) + more * off**2) / (count + more)
     return np.asarray(last * np.clip((np.sqrt(then) / last) ** OVER_RELAXED, 1 / FACTOR, FACTOR))

@@ -1,4 +1,4 @@
-"""Plays drives through the user's reader and keeps the best; the faults of a board, as a report."""
+"""Plays drives through the user's reader and keeps the best one; also the report of a board's faults."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .._support import output
 from .._support.arguments import path_of
 from .._support.text import counted
 
-#: The end of tuning: complete, out of readings, stopped by Ctrl-C or progress, or ended by an error of the
+#: Ends of a tuning: complete, out of readings, stopped by Ctrl-C or progress, or ended by an error of the
 #: reader.
 Status = Literal["done", "out_of_readings", "stopped", "failed"]
 
@@ -67,12 +67,12 @@ Indices = NDArray[np.intp]
 Drive = NDArray[np.complex64]
 Read = Callable[[Drive], Any]
 
-#: Changes of the drive after which a microphone that still gives the same hears nothing of it.
+#: A microphone that reads the same after this many changes of the drive does not measure it.
 CHANGES = 2
 
 
 class Ended(Exception):
-    """Tuning is over before its end."""
+    """Raised if tuning ends early."""
 
     def __init__(self, status: Status) -> None:
         super().__init__(status)
@@ -80,7 +80,7 @@ class Ended(Exception):
 
 
 class Unreadable(Exception):
-    """The reader raised."""
+    """Raised if the reader has raised an error."""
 
     def __init__(self, error: Exception) -> None:
         super().__init__(str(error))
@@ -88,9 +88,9 @@ class Unreadable(Exception):
 
 
 class Player:
-    """Reads |p| (M,) of drives (N,), at most `budget` times, and keeps the best of the given ones.
+    """Reads |p| (M,) of drives (N,), at most `budget` times, and keeps the drive nearest to the targets.
 
-    `value` measures the error of pressures; `progress` is called with (readings, of how many).
+    `value` returns the error of pressures (M,); `progress` is called with (readings, budget).
     """
 
     def __init__(
@@ -112,7 +112,7 @@ class Player:
         self._quietest, self._loudest = np.full(count, np.inf), np.zeros(count)
 
     def __call__(self, drive: NDArray[Any]) -> Real:
-        """|p| (M,) at the places, read."""
+        """Play a drive, and return |p| (M,) that the reader measures at the places."""
         if self.readings >= self.budget:
             raise Ended("out_of_readings")
         if self._progress(self.readings, self.budget) is False:
@@ -132,7 +132,7 @@ class Player:
         return found
 
     def offer(self, drive: NDArray[Any], pressures: Real) -> None:
-        """Keep a drive if its pressures are nearer to the targets."""
+        """Keep a drive if its pressures are nearer to the targets than the best so far."""
         value = self.value(pressures)
         if self.best is None or value < self.best[0]:
             kept = drive.astype(np.complex64)
@@ -140,7 +140,7 @@ class Player:
             self.best = (value, kept, pressures)
 
     def deaf(self) -> str | None:
-        """Places that gave 0 in all readings, or the same for every drive, in a line."""
+        """Return a message about places that read 0 or the same in all readings; None without any."""
         same = (self._loudest == self._quietest) & ((self._loudest == 0) | (self._changes >= CHANGES))
         if not same.any():
             return None
@@ -166,7 +166,7 @@ class Player:
         return np.sqrt(found) if self._power else found
 
 
-#: File endings of a report.
+#: Formats of a report.
 REPORTS = (".txt", ".json")
 
 

@@ -1,4 +1,4 @@
-"""Result of a calibration: responses and errors, their picture and files."""
+"""Result of a calibration: responses with their errors, its picture and its files."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from .._pictures.sheet import Size
 
 
-#: The parts of a calibration's picture.
+#: The panels of a calibration's picture.
 Panel = Literal["gain", "phase", "residuals"]
 PANELS = get_args(Panel)
 
@@ -37,7 +37,7 @@ def draw(
     panels: Panel | Iterable[Panel] | None,
     size: Size | None,
 ) -> Figure:
-    """Gains and phases over the array from above, and how far the readings lie off the model."""
+    """Draw gains and phases of the transducers from above, and the residuals of the readings."""
     from .._pictures.sheet import chosen, colour_map, sheet, whole
 
     names = chosen(panels, PANELS, ax)
@@ -54,7 +54,7 @@ def draw(
             _over_array(calibration, one, calibration.gain, colours, (0.0, float(calibration.gain.max())))
             one.set_title("gain", fontsize="medium")
         else:
-            # The caller's colour map is for the gains; phases have a cyclic one.
+            # The caller's colour map applies to the gains; phases need a cyclic one.
             degrees = np.degrees(calibration.phase)
             _over_array(calibration, one, degrees, MAPS["phase"], (-180.0, 180.0))
             one.set_title("phase / degrees", fontsize="medium")
@@ -70,7 +70,7 @@ def _residuals(calibration: Calibration, ax: Axes) -> None:
     ax.legend(loc="upper right")
 
 
-#: Marks of dead and reversed transducers.
+#: Styles of the marks of dead and reversed transducers.
 RED: dict[str, dict[str, Any]] = {"x": {"c": "red"}, "o": {"facecolors": "none", "edgecolors": "red"}}
 
 
@@ -93,7 +93,7 @@ def _over_array(
     ax.set(xlabel="x / mm", ylabel="y / mm")
 
 
-#: Files that a calibration is kept in: everything, or the scene alone.
+#: Formats of a file: .npz has everything, the others the corrected scene.
 ENDINGS = (".npz", ".toml", ".json")
 
 
@@ -181,7 +181,7 @@ class Calibration:
 
     @property
     def sentence(self) -> str:
-        """Result in plain words."""
+        """The result in one sentence."""
         dead, turned = len(self.dead), len(self.reversed)
         faulty = f"{dead} dead and {turned} reversed" if dead + turned else "none dead or reversed"
         return (
@@ -289,7 +289,7 @@ class Calibration:
             raise SceneError(f'calibration file "{path}": {error}') from error
         except OSError:
             raise
-        # Whatever a damaged file makes NumPy and the scene's reader raise.
+        # NumPy and the scene's reader raise errors of many kinds for a damaged file.
         except Exception as error:
             raise SceneError(
                 f'calibration file "{path}" is damaged, or none: give what calibration.save wrote as .npz'

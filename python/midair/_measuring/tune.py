@@ -1,4 +1,4 @@
-"""`midair.tune`: a drive found by readings."""
+"""`midair.tune`: optimises a drive by readings instead of a model."""
 
 from __future__ import annotations
 
@@ -14,13 +14,17 @@ from .._midair import Array, Scene, SceneError, SceneWarning, Solution, solve, s
 from .._support.arguments import callback, flag, refused, warn, whole, word
 from .player import Complex, Drive, Ended, Indices, Player, Read, Real, Status, Tuning, Unreadable
 
-#: Step (rad a unit of value) and nudge (rad) at first, and how they fall (Spall 1998, IEEE TAES 34, 817).
+#: SPSA: initial step (rad per unit of value) and perturbation (rad), and the exponents by which they fall
+#: (Spall 1998, IEEE TAES 34, 817).
 STEP, NUDGE = 4.0, 0.4
 STEP_FALLS, NUDGE_FALLS, DELAY = 0.602, 0.101, 0.1
 
 
 def spsa(player: Player, drive: Complex, steps: int, seed: int, on_board: Callable[[Real], Drive]) -> None:
-    """Phi <- phi - a_k (f(phi + c_k d) - f(phi - c_k d)) / (2 c_k) d with signs d at random."""
+    """SPSA: phi <- phi - a_k (f(phi + c_k d) - f(phi - c_k d)) / (2 c_k) d, with random signs d.
+
+    phi are the phases, f is the error of the readings, a_k the step and c_k the perturbation of iteration k.
+    """
     rng = np.random.default_rng(seed)
     phases = np.angle(drive).astype(np.float64)
     for k in range(steps):
@@ -33,20 +37,20 @@ def spsa(player: Player, drive: Complex, steps: int, seed: int, on_board: Callab
     player(on_board(phases))
 
 
-#: A later candidate wins only if it is better by more than rounding (docs/reproducibility.md).
+#: A later candidate wins only if it is better by more than rounding errors (docs/reproducibility.md).
 ROUNDING = 1e-7
 
 
 def greedy(player: Player, drive: Complex, order: Indices, phases: int, tries: bool) -> None:
-    """One transducer after another takes the phase whose pressures come nearest, all others as they are.
+    """Set one transducer after another to the phase that fits the targets best; the others stay.
 
-    At any place |p|^2 of a transducer's phase phi is a + b cos phi + c sin phi: three readings determine
-    it at every phase. `tries` reads each of the L phases instead, as the paper has it.
+    As a function of one transducer's phase phi, |p|^2 at any place is a + b cos phi + c sin phi. Three
+    readings determine it at every phase. `tries` reads each of the L phases instead, as in the paper.
     """
     turns = 2 * np.pi * np.arange(phases) / phases
     received = np.arange(phases) if tries or phases <= 3 else np.round(np.arange(3) * phases / 3).astype(int)
     waves = np.stack([np.ones(phases), np.cos(turns), np.sin(turns)], axis=1)
-    # Turns the measured phases into all phases.
+    # Matrix from |p|^2 at the phases read to |p|^2 at all phases.
     spread = np.eye(phases) if len(received) == phases else waves @ np.linalg.inv(waves[received])
     drive = drive.copy()
     for index in order:
@@ -62,25 +66,26 @@ def greedy(player: Player, drive: Complex, order: Indices, phases: int, tries: b
         player.trace.append(float(values[chosen]))
 
 
-#: The part of a deviation that one step corrects.
+#: Exponent of the correction: the part of a deviation, in logarithms, that one step corrects.
 POWER = 0.7
-#: A place below this part of the mean counts as having it: a silent place would get an unlimited target.
+#: Lower limit of x_j relative to the mean, since a silent place would otherwise get an unlimited target.
 QUIETEST = 0.1
 
 
 def feedback(player: Player, scene: Scene, targets: Real, solver: str, steps: int) -> None:
-    """t_j <- t_j (mean x / x_j)^0.7 with x_j = |p_j| / target_j as read, the scene solved for t.
+    """Correct targets t_j by (mean x / x_j)^0.7, x_j = |p_j| / target_j as read; solve the scene for them.
 
-    The camera feedback of slmsuite. It evens out and gains no level: the model stays as it is.
+    This is the camera feedback of slmsuite. It makes the points even and does not raise the level, because
+    the model does not change.
     """
-    # Ratios are corrected: points with a target have their loudest drive there.
+    # Only ratios are corrected, so solvers with `aim` play the points as loud as possible.
     aim: Literal["max"] | None = "max" if solvers()[solver_name(word("solver", solver))].uses_aim else None
     wanted = targets.copy()
     requested = targets > 0
     for step in range(steps):
         with warnings.catch_warnings():
             if step:
-                # Targets of this step are internal and need no warning.
+                # The corrected targets are internal, so they must not cause warnings.
                 warnings.simplefilter("ignore", SceneWarning)
             drive = solve(scene.replace(pressures=wanted), solver, aim=aim).drive
         pressures = player(drive)
@@ -94,7 +99,7 @@ def feedback(player: Player, scene: Scene, targets: Real, solver: str, steps: in
 
 
 METHODS = ("greedy", "feedback", "spsa")
-#: Default number of steps.
+#: Default number of steps of each method.
 STEPS = {"feedback": 10, "spsa": 384}
 
 
@@ -240,12 +245,12 @@ def _line(error: Exception) -> str:
 
 
 def _residual(targets: Real, pressures: Real) -> float:
-    """Eq. (7) relative to silence."""
+    """Return the residual of eq. (7), relative to silence."""
     return float(np.sum((targets - pressures) ** 2) / np.sum(targets**2))
 
 
 def _evenness(targets: Real, pressures: Real) -> float:
-    """1 - uniformity."""
+    """Return 1 - uniformity."""
     x = pressures[targets > 0] / targets[targets > 0]
     return float(1 - x.min() / x.max()) if x.max() > 0 else 1.0
 
@@ -272,7 +277,7 @@ def _targets(given: ArrayLike | None, scene: Scene | None) -> Real:
 def _start(
     given: Any, method: str, scene: Scene | None, sounding: NDArray[np.bool_], solver: str
 ) -> NDArray[np.complex128]:
-    """The drive to begin with."""
+    """Return the initial drive."""
     if given is None:
         given = "silence" if method != "spsa" else "model" if scene is not None else np.ones(len(sounding))
     if isinstance(given, str):
@@ -298,14 +303,14 @@ def _start(
 
 
 def _on_grid(phases: int, array: Array) -> None:
-    """Refuse phases that the board does not have."""
+    """Reject a number of phases that the board cannot play."""
     grid = (array.quantization or {}).get("phases")
     if isinstance(grid, int) and grid % phases:
         raise refused("phases", phases, f"the board has {grid}, give a divisor of that")
 
 
 def _on_board(array: Array, amplitudes: Real, phases: Real) -> Drive:
-    """A drive of these phases as the board plays it."""
+    """Return the drive of these amplitudes and phases, with phases rounded to those of the board."""
     grid = (array.quantization or {}).get("phases")
     if isinstance(grid, int):
         phases = np.round(phases * grid / (2 * np.pi)) * (2 * np.pi / grid)

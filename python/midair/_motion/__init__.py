@@ -1,4 +1,4 @@
-"""Motion: sequences of frames in time, and their effect on points, hands and beads."""
+"""Motion: sequences of frames, and their effect on moving points, on skin and on levitated beads."""
 
 from .felt import Felt
 from .fly import fly

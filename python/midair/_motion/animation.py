@@ -1,4 +1,4 @@
-"""Animations: |p| in a plane, frame after frame, or beads on their ways, as .gif, .webp or .mp4."""
+"""Animations as .gif, .webp or .mp4: |p| in a plane, or the tracks of beads, frame after frame."""
 
 from __future__ import annotations
 
@@ -23,13 +23,14 @@ if TYPE_CHECKING:
 
 ENDINGS = (".gif", ".webp", ".mp4")
 
-#: Default number of pictures: some seconds.
+#: Default number of pictures in an animation.
 PICTURES = 100
 
-#: Points by which a plane is chosen; more would tell no more about where a path lies.
+#: Number of points of a path that are used to choose the plane; more would not change it.
 POINTS = 1000
 
-#: Dots a inch; a picture is 5.2 x 4.6 inches, so that its pixels are even in number, as video needs.
+#: Dots per inch. A picture of 5.2 x 4.6 inches has an even number of pixels on each side, as video encoders
+#: need.
 DPI = 100
 
 
@@ -41,7 +42,7 @@ def animate(
     fps: int,
     progress: Callable[[int, int], object] | None,
 ) -> None:
-    """Draw frames, evenly chosen, and write them by the path's ending."""
+    """Draw frames at equal intervals of a sequence, and write them in the format of the path's ending."""
     callback(progress, "pictures drawn, pictures")
     count = min(len(sequence), PICTURES if frames is None else whole("frames", frames, least=1))
     fps = whole("fps", fps, least=1)
@@ -50,7 +51,7 @@ def animate(
     chosen = np.arange(count) * len(sequence) // count
     plane = plane or _plane(sequence)
     with files.whole(path, ENDINGS) as part, warnings.catch_warnings():
-        # Points leave the plane, and probable mistakes were reported when the sequence was made.
+        # Points of some frames lie outside the plane. The sequence has already warned of probable mistakes.
         warnings.simplefilter("ignore", SceneWarning)
         made = film(part, fps)
         picture = _Picture(sequence, plane, float(sequence.pressures[chosen].max()))
@@ -71,7 +72,7 @@ def film_of_beads(
     fps: int,
     progress: Callable[[int, int], object] | None,
 ) -> None:
-    """Draw the beads of a `midair.Flight` on their ways, and write the pictures by the path's ending."""
+    """Draw the tracks of the beads of a `midair.Flight`; write them in the format of the path's ending."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -100,12 +101,12 @@ def film_of_beads(
 
 
 def film(part: Path, fps: int) -> _Film | _Pictures:
-    """A writer that takes pictures at a pace, for a file of one of the `ENDINGS`."""
+    """Return a writer of pictures at `fps` per second, for a file with one of the `ENDINGS`."""
     return (_Film if part.suffix == ".mp4" else _Pictures)(part, fps)
 
 
 class _Pictures:
-    """A .gif or .webp: pictures are kept and written together."""
+    """Writes a .gif or .webp. It collects all pictures and writes them together."""
 
     def __init__(self, path: Path, fps: int) -> None:
         from PIL import Image
@@ -116,7 +117,7 @@ class _Pictures:
         self.palette.putpalette(_palette())
 
     def add(self, pixels: Any) -> None:
-        """One more picture (height, width, 3)."""
+        """Append a picture (height, width, 3)."""
         from PIL import Image
 
         picture = Image.fromarray(pixels)
@@ -127,16 +128,16 @@ class _Pictures:
     def finish(self) -> None:
         first, *others = self.pictures
         pace: dict[str, Any] = {"duration": 1000 / self.fps, "loop": 0}
-        # The encoder's setting of .webp: the fastest good picture.
+        # These settings of the .webp encoder are its fastest ones with good pictures.
         quality = {} if self.path.suffix == ".gif" else {"quality": 80, "method": 0}
         first.save(self.path, save_all=True, append_images=others, **pace, **quality)
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Do nothing: no file is open."""
 
 
 def _palette() -> bytes:
-    """The 256 colours of a .gif: the map's, greys of the texts, and the points'."""
+    """Return the 256 colours of a .gif: those of the colour map, greys for text, and the points' colour."""
     from matplotlib import colormaps
     from matplotlib.colors import to_rgb
 
@@ -147,7 +148,7 @@ def _palette() -> bytes:
 
 
 class _Film:
-    """An .mp4: pictures go to ffmpeg as they are drawn."""
+    """Writes an .mp4: each picture is sent to ffmpeg as soon as it is drawn."""
 
     def __init__(self, path: Path, fps: int) -> None:
         from matplotlib.animation import FFMpegWriter
@@ -161,7 +162,7 @@ class _Film:
         self.process: subprocess.Popen[bytes] | None = None
 
     def add(self, pixels: Any) -> None:
-        """One more picture (height, width, 3)."""
+        """Append a picture (height, width, 3)."""
         if self.process is None:
             height, width, _ = pixels.shape
             given = f"-f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {self.fps} -i -"
@@ -172,7 +173,7 @@ class _Film:
         try:
             self.process.stdin.write(pixels.tobytes())
         except BrokenPipeError:
-            # ffmpeg has ended, and `finish` reads why.
+            # ffmpeg has ended early; `finish` reports its error.
             self.finish()
 
     def finish(self) -> None:
@@ -183,14 +184,14 @@ class _Film:
             raise SceneError(f"ffmpeg ended with: {line}; give a .webp or .gif")
 
     def close(self) -> None:
-        """Ends ffmpeg where pictures are missing: it waits for them."""
+        """End ffmpeg if it still waits for pictures."""
         if self.process is not None and self.process.poll() is None:
             self.process.kill()
             self.process.communicate()
 
 
 def _plane(sequence: JudgedFrames) -> Plane:
-    """The plane that `midair.field` takes for the points of all frames."""
+    """Return the plane that `midair.field` chooses for the points of all frames."""
     points = sequence.points[sequence.targets > 0]
     some = points[:: -(-len(points) // POINTS)]
     scene = sequence.scene(0).replace(points=some, pressures=None)
@@ -200,7 +201,10 @@ def _plane(sequence: JudgedFrames) -> Plane:
 
 
 class _Picture:
-    """One panel: fixed parts are drawn once; image, points and title are drawn for each frame."""
+    """A picture of |p| in a plane.
+
+    Fixed parts are drawn once; image, points and title for each frame.
+    """
 
     def __init__(self, sequence: JudgedFrames, plane: Plane, top: float) -> None:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -236,7 +240,7 @@ class _Picture:
         self.still = self.canvas.copy_from_bbox(figure.bbox)
 
     def show(self, frame: int) -> Any:
-        """The pixels (height, width, 3) of a frame."""
+        """Return the pixels (height, width, 3) of a frame."""
         sequence = self.sequence
         self.image.set_data(np.abs(sequence.field(frame, self.plane).pressure))
         there = sequence.points[frame][sequence.targets[frame] > 0]

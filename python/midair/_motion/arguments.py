@@ -1,4 +1,4 @@
-"""Arguments of a sequence, each read as arrays and numbers or refused by name, value and cure."""
+"""Arguments of a sequence: each function converts one to arrays and numbers, or rejects it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .envelope import Hold
 
 
 def points(given: Any) -> NDArray[np.float64]:
-    """Points (T, M, 3) in m."""
+    """Return points (T, M, 3) in m: M points in each of T frames."""
     found = _real("points", given)
     if found.ndim != 3 or found.shape[2] != 3 or not found.size:
         raise refused("points.shape", found.shape, "give (T, M, 3), M places in each of T frames")
@@ -22,7 +22,7 @@ def points(given: Any) -> NDArray[np.float64]:
 
 
 def targets(given: Any, shape: tuple[int, int]) -> NDArray[np.float64]:
-    """Targets (T, M) in Pa; one, or one a point, stands for all frames."""
+    """Return targets (T, M) in Pa. A single number or (M,) values apply to all frames."""
     found = _real("targets", given)
     try:
         found = np.broadcast_to(found, shape)
@@ -36,13 +36,13 @@ def targets(given: Any, shape: tuple[int, int]) -> NDArray[np.float64]:
 
 
 def frames(what: str, count: int, expected: int) -> None:
-    """Refuse another number of frames than the points have."""
+    """Reject an array with another number of frames than the points have."""
     if count != expected:
         raise refused(f"{what}.shape[0]", count, f"points have {expected} frames, give as many")
 
 
 def quantization(given: Any, array: Array) -> dict[str, Any] | None:
-    """A board as its array describes it: given values, else the array's own."""
+    """Return a board's quantization in the form of `Array.quantization`: the given one, else the array's."""
     if given is None:
         return array.quantization
     try:
@@ -52,24 +52,24 @@ def quantization(given: Any, array: Array) -> dict[str, Any] | None:
 
 
 def time_constant(given: Any) -> float:
-    """A time constant tau in s, 0 for none."""
+    """Return a time constant tau in s; 0 means that transducers follow their drives at once."""
     return number("tau", given, least=0)
 
 
 def hold(given: Any) -> Hold:
-    """How a board changes its phases between frames."""
+    """Return how a board changes its phases between frames: "hold" or "linear"."""
     if not isinstance(given, str) or given not in get_args(Hold):
         raise refused("hold", given, 'give "hold" or "linear"')
     return "hold" if given == "hold" else "linear"
 
 
 def substeps(given: Any) -> int:
-    """Sub-steps of a frame."""
+    """Return the number of sub-steps per frame."""
     return whole("substeps", given, least=1)
 
 
 def places(given: Any) -> NDArray[np.float64]:
-    """A place (3,) or a patch of them (K, 3) in m, as (K, 3)."""
+    """Return one place (3,) or the places (K, 3) of a patch, in m, as (K, 3)."""
     found = _real("place", given)
     if found.ndim not in (1, 2) or found.shape[-1] != 3 or not found.size:
         raise refused("place.shape", found.shape, "give (3,), or (K, 3) for a patch")
@@ -78,7 +78,7 @@ def places(given: Any) -> NDArray[np.float64]:
 
 
 def bands(given: Any) -> tuple[tuple[float, float], ...]:
-    """Bands (low, high) in Hz."""
+    """Return frequency bands as pairs (low, high) in Hz."""
     try:
         found = [(band[0], band[1]) for band in given if len(band) == 2]
         whole = len(found) == len(given)
@@ -114,7 +114,7 @@ def _first(item: str, found: NDArray[np.float64], wrong: NDArray[np.bool_], cure
 
 
 def _kept(found: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A read-only copy."""
+    """Return a read-only copy."""
     kept = np.array(found)
     kept.flags.writeable = False
     return kept

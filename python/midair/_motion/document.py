@@ -1,4 +1,4 @@
-"""Scene files of moving points: the table [motion] and its paths, beside array, medium and solver."""
+"""Scene files with moving points: the table [motion] with its paths, beside array, medium and solver."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ..path import Path as Moving
 from .sequence import Sequence
 from .solve import sequence
 
-#: The kinds of paths in a file.
+#: The kinds of paths in a scene file, and the functions that make them.
 KINDS: dict[str, Callable[..., Moving]] = {
     "circle": paths.circle,
     "line": paths.line,
@@ -35,7 +35,7 @@ KINDS: dict[str, Callable[..., Moving]] = {
 
 @dataclass(frozen=True)
 class Document:
-    """A motion as `midair.sequence` takes it."""
+    """A motion read from a scene file: the arguments of `midair.sequence`."""
 
     array: Array
     path: Moving | NDArray[np.float64]
@@ -46,9 +46,10 @@ class Document:
     file: Path
 
     def solve(self, array: Array | None = None, solver: str | None = None, **keywords: Any) -> Sequence:
-        """The sequence, by this array and solver where given. The file's options are of its own solver.
+        """Solve the sequence; `array` and `solver` replace those of the file.
 
-        A refused value of [motion] is reported with its place in the file.
+        The file's options apply to its own solver only. An error about a value of [motion] names the place in
+        the file.
         """
         name = self.solver if solver is None else solver_name(solver)
         options = self.options if name == self.solver else {}
@@ -63,11 +64,11 @@ class Document:
 
 
 def read(file: Path) -> Document | None:
-    """The motion of a scene file, None where it has no [motion]. Errors name the file and the line."""
+    """Read the motion of a scene file, None if it has no [motion]. Errors name the file and the line."""
     moving: list[Moving | NDArray[np.float64]] = []
 
     def start(name: str, text: str) -> NDArray[np.float64]:
-        """The points of the first frame of a path, or of a file of frames."""
+        """Read a path or a file of frames into `moving`; return the points of its first frame."""
         folder = file.parent
         one = _points(text, folder) if name == "motion.file" else path_of(tomllib.loads(text), folder)
         moving.append(one)
@@ -86,19 +87,19 @@ def read(file: Path) -> Document | None:
 
 
 def _together(moving: list[Any]) -> Moving | NDArray[np.float64]:
-    """All paths of a document at the same time, or the frames of its file."""
+    """Return the frames of a document's file, or all its paths played at the same time."""
     together: Moving | NDArray[np.float64] = reduce(lambda one, other: one & other, moving)
     return together
 
 
-#: The columns of a file of frames, their units and a correct row.
+#: The columns of a .csv file of frames, a hint on their units, and an example of a correct row.
 FRAMES = (["frame", "point", "x", "y", "z"], "with x, y, z in metres", "0,0,0.01,0.0,0.15")
 
 
 def _points(name: str, folder: Path) -> NDArray[np.float64]:
-    """Points (T, M, 3) in m of a .npy file, or of a .csv file with the columns frame, point, x, y, z.
+    """Return points (T, M, 3) in m from a .npy file, or from a .csv file with columns frame, point, x, y, z.
 
-    The core puts the key and its value before a refusal.
+    The core adds the key and its value to the text of an error.
     """
     file = folder / name
     if not file.is_file():
@@ -118,7 +119,7 @@ def _points(name: str, folder: Path) -> NDArray[np.float64]:
 
 
 def _frames(file: Path) -> NDArray[np.float64]:
-    """Points (T, M, 3) of a table with a row for each point of each frame, in any order."""
+    """Return points (T, M, 3) of a table with one row for each point of each frame, in any order."""
     lines, rows = read_table(content(file, empty=True), str(file), *FRAMES)
 
     def wrong(row: int, reason: str) -> SceneError:
@@ -146,7 +147,7 @@ def _frames(file: Path) -> NDArray[np.float64]:
 
 
 def path_of(table: dict[str, Any], folder: Path) -> Moving:
-    """A path by its table in a scene file, whose files lie in a folder."""
+    """Make the path that a table of a scene file describes. `folder` contains the files that it names."""
     if "kind" not in table:
         raise SceneError(f"kind is left out: give one of {', '.join(KINDS)}")
     kind = word("kind", table.pop("kind"))

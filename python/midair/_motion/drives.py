@@ -1,4 +1,4 @@
-"""Drives of frames: complex, or phase codes of a board, and how far each transducer turns between frames."""
+"""Drives of all frames, as complex numbers or phase codes, and the changes of phase between frames."""
 
 from __future__ import annotations
 
@@ -17,33 +17,33 @@ from numpy.typing import NDArray
 from .._midair import Array, SceneError
 from .._support.arguments import refused
 
-#: Complex numbers in one block: 16 MB in single precision, a fifth of a second of work.
+#: Complex numbers per block: 16 MB in single precision, about 0.2 s of computation.
 BLOCK = 1 << 21
 
 
 def blocks(count: int, each: int) -> Iterator[slice]:
-    """Slices of `count` items, of `each` numbers an item; no block is empty."""
+    """Yield slices of `count` items with `each` numbers per item, so that a block has about BLOCK numbers."""
     length = max(1, BLOCK // max(each, 1))
     for start in range(0, count, length):
         yield slice(start, min(start + length, count))
 
 
-#: A drive of 1 rounded to f32 may be above it by as much.
+#: Tolerance of |q| <= 1, since an amplitude of 1 rounded to float32 may exceed 1.
 SLACK = 1e-6
 
 
 @dataclass(frozen=True)
 class Drives:
-    """The drive of each frame: `kept` (T, N), complex64, or codes l of phases 2 pi l/L as uint8 or uint16.
+    """The drive of each frame: `kept` (T, N), complex64, or codes l of the phases 2 pi l/L (uint8, uint16).
 
-    `kept` is in memory, or in a file.
+    `kept` is an array in memory or a file.
 
     Attributes
     ----------
     live
-        (N,) False where a transducer is masked or dead, whose drive is 0.
+        (N,) bool: False for transducers that are masked or dead, whose drive is 0.
     phases
-        L, or None for complex drives.
+        Number of phases L; None for complex drives.
     """
 
     kept: NDArray[Any] | Stored
@@ -54,7 +54,7 @@ class Drives:
         return len(self.kept)
 
     def __getitem__(self, frames: int | slice | NDArray[np.intp]) -> NDArray[np.complex64]:
-        """Drives (frames, N) of a block, (N,) of one frame."""
+        """Return the drives (frames, N) of some frames, or (N,) of one frame."""
         given: NDArray[Any] = self.kept[frames]
         if self.phases is None:
             return given
@@ -63,16 +63,18 @@ class Drives:
         return played
 
     def changes(self, frames: slice, closed: bool) -> NDArray[np.float32]:
-        """|Phase change| (frames, N) in rad to the frame before; 0 where the amplitude is 0 in either.
+        """Return |phase change| (frames, N) in rad from the previous frame; 0 if either amplitude is 0.
 
-        Frame 0 is compared with the last one where the sequence is closed, else with itself. Codes are
-        subtracted as whole numbers, so that a bound on a grid can be checked exactly.
+        For frame 0 the previous frame is the last one if the sequence is closed; otherwise its change is 0.
+        Codes are subtracted as integers, so a bound that is a whole number of phase steps can be checked
+        exactly.
         """
         index = np.arange(frames.start, frames.stop)
         before = np.where(index > 0, index - 1, len(self) - 1 if closed else 0)
         if self.phases is None:
             new, old = self.kept[index], self.kept[before]
-            # The product of equal numbers need not be real to the last bit, and the arg of -0 is pi.
+            # Equal drives must give exactly 0: rounding may give q conj(q) a small imaginary part, and
+            # arg(-0) is pi.
             moved = (new != old) & (new != 0) & (old != 0)
             angles: NDArray[np.float32] = np.abs(np.angle(new * old.conj())) * moved
             return angles
@@ -83,24 +85,24 @@ class Drives:
 
 
 def coded(drives: NDArray[np.complex64], phases: int) -> NDArray[Any]:
-    """Codes of drives at full amplitude on a board's phases; of those that are 0, code 0."""
+    """Return the codes of a board's nearest phases for drives of full amplitude, 0 where a drive is 0."""
     codes = np.rint(np.angle(drives) * (phases / (2 * np.pi))).astype(np.int32) % phases
     return narrow(codes, phases)
 
 
 def narrow(codes: NDArray[Any], phases: int) -> NDArray[Any]:
-    """Codes in as few bytes as they need."""
+    """Return codes as uint8 if they fit, else as uint16."""
     small: NDArray[Any] = codes.astype(np.uint8 if phases <= 256 else np.uint16)
     return small
 
 
 def sounding(array: Array) -> NDArray[np.bool_]:
-    """(N,) False where a transducer is masked or dead."""
+    """Return (N,) bool: False for transducers that are masked or dead."""
     return array.mask if array.response is None else array.mask & (array.response != 0)
 
 
 def read(given: Any, array: Array, phases: int | None) -> Drives:
-    """Drives (T, N) as given: complex of |q| <= 1, or whole numbers below the number of phases."""
+    """Return `Drives` of given drives (T, N): complex of |q| <= 1, or codes below the number of phases."""
     live = sounding(array)
     if np.ma.is_masked(given):
         raise refused("drives", "a masked array", "fill what it hides")
@@ -137,13 +139,13 @@ def read(given: Any, array: Array, phases: int | None) -> Drives:
 
 
 def _check(block: NDArray[Any], first: int, phases: int | None) -> None:
-    """Refuse codes of other phases, or drives above 1; `first` is the block's first frame."""
+    """Reject codes that the board does not have, or |q| > 1. `first` is the block's first frame."""
     if phases is not None:
         least, most = block.min(), block.max()
         if least < 0 or most >= phases:
             raise refused("drives", least if least < 0 else most, f"give codes from 0 to {phases - 1}")
         return
-    # A drive that is not a number is not within either.
+    # This form of the test also rejects NaN.
     within = np.abs(block) <= 1 + SLACK
     if not within.all():
         frame, one = np.argwhere(~within)[0]
@@ -151,9 +153,9 @@ def _check(block: NDArray[Any], first: int, phases: int | None) -> None:
 
 
 class Stored:
-    """Drives (T, N) in a file that may be larger than memory, read and checked a block at a time.
+    """Drives (T, N) in a file that may be larger than memory. They are read and checked block by block.
 
-    The file is not mapped: the system ends a process that reads a mapped file which another one cut.
+    The file is not memory-mapped: if another process truncates a mapped file, the system kills its readers.
     """
 
     ndim = 2
@@ -174,7 +176,7 @@ class Stored:
     def __getitem__(self, frames: int | slice | NDArray[np.intp]) -> NDArray[Any]:
         index = np.arange(len(self))[frames]
         rows = index.reshape(-1)
-        # Frames in a row are read at once.
+        # Consecutive frames are read together.
         runs = np.split(rows, np.flatnonzero(np.diff(rows) != 1) + 1)
         found = np.concatenate([self._rows(run) for run in runs])
         return found.reshape(*index.shape, self.shape[1])
@@ -186,7 +188,7 @@ class Stored:
         return np.asarray, (self[:],)
 
     def _rows(self, run: NDArray[np.intp]) -> NDArray[Any]:
-        """The drives of frames that follow one another."""
+        """Read the drives of consecutive frames."""
         found = np.empty((len(run), self.shape[1]), self.dtype)
         if not found.size:
             return found
@@ -203,6 +205,6 @@ class Stored:
         return found
 
     def _now(self) -> tuple[int, int]:
-        """A stamp that changes when the file does."""
+        """Return the file's size and time of change, to detect that the file changes."""
         found = os.fstat(self._handle)
         return found.st_size, found.st_mtime_ns

@@ -1,7 +1,7 @@
-"""Envelope: the radiation of first-order transducers while their drives go from frame to frame.
+"""Envelope of the transducers' radiation while their drives change from frame to frame.
 
-A transducer of time constant tau answers its drive q by y' = (q - y)/tau. tau = sqrt(3)/(pi B) by its
-two-sided bandwidth B at -6 dB.
+A transducer is a first-order system: its radiation y follows its drive q by y' = (q - y)/tau. The time
+constant is tau = sqrt(3)/(pi B), where B is the two-sided bandwidth at -6 dB.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from .drives import BLOCK, Drives, blocks
 
 Hold = Literal["hold", "linear"]
 
-#: Time constants after which nothing is left of a former drive: e^-40 is below every rounding.
+#: Number of time constants after which an earlier drive has no effect: e^-40 is below the rounding error.
 FORGOTTEN = 40
 
 
 @dataclass(frozen=True)
 class Envelope:
-    """Drives played at `rate` frames/s through transducers of the time constant `tau` in s, 0 for none.
+    """Drives played at `rate` frames/s by transducers with time constant `tau` in s (0: they follow at once).
 
-    hold "hold" keeps each drive for its frame; "linear" goes on to the next one's amplitude and, the shorter
-    way round, phase, in equal steps. Before an open sequence its first drive has been played for ever, and
-    after it its last one stays; a closed sequence repeats for ever.
+    hold="hold": each drive stays for its whole frame. hold="linear": during a frame, amplitude and phase move
+    in equal steps to those of the next frame; the phase takes the shorter way. An open sequence is preceded
+    by its first drive for a long time, and followed by its last drive. A closed sequence repeats.
     """
 
     drives: Drives
@@ -38,7 +38,7 @@ class Envelope:
     hold: Hold
 
     def inside(self, substeps: int) -> Iterator[tuple[slice, slice, NDArray[np.complex64]]]:
-        """Blocks (frames, sub-steps, y) of y (frames, sub-steps, N) at the times (t + k/substeps)/rate."""
+        """Yield blocks (frames, sub-steps, y): radiation (frames, sub-steps, N) at (t + k/substeps)/rate."""
         times = np.arange(substeps) / (substeps * self.rate)
         decays = self._decays(times)
         before = self._before()
@@ -47,7 +47,7 @@ class Envelope:
             course = self._course(frames)
             starts, before = self._starts(course, before)
             rest = starts - course.at(0.0)
-            # Frames so long that a single one is no block.
+            # A single frame can have more sub-steps than fit in a block.
             length = max(1, BLOCK // len(starts) // count)
             for first in range(0, substeps, length):
                 steps = slice(first, min(first + length, substeps))
@@ -57,15 +57,16 @@ class Envelope:
                 yield frames, steps, y
 
     def _decays(self, times: NDArray[np.float64]) -> NDArray[np.float32]:
-        """The part that is left after some times: e^(-t/tau)."""
+        """Return e^(-t/tau) for each time t: the fraction of an initial deviation that remains."""
         left = np.exp(-times / self.tau) if self.tau > 0 else np.zeros_like(times)
         return left.astype(np.float32)
 
     def _before(self) -> NDArray[np.complex128]:
-        """The start of frame 0."""
+        """Return y at the start of frame 0."""
         if not self.closed:
             return self.drives[0].astype(np.complex128)
-        # One lap from silence, or as much of it as is not forgotten: y = lap + y e^(-lap/tau).
+        # y after one lap from y = 0; earlier frames than FORGOTTEN time constants are left out. In the steady
+        # state y = (that value) + y e^(-lap/tau), which is solved for y.
         lap = min(len(self.drives), ceil(FORGOTTEN * self.tau * self.rate) + 1)
         y = np.zeros(len(self.drives.live), np.complex128)
         for part in blocks(lap, len(y)):
@@ -78,7 +79,7 @@ class Envelope:
     def _starts(
         self, course: _Course, y: NDArray[np.complex128]
     ) -> tuple[NDArray[np.complex64], NDArray[np.complex128]]:
-        """The value of y at the start of each frame of a block, and after the block."""
+        """Return y at the start of each frame of a block, and y after the block."""
         begin, end = course.at(0.0), course.at(1 / self.rate)
         kept = np.exp(-1 / (self.rate * self.tau)) if self.tau > 0 else 0.0
         starts = np.empty_like(begin)
@@ -98,7 +99,7 @@ class Envelope:
 
 @dataclass(frozen=True)
 class _Course:
-    """The part of y that follows the drive, (constant + slope t) e^(j speed t), t from its frame's start."""
+    """The part of y that follows the drive: (constant + slope t) e^(j speed t), t since its frame's start."""
 
     constant: NDArray[np.complex64]
     slope: NDArray[np.complex64] | None = None
@@ -114,13 +115,13 @@ class _Course:
 
 
 def _line(now: NDArray[np.complex64], following: NDArray[np.complex64], rate: float, tau: float) -> _Course:
-    """The drive q = (a + b t) e^(j w t + j phase) from one frame to the next, and y of it.
+    """Return the course of y for a drive that moves linearly from `now` to `following` during a frame.
 
-    Put into tau y' + y = q, y = (c + d t) e^(j w t + j phase) gives d = b/(1 + j w tau) and
-    c = (a - tau d)/(1 + j w tau).
+    The drive is q = (a + b t) e^(j w t + j phase). In tau y' + y = q, the form y = (c + d t) e^(j w t + j
+    phase) gives d = b/(1 + j w tau) and c = (a - tau d)/(1 + j w tau).
     """
     amplitude, next_amplitude = np.abs(now), np.abs(following)
-    # Where there is no amplitude there is no phase to come from or go to: that of the other stays.
+    # A drive of amplitude 0 has no phase; the phase of the other drive is used for it.
     shown = np.where(amplitude > 0, now, following)
     size = np.abs(shown)
     direction = np.divide(shown, size, out=np.zeros_like(shown), where=size > 0)

@@ -1,4 +1,4 @@
-"""The force on a hand: radiation pressure or force at a fixed place, its spectrum and the rms by band."""
+"""Radiation pressure or force at a place over time, its spectrum and rms, and tactile thresholds."""
 
 from __future__ import annotations
 
@@ -13,29 +13,30 @@ from numpy.typing import ArrayLike, NDArray
 
 from .envelope import Envelope
 
-#: Samples/s of the envelope; parts above half of it fold back at least 30 dB down.
+#: Samples per second of the envelope. Frequencies above half of it alias, at least 30 dB weaker.
 SAMPLES = 160e3
 
-#: The highest frequency that is felt, in Hz.
+#: Highest frequency, in Hz, of vibration that the skin perceives.
 HIGHEST = 1000.0
 
-#: A line that pushes by less than this part of the strongest one is rounding, and moves nothing.
+#: Spectral lines weaker than this fraction of the strongest one are rounding errors and are left out.
 QUIET = 1e-6
 
-#: Audible frequencies, in Hz.
+#: Range of audible frequencies, in Hz.
 RECEIVED = (20.0, 16e3)
 
-#: The amplitude modulation that is 0 dB, in Hz.
+#: Frequency in Hz of the amplitude modulation that defines 0 dB.
 REFERENCE = 200.0
 
-#: Silence, in dB: f32 drives do not tell less from nothing.
+#: Level in dB that is reported for silence. Weaker levels are below the precision of float32 drives.
 SILENCE = -200.0
 
 
 def noise(envelope: Envelope) -> float:
-    """A-weighted rms, 20 Hz to 16 kHz, of d^2/dt^2 of E(t) = mean_i |y_i|^2, in dB.
+    """Return the A-weighted rms, 20 Hz to 16 kHz, of d^2/dt^2 of E(t) = mean_i |y_i|^2, in dB.
 
-    0 dB is full amplitude modulation (1 + cos)/2 at 200 Hz by the same transducers.
+    y_i is the radiation of transducer i. 0 dB is full amplitude modulation (1 + cos)/2 at 200 Hz of the same
+    transducers.
     """
     return max(20 * log10(max(_loudness(envelope), 1e-30) / _reference(envelope.tau)), SILENCE)
 
@@ -53,7 +54,7 @@ def _loudness(envelope: Envelope) -> float:
         window = np.ones(len(bent))
     else:
         bent = np.diff(flat, 2)
-        # A cut in the middle of something would click.
+        # An open sequence begins and ends abruptly, which would add a click; the window removes it.
         window = np.hanning(len(bent) + 2)[1:-1]
     if not len(bent):
         return 0.0
@@ -65,7 +66,7 @@ def _loudness(envelope: Envelope) -> float:
 
 
 def _reference(tau: float) -> float:
-    """The level of |y| = (1 + g cos wt)/2, with the transducers' g = 1/sqrt(1 + (w tau)^2).
+    """Return the rms for |y| = (1 + g cos wt)/2 at w = 2 pi 200 Hz, where g = 1/sqrt(1 + (w tau)^2).
 
     E = |y|^2 has the amplitudes g/2 at w and g^2/8 at 2w.
     """
@@ -77,21 +78,21 @@ def _reference(tau: float) -> float:
 
 
 def a_weighting(frequency: NDArray[np.floating]) -> NDArray[np.float64]:
-    """A-weighting as a factor, 1 at 1 kHz (IEC 61672-1); frequency in Hz."""
+    """Return the factor of A-weighting, 1 at 1 kHz (IEC 61672-1), for frequencies in Hz."""
     f = np.square(frequency)
     low = (f + 20.598997**2) * np.sqrt((f + 107.65265**2) * (f + 737.86223**2))
     value: NDArray[np.float64] = 10 ** (2.0 / 20) * 12194.217**2 * f**2 / (low * (f + 12194.217**2))
     return value
 
 
-#: Bands of the skin's slow and fast channels in Hz: steady motion, and vibration.
+#: Frequency bands in Hz: slow motion and vibration.
 BANDS: tuple[tuple[float, float], ...] = ((5.0, 50.0), (50.0, 500.0))
 
-#: Least vibration that each channel of the palm feels, (Hz, dB re 1 um peak), by a contactor of 2.9 cm^2 and
-#: long bursts. Gescheider and Verrillo 1979 (doi 10.1007/978-1-4613-3039-4_10) state a fall of 12 dB
-#: an octave from 40 Hz to the best near 250 Hz. All levels, the slope of the slow channel and the rise
-#: above 500 Hz are from memory, to some 3 dB: the fast channel (Pacinian) of Verrillo 1963 (J. Acoust. Soc.
-#: Am. 35, 1962), the slow one (non-Pacinian I) of Bolanowski et al. 1988 (84, 1680).
+#: Thresholds of the two tactile channels of the palm as (Hz, dB re 1 um peak), for a contactor of 2.9 cm^2
+#: and long bursts. Gescheider and Verrillo 1979 (doi 10.1007/978-1-4613-3039-4_10) state a fall of 12 dB an
+#: octave from 40 Hz to the best near 250 Hz. All levels, the slope of the slow channel and the rise above 500
+#: Hz are from memory, to some 3 dB: the fast channel (Pacinian) of Verrillo 1963 (J. Acoust. Soc. Am. 35,
+#: 1962), the slow one (non-Pacinian I) of Bolanowski et al. 1988 (84, 1680).
 SLOW = (
     (1, 32),
     (3, 28),
@@ -110,9 +111,10 @@ FAST = ((1, 75.6), (250, -20), (300, -19), (400, -15), (500, -10), (700, 0), (10
 def threshold(
     frequency: ArrayLike, channels: Sequence[Sequence[tuple[float, float]]] = (SLOW, FAST)
 ) -> NDArray[np.float64]:
-    """Least vibration that a channel of the palm feels at frequencies in Hz, as peak displacement in m.
+    """Return the smallest vibration that the palm perceives at frequencies in Hz, as peak displacement in m.
 
-    That of the more sensitive of some channels, straight in dB over log frequency; inf beyond 1 to 1000 Hz.
+    The result is the threshold of the most sensitive of the given channels. It is interpolated in dB over log
+    frequency, and inf outside of 1 to 1000 Hz.
     """
     octaves = np.log(np.maximum(np.asarray(frequency, np.float64), 1e-9))
     decibels = [
@@ -188,21 +190,23 @@ class Felt:
 
 
 def spectrum(values: NDArray[np.float64], rate: float) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Frequencies in Hz, and the amplitude of each line, the mean at 0, of values (T,) at `rate` a second.
+    """Return frequencies in Hz and the amplitude of each spectral line of values (T,); line 0 is the mean.
 
-    As if they repeated for ever: without a window, so that half the sum of their squares is the power.
+    `rate` is the number of values per second. The values count as one period of a repeating signal. No window
+    is applied, so half the sum of the squares of the lines above 0 Hz is the power.
     """
     count = len(values)
     lines = np.abs(np.fft.rfft(values)) * (2 / count)
     lines[0] = values.mean()
     if count % 2 == 0 and count > 1:
-        # At half the sampling rate a cosine a (-1)^n has the power a^2, and is counted once.
+        # At half the sampling rate, a cosine a (-1)^n has the power a^2, not a^2/2, and appears once in the
+        # sum.
         lines[-1] /= np.sqrt(2)
     return np.fft.rfftfreq(count, 1 / rate), lines
 
 
 def rms(frequencies: NDArray[np.float64], lines: NDArray[np.float64], band: Sequence[float]) -> float:
-    """The rms of a band: that of its lines, sqrt(sum of amplitude^2 / 2)."""
+    """Return the rms of the lines in a band (low, high): sqrt(sum of amplitude^2 / 2)."""
     inside = (frequencies >= band[0]) & (frequencies < band[1])
     return float(np.sqrt(np.sum(lines[inside] ** 2) / 2))
 
@@ -210,14 +214,14 @@ def rms(frequencies: NDArray[np.float64], lines: NDArray[np.float64], band: Sequ
 def weighted(
     squares: NDArray[np.floating], frequencies: NDArray[np.float64], channel: tuple[tuple[float, float], ...]
 ) -> NDArray[np.float64]:
-    """Sum over the lines (L, P) of squares over those of the channel's threshold."""
+    """Return (P,): the sum over L lines of squares (L, P) / threshold^2 of a tactile channel."""
     weights = threshold(frequencies, [channel]) ** -2.0
     found: NDArray[np.float64] = weights @ squares.astype(np.float64)
     return found
 
 
 def live_lines(lines: NDArray[np.complex64]) -> NDArray[np.bool_]:
-    """Return (L,) whether each spectral line (L, P) has any pressure that matters."""
+    """Return (L,) bool: whether each spectral line (L, P) is above rounding errors at some place."""
     loudest = np.abs(lines).max(axis=1, initial=0.0)
     found: NDArray[np.bool_] = loudest > QUIET * loudest.max(initial=0.0)
     return found

@@ -1,4 +1,4 @@
-"""Files of a sequence: .npz, written whole or not at all, and read again without running anything."""
+"""Files of a sequence (.npz): written completely or not at all, and read without executing anything."""
 
 from __future__ import annotations
 
@@ -22,20 +22,21 @@ from .._support.arguments import path_of
 from .._support.text import arrays
 from .drives import Stored
 
-#: Drives of this many bytes are read where they lie, a block at a time.
+#: Drives of at least this many bytes are read from the file block by block instead of at once.
 LARGE = 1 << 28
 
-#: The arrays that a file must have.
+#: Arrays that a file must contain.
 KEYS = ("points", "targets", "drives", "scene", "setting")
 
 
 @contextmanager
 def whole(path: str | PathLike[str], endings: tuple[str, ...]) -> Iterator[Path]:
-    """A file that becomes `path` if all goes well, and is removed otherwise."""
+    """Yield a temporary file. It replaces `path` if no error occurs; otherwise it is removed."""
     requested = path_of("path", path)
     output.check(requested, endings)
     target = output.real(requested)
-    # It is a folder, because the ending tells programs how to write.
+    # The file is in a temporary folder, so that it can have the ending of `path`, which tells programs the
+    # format.
     folder = output.part_of(target)
     try:
         folder.mkdir()
@@ -52,19 +53,19 @@ def whole(path: str | PathLike[str], endings: tuple[str, ...]) -> Iterator[Path]
 
 
 def save(path: str | PathLike[str], arrays: dict[str, Any], scene: Scene, setting: dict[str, Any]) -> None:
-    """Write arrays, the array, air and obstacles as the JSON text of a scene, and the rest as JSON."""
+    """Write arrays; array, air and obstacles as the JSON text of a scene; and the settings as JSON."""
     with whole(path, (".npz",)) as part:
         np.savez(part, **arrays, scene=scene.json(), setting=output.to_json(setting))
 
 
 def _stored(path: str | PathLike[str]) -> Stored | None:
-    """Drives where they lie in a large file that was not compressed; None otherwise."""
+    """Return the drives of a large uncompressed file, to be read block by block; None for other files."""
     with zipfile.ZipFile(path) as archive:
         entry = archive.getinfo("drives.npy")
     if entry.compress_type != zipfile.ZIP_STORED or entry.file_size < LARGE:
         return None
     with open(path, "rb") as stream:
-        # The local header: 26 bytes, then the lengths of the name and of the extra field.
+        # A local header of zip: after 26 bytes follow the lengths of the name and of the extra field.
         stream.seek(entry.header_offset + 26)
         stream.seek(sum(struct.unpack("<HH", stream.read(4))), os.SEEK_CUR)
         version = npy.read_magic(stream)
@@ -76,7 +77,7 @@ def _stored(path: str | PathLike[str]) -> Stored | None:
 
 
 def load(path: str | PathLike[str]) -> dict[str, Any]:
-    """The arguments of the sequence that a file holds, not checked."""
+    """Return the arguments of `Sequence` that a file contains. They are not checked here."""
     kept: dict[str, Any] = arrays(path, [key for key in KEYS if key != "drives"])
     stored = _stored(path)
     kept["drives"] = arrays(path, ["drives"])["drives"] if stored is None else stored

@@ -1,4 +1,4 @@
-"""Frames of a sequence: points, targets, drives, air and setting; values that compare."""
+"""Base class of `midair.Sequence`: points, targets, drives, air and settings of frames."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from .._support.arguments import flag, number, word
 from . import arguments
 from . import drives as driven
 
-#: The keywords for the air, for bodies in it, and for the points.
+#: Names of the arguments for the air, for obstacles in it, and for the kind of points.
 AIR = (*scene_keys()["medium"], "obstacles", "signature", "bead")
 
 
 class Frames:
-    """The parts of a `midair.Sequence`; its documentation explains the arguments."""
+    """Data of a `midair.Sequence`, whose documentation explains the arguments."""
 
     def __init__(
         self,
@@ -158,7 +158,7 @@ class Frames:
         return f"Sequence of {size}: {how}"
 
     def setting(self) -> dict[str, Any]:
-        """Return arguments that make it again: not array, obstacles, signature, points, targets, drives."""
+        """Return the arguments of an equal sequence, except array, points, targets and drives."""
         return {**self._setting(), **self._medium()}
 
     def _setting(self) -> dict[str, Any]:

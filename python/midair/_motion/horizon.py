@@ -1,9 +1,10 @@
-"""Horizon: codes of frames as they come, each decided with some of those after it in sight.
+"""Receding horizon: solves the phase codes of frames in windows that include some later frames.
 
-A window of frames is solved by tracks, its first frame the one handed out last, which stays. A third of the
-others is decided; the rest is where the tracks of the next window begin. In trials that is as loud, within
-three thousandths, as a window that moves frame by frame, in a quarter of the time. Tracks are found by the
-core; amplitudes bring them down to the targets.
+A window begins with the frame that was returned last, whose codes are fixed. After each solve, a third of the
+other frames becomes final. The rest is the initial guess for the next window. In trials this was as loud,
+within 0.3 %, as a window that advances by one frame, in a quarter of the time. A track is the phase of a
+transducer over all frames of a window. The core solves the tracks; amplitudes then reduce the pressures to
+the targets.
 """
 
 from __future__ import annotations
@@ -26,36 +27,40 @@ from .frames import AIR
 from .propagation import pressures
 from .request import Request
 
-#: Phases where the board has any.
+#: Number of phases for a board that has any phase.
 PHASES = 256
 
-#: In s, so far to both sides the acceleration of points is averaged: a bead swings far slower.
+#: Time in s, to each side, over which the acceleration of points is averaged. A bead oscillates much more
+#: slowly.
 LOOK = 0.5e-3
 
-#: Rounds of tracks, point phases and weights: after ten the level grows by less than a thousandth a round.
+#: Iterations of tracks, point phases and weights. After ten, the level grows by less than 0.1 % per
+#: iteration.
 ROUNDS = 10
 
-#: The same for a closed curve, which is played for ever: up to two thousandths louder than after ten.
+#: Iterations for a closed curve, which repeats: up to 0.2 % louder than after ten.
 ROUNDS_CLOSED = 20
 
-#: The same where tracks go on from others: after five.
+#: Iterations when the tracks of the last window are the initial guess.
 ROUNDS_MORE = 5
 
 
 @dataclass(frozen=True)
 class Tracks:
-    """The search of tracks and their drives, for frames of the array and the air of a scene.
+    """Solves tracks, and converts their codes to drives.
 
     Attributes
     ----------
+    scene
+        The array and its air.
     change
-        The bound in rad a frame.
+        Largest change of a phase, in rad per frame.
     board
-        The board's quantization, which has phases.
+        The board's quantization, with "phases".
     lowered
-        Whether amplitudes bring frames down to their targets.
+        Whether amplitudes reduce the pressures to the targets.
     coded
-        Whether codes tell all.
+        Whether all amplitudes are 1, so that the codes are the whole result.
     """
 
     scene: Scene
@@ -74,20 +79,20 @@ class Tracks:
         first: int = 0,
         progress: Callable[[int, int], object] | None = None,
     ) -> NDArray[np.uint16]:
-        """Codes (T, N) for points (T, M, 3) and targets (T, M).
+        """Return codes (T, N) for points (T, M, 3) and targets (T, M).
 
         Parameters
         ----------
         start
-            Codes (T, N) to begin with, the first of which stay.
+            Codes (T, N) as the initial guess. Those of the first frame stay as they are.
         first
-            The number of frames before these, by which errors name them.
+            Number of frames before these, added to the frame numbers in errors.
         """
         if not (targets > 0).any():
             still = np.zeros((1, len(self.scene.array)), np.uint16) if start is None else start[:1]
             return np.repeat(still, len(points), axis=0)
         if len(points) == 1:
-            # A single frame stands still.
+            # The core needs two frames: a single one is solved as a point at rest.
             twice = [np.repeat(table, 2, axis=0) for table in (points, targets)]
             return self.find(*twice, first=first, progress=progress)[:1]
         rounds = ROUNDS_CLOSED if closed else ROUNDS
@@ -112,7 +117,7 @@ class Tracks:
     def played(
         self, points: NDArray[np.float64], targets: NDArray[np.float64], codes: NDArray[np.uint16]
     ) -> NDArray[Any]:
-        """The codes themselves where they tell all, else drives (T, N): silent where no point is there."""
+        """Return the codes if all amplitudes are 1, else drives (T, N), 0 in frames without points."""
         if self.coded:
             return narrow(codes, self.board["phases"])
         full = Drives(codes, sounding(self.scene.array), self.board["phases"])
@@ -129,13 +134,13 @@ class Tracks:
 
 
 def board_of(quantization: dict[str, Any] | None) -> dict[str, Any]:
-    """A board on which tracks are found: as given, with phases."""
+    """Return the quantization of the board for tracks: the given one, with "phases" added if it has none."""
     board = dict(quantization or {})
     return {**board, "phases": board.get("phases") or PHASES}
 
 
 def check(solver: str, tau: Any, aim: Any, options: Iterable[str]) -> None:
-    """Reject options that tracks do not have."""
+    """Reject arguments that tracks do not support."""
     if solver != "glide":
         raise refused("solver", solver, "with ahead the tracks are found by themselves, leave it out")
     if tau is not None:
@@ -146,18 +151,18 @@ def check(solver: str, tau: Any, aim: Any, options: Iterable[str]) -> None:
         raise SceneError(f"{min(unknown)} is given: with ahead there is no such option, leave it out")
 
 
-#: Points (M, 3) in m and targets (M,) in Pa.
+#: Points (M, 3) in m and targets (M,) in Pa of a frame.
 Frame = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 class Horizon:
-    """An iterator over codes (N,), `ahead` frames behind the frames that it is given.
+    """An iterator over the codes (N,) of frames. It reads up to `ahead` frames more than it has returned.
 
     Parameters
     ----------
     done, state
-        To go on, how many frames were handed out, and the `state` of then; `frames` begin with the last of
-        them.
+        To continue an earlier solve: number of frames already returned, and its `state()`. `frames` then
+        begins with the last of these.
     """
 
     def __init__(
@@ -170,9 +175,10 @@ class Horizon:
     ) -> None:
         self._tracks = tracks
         self._coming = frames
-        # A number above any list's length means all frames.
+        # `islice` accepts no larger number; no list is as long.
         self._ahead = min(ahead, sys.maxsize >> 1)
-        # The frame handed out last and those in sight; codes of the first of them, and how many stay.
+        # `_frames`: the frame returned last and those read after it. `_codes`: codes of the first of them.
+        # `_decided`: how many of these codes are final.
         self._frames: list[Frame] = []
         self._codes: NDArray[np.uint16] | None = None if state is None else state["codes"]
         self._decided = 0 if state is None else int(state["decided"])
@@ -200,11 +206,11 @@ class Horizon:
 
     @property
     def frame(self) -> Frame:
-        """The frame handed out last."""
+        """The frame that was returned last."""
         return self._frames[0]
 
     def state(self) -> dict[str, Any]:
-        """The state that is needed to go on after a frame was handed out."""
+        """Return the data from which a later solve can continue after this frame."""
         return {"codes": self._codes, "decided": self._decided}
 
     def _plan(self, kept: int) -> NDArray[np.uint16]:
@@ -212,7 +218,7 @@ class Horizon:
         if self._codes is None:
             return self._tracks.find(points, targets)
         if not targets[0].any():
-            # A silent frame gives no bound.
+            # A silent frame does not limit the phases of the next one, so the rest is solved independently.
             rest = self._tracks.find(points[kept:], targets[kept:], first=self._done)
             return np.concatenate([self._codes[:kept], rest])
         missing = len(points) - len(self._codes)
@@ -221,7 +227,7 @@ class Horizon:
 
 
 def _table(frames: list[Frame]) -> Frame:
-    """Points (T, M, 3) and targets (T, M) of frames of M points at most; 0 for absent points."""
+    """Return points (T, M, 3) and targets (T, M) of frames with at most M points; others have target 0."""
     count = max(len(points) for points, _ in frames)
     points, targets = np.zeros((len(frames), count, 3)), np.zeros((len(frames), count))
     for frame, (places, requested) in enumerate(frames):
@@ -232,7 +238,7 @@ def _table(frames: list[Frame]) -> Frame:
 def streamed(
     array: Array, frames: Iterable[Any], change: float, ahead: int, aim: str | None, options: dict[str, Any]
 ) -> Iterator[NDArray[np.complex64]]:
-    """The drive (N,) of each of endless frames, points (M, 3) or pairs of points and pressures (M,)."""
+    """Yield the drive (N,) of each frame of a stream: points (M, 3) or pairs (points, pressures (M,))."""
     air = {name: options[name] for name in AIR if name in options}
     given = options.get("quantization")
     board = board_of(array.quantization if given is None else given)
@@ -246,7 +252,7 @@ def streamed(
 
 
 def _read(array: Array, air: dict[str, Any], frame: Any) -> Frame:
-    """Points and targets of a frame; left out the balanced level."""
+    """Return points and targets of a frame. Missing pressures become the balanced level of its points."""
     points, pressures = read_frame(frame)
     if pressures is None:
         return points, np.full(len(points), Scene(array, points, **air).reach().level)
@@ -254,7 +260,7 @@ def _read(array: Array, air: dict[str, Any], frame: Any) -> Frame:
 
 
 def read_frame(frame: Any) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
-    """Points (M, 3) and pressures (M,), if any, of a frame of a stream."""
+    """Return points (M, 3) and pressures (M,) or None of a frame of a stream."""
     given, pressures = frame if isinstance(frame, tuple) and len(frame) == 2 else (frame, None)
     cure = "give points x 3 numbers in m, and pressures if any as the second of a pair"
     points = real("frame", given, cure)
@@ -263,33 +269,33 @@ def read_frame(frame: Any) -> tuple[NDArray[np.float64], NDArray[np.float64] | N
     return points, None if pressures is None else changing_pressures(pressures, 1, len(points))[0]
 
 
-#: The state of a solver after its last frame.
+#: Names of a solver's state after its last frame.
 REMEMBERED = ("drives", "weights", "unevenness", "motion")
 
 
 class Found(Protocol):
-    """Finds frames in their order.
+    """Protocol of objects that solve frames in order.
 
     Attributes
     ----------
     board
-        The quantization of the drives, None for that of the array.
+        Quantization of the drives; None for that of the array.
     """
 
     board: dict[str, Any] | None
 
     def block(self, frames: slice) -> NDArray[Any]:
-        """Drives or codes (frames, N) of the frames after those of the last block."""
+        """Return drives or codes (frames, N) of `frames`, which follow those of the last call."""
 
     def state(self) -> dict[str, Any]:
-        """The state that it needs to go on after the last block."""
+        """Return the state needed to continue after the last block."""
 
     def restore(self, done: int, state: dict[str, Any]) -> None:
-        """Go on after the frame `done` - 1."""
+        """Continue after frame number `done` - 1."""
 
 
 class Followed:
-    """Frames by a solver, each from the last one; `exact` for glide, whose phases are the board's."""
+    """Solves each frame from the last one. `exact` is True for glide, which plays the board's phases."""
 
     def __init__(self, requested: Request, solver: Solver, exact: bool) -> None:
         self.board: dict[str, Any] | None = requested.options.get("quantization")
@@ -301,7 +307,8 @@ class Followed:
     def block(self, frames: slice) -> NDArray[Any]:
         requested = self._requested
         targets = None if self._stiff else requested.targets[frames]
-        # Traps look so far to both sides; before an open sequence and after it points stand still.
+        # Traps need the points before and after, for the acceleration. Outside an open sequence the points
+        # stand still.
         margin = max(round(LOOK * requested.rate), 1) if self._stiff else 0
         first, last, _ = frames.indices(len(requested.points))
         around = np.arange(first - margin, last + margin)
@@ -321,7 +328,7 @@ class Followed:
 
 
 class Foreseen:
-    """Frames by tracks, each chosen with some of the next."""
+    """Solves frames by tracks, with some of the later frames known."""
 
     def __init__(self, requested: Request, tracks: Tracks, ahead: int) -> None:
         self.board: dict[str, Any] | None = tracks.board

@@ -1,4 +1,4 @@
-"""Frames judged: pressures at rest and inside the frames, changes of phase, and what a hand feels."""
+"""Evaluation of frames: pressures at rest and between frames, phase changes, metrics, radiation pressure."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from .felt import BANDS, HIGHEST, Felt, noise, spectrum
 from .frames import Frames
 from .propagation import Between, between, pressures, rows
 
-#: Time constant in s for the noise of a sequence by default.
+#: Time constant of the transducers in s that the metric `noise` uses by default.
 TAU = 0.2e-3
 
-#: Values that settle fall below the least positive number, which a program may have made an error
-#: (np.seterr).
+#: Decaying values may underflow to 0; this must raise no error if the caller has set
+#: np.seterr(under="raise").
 SETTLING = np.errstate(under="ignore")
 
 
@@ -93,13 +93,13 @@ def measure(
     closed: bool,
     noise: float,
 ) -> SequenceMetrics:
-    """Metrics of |p| (S, M) beside targets (S, M), 0 where a point is not there, and of changes (T,)."""
+    """Return the metrics of |p| (S, M), targets (S, M), 0 for absent points, and phase changes (T,)."""
     there = targets > 0
     received = there.any(axis=1)
     x = np.divide(pressures, targets, out=np.full(targets.shape, np.nan), where=there)[received]
     largest = np.nanmax(x, axis=1)
     even = np.divide(np.nanmin(x, axis=1), largest, out=np.zeros(len(x)), where=largest > 0)
-    # A point that is never there has no mean.
+    # A point that is absent in all frames has no mean.
     own = x[:, there.any(axis=0)]
     mean = np.nanmean(own, axis=0)
     dips = np.divide(np.nanmin(own, axis=0), mean, out=np.zeros(len(mean)), where=mean > 0)
@@ -115,7 +115,7 @@ def measure(
 
 
 class JudgedFrames(Frames):
-    """Frames, and all that follows from them; `midair.Sequence` adds pictures and files."""
+    """Frames and the quantities that are computed from them. `midair.Sequence` adds pictures and files."""
 
     @property
     def times(self) -> NDArray[np.float64]:
@@ -341,8 +341,8 @@ class JudgedFrames(Frames):
         return Felt(self.times, values, *lines, read, "Pa" if size is None else "mN")
 
     def _pushes(self, places: NDArray[np.float64], tau: float) -> Iterator[tuple[slice, NDArray[np.float32]]]:
-        """Blocks of frames and |p|^2/(rho c^2) (frames, K) in Pa at places (K, 3), at each frame's start."""
-        # A hand feels the real field, not the foci that a signature makes of traps.
+        """Yield (frames, |p|^2/(rho c^2) (frames, K) in Pa) at places (K, 3), at each frame's start."""
+        # A hand is in the real field, without the signature, by which traps are solved like foci.
         gains = rows(self._scene.replace(signature=None), places, name="place").T
         root = np.float32(1 / np.sqrt(self._scene.density * self._scene.sound_speed**2))
         for frames, _, y in self._envelope(tau, "hold").inside(1):
@@ -353,9 +353,9 @@ class JudgedFrames(Frames):
     def _push_lines(
         self, places: NDArray[np.float64], tau: float
     ) -> tuple[NDArray[np.float64], NDArray[np.complex64]]:
-        """Lines above 0, up to 1 kHz (L,) in Hz, and (1 + L, P) in Pa: the mean, and the amplitude of each.
+        """Return lines (L,) in Hz, 0 < f <= 1 kHz, and complex amplitudes (1 + L, P) in Pa, the mean first.
 
-        With constant frames, a line h of T frames is the h-th harmonic of their samples times sinc(h / T).
+        Each frame is constant, so line h of T frames is harmonic h of the samples times sinc(h / T).
         """
         count = len(self)
         harmonics = np.arange(1, int(HIGHEST * count / self._rate * (1 + 1e-9)) + 1)

@@ -1,4 +1,4 @@
-"""Pictures of a sequence (waterfalls of |p| / target and phase changes, a spectrum), a flight, a skin."""
+"""Pictures of a sequence (|p| / target and phase changes over time), of a flight, and of skin motion."""
 
 from __future__ import annotations
 
@@ -23,14 +23,16 @@ if TYPE_CHECKING:
     from .._pictures.sheet import Size
     from .judged import JudgedFrames
 
-#: The parts of a sequence's picture.
+#: The panels of a sequence's picture.
 Panel = Literal["pressures", "changes", "spectrum"]
 PANELS = get_args(Panel)
 
-#: Columns and rows of a waterfall: no screen shows more, and the values between would be lost.
+#: Most columns and rows of an image over time: about what a screen can show. Values are combined, not
+#: skipped.
 COLUMNS, ROWS = 1000, 250
 
-#: The least part of its top that a scale of |p| / target spans: an even sequence is one colour, nearly.
+#: Least range of the scale of |p| / target, relative to its top, so that an even sequence has nearly one
+#: colour.
 SPAN = 0.1
 
 
@@ -42,9 +44,9 @@ def motion(
     panels: Panel | Iterable[Panel] | None = None,
     size: Size | None = None,
 ) -> Figure:
-    """Waterfalls over time, of |p| / target at the points and of phase changes, and the spectrum of |p|^2.
+    """Draw |p| / target of the points and phase changes over time, and the spectrum of |p|^2.
 
-    Where frames or transducers share a cell it shows the least |p| / target and the largest change.
+    Frames or transducers that share a cell show their least |p| / target and their largest change.
     """
     from .._pictures.sheet import chosen, colour_map, head, sheet, whole
 
@@ -67,7 +69,7 @@ def motion(
     return figure
 
 
-#: Heights of the panels, relative to one another.
+#: Heights of the panels, relative to each other.
 HEIGHTS: dict[Panel, float] = {"pressures": 1.0, "changes": 1.3, "spectrum": 1.2}
 
 
@@ -81,7 +83,7 @@ def _draw(sequence: JudgedFrames, panel: Panel, ax: Axes, colours: Map) -> None:
 
 
 def _edges(count: int, most: int) -> NDArray[np.intp]:
-    """Ends of at most this many groups of neighbours."""
+    """Return the boundaries of at most `most` groups of neighbours among `count` items."""
     return np.linspace(0, count, min(count, most) + 1).astype(np.intp)
 
 
@@ -105,7 +107,7 @@ def _pressures(sequence: JudgedFrames, ax: Axes, colours: Map) -> None:
     shown = np.ma.masked_invalid(least.T)
     top = float(shown.max()) or 1.0
     bottom = min(float(shown.min()), (1 - SPAN) * top)
-    # Points are counted from 1, as everywhere where people look.
+    # Points are numbered from 1 in pictures and tables.
     image = _waterfall(ax, shown, sequence, colours, (bottom, top), first=1)
     ax.set(ylabel="point")
     _bar(ax, image, "|p| / target")
@@ -117,7 +119,7 @@ def _changes(sequence: JudgedFrames, ax: Axes, colours: Map) -> None:
     column = np.searchsorted(edges, np.arange(len(sequence)), side="right") - 1
     for frames in blocks(len(sequence), count):
         np.maximum.at(largest, column[frames], sequence.each_change(frames.start, frames.stop))
-    # The line of the bound must be visible within the bar.
+    # The red line of the bound must lie within the colour bar.
     top = max(float(largest.max()), 1.1 * (sequence.change or 0.0)) or 1.0
     rows = np.maximum.reduceat(largest.T, _edges(count, ROWS)[:-1], axis=0)
     image = _waterfall(ax, rows, sequence, colours, (0.0, top), count=count)
@@ -138,7 +140,7 @@ def _waterfall(
     first: int = 0,
     count: int | None = None,
 ) -> AxesImage:
-    """Values (rows, columns) over time of `count` things, left out as many as rows, numbered from `first`."""
+    """Draw values (rows, columns) over time, for `count` items (default: rows) numbered from `first`."""
     from matplotlib.ticker import MaxNLocator
 
     ax.set_facecolor("lightgrey")
@@ -162,7 +164,7 @@ def _bar(ax: Axes, image: AxesImage, label: str) -> Any:
 
 
 def _spectrum(sequence: JudgedFrames, ax: Axes) -> None:
-    """Lines of the radiation pressure, in the mean over the points that are there."""
+    """Draw the spectrum of the radiation pressure, averaged over the points that are present."""
     there = sequence.targets > 0
     values = (sequence.radiation * there).sum(axis=1) / np.maximum(there.sum(axis=1), 1)
     frequencies, lines = spectrum(values, sequence.rate)
@@ -179,13 +181,13 @@ def _spectrum(sequence: JudgedFrames, ax: Axes) -> None:
 
 
 def across(flight: Any) -> list[int]:
-    """The two axes along which the points of a flight go farthest."""
+    """Return the two axes along which the points of a flight move most."""
     sides = np.ptp(flight.points, axis=(0, 1))
     return sorted(np.argsort(-sides, kind="stable")[:2].tolist())
 
 
 def beads(flight: Any, panel: str, ax: Axes) -> None:
-    """Draws a panel of a `midair.Flight`: "path" or "distance"."""
+    """Draw a panel of a `midair.Flight`: "path" or "distance"."""
     if panel == "distance":
         for one, distances in enumerate(1e3 * flight.distances.T):
             ax.plot(1e3 * flight.times, distances, linewidth=0.9, label=f"bead {one + 1}")
@@ -205,7 +207,7 @@ def beads(flight: Any, panel: str, ax: Axes) -> None:
 
 
 def touched(skin: Any, panel: str, ax: Axes, colours: Map, best: int) -> None:
-    """Draws a panel of a `midair.Skin`: "pressure", "motion" or "spectrum", the place `best` marked."""
+    """Draw a panel of a `midair.Skin`: "pressure", "motion" or "spectrum". The place `best` is marked."""
     if panel == "pressure":
         _map(skin, ax, skin.pressure, "radiation pressure, mean / Pa", colours)
         return
@@ -224,7 +226,7 @@ def touched(skin: Any, panel: str, ax: Axes, colours: Map, best: int) -> None:
 
 
 def _widest(skin: Any) -> list[int]:
-    """The two axes along which the places lie, or a mesh is widest."""
+    """Return the two axes along which the places, or the mesh, extend most."""
     sides = np.ptp(skin.places, axis=0)
     return [axis for axis in range(3) if axis != int(sides.argmin())]
 

@@ -1,13 +1,15 @@
-"""Propagation to points that move: rows of G, |p| of each frame's drive at its points, forces around them.
+"""Propagation to moving points: rows of G, |p| of each frame's drive at its points, and forces around them.
 
-Inside of a ball that no source reaches, sound is a sum of regular waves of orders l, and each of plane waves:
+In a ball without sources, sound is a sum of regular spherical waves of orders l, each of which is a sum of
+plane waves in directions d:
 
     p(x) = sum_d e^{j k d . x} c_d
     c_d = w_d sum_s w_s p(R s) sum_l (2l + 1)/(4 pi)^2 (-j)^l P_l(d . s)/j_l(kR)
 
-(NIST's Digital Library of Mathematical Functions, 10.60.7 and 14.30.9), d and s directions of a rule with
-weights w. Orders up to 6 leave 1e-5 of the pressure out. With Gor'kov's U = c1 |p|^2 - c2 |grad p|^2 the
-force follows at some places in a smaller ball, and a polynomial of degree 6 runs through them to 1e-3.
+(NIST's Digital Library of Mathematical Functions, 10.60.7 and 14.30.9.) R is the ball's radius, k the
+wavenumber; d and s are the directions of a quadrature rule with weights w. Orders up to 6 leave an error of
+1e-5 of the pressure. Gor'kov's potential U = c1 |p|^2 - c2 |grad p|^2 gives the force at some places in a
+smaller ball. A polynomial of degree 6 fitted to these forces is accurate to 1e-3.
 """
 
 from __future__ import annotations
@@ -27,22 +29,23 @@ from .._support.arguments import refused
 from .drives import Drives, blocks
 from .envelope import Envelope
 
-#: Entries of G at once behind obstacles or under a signature, where it is kept in double precision.
+#: Most entries of G in one block behind obstacles or with a signature, where the core stores them in double
+#: precision.
 MOST_KEPT = 1 << 17
 
 
 def rows(
     scene: Scene, points: NDArray[np.float64], name: str = "points", first: int = 0
 ) -> NDArray[np.complex64]:
-    """G (..., N) at points (..., 3) in a scene's air; an error names the point, the first being `first`."""
+    """Return G (..., N) at points (..., 3) in a scene's air. Errors name the point, counted from `first`."""
     shape, flat = points.shape[:-1], points.reshape(-1, 3)
     kept = scene.obstacles or scene.signature is not None
     part = max(MOST_KEPT // len(scene.array), 1) if kept else len(flat)
-    # Each point of a frame has its own entry of a list.
+    # A list of signatures has one entry for each point of a frame.
     names = scene.signature if isinstance(scene.signature, list) else None
     blocks = []
     with warnings.catch_warnings():
-        # The scene itself has reported probable mistakes.
+        # The scene itself has already warned of probable mistakes.
         warnings.simplefilter("ignore", SceneWarning)
         for start in range(0, len(flat), part):
             try:
@@ -62,7 +65,7 @@ def rows(
 
 
 def pressures(scene: Scene, points: NDArray[np.float64], drives: Drives) -> NDArray[np.float64]:
-    """|p| (T, M) in Pa: p_j(t) = sum_i G_ji(t) q_i(t)."""
+    """Return |p| (T, M) in Pa: p_j(t) = sum_i G_ji(t) q_i(t)."""
     frames, count, _ = points.shape
     found = np.empty((frames, count))
     for part in blocks(frames, count * len(scene.array)):
@@ -71,7 +74,7 @@ def pressures(scene: Scene, points: NDArray[np.float64], drives: Drives) -> NDAr
 
 
 def moduli(matrices: NDArray[np.complex64], drives: NDArray[np.complex64]) -> NDArray[np.float32]:
-    """|p| (..., M) by matrices (..., M, N) and drives (..., N)."""
+    """Return |p| (..., M) for matrices G (..., M, N) and drives (..., N)."""
     found: NDArray[np.float32] = np.abs(np.matmul(matrices, drives[..., None])[..., 0])
     return found
 
@@ -86,9 +89,10 @@ class Between(NamedTuple):
 def between(
     scene: Scene, points: NDArray[np.float64], targets: NDArray[np.float64], envelope: Envelope, substeps: int
 ) -> Between:
-    """|p_j| = |sum_i G_ji y_i| at the times (t + k/substeps)/rate, points on straight lines between frames.
+    """Return |p_j| = |sum_i G_ji y_i| at (t + k/substeps)/rate; points move linearly between frames.
 
-    A point stays where it is while it is not there in the next frame; so do all after an open end.
+    A point that is absent in the next frame does not move. Neither do the points after the end of an open
+    sequence.
     """
     frames, count, _ = points.shape
     found = np.empty((frames, substeps, count))
@@ -100,7 +104,7 @@ def between(
     for part, steps, y in envelope.inside(substeps):
         shares = np.arange(steps.start, steps.stop) / substeps
         places = points[part, None] + shares[:, None, None] * step[part, None]
-        # Rows of G are `count` times as many numbers as drives.
+        # G has `count` times as many numbers as the drives.
         for some in blocks(len(y), y[0].size * count):
             matrices = rows(scene, places[some], first=part.start + some.start)
             found[part.start + some.start : part.start + some.stop, steps] = moduli(matrices, y[some])
@@ -108,30 +112,30 @@ def between(
     return Between(times, found.reshape(-1, count))
 
 
-#: From a knot to the next, the longest time in s and the longest way of a point in wavelengths: between
-#: knots, traps then stray by less than a thousandth from the straight line.
+#: Largest distance between two knots: time in s, and movement of a point in wavelengths. Between such knots,
+#: traps deviate by less than 0.1 % from linear interpolation.
 LONGEST, WAY = 1e-3, 1 / 16
 
-#: Where frames last longer, this many seconds: shorter than what transducers take to settle.
+#: Longer frames are divided into parts of this many seconds, shorter than the transducers' settling time.
 SETTLED = 0.25e-3
 
 
 @dataclass
 class Course:
-    """Knots of frames: the transducers' radiation at each, and the points' places.
+    """Knots (interpolation nodes) in time: the transducers' radiation at each, and the points' places.
 
     Attributes
     ----------
     drives
-        (K, N) at the knots of a lap, or of all frames where they are open.
+        (K, N) at the knots of one lap, or of all frames of an open sequence.
     frames
         (T, M, 3) in m, the points of each frame.
     envelope
-        What radiates.
+        The transducers' radiation over time.
     spacing
-        S from a knot to the next.
+        Time in s between two knots.
     start
-        S of the first, in the middle of the first part of the first frame.
+        Time in s of the first knot, in the middle of the first part of the first frame.
     """
 
     drives: NDArray[np.complex64]
@@ -142,9 +146,9 @@ class Course:
 
     @staticmethod
     def of(envelope: Envelope, points: NDArray[np.float64], wavelength: float) -> Course:
-        """The field around points (T, M, 3) for the transducers' radiation."""
+        """Make the knots for the radiation of `envelope` and points (T, M, 3) in m."""
         frames, rate = len(points), envelope.rate
-        # Frames a knot, or knots a frame.
+        # `every`: frames per knot. `parts`: knots per frame. One of them is 1.
         every, parts = 1, ceil(1 / (rate * SETTLED) - 1e-9)
         if parts <= 1:
             moved = np.linalg.norm(np.diff(points, axis=0), axis=2).max(initial=0.0)
@@ -160,7 +164,7 @@ class Course:
         return Course(drives, points, envelope, every / (rate * parts), 0.5 / (rate * parts))
 
     def knots(self, duration: float | None) -> int:
-        """The number of knots of a flight."""
+        """Return the number of knots of a flight."""
         lap = len(self.drives)
         if not self.envelope.closed:
             lasts = lap if duration is None else min(lap, ceil(duration / self.spacing) + 1)
@@ -173,18 +177,18 @@ class Course:
         return (laps * lap if duration is None else ceil(duration / self.spacing)) + 1
 
     def times(self, knots: NDArray[Any]) -> NDArray[np.float64]:
-        """Times in s of knots, which may be between two."""
+        """Return the times in s of knots, which may be fractional."""
         found: NDArray[np.float64] = self.start + self.spacing * knots
         return found
 
     def ways(self, knots: int, points: NDArray[np.intp]) -> NDArray[np.float64]:
-        """Places (K, B, 3) of some points (B,) at a number of knots from the first on."""
+        """Return the places (K, B, 3) of some points (B,) at the first `knots` knots."""
         lap = min(knots, len(self.drives))
         own = self.points(self.times(np.arange(lap)))[:, points]
         return own if lap == knots else own[np.arange(knots) % lap]
 
     def points(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Places (T, M, 3) of the points at times in s, straight between frames."""
+        """Return the places (T, M, 3) of the points at times in s, linear between frames."""
         points, count = self.frames, len(self.frames)
         way = times * self.envelope.rate
         way = way % count if self.envelope.closed else way.clip(0, count - 1)
@@ -195,7 +199,7 @@ class Course:
         return found
 
     def moving(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Speeds and accelerations (M, 3) of the points at the start; of an open sequence 0."""
+        """Return velocities and accelerations (M, 3) of the points at the start; 0 for an open sequence."""
         if not self.envelope.closed:
             none = np.zeros(self.frames.shape[1:])
             return none, none
@@ -204,21 +208,22 @@ class Course:
         return (after - before) / (2 * apart), (after - 2 * here + before) / apart**2
 
 
-#: Orders of waves, and the radius in wavelengths of the ball on which the pressure is looked at.
+#: Highest order of the waves, and the ball's radius in wavelengths.
 ORDERS, BALL = 6, 1 / 6
 
-#: Degree of the polynomials, the radius in wavelengths up to which they count, and how many places they meet.
+#: Degree of the polynomials, the radius in wavelengths within which they are used, and the number of places
+#: fitted.
 DEGREE, UNIT, PLACES = 6, 1 / 7, 180
 
-#: Monomials of a polynomial.
+#: Number of monomials of a polynomial: C(6 + 3, 3).
 TERMS = 84
 
-#: Balls at once.
+#: Number of balls that are computed together.
 AT_ONCE = 128
 
 
 class Forces:
-    """The potential of a sphere with Gor'kov's factors (2,) in a scene's real field."""
+    """The forces of a scene's real field on a sphere with Gor'kov's two factors (2,)."""
 
     def __init__(self, scene: Scene, factors: NDArray[np.float64]) -> None:
         self._scene, self._factors = scene.replace(signature=None, pressures=None), factors
@@ -234,16 +239,17 @@ class Forces:
         inner = _within(PLACES)
         plane = np.exp(1j * wavenumber * self.unit * inner @ directions.T)
         slopes = 1j * wavenumber * directions
-        # Pressure, its slopes and their slopes: of each place ten rows.
+        # For each place ten rows: pressure, its three first and its six second derivatives.
         sides = [np.ones(len(directions)), *slopes.T]
         sides += [slopes[:, a] * slopes[:, b] for a, b in SECOND]
         self._inside = np.concatenate([(plane * side) @ waves for side in sides]).T.astype(np.complex64)
         self._through = np.linalg.pinv(monomials(inner)).T
 
     def around(self, places: NDArray[np.float64], drives: NDArray[np.complex64]) -> NDArray[np.float64]:
-        """Coefficients (P, 84, 3) in N around places (P, 3), each in the field of its drive (P, N).
+        """Return coefficients (P, 84, 3) in N around places (P, 3), each in the field of its drive (P, N).
 
-        Coordinates from the place are in `unit` m; monomials stand by degree, then by exponents that fall.
+        They are of polynomials in coordinates relative to the place, in units of `unit` m. Monomials are in
+        the order of `monomials`.
         """
         found = np.empty((len(places), TERMS, 3))
         for start in range(0, len(places), AT_ONCE):
@@ -261,19 +267,19 @@ class Forces:
         return found
 
     def _pressure(self, place: NDArray[np.float64], drive: NDArray[np.complex64]) -> NDArray[np.complex64]:
-        """The pressure (D,) on the ball around a place."""
+        """Return the pressure (D,) at D directions on the ball around a place."""
         try:
             return field(self._scene, drive, place + self._ball).pressure
         except SceneError as error:
             raise SceneError(f"beads come where there is no force: {error}") from None
 
 
-#: The second derivatives.
+#: Pairs of axes of the six second derivatives.
 SECOND = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 
 
 def monomials(places: NDArray[np.float64]) -> NDArray[np.float64]:
-    """x^a y^b z^c (P, 84) up to degree 6 at places (P, 3), by degree, then by exponents that fall."""
+    """Return monomials x^a y^b z^c (P, 84) at places (P, 3), by degree up to 6, then by falling exponents."""
     powers = places[:, None] ** np.arange(DEGREE + 1)[:, None]
     columns = [
         powers[:, degree - rest, 0] * powers[:, rest - c, 1] * powers[:, c, 2]
@@ -285,10 +291,10 @@ def monomials(places: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _rule() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Directions (50, 3) and weights (50,) that integrate over the sphere, exact to degree 11.
+    """Return directions (50, 3) and weights (50,) of a quadrature rule on the sphere, exact to degree 11.
 
-    V. I. Lebedev, USSR Comput. Math. Math. Phys. 16(2), 10 (1976): towards faces, edges and corners of a
-    cube, and along (1, 1, 3).
+    V. I. Lebedev, USSR Comput. Math. Math. Phys. 16(2), 10 (1976): the directions of the faces, edges and
+    corners of a cube, and those of (1, 1, 3).
     """
     shapes = (
         ((0, 0, 1), 4 / 315),
@@ -306,7 +312,7 @@ def _rule() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 
 def _bessel(z: complex) -> NDArray[np.complex128]:
-    """Spherical Bessel functions j_l(z) (7,) of a small z, by their power series."""
+    """Return the spherical Bessel functions j_l(z), l = 0 to 6, of a small z by their power series."""
     found = np.empty(ORDERS + 1, complex)
     lead = 1.0 + 0j
     for order in range(ORDERS + 1):
@@ -320,7 +326,7 @@ def _bessel(z: complex) -> NDArray[np.complex128]:
 
 
 def _within(count: int) -> NDArray[np.float64]:
-    """Places (P, 3) in the unit ball, denser towards its surface, where polynomials stray."""
+    """Return places (P, 3) in the unit ball, denser near its surface, where a fitted polynomial errs most."""
     index = np.arange(count) + 0.5
     heights, angles = 1 - 2 * index / count, np.pi * (1 + np.sqrt(5)) * index
     across = np.sqrt(1 - heights**2)

@@ -1,4 +1,4 @@
-"""Request of a sequence: path, rate and bound, read once; and the speed that the bound allows."""
+"""Request of a sequence: path, rate and bound, and the speed of points that the bound allows."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from .frames import AIR
 if TYPE_CHECKING:
     from .judged import JudgedFrames
 
-#: The bound where none is given, in rad a frame: at 10 kHz the shift of 312 Hz that a transducer follows.
+#: Default bound in rad per frame. At 10 kHz it is a frequency shift of 312 Hz, which transducers can follow.
 CHANGE = pi / 16
 
-#: Frames that are looked at for the speed limit at most.
+#: Most frames that are examined for the speed limit.
 LOOKED = 200
 
 
@@ -37,7 +37,7 @@ class Request:
     aim
         "target", or "max" if only points are given.
     stiff
-        Whether only points are given, and they are traps.
+        Whether the points are traps without requested pressures, which are solved for the largest stiffness.
     """
 
     array: Array
@@ -54,18 +54,18 @@ class Request:
 
     @property
     def board(self) -> dict[str, Any]:
-        """The board's quantization: as an option says, else the array's own."""
+        """The board's quantization: from the options, else the array's."""
         given = self.options.get("quantization")
         return dict((self.array.quantization if given is None else given) or {})
 
     @property
     def full(self) -> bool:
-        """Whether all drives are at full amplitude."""
+        """Whether all drives have full amplitude."""
         return self.aim == "max" and bool((self.targets > 0).any(axis=1).all())
 
 
 def solver_name(given: Any) -> Any:
-    """The name of a solver as it is known, of which case, "-" and "_" do not count; another as it is."""
+    """Return a solver's registered name for a name with other case, "-" or "_"; else the name itself."""
     if not isinstance(given, str):
         return given
 
@@ -76,7 +76,7 @@ def solver_name(given: Any) -> Any:
 
 
 def bound(rate: float, change: Any, change_rate: Any) -> float:
-    """The bound in rad a frame, given so or in rad/s."""
+    """Return the bound in rad per frame, from `change` in rad per frame or `change_rate` in rad/s."""
     if change is not None and change_rate is not None:
         raise refused("change_rate", change_rate, "change is given, too: give one of them")
     if change_rate is not None:
@@ -100,7 +100,7 @@ def request(
     aim: str | None,
     options: dict[str, Any],
 ) -> Request:
-    """Read all of it, and reject parts that do not fit."""
+    """Read all arguments of a sequence, and reject those that do not fit together."""
     if not isinstance(array, Array):
         raise TypeError(f"expected a midair.Array first, not {type(array).__qualname__}")
     frames = number("rate", rate, above=0)
@@ -112,7 +112,7 @@ def request(
     requested = np.ones(points.shape[:2]) if targets is None else np.asarray(targets)
     scene = Scene(array, points[0], **air)
     if not reported:
-        # Relative to the array's reach in the first frame.
+        # Targets of modulation and fades are relative to the array's reach in the first frame.
         requested = requested * scene.reach().level
     if aim is None:
         aim = "max" if targets is None else "target"
@@ -125,18 +125,18 @@ def request(
 
 
 def _swells(targets: NDArray[np.float64]) -> bool:
-    """Whether the targets (T, M) of the present points of a frame swell and fade together."""
+    """Return whether the sum of the targets (T, M) changes, over frames with all points present."""
     level = targets.sum(axis=1)[(targets > 0).all(axis=1)]
     return level.size > 0 and bool(level.max() > 1.01 * level.min())
 
 
 def warn_of_speed(requested: Request, phases: int | None) -> None:
-    """Warn where points move faster than the bound lets a focus follow (docs/motion.md).
+    """Warn if points move faster than a focus can follow within the bound (docs/motion.md).
 
-    On a board's grid the bound is in whole steps of its phases; where not one fits, the solver tells it.
-
-    A focus that moves by d along e between two frames turns transducer i by k d (u_i e), u_i from it to the
-    focus, of which one phase is free for all: half the spread of k d (u_i e) is needed.
+    On a board's grid the bound is a whole number of phase steps; if none fits, the solver reports that. Let a
+    focus move by d along e between two frames, and let u_i be the direction from transducer i to the focus.
+    The phase of transducer i changes by k d (u_i . e). A common phase of all transducers is free, so half the
+    spread of k d (u_i . e) is needed.
     """
     needed, speed = _needed(requested)
     step = 0.0 if phases is None else 2 * pi / phases
@@ -155,7 +155,7 @@ def warn_of_speed(requested: Request, phases: int | None) -> None:
 
 
 def _needed(requested: Request) -> tuple[float, float]:
-    """The largest bound that a point needs, and its speed, over some frames."""
+    """Return the largest bound that any point needs, over some frames, and the speed of this point."""
     points, there = requested.points, requested.targets > 0
     steps = np.arange(0 if requested.closed else 1, len(points), max((len(points) - 1) // LOOKED, 1))
     wavenumber = 2 * pi * requested.scene.frequency / requested.scene.sound_speed
@@ -173,12 +173,12 @@ def _needed(requested: Request) -> tuple[float, float]:
     return most, speed
 
 
-#: Smaller accelerations, in m/s^2, any trap can give; and the time in s over which they are averaged.
+#: Accelerations below SLIGHT m/s^2 are possible for any trap. Accelerations are averaged over WHILE s.
 SLIGHT, WHILE = 1.0, 3e-3
 
 
 def warn_of_pull(sequence: JudgedFrames) -> None:
-    """Warn where a trap cannot pull a bead as its point moves, at the most curved place of a path."""
+    """Warn if a trap cannot accelerate a bead along the path, at the most curved place."""
     scene, points = sequence.scene(0), sequence.points
     apart = max(round(WHILE * sequence.rate), 1)
     if scene.signature is None or len(points) <= 2 * apart:
@@ -204,7 +204,7 @@ def warn_of_pull(sequence: JudgedFrames) -> None:
 
 
 def sight(ahead: Any, closed: bool) -> int | None:
-    """The frames that are known in advance, None for all of them; a closed curve has to know its end."""
+    """Return the number of later frames that a solve knows, None for all. A closed curve needs all."""
     if isinstance(ahead, str) and ahead == "all":
         return None
     if isinstance(ahead, str):

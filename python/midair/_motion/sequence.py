@@ -1,4 +1,4 @@
-"""`midair.Sequence`, frames that follow one another, and `midair.Flight`: their pictures and files."""
+"""`midair.Sequence` (consecutive frames) and `midair.Flight` (tracks of beads): pictures and files."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from .picture import Panel
 
 
-#: The parts of a flight's picture.
+#: The panels of a flight's picture.
 Way = Literal["path", "distance"]
 
 
@@ -196,7 +196,7 @@ class Sequence(JudgedFrames):
             raise SceneError(f'sequence file "{name}": {error}') from error
         except FileNotFoundError:
             raise
-        # Whatever a damaged file makes zip, NumPy and JSON raise.
+        # zip, NumPy and JSON raise errors of many kinds for a damaged file.
         except Exception as error:
             raise SceneError(
                 f'sequence file "{name}" is damaged, or none: give what sequence.save wrote'
@@ -219,7 +219,7 @@ class Sequence(JudgedFrames):
 
 
 def dataset(sequence: JudgedFrames) -> Dataset:
-    """Points, targets, |p|, changes and drives over time, point and transducer."""
+    """Return points, targets, |p|, changes and drives as a dataset over time, point and transducer."""
     try:
         import xarray
     except ImportError as error:

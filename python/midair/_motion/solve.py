@@ -1,4 +1,4 @@
-"""`midair.sequence` and `midair.stream`: frames solved one after another, each within a bound of the last."""
+"""`midair.sequence` and `midair.stream`: solve frames one after another within a bound of phase change."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from .horizon import Followed, Foreseen, Found, Tracks, board_of, check, read_fr
 from .request import Request, bound, request, sight, solver_name, warn_of_pull, warn_of_speed
 from .sequence import Sequence
 
-#: Frames that a solution's modulation takes at most: as many as an AUTD3 board holds.
+#: Most frames of a modulated solution: as many as an AUTD3 board can store.
 MOST_KEPT = 1024
 
-#: Frames between two calls of progress, and in one piece of a file.
+#: Number of frames between two calls of `progress`, and in one piece of a resumed file.
 BLOCK = 1024
 
 
@@ -149,7 +149,7 @@ def sequence(
 
 
 def _made(sequence: Sequence) -> Sequence:
-    """Return a sequence, with a warning where its beads would be lost."""
+    """Return the sequence, after a warning if its traps would lose their beads."""
     warn_of_pull(sequence)
     return sequence
 
@@ -203,7 +203,7 @@ def modulated(
     by, frames = wave(frequency, shape, depth, samples_rate), number("rate", rate, above=0)
     if frames < 2 * by.finest * (1 - ROUNDING):
         raise refused("rate", rate, f"the modulation needs {2 * by.finest:g} frames a second at least")
-    # This many frames hold this many periods.
+    # `numerator` frames contain `denominator` periods.
     ratio = Fraction(frames / by.frequency).limit_denominator(1024)
     if ratio.numerator > MOST_KEPT or abs(float(ratio) * by.frequency / frames - 1) > ROUNDING:
         near = frames / max(round(frames / by.frequency), 2)
@@ -226,7 +226,7 @@ def modulated(
     )
 
 
-#: Arguments of `sequence` that a stream does not take.
+#: Arguments of `sequence` that `stream` does not accept, with the reason.
 ELSEWHERE = {
     "pressures": "a stream takes them with each frame, as a pair (points, pressures)",
     "closed": "a stream has no last frame to go on from, leave it out",

@@ -1,4 +1,4 @@
-"""Store: a sequence on its way to disk, piece after piece beside the file that is made of them."""
+"""Stores the pieces of an unfinished sequence in a folder beside its file, so that a solve can be resumed."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ from .horizon import Found
 from .request import Request
 from .sequence import Sequence
 
-#: The name of the folder beside the file.
+#: Suffix of the name of the folder.
 ENDING = ".resume"
 
-#: The name of the file with the request, and the prefix of the names of the state's arrays.
+#: Name of the file that identifies the request, and prefix of the names of the solver's state.
 REQUEST, STATE = "request", "state."
 
-#: Names of files that are ours.
+#: Names of files that this module writes.
 OWN = re.compile(r"request|\d{12}\.npz")
 
 
 def sequence_of(
     requested: Request, drives: NDArray[Any], solver: str, board: dict[str, Any] | None
 ) -> Sequence:
-    """The sequence of a request, as `solver` and `board` answer it; whatever it warns of, the request did."""
+    """Return the sequence of a request and its drives, without the warnings that were already given."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SceneWarning)
         return Sequence(
@@ -63,7 +63,7 @@ def solved(
     block: int,
     progress: Callable[[int, int], object] | None,
 ) -> Sequence:
-    """Solve the missing frames of a sequence, piece after piece, and put the file together."""
+    """Solve the missing frames of a sequence piece by piece, then join the pieces into the file."""
     target = path_of("resume", path)
     output.check(target, (".npz",))
     folder = target.with_name(target.name + ENDING)
@@ -85,7 +85,7 @@ def solved(
 
 
 def _fingerprint(requested: Request, setting: dict[str, Any], block: int) -> str:
-    """All that the bits of the answer depend on."""
+    """Return a hash of all arguments on which the result depends."""
     digest = sha256()
     for values in (requested.points, requested.targets):
         digest.update(np.ascontiguousarray(values).tobytes())
@@ -96,7 +96,7 @@ def _fingerprint(requested: Request, setting: dict[str, Any], block: int) -> str
 
 
 class Pieces:
-    """Pieces of one request in a folder: drives (frames, N) and the state from which to go on."""
+    """The pieces of one request in a folder: drives (frames, N), and the state from which to continue."""
 
     def __init__(self, folder: Path, request: str) -> None:
         self._folder = folder
@@ -104,7 +104,7 @@ class Pieces:
         path = folder / REQUEST
         with kept.refusing(path):
             other = path.read_bytes() if path.is_file() else b""
-            # A damaged name of a request is none: each piece says whose it is.
+            # A damaged request file is ignored: each piece also identifies its request.
             if re.fullmatch(rb"[0-9a-f]{64}", other) and other != request.encode():
                 raise SceneError(
                     f'resume folder "{folder}" belongs to another request: remove it, or give another file'
@@ -112,12 +112,12 @@ class Pieces:
             output.write(path, request.encode())
 
     def save(self, first: int, drives: NDArray[Any], state: dict[str, Any]) -> None:
-        """Keep the piece that begins with a frame."""
+        """Save the piece that begins with frame `first`."""
         state = {f"{STATE}{name}": np.asarray(value) for name, value in state.items()}
         kept.save(*self._named(first), {"drives": drives, **state})
 
     def load(self, first: int) -> tuple[NDArray[Any], dict[str, Any]] | None:
-        """Load the piece that begins with a frame; None where it is not there, or damaged."""
+        """Load the piece that begins with frame `first`; None if it is missing or damaged."""
         arrays = kept.load(*self._named(first))
         if arrays is None:
             return None
@@ -136,7 +136,7 @@ def _assemble(
     board: dict[str, Any] | None,
     block: int,
 ) -> None:
-    """Write the file that `Sequence.save` writes, its drives copied piece after piece."""
+    """Write the file as `Sequence.save` does, copying the drives piece by piece."""
     shape = (len(requested.points), len(requested.array))
     two = replace(requested, points=requested.points[:2], targets=np.ones(requested.targets[:2].shape))
     empty = sequence_of(two, np.ones((2, shape[1]), np.complex64), setting["solver"], board)

@@ -1,4 +1,4 @@
-"""A solution's picture: target and pressure of each point, beside its field."""
+"""Picture of a solution: target and pressure of each point, beside the field."""
 
 from __future__ import annotations
 
@@ -21,18 +21,19 @@ if TYPE_CHECKING:
     from .colours import Map
     from .sheet import Size
 
-#: The number of points for which the distance to the nearest is computed.
+#: Number of points for which the distance to the nearest other point is computed.
 SAMPLE = 200
 
-#: The factor by which the points' picture is finer than the field.
+#: Pixels of the points' picture per sample of the field, on each side.
 FINER = 4
 
-#: A scale of differences does not end below this part of that of pressures, or trifles would glare.
+#: The scale of differences extends at least to this fraction of the pressures' scale; otherwise tiny errors
+#: would look large.
 LEAST = 0.1
 
 
 def is_drawing(field: Field, quantity: Quantity, least: int) -> bool:
-    """Whether a picture shows more than marks: more points than `least`, all in the plane of the field."""
+    """Return whether a field shows a drawing: more than `least` points, all in its plane."""
     assert field.shown is not None
     return quantity in ("pressure", "radiation") and len(field.shown) > least and bool(field.shown.all())
 
@@ -40,10 +41,10 @@ def is_drawing(field: Field, quantity: Quantity, least: int) -> bool:
 def wanted_made_difference(
     figure: Figure | SubFigure, field: Field, solution: Solution, quantity: Quantity
 ) -> None:
-    """Three panels: targets, field, and their difference at the points.
+    """Draw three panels: targets, field, and their difference at the points.
 
-    Wanted and difference are known at the points alone: each is a square as wide as neighbours are apart,
-    and all else is grey.
+    Targets and difference exist only at the points. Each point is a square as wide as the distance of
+    neighbours; the rest is grey.
     """
     largest = float(solution.targets.max())
     top = max(largest, min(loud(field), HEADROOM * largest))
@@ -70,13 +71,13 @@ def wanted_made_difference(
 
 
 def at_points(values: NDArray[np.float64], nearest: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Values (M,) of the points at their places, masked where no point is near."""
+    """Return values (M,) of the points as an image, masked where no point is near."""
     shown: NDArray[np.float64] = np.ma.masked_where(nearest < 0, values[nearest])
     return shown
 
 
 def nearest_points(field: Field) -> NDArray[np.int64]:
-    """The index of the point at each pixel of a picture finer than the field, -1 where there is none."""
+    """Return the nearest point's index for each pixel of an image finer than the field; -1 for none."""
     axes = sides(field)
     u, v = (_finer(getattr(field, "xyz"[axis])) for axis in axes)
     points = field.scene.points[:, axes]
@@ -94,7 +95,7 @@ def nearest_points(field: Field) -> NDArray[np.int64]:
 
 
 def _finer(samples: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The middles of finer pixels over the same length."""
+    """Return the centres of finer pixels over the same length."""
     step = samples[1] - samples[0]
     edge, count = samples[0] - step / 2, FINER * len(samples)
     middles: NDArray[np.float64] = edge + (np.arange(count) + 0.5) * step / FINER
@@ -102,7 +103,7 @@ def _finer(samples: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _pitch(points: NDArray[np.float64]) -> float:
-    """The median distance of points (M, 2) to the nearest other."""
+    """Return the median distance of points (M, 2) to their nearest neighbours."""
     nearest = []
     for point in points[:: max(len(points) // SAMPLE, 1)]:
         away = np.hypot(*(points - point).T)
@@ -110,11 +111,11 @@ def _pitch(points: NDArray[np.float64]) -> float:
     return float(np.median(nearest))
 
 
-#: The parts of an answer's picture.
+#: The panels of a solution's picture.
 Panel = Literal["field", "points"]
 PANELS = get_args(Panel)
 
-#: More points than this are drawn as dots: bars would run together.
+#: More points than this are drawn as dots, because bars would overlap.
 MOST_BARS = 40
 
 
@@ -171,7 +172,7 @@ def answer(
             requested_and_got(solution, ax)
         return whole(ax)
     drawing = len(fields) == 1 and is_drawing(fields[0], quantity, MOST_BARS)
-    # For one point the heading contains all that a bar would show.
+    # For a single point the heading already contains the numbers of the bar.
     bars = ("points" in drawn and (panels is not None or len(solution.pressures) > 1)) or not fields
     if drawing:
         figure = sheet(12.6, 7.2, size)
@@ -206,11 +207,11 @@ def answer(
 
 
 def requested_and_got(solution: Solution, ax: Axes) -> None:
-    """|p| at each point beside its target: bars, or dots where there are many."""
+    """Draw |p| and the target of each point, as bars, or as dots if there are many."""
     from matplotlib.ticker import MaxNLocator
 
     got, targets = np.abs(solution.pressures), solution.targets
-    # Counted from 1, as everywhere where people look.
+    # Points are numbered from 1 in pictures and tables.
     index = np.arange(len(got)) + 1
     quiet = targets == 0
     for chosen, colour, label in ((~quiet, "tab:blue", "got"), (quiet, "tab:orange", "got at a quiet point")):

@@ -1,4 +1,4 @@
-"""Colours of a picture: the quantity, its unit, and the ends of the scale."""
+"""Colour scales of pictures: the quantity, its unit, and the ends of the scale."""
 
 from __future__ import annotations
 
@@ -23,31 +23,31 @@ Map: TypeAlias = "str | Colormap"
 
 Quantity = Literal["pressure", "radiation", "spl", "phase"]
 
-#: The pressure of 0 dB in air, RMS, in Pa.
+#: Reference pressure of 0 dB in air, rms, in Pa.
 REFERENCE = 20e-6
 
-#: How far below its top a level's scale ends, in dB: a thousandth of the pressure.
+#: Range of a level's scale in dB: its lower end is a thousandth of the pressure at the top.
 DEPTH = 60.0
 
-#: Below this part of the loudest pressure the phase is noise.
+#: Below this fraction of the loudest pressure, the phase is noise and is not drawn.
 FAINT = 0.01
 
-#: A picture below this part of what the points get is dark, and its title says so.
+#: A picture whose |p| is below this fraction of the points' is called dark, and its title says so.
 DARK = 1e-4
 
-#: Wavelengths around the points within which a field sets its own scale.
+#: Distance from the points, in wavelengths, within which a field determines its own scale.
 MARGIN = 2.0
 
-#: Colour maps of matplotlib; `sheet` adds those of midair.
+#: Colour maps of matplotlib by quantity. `sheet` registers those whose names begin with "midair.".
 MAPS = {"pressure": "magma", "radiation": "magma", "spl": "magma", "phase": "midair.phase"}
 
 
 @cache
 def table(name: Literal["field", "field_light", "phase"]) -> NDArray[np.uint8]:
-    """The 256 colours (256, 3) of the map of fields, matplotlib's magma, of its twin, or of phases.
+    """Return the 256 colours (256, 3) of a colour map in colours.json, which all bindings share.
 
-    The twin is for light ground: silence has the colour of the page. Phases go from -pi to pi, in colours
-    that are safe for the colour-blind. All bindings have these maps from colours.json.
+    "field" is matplotlib's magma. "field_light" is for light backgrounds: 0 has the colour of the page.
+    "phase" is cyclic from -pi to pi, in colours that colour-blind readers can tell apart.
     """
     stops = np.array(json.loads(Path(__file__).with_name("colours.json").read_text("utf-8"))[name])
     at = np.linspace(0, len(stops) - 1, 256)
@@ -57,7 +57,7 @@ def table(name: Literal["field", "field_light", "phase"]) -> NDArray[np.uint8]:
 
 @dataclass(frozen=True)
 class Colours:
-    """A colour scale: display values are `factor` times those in Pa or dB."""
+    """A colour scale. Displayed values are `factor` times those in Pa or dB."""
 
     quantity: Quantity
     bottom: float
@@ -65,25 +65,25 @@ class Colours:
     factor: float
     label: str
     extend: str
-    #: A colour map of the caller's own.
+    #: The caller's colour map, if given.
     own: Map | None = None
 
     def values(self, field: Field) -> NDArray[np.float64]:
-        """The values to draw; phases are masked where the pressure is next to nothing."""
+        """Return the values to draw. Phases are masked where the pressure is almost 0."""
         return _values(field, self.quantity) * self.factor
 
     @property
     def map(self) -> Map:
-        """The colour map, by its name unless it is the caller's."""
+        """The colour map: the caller's, or the name of the quantity's."""
         return self.own or MAPS[self.quantity]
 
     def by(self, cmap: Map) -> Colours:
-        """The same with a colour map of the caller's own."""
+        """Return a copy with the caller's colour map."""
         return replace(self, own=cmap)
 
 
 def of_pressures(field: Field, pressures: NDArray[np.float64], colours: Colours) -> NDArray[np.float64]:
-    """The display values of pressures |p| in Pa, such as targets."""
+    """Return the displayed values of pressures |p| in Pa, such as targets."""
     values = [_of_pressure(field, float(pressure), colours.quantity) for pressure in pressures]
     return np.array(values) * colours.factor
 
@@ -91,7 +91,7 @@ def of_pressures(field: Field, pressures: NDArray[np.float64], colours: Colours)
 def colours(
     fields: Sequence[Field], quantity: Quantity, *, loudest: float | None = None, vmax: float | None = None
 ) -> Colours:
-    """The scale of fields of one scene, up to |p| = `loudest` in Pa or to `vmax` in the quantity's unit."""
+    """Return the scale for fields of one scene, up to |p| = `loudest` in Pa or `vmax` in its own unit."""
     if quantity not in get_args(Quantity):
         given = " ".join(str(quantity).split())
         raise SceneError(f'quantity is "{given}": give "pressure", "radiation", "spl" or "phase"')
@@ -102,7 +102,8 @@ def colours(
         return Colours(quantity, -pi, pi, 1.0, "phase of p / rad", "neither")
     if vmax is None:
         loudest = max(map(loud, fields)) if loudest is None else loudest
-        # Of a node, such as a plane across a trap, a scale of its own would show what rounding leaves.
+        # Across a trap |p| is almost 0. The lower limit of the top prevents a scale that would show only
+        # rounding errors.
         top = _of_pressure(
             fields[0], max([loudest, *(DARK * at_points(field) for field in fields)]), quantity
         )
@@ -123,26 +124,26 @@ def colours(
 
 
 def at_points(field: Field) -> float:
-    """The largest |p| that the solution of a field makes at a point, in Pa; 0 of a bare drive."""
+    """Return the largest |p| at a point in Pa, 0 for a drive without a solution."""
     solution = field.solution
     return 0.0 if solution is None else float(np.abs(solution.pressures).max(initial=0.0))
 
 
 def is_dark(field: Field) -> bool:
-    """Whether a picture has next to nothing of what the points get."""
+    """Return whether |p| in a picture is almost 0 compared with |p| at the points."""
     return float(np.abs(field.pressure).max()) < DARK * at_points(field)
 
 
 def loud(field: Field) -> float:
-    """The largest |p| of a picture in Pa.
+    """Return the largest |p| of a picture in Pa, without the surroundings of a transducer.
 
-    Beside a transducer 1/r outshines every focus: what is more than twice as loud as all within two
-    wavelengths of the points does not count.
+    Near a transducer 1/r exceeds every focus. So values above twice the largest |p| within two wavelengths of
+    the points do not count.
     """
     assert field.plane is not None
     pressure = np.abs(field.pressure)
     assert field.shown is not None
-    # Of points that are all off the plane, where they project.
+    # If no point lies in the plane, the projections of all points count.
     points = field.scene.points[field.shown if field.shown.any() else slice(None)]
     margin = MARGIN * field.scene.wavelength
     whole = float(pressure.max())
@@ -160,7 +161,7 @@ def loud(field: Field) -> float:
 def _values(field: Field, quantity: Quantity) -> NDArray[np.float64]:
     pressure: NDArray[np.float64] = np.abs(field.pressure).astype(np.float64)
     if quantity == "radiation":
-        # The quantity that the paper draws: its unit is no pascal, and has no density.
+        # The paper draws |p|^2; its unit is not the pascal, and it has no density.
         return pressure**2 if field.scene.in_paper_unit else field.radiation
     if quantity == "pressure":
         return pressure
@@ -172,12 +173,12 @@ def _values(field: Field, quantity: Quantity) -> NDArray[np.float64]:
 
 
 def _zero_decibel(field: Field) -> float:
-    """The peak pressure of 0 dB: 20 uPa RMS; of the paper's unit, which is no pascal, 1."""
+    """Return the peak pressure of 0 dB: 20 uPa rms, or 1 in the paper's unit, which is not the pascal."""
     return 1.0 if field.scene.in_paper_unit else REFERENCE * sqrt(2)
 
 
 def _of_pressure(field: Field, pressure: float, quantity: Quantity) -> float:
-    """The quantity where |p| is `pressure`."""
+    """Return the quantity's value at |p| = `pressure`."""
     if quantity == "radiation":
         scene = field.scene
         return pressure**2 / (1.0 if scene.in_paper_unit else scene.density * scene.sound_speed**2)
@@ -187,7 +188,7 @@ def _of_pressure(field: Field, pressure: float, quantity: Quantity) -> float:
 
 
 def _unit(quantity: Quantity, top: float, paper: bool) -> tuple[float, str]:
-    """The factor and label that keep the colour bar's numbers short."""
+    """Return factor and label with which the colour bar's numbers are short."""
     if quantity == "spl":
         return 1.0, "|p| / dB re the paper's unit" if paper else "sound pressure level / dB re 20 µPa"
     if paper:

@@ -1,4 +1,4 @@
-"""Display in notebooks: arrays, scenes, solutions, fields, sequences and the list of solvers as HTML."""
+"""Display in notebooks (HTML): arrays, scenes, solutions, fields, sequences and the list of solvers."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from .._midair import Array, Batch, Field, Scene, SceneWarning, Solution, Solver
 from .._support.text import counted
 from .colours import loud, table
 
-#: The picture's longer side, in its own units; a unit is a thousandth of what it shows.
+#: Longer side of a picture in SVG units.
 SIDE = 1000
 
-#: The most points and corners of trails that are drawn; of more of them every second, third, ...
+#: Most points, and most corners of paths, in a picture; of more, every second, third, ... is drawn.
 MOST_POINTS, MOST_CORNERS = 200, 400
 
-#: The most transducers that are drawn; of more of them one in each square of this many units.
+#: Most dots for transducers in a picture; of more transducers, one in each square of SQUARE units is drawn.
 MOST_DOTS, SQUARE = 1500, 25
 
-#: Colours that are visible on a light and on a dark page.
+#: Colours that are visible on light and on dark pages.
 POINT, QUIET = "#e0662e", "#3b8fd4"
 
-#: Radius of the rings of up to this many points, in units; of more the rings cover as much together.
+#: Radius of a ring in units for up to LARGE points; more points have smaller rings with the same total area.
 RING, LARGE = 22, 12
 
 
@@ -42,16 +42,16 @@ def above(
     got: ArrayLike | None = None,
     drive: NDArray[np.complex64] | None = None,
 ) -> str:
-    """Rings at the points (M, 3) in m over the dots of the transducers.
+    """Return an SVG: rings at the points (M, 3) in m, and dots at the transducers, from above.
 
     Parameters
     ----------
     quiet
-        Which points (M,) are to be silent; they are drawn in blue.
+        (M,) bool: which points are to be silent; they are blue.
     got
-        |p| / target (M,), whose share of each ring is filled: the disc's radius is that part of the ring's.
+        |p| / target (M,): the radius of a filled disc, relative to its ring.
     drive
-        (N,), whose phases colour the transducers; those that are off stay grey.
+        (N,): the phases give the transducers' colours; those that are off stay grey.
     """
     view = _View(array, points)
     chosen = slice(None, None, -(-len(points) // MOST_POINTS))
@@ -69,7 +69,7 @@ def above(
 
 
 def trails(array: Array, points: NDArray[np.float64], closed: bool) -> str:
-    """The ways of points (T, M, 3) in m over the dots of the transducers, a ring where each begins."""
+    """Return an SVG of the paths of points (T, M, 3) in m over the transducers; a ring marks each start."""
     view = _View(array, points.reshape(-1, 3))
     shown = points[:, : MOST_POINTS // 2]
     every = max(1, -(-shown.shape[0] * shown.shape[1] // MOST_CORNERS))
@@ -85,7 +85,7 @@ def trails(array: Array, points: NDArray[np.float64], closed: bool) -> str:
 
 
 def radius(count: int) -> int:
-    """Of the rings of this many points, in units."""
+    """Return the radius of rings, in units, for this number of points."""
     return round(RING * min(1.0, math.sqrt(LARGE / max(count, 1))))
 
 
@@ -99,12 +99,12 @@ def _circle(place: NDArray[np.int_], size: int) -> str:
 
 
 class _View:
-    """The visible part: a box around array and points, in whole units with y down."""
+    """The visible area: a box around array and points, in integer units with y down."""
 
     def __init__(self, array: Array, points: NDArray[np.float64]) -> None:
         everything = np.vstack([array.positions[:, :2], points[:, :2]])
         least, most = everything.min(axis=0), everything.max(axis=0)
-        # A single point, or transducers in one line, have room around them, too.
+        # A margin also for a single point or transducers on one line, whose box would have no area.
         room = max(float((most - least).max()), 1e-3)
         edge = 0.06 * room
         self._corner = np.array([least[0] - edge, most[1] + edge])
@@ -114,12 +114,12 @@ class _View:
         self._array = array
 
     def place(self, points: NDArray[np.float64]) -> NDArray[np.int_]:
-        """Points in m as (x, y) in units."""
+        """Return points in m as (x, y) in units."""
         units = (points[:, :2] - self._corner) * self._scale * np.array([1, -1])
         return np.asarray(np.rint(units).astype(int))
 
     def drawn(self, marks: str, title: str, drive: NDArray[np.complex64] | None = None) -> str:
-        """The picture with marks over the transducers' dots, in the colours of their phases."""
+        """Return the picture: marks over the transducers' dots, which have the colours of their phases."""
         dots = self.place(self._array.positions)
         kept = np.arange(len(dots))
         if len(dots) > MOST_DOTS:
@@ -133,7 +133,7 @@ class _View:
             colours = [bytes(colour).hex() for colour in table("phase")[:: 256 // HUES]]
             strokes = [f'stroke="#{colour}"' for colour in colours[:HUES]]
             strokes.append('stroke="currentColor" stroke-opacity=".15"')
-            # Next to one another where they stand in a grid.
+            # Dots as wide as the distance between neighbours in a grid.
             wide = int(np.clip(0.7 * np.sqrt(np.prod(self._size) / len(dots)), 6, 60))
             path = "".join(_dots(dots[hues == hue], wide, strokes[hue]) for hue in np.unique(hues))
         width, height = self._size
@@ -144,26 +144,26 @@ class _View:
         )
 
 
-#: Colours of phases in the picture of an array.
+#: Number of colours of phases in the picture of an array.
 HUES = 32
 
 
 def _dots(dots: NDArray[np.int_], wide: int, stroke: str) -> str:
-    """Dots of one colour: each is a line of no length with round ends, from the one before."""
+    """Return dots of one colour as a path: each is a line of length 0 with round ends."""
     steps = np.diff(dots, axis=0, prepend=[[0, 0]])
     path = "".join(f"m{x} {y}h0" for x, y in steps)
     return f'<path d="{path}" {stroke} stroke-width="{wide}" stroke-linecap="round"/>'
 
 
-#: The side of a slice in pixels on the page, and its most samples a side.
+#: Side of a slice in pixels on the page, and its most samples per side.
 SLICE, SAMPLES = 200, 100
 
-#: No slice where that many products, transducers x samples, would keep a cell waiting.
+#: Most products (transducers x samples) for which a slice is computed: a notebook cell must not wait long.
 PRODUCTS = 2e8
 
 
 def slice_of(field: Field) -> str:
-    """|p| of a field in its plane, with its points, axes and bar, as SVG of some 15 kB."""
+    """Return |p| of a field in its plane with points, axes and colour bar, as an SVG of about 15 kB."""
     pressure = np.abs(field.pressure)
     plane = field.plane
     assert plane is not None
@@ -197,9 +197,9 @@ def slice_of(field: Field) -> str:
 
 
 def _image(shades: NDArray[np.uint8]) -> str:
-    """A PNG of the field's colours (rows, columns), as the address of an image."""
+    """Return a PNG of shades (rows, columns) in the field's colours, as a data URL."""
     height, width = shades.shape
-    # PNG has a filter byte before each row: 0 means "none".
+    # In PNG a filter byte precedes each row; 0 means "none".
     rows = np.pad(shades, ((0, 0), (1, 0))).tobytes()
     parts = {
         b"IHDR": struct.pack(">IIBBBBB", width, height, 8, 3, 0, 0, 0),
@@ -215,12 +215,12 @@ def _image(shades: NDArray[np.uint8]) -> str:
     return f"data:image/png;base64,{text}"
 
 
-#: The most rows shown of a list of points or problems.
+#: Most rows of a list of points or problems.
 MOST = 12
 
 
 class Solvers(dict[str, SolverInfo]):
-    """The solvers by name: a dictionary that prints one a line."""
+    """The solvers by name: a dictionary whose text has one solver per line."""
 
     def __repr__(self) -> str:
         width = max(map(len, self), default=0)
@@ -249,7 +249,7 @@ def solvers() -> Solvers:
 
 
 def array(array: Array) -> str:
-    """An array: its size, transducers and board."""
+    """Return the HTML of an array: its size, transducers and board."""
     extent = " x ".join(f"{size:.4g}" for size in 1e3 * np.ptp(array.positions, axis=0))
     directivity = array.directivity
     if not isinstance(directivity, str):
@@ -270,7 +270,7 @@ def array(array: Array) -> str:
 
 
 def scene(scene: Scene) -> str:
-    """A scene: its air, its array and its points, and where they are."""
+    """Return the HTML of a scene: its air, its array, its points and a picture."""
     pressures, weights = scene.pressures, scene.weights
     rows = [
         (
@@ -297,10 +297,10 @@ def scene(scene: Scene) -> str:
 
 
 def solution(solution: Solution) -> str:
-    """A solution: status, metrics, and targets and pressures of the points.
+    """Return the HTML of a solution: status, metrics, targets and pressures of the points, and pictures.
 
-    In its picture the ring of a point is its target, the disc in it its pressure, and the colour of a
-    transducer its phase; beside it stands |p| in the plane through the points.
+    In the first picture a ring is a point's target, the disc in it its pressure, and the colour of a
+    transducer its phase. The second one shows |p| in the plane through the points.
     """
     got, targets = np.abs(solution.pressures), solution.targets
     rows = [
@@ -322,18 +322,18 @@ def solution(solution: Solution) -> str:
 
 
 def _slice(solution: Solution) -> str:
-    """The slice through a solution's points, the first where there are several."""
+    """Return the slice through a solution's points; the first one if the points lie in several planes."""
     scene = solution.scene
     if scene is None or len(scene.array) * SAMPLES**2 > PRODUCTS:
         return ""
     with warnings.catch_warnings():
-        # Probable mistakes were reported when the scene was solved.
+        # The solve has already warned of probable mistakes.
         warnings.simplefilter("ignore", SceneWarning)
         return slice_of(_midair.field(scene, solution))
 
 
 def field(field: Field) -> str:
-    """A field: where it is, how loud, and its picture where it has a plane."""
+    """Return the HTML of a field: its plane, its largest |p| and, if it has a plane, a picture."""
     loudest = f"{np.abs(field.pressure).max():.4g}{'' if field.scene.in_paper_unit else ' Pa'}"
     if field.plane is None:
         return _facts(("midair.Field", f"at {field.pressure.size} points"), ("loudest", loudest))
@@ -350,12 +350,12 @@ def field(field: Field) -> str:
 def sequence(
     array: Array, points: NDArray[np.float64], closed: bool, facts: Iterable[tuple[str, object]]
 ) -> str:
-    """A sequence: its facts, and the ways of its points (T, M, 3)."""
+    """Return the HTML of a sequence: its properties and the paths of its points (T, M, 3)."""
     return _facts(*facts) + trails(array, points, closed)
 
 
 def batch(batch: Batch) -> str:
-    """A batch: how good its problems are, in the mean and at the worst."""
+    """Return the HTML of a batch: mean, least and largest metrics of its problems."""
     rows = [
         (name, f"{values.mean():.4f}", f"{values.min():.4f}", f"{values.max():.4f}")
         for name, values in batch.metrics.asdict().items()
@@ -373,13 +373,13 @@ def _count(table: object) -> int:
 
 
 def _facts(*rows: tuple[str, object]) -> str:
-    """A table of names and values."""
+    """Return an HTML table of names and values."""
     cells = (f"<tr><th>{_cell(name)}</th><td>{_cell(value)}</td></tr>" for name, value in rows)
     return f"<table>{''.join(cells)}</table>"
 
 
 def _table(rows: Sequence[Iterable[object]], names: Sequence[str], count: int | None = None) -> str:
-    """A table with a head; of `count` rows the first ones."""
+    """Return an HTML table with a head; `count` is the number of all rows, also of those left out."""
     head = "".join(f"<th>{_cell(name)}</th>" for name in names)
     body = "".join(f"<tr>{''.join(f'<td>{_cell(cell)}</td>' for cell in row)}</tr>" for row in rows)
     more = 0 if count is None else count - len(rows)

@@ -1,4 +1,4 @@
-"""One panel: the image of a field in its plane, with the points marked."""
+"""One panel: the image of a field in its plane, with marks at the points."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ if TYPE_CHECKING:
 
     from .colours import Map
 
-#: Sines of the angle between a wall and a plane below which they count as parallel.
+#: A wall and a plane are parallel if the sine of their angle is below this.
 PARALLEL = 1e-9
 
-#: Arrows of the force around a trap: so far to each side, in wavelengths, and this many.
+#: Force arrows around a trap: range to each side in wavelengths, and number of arrows per side.
 ARROWS, ACROSS = 0.6, 9
 
-#: Edges of points.
+#: Edge colour of the points' marks.
 POINT = "deepskyblue"
 
-#: Lines of rigid and soft surfaces.
+#: Line styles of rigid and soft surfaces.
 STYLES = {"rigid": "-", "soft": "--"}
 COLOUR = "orange"
 WIDTH = 1.5
 
 
 def outline(field: Field, ax: Axes, axes: tuple[int, int]) -> None:
-    """A line where an obstacle cuts the plane, solid of a rigid one and dashed of a soft one."""
+    """Draw a line where an obstacle cuts the plane: solid for a rigid one, dashed for a soft one."""
     plane = field.plane
     assert plane is not None
     for obstacle in field.scene.obstacles:
@@ -50,7 +50,7 @@ def _wall(wall: Wall, plane: Plane, ax: Axes, axes: tuple[int, int]) -> None:
     steep = float(across @ across)
     if steep < PARALLEL**2:
         return
-    # The foot of the plane's origin on the line n . (x - point) = 0.
+    # Nearest place to the plane's origin on the line n . (x - point) = 0.
     away = float(normal @ wall.point) - normal["xyz".index(plane.axis)] * plane.at
     foot = across * away / steep * 1e3
     along = foot + np.array([-across[1], across[0]]) / np.sqrt(steep)
@@ -77,7 +77,7 @@ def _mesh(mesh: Mesh, plane: Plane, ax: Axes, axes: tuple[int, int]) -> None:
     above = heights >= 0
     cut = above.any(1) & ~above.all(1)
     corners, heights, above = corners[cut], heights[cut], above[cut]
-    # Of each face that is cut one corner lies alone on its side.
+    # Each face that is cut has one corner alone on one side of the plane.
     alone = np.where(above.sum(1) == 1, above.argmax(1), (~above).argmax(1))
     faces = np.arange(len(corners))
     ends = []
@@ -91,19 +91,19 @@ def _mesh(mesh: Mesh, plane: Plane, ax: Axes, axes: tuple[int, int]) -> None:
     ax.add_collection(LineCollection(list(lines), colors=COLOUR, linewidths=WIDTH, linestyles=style))
 
 
-#: How each kind is drawn; others are left out.
+#: The function that draws each kind of obstacle; other kinds are not drawn.
 OUTLINES: dict[type, Callable[..., None]] = {Wall: _wall, Sphere: _sphere, Mesh: _mesh}
 
 
 def is_shared(fields: Sequence[Field]) -> bool:
-    """Whether all fields have one frame, so that their labels stand once a row and column."""
+    """Return whether all fields have one plane, so that axis labels appear once per row and column."""
     return (
         len({(field.plane.axis, field.plane.size, field.plane.center) for field in fields if field.plane}) < 2
     )
 
 
 def shape(fields: Sequence[Field]) -> tuple[int, int]:
-    """Columns and rows of the fields' panels: of traps each has a column."""
+    """Return the columns and rows of the panels. Each trap has a column of its own."""
     count = len(fields)
     traps = count > 2 and not is_shared(fields) and fields[0].scene.signature is not None
     columns = count // 2 if traps else min(count, 4)
@@ -111,24 +111,24 @@ def shape(fields: Sequence[Field]) -> tuple[int, int]:
 
 
 def grid(figure: Figure | SubFigure, fields: Sequence[Field], columns: int | None = None) -> list[Axes]:
-    """Axes for the panel of each field."""
+    """Return axes for the panel of each field."""
     count, shared = len(fields), is_shared(fields)
     columns = columns or shape(fields)[0]
     rows = -(-count // columns)
     axes = figure.subplots(rows, columns, sharex=shared, sharey=shared, squeeze=False).flatten()
     for k, ax in enumerate(axes):
         ax.set_visible(k < count)
-        # The lowest panel of a column need not be in the lowest row.
+        # The lowest panel of a column may be in the last row but one.
         ax.tick_params(labelbottom=not shared or k + columns >= count)
     return list(axes[:count])
 
 
 def draw(field: Field, ax: Axes, colours: Colours) -> AxesImage:
-    """The image and the points of a field."""
+    """Draw the image and the points of a field."""
     values = colours.values(field)
     image = paint(field, ax, values, colours.map, (colours.bottom, colours.top))
     if colours.quantity != "phase":
-        # Between samples a focus is smooth; a phase jumps by a turn.
+        # The pressure is smooth between samples; a phase jumps by 2 pi, so it must not be interpolated.
         image.set_interpolation("bicubic")
     _mark(ax, field, sides(field))
     if colours.quantity != "phase":
@@ -137,7 +137,10 @@ def draw(field: Field, ax: Axes, colours: Colours) -> AxesImage:
 
 
 def _push(ax: Axes, field: Field, axes: tuple[int, int]) -> None:
-    """Arrows of Gor'kov's force on a small bead around each trap of an upright plane, as long as its root."""
+    """Draw the force on a small bead (Gor'kov) around each trap in a vertical plane.
+
+    The length of an arrow is the root of the force.
+    """
     scene, solution = field.scene, field.solution
     if solution is None or not words.has_arrows(field):
         return
@@ -164,7 +167,7 @@ def _push(ax: Axes, field: Field, axes: tuple[int, int]) -> None:
 
 
 def sides(field: Field) -> tuple[int, int]:
-    """Which coordinates run across and up a field's plane."""
+    """Return the axes (0 to 2) that run across and up a field's plane."""
     assert field.plane is not None
     across, up = (axis for axis in range(3) if "xyz"[axis] != field.plane.axis)
     return across, up
@@ -173,14 +176,14 @@ def sides(field: Field) -> tuple[int, int]:
 def paint(
     field: Field, ax: Axes, values: NDArray[np.float64], colour_map: Map, ends: tuple[float, float]
 ) -> AxesImage:
-    """An image in the plane of a field, with its obstacles.
+    """Draw values as an image in the plane of a field, with its obstacles.
 
     Parameters
     ----------
     values
         (pixels, pixels).
     ends
-        Those at the ends of the colour map.
+        Values at the two ends of the colour map.
     """
     across, up = ("xyz"[axis] for axis in sides(field))
     u, v = (getattr(field, name) * 1e3 for name in (across, up))
@@ -194,11 +197,11 @@ def paint(
         vmax=ends[1],
         interpolation="nearest",
     )
-    # The background shows where |p| is too small for a phase.
+    # The grey background is visible where |p| is too small for a phase.
     ax.set_facecolor("lightgrey")
     ax.set(xlim=(u[0] - edge, u[-1] + edge), ylim=(v[0] - edge, v[-1] + edge))
     outline(field, ax, sides(field))
-    # Inside a row or column that shares its axes the neighbours' labels will do.
+    # Panels with shared axes are labelled only at the left and at the bottom.
     if ax.xaxis.get_tick_params()["labelbottom"]:
         ax.set_xlabel(f"{across} / mm")
     if ax.yaxis.get_tick_params()["labelleft"]:
@@ -207,7 +210,7 @@ def paint(
 
 
 def add_bar(image: AxesImage, axes: Sequence[Axes], colours: Colours) -> None:
-    """The colour bar of some panels."""
+    """Add a colour bar for some panels."""
     one = len(axes) == 1
     bar = axes[0].figure.colorbar(
         image,
@@ -222,7 +225,7 @@ def add_bar(image: AxesImage, axes: Sequence[Axes], colours: Colours) -> None:
 
 
 def _mark(ax: Axes, field: Field, axes: tuple[int, int]) -> None:
-    """Dots at the points of the plane, rings at those off it, crosses at quiet ones; fainter off it."""
+    """Mark the points: dots in the plane, rings off it, crosses at quiet points; fainter off the plane."""
     points, shown = field.scene.points, field.shown
     assert shown is not None
     quiet = words.quiet(field)

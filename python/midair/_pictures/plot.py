@@ -1,4 +1,4 @@
-"""Pictures: a field in the planes through its points, and the fields of several solutions side by side."""
+"""Pictures of fields: in the planes through the points, and of several solutions side by side."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class OwnPicture(Protocol):
-    """An object that draws its own figure, such as a `midair.Sequence`."""
+    """Protocol of objects that draw their own figure, such as a `midair.Sequence`."""
 
     def plot(self, ax: Axes | None = None) -> Figure: ...
 
@@ -132,7 +132,7 @@ def plot(
 
 
 def _own(what: Any, given: dict[str, Any], quantity: Quantity) -> Figure:
-    """The picture that a thing draws of itself, with the arguments that were given."""
+    """Return the figure that an object's own `plot` draws, with the arguments that the caller gave."""
     kind = type(what).__qualname__
     if not callable(getattr(what, "plot", None)):
         kinds = "a midair.Field, midair.Solution or midair.Sequence"
@@ -149,7 +149,7 @@ def _own(what: Any, given: dict[str, Any], quantity: Quantity) -> Figure:
 
 
 def _window(panels: Sequence[Field], size: Size | None) -> list[Axes]:
-    """Pyplot's present axes if they are empty, else new ones for each panel."""
+    """Return pyplot's current axes if they are empty, else new ones for each panel."""
     import matplotlib.pyplot as plt
 
     from .sheet import sheet
@@ -189,14 +189,14 @@ def picture(
 
 
 def title(ax: Axes, field: Field, lines: Sequence[str] = ()) -> None:
-    """Which plane axes show, below lines of a heading; a journal has a caption in their place."""
+    """Write the plane's name above a panel, below the lines of a heading. Journal styles have no heading."""
     from .sheet import holding
 
     above = lines if holding() is None else []
     ax.set_title("\n".join([*above, place(field)]), fontsize="medium", wrap=True)
 
 
-#: The scale ends at most at this multiple of the largest target; an arrow shows that there are higher values.
+#: Largest ratio of the scale's top to the largest target; the colour bar has an arrow if values are higher.
 HEADROOM = 1.5
 
 
@@ -209,9 +209,9 @@ def contact_sheet(
     cmap: Map | None = None,
     size: Size | None = None,
 ) -> Figure:
-    """The field of each solution: a panel, or a row of panels where the points lie in several planes.
+    """Draw the field of each solution: one panel, or a row of panels if the points lie in several planes.
 
-    Axes of the caller's own hold one panel: the first of the first field.
+    Axes given by the caller get one panel: the first of the first field.
     """
     from .sheet import head, holding, sheet, whole
 
@@ -237,10 +237,10 @@ def contact_sheet(
 
 
 def common_top(rows: Sequence[Sequence[Field]]) -> float:
-    """The |p| at the top of everybody's scale, in Pa.
+    """Return |p| at the top of the common scale, in Pa.
 
-    It is the loudest panel's, unless that is far above the targets: one method that overshoots would make all
-    others black. Where most do, their median sets it.
+    It is the loudest panel's, unless that is far above the targets: then one method that overshoots would
+    make all others black. If most methods overshoot, their median is the top.
     """
     tops = [max(map(loud, row)) for row in rows]
     targets = [solution.targets.max() for row in rows if (solution := row[0].solution) is not None]

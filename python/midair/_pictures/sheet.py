@@ -1,6 +1,6 @@
-"""The sheet that a picture is drawn on: its size, a journal's style, its panels and its fonts.
+"""Figures: their size, journal styles, choice of panels, and fonts.
 
-Drawing imports this module, and `import midair` does not: it loads matplotlib.
+Only drawing imports this module, because it loads matplotlib; `import midair` does not.
 """
 
 from __future__ import annotations
@@ -19,25 +19,25 @@ from matplotlib.figure import Figure
 from .._midair import SceneError
 from .colours import MAPS, Map, table
 
-#: Width in inches, or width and height.
+#: Size of a figure in inches: width, or width and height.
 Size = float | tuple[float, float]
 
 Name = TypeVar("Name", bound=str)
 
-#: Letters of a file as TrueType fonts and as text: journals refuse Type 3 fonts and outlines.
+#: Fonts of a saved file: text in TrueType. Journals reject Type 3 fonts and letters as outlines.
 FONTS: dict[Any, Any] = {"pdf.fonttype": 42, "ps.fonttype": 42, "svg.fonttype": "none"}
 
 
 @dataclass(frozen=True)
 class Style:
-    """How a journal wants figures.
+    """A journal's rules for figures.
 
     Attributes
     ----------
     columns
         Widths of one column and of a page in inches.
     settings
-        Matplotlib's; a style holds while figure.figsize is its own.
+        Matplotlib's settings. The style is active while matplotlib's figure.figsize equals the one in here.
     """
 
     columns: tuple[float, float]
@@ -52,7 +52,7 @@ STYLES = {
             **FONTS,
             "figure.figsize": [3.5, 2.625],
             "font.family": ["serif"],
-            # matplotlib brings STIX along, whose letters are those of Times.
+            # matplotlib includes STIX, whose letters look like those of Times.
             "font.serif": ["Times New Roman", "STIXGeneral"],
             "mathtext.fontset": "stix",
             "font.size": 8.0,
@@ -120,22 +120,22 @@ def style(name: str) -> AbstractContextManager[object]:
 
 
 def holding() -> Style | None:
-    """The style that holds."""
+    """Return the active style, None if there is none."""
     size = list(rcParams["figure.figsize"])
     return next((style for style in STYLES.values() if style.settings["figure.figsize"] == size), None)
 
 
 class Sheet(Figure):
-    """A figure whose files have TrueType fonts and text."""
+    """A figure that is saved with TrueType fonts and text."""
 
     def savefig(self, *arguments: Any, **keywords: Any) -> None:
-        """Write the figure, as matplotlib does."""
+        """Save the figure, as matplotlib does."""
         with rc_context(FONTS):
             super().savefig(*arguments, **keywords)
 
 
 def head(figure: Figure, *lines: str) -> None:
-    """The lines above all panels, those that are not empty; a journal has a caption in their place."""
+    """Write the lines that are not empty above all panels. Journal styles have no heading."""
     if holding() is None:
         figure.suptitle("\n".join(filter(None, lines)), fontsize="medium", wrap=True)
 
@@ -143,17 +143,19 @@ def head(figure: Figure, *lines: str) -> None:
 def sheet(
     width: float, height: float, size: Size | None = None, make: Callable[..., Any] | None = None
 ) -> Sheet:
-    """A new sheet of `size`, else as wide as the style's column or page, else of width and height in inches.
+    """Return a new figure of `size`; by default as wide as the style's column or page, else `width`.
 
     Parameters
     ----------
+    width, height
+        Size in inches without a style.
     make
-        Pyplot's `figure`, where the picture is to have a window.
+        Pyplot's `figure`, if the picture needs a window.
 
     Raises
     ------
     SceneError
-        For another size.
+        For an invalid size.
     """
     style = holding()
     if size is None:
@@ -172,9 +174,9 @@ def sheet(
 
 
 def chosen(panels: Name | Iterable[Name] | None, known: Sequence[Name], ax: Axes | None = None) -> list[Name]:
-    """The panels to be drawn, left out all; axes of the caller's own hold one, left out the first.
+    """Return the panels to draw, by default all; for the caller's axes one, by default the first.
 
-    Raises SceneError for another name, and for several in one axes.
+    Raises SceneError for an unknown name, and for several panels in one pair of axes.
     """
     names = [panels] if isinstance(panels, str) else list(known if panels is None else panels)
     if not names or set(names) - set(known):
@@ -192,7 +194,7 @@ colormaps.register(ListedColormap(table("field_light") / 255, "midair.light"), f
 
 
 def colour_map(cmap: Map | None, own: str) -> Map:
-    """A colour map of the caller's, left out our own. Raises SceneError for a name that matplotlib lacks."""
+    """Return the caller's colour map, by default `own`; raises SceneError for an unknown name."""
     if cmap is None:
         return own
     if not isinstance(cmap, Colormap) and cmap not in colormaps:
@@ -201,7 +203,7 @@ def colour_map(cmap: Map | None, own: str) -> Map:
 
 
 def whole(ax: Axes) -> Figure:
-    """The figure that axes of the caller's own belong to."""
+    """Return the figure that contains the caller's axes."""
     figure = ax.get_figure(root=True)
     assert figure is not None
     return figure

@@ -1,4 +1,4 @@
-"""Titles of pictures: solver, targets, level and plane."""
+"""Texts of pictures: solver, targets, level and plane."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .colours import is_dark
 
 
 def heading(fields: Sequence[Field]) -> list[str]:
-    """The lines above a field in some planes: its solver, targets and level, the meaning of the marks."""
+    """Return the lines above a field: its solver, its targets and level, and the meaning of the marks."""
     solution, scene = fields[0].solution, fields[0].scene
     if solution is not None:
         lines = [solver(solution), reported(solution, scene)]
@@ -22,13 +22,13 @@ def heading(fields: Sequence[Field]) -> list[str]:
 
 
 def quiet(field: Field) -> NDArray[np.bool_]:
-    """Which of the points (M,) are to be quiet."""
+    """Return (M,) bool: which points have the target 0."""
     targets = field.scene.pressures if field.solution is None else field.solution.targets
     return np.zeros(len(field.scene.points), dtype=bool) if targets is None else targets == 0
 
 
 def has_arrows(field: Field) -> bool:
-    """Whether the force on a bead is drawn: in upright planes through traps, without bodies."""
+    """Return whether force arrows are drawn: in vertical planes through traps, without spheres or meshes."""
     scene, plane = field.scene, field.plane
     bodies = any(not isinstance(obstacle, Wall) for obstacle in scene.obstacles)
     trapped = field.solution is not None and scene.signature is not None and not bodies
@@ -36,7 +36,7 @@ def has_arrows(field: Field) -> bool:
 
 
 def marks(fields: Sequence[Field]) -> str:
-    """The meaning of rings and crosses, if there are any, and the number of points without a plane."""
+    """Return the meaning of rings and crosses, and the number of points that lie in no plane."""
     shown = np.array([field.shown for field in fields])
     dark = all(map(is_dark, fields))
     silent = quiet(fields[0])
@@ -52,7 +52,7 @@ def marks(fields: Sequence[Field]) -> str:
 
 
 def solver(solution: Solution) -> str:
-    """The solver and those of its options that change a picture most, where they are not its defaults."""
+    """Return the solver's name and those important options that differ from its defaults."""
     info = solvers().get(solution.solver)
     options = {key: solution.options.get(key) for key in ("phases", "amplitudes", "order", "limit")}
     given = (
@@ -64,29 +64,29 @@ def solver(solution: Solution) -> str:
 
 
 def reported(solution: Solution, scene: Scene | None) -> str:
-    """Targets, level and scale of a solution."""
+    """Return targets, level and scale of a solution."""
     return f"{requested(solution.targets, scene)}, {level(solution)}{scale(solution)}"
 
 
 def level(solution: Solution) -> str:
-    """The level."""
+    """Return the level as text."""
     return f"level {number(solution.metrics.level)}"
 
 
 def number(value: float) -> str:
-    """A metric: three decimals, or a few digits of what is very large or small."""
+    """Return a metric as text: three decimals, or few significant digits if it is very large or small."""
     if value == 0 or 1e-3 <= value < 100:
         return f"{value:.3f}"
     return f"{value:.3g}" if value > 1 else f"{value:.1g}"
 
 
 def scale(solution: Solution) -> str:
-    """The scale, where it is not 1."""
+    """Return the scale as text, "" if it is 1."""
     return "" if solution.scale == 1 else f", scale {solution.scale:.3g}"
 
 
 def requested(targets: ArrayLike, scene: Scene | None) -> str:
-    """The targets above 0, and how many are to be quiet."""
+    """Return the range of the targets above 0, and the number of quiet points."""
     targets = np.asarray(targets, dtype=float)
     received = targets[targets > 0]
     silent = f"{targets.size - received.size} quiet" if received.size < targets.size else ""
@@ -99,7 +99,7 @@ def requested(targets: ArrayLike, scene: Scene | None) -> str:
 
 
 def place(field: Field) -> str:
-    """Which plane it is, and how many of the points lie in it where not all do."""
+    """Return the plane as text, and how many points lie in it if not all do."""
     plane, shown = field.plane, field.shown
     assert plane is not None
     assert shown is not None
