@@ -1,14 +1,14 @@
-//! Aim: meet the targets ("target"), or as loud as the array can ("max").
+//! Aim of a request: reach the target pressures ("target"), or the highest level that the array can make ("max").
 
 use crate::scene::words;
 
-/// The level that `uniform` and `best` give the points.
+/// Which level the methods `uniform` and `best` give the points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(clippy::exhaustive_enums, reason = "the two of docs/requests.md")]
 pub enum Aim {
-    /// Meet the targets, and never exceed them.
+    /// Reach the target pressures, and never exceed them.
     Target,
-    /// The highest level of the array, with the ratios kept.
+    /// The highest level that the array can make, with the targets' ratios unchanged.
     Max,
 }
 

@@ -1,4 +1,4 @@
-//! Air: sound speed, density and absorption by temperature, humidity and air pressure (ISO 9613-1).
+//! Air: sound speed, density and absorption as functions of temperature, humidity and air pressure (ISO 9613-1).
 
 use alloc::format;
 
@@ -9,20 +9,20 @@ use crate::scene::medium::Medium;
 /// 0 degrees C, in K.
 const ZERO: f64 = 273.15;
 
-/// The air pressure of the standard in Pa, which is that of air where none is given.
+/// The standard air pressure in Pa (1 atm), used where none is given.
 const STANDARD: f64 = 101_325.0;
 
-/// The temperature in degrees C of the air around boards.
+/// The temperature in degrees C of the air around boards, where none is given.
 const ROOM: f64 = 25.0;
 
-/// The relative humidity in percent of air where none is given.
+/// The relative humidity of the air in percent, used where none is given.
 const HUMIDITY: f64 = 50.0;
 
 impl Medium {
-    /// Air of a temperature in degrees C, a relative humidity in percent and an air pressure in Pa.
+    /// Returns air at a frequency in Hz, a temperature in degrees C, a relative humidity in percent and an air pressure in Pa.
     ///
-    /// c = 331.3 sqrt(1 + T/273.15) m/s. Density is that of a mixture of two ideal gases, dry air and vapour. Absorption is
-    /// that of ISO 9613-1, eq. (3) to (5) and annex B; it holds from -20 to 50 degrees C within 10 %.
+    /// c = 331.3 sqrt(1 + T/273.15) m/s. The density is that of a mixture of two ideal gases, dry air and water vapour. The
+    /// absorption follows ISO 9613-1, eq. (3) to (5) and annex B, which is accurate within 10 % from -20 to 50 degrees C.
     ///
     /// ```
     /// let air = midair::Medium::air(40e3, 20.0, 50.0, 101_325.0)?;
@@ -32,7 +32,7 @@ impl Medium {
     /// ```
     ///
     /// # Errors
-    /// A temperature not above -273.15, a humidity beyond 100 or between 0 and 1, a pressure beyond 10 to 200 kPa.
+    /// A temperature not above -273.15, a humidity above 100 or between 0 and 1, an air pressure outside of 10 to 200 kPa.
     pub fn air(frequency: f64, temperature: f64, humidity: f64, air_pressure: f64) -> Result<Self, Error> {
         let sound_speed = Self::sound_speed_at(temperature)?;
         real("medium.humidity", humidity, 0.0, false)?;
@@ -45,17 +45,18 @@ impl Medium {
             return Err(Error::invalid("medium.air_pressure", format!("{air_pressure:?}"), cure));
         }
         let kelvin = temperature + ZERO;
-        // Vapour is no more than all of the air, whatever the temperature.
+        // In hot air the formula for saturated vapour would exceed the air pressure: the partial pressure of vapour is at most
+        // that.
         let vapour = (humidity / 100.0 * saturation(kelvin)).min(air_pressure);
         let density = (air_pressure - vapour) / (287.05 * kelvin) + vapour / (461.5 * kelvin);
         let absorption = absorption(frequency, kelvin, 100.0 * vapour / air_pressure, air_pressure / STANDARD);
-        // Numbers that do not follow from the air keep their defaults.
+        // The fields that do not depend on the air keep their defaults.
         let mut air = Self::default();
         (air.frequency, air.sound_speed, air.absorption, air.density) = (frequency, sound_speed, absorption, density);
         Ok(air)
     }
 
-    /// Air of 25 degrees C, 50 % humidity and 101.325 kPa: that of scenes on boards which state no other.
+    /// Returns air of 25 degrees C, 50 % humidity and 101.325 kPa, the default of a scene whose array is a board.
     ///
     /// ```
     /// let air = midair::Medium::room(40e3)?;
@@ -65,13 +66,13 @@ impl Medium {
     /// ```
     ///
     /// # Errors
-    /// None: the numbers are in range, and a scene checks the frequency.
+    /// None: these numbers are in range, and the scene checks the frequency.
     pub fn room(frequency: f64) -> Result<Self, Error> {
         Self::air(frequency, ROOM, HUMIDITY, STANDARD)
     }
 
-    /// The air of the given values; a missing temperature is that of the sound speed, other missing values are the
-    /// defaults.
+    /// Returns the air for a temperature, a humidity and an air pressure. A missing temperature is computed from the sound
+    /// speed; the other missing values are the defaults.
     pub(super) fn air_of(self, given: [Option<f64>; 3]) -> Result<Self, Error> {
         let [temperature, humidity, air_pressure] = given;
         let temperature = temperature.unwrap_or_else(|| self.temperature());
@@ -79,12 +80,13 @@ impl Medium {
     }
 }
 
-/// The pressure of saturated vapour in Pa, eq. (B.2) and (B.3).
+/// The pressure of saturated water vapour in Pa, eq. (B.2) and (B.3).
 fn saturation(kelvin: f64) -> f64 {
     STANDARD * math::pow(10.0, -6.8346 * math::pow(273.16 / kelvin, 1.261) + 4.6151)
 }
 
-/// alpha in Np/m, eq. (3) to (5): `vapour` is its molar part in percent, `pressure` in units of the standard's.
+/// The absorption alpha in Np/m, eq. (3) to (5). `vapour` is the molar part of water vapour in percent, `pressure` the air
+/// pressure in units of the standard pressure.
 fn absorption(frequency: f64, kelvin: f64, vapour: f64, pressure: f64) -> f64 {
     let warmth = kelvin / 293.15;
     let oxygen = pressure * (24.0 + 4.04e4 * vapour * (0.02 + vapour) / (0.391 + vapour));

@@ -17,13 +17,13 @@ use crate::scene::origin::Origin;
 use crate::scene::presets;
 use crate::scene::transducer::Transducer;
 
-/// The most transducers an array may have: far above any built, low enough to refuse a slip of the pen.
+/// The most transducers that an array may have: far above any array that was built, low enough to catch a typing error.
 const MOST_TRANSDUCERS: usize = 1 << 20;
 
-/// Pressures far outside any unit's would leave f32's range somewhere.
+/// The allowed source pressures in Pa m: outside of them, values derived from the pressure could overflow or underflow f32.
 pub(crate) const UNITS: core::ops::RangeInclusive<f64> = 1e-15..=1e15;
 
-/// N transducers. Copies share their memory.
+/// An array of N transducers. Clones share their memory.
 ///
 /// ```text
 ///        z   theta = angle to the normal
@@ -49,14 +49,15 @@ pub struct Array {
     mask: Option<Arc<[bool]>>,
     pub(super) channels: Option<Channels>,
     quantization: Option<Arc<Quantization>>,
-    /// Hz that hardware emits, whose scenes without a medium have a room's air: no part of the value, as the origin.
+    /// The frequency in Hz of an array that is real hardware: its default medium is then real air. Not part of an array's
+    /// value.
     hardware: Option<f64>,
     origin: Origin,
 }
 
 impl Array {
-    /// Transducers at `positions` (N, 3) in m looking along `normals` (N, 3), which are normalised; left out
-    /// they are +z.
+    /// Returns an array of transducers at `positions` (N, 3) in m. They face along `normals` (N, 3), which are normalised;
+    /// without normals all face +z.
     ///
     /// # Errors
     /// No position, more than 2^20, a coordinate that is not finite, another number of normals, a zero normal.
@@ -70,7 +71,7 @@ impl Array {
         one_each("array.normals", normals.len(), "normals", positions.len(), "positions")?;
         check_finite("array.normals", &normals)?;
         for (i, normal) in normals.iter_mut().enumerate() {
-            // Scaled by the largest component first, so that no finite normal over- or underflows.
+            // Divided by its largest component first: then the squares of no finite normal overflow or underflow.
             let largest = normal.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
             if largest == 0.0 {
                 return Err(Error::invalid(
@@ -81,7 +82,7 @@ impl Array {
             }
             let scaled = normal.map(|x| x / largest);
             let length = math::sqrt(scaled.iter().map(|x| x * x).sum());
-            // One that is a unit vector to rounding stays as it is, or saving and loading would wear it down.
+            // A normal of length 1 within rounding is not normalised again: otherwise each saving and loading would change it.
             if (largest * length - 1.0).abs() > 1e-15 {
                 *normal = scaled.map(|x| x / length);
             }
@@ -115,10 +116,10 @@ impl Array {
         Ok(Self { origin: Origin::Grid { nx, ny, pitch }, ..Self::new(lattice([nx, ny], pitch), None)? })
     }
 
-    /// A real board, or the paper's array; see [`crate::scene::presets`].
+    /// Returns the array of a real board or of Suzuki et al. 2021; see [`crate::scene::presets`].
     ///
     /// # Errors
-    /// An unknown name, tiles of 0, tiles for a preset that is no board.
+    /// An unknown name, 0 tiles, tiles for a preset that cannot be tiled.
     pub fn preset(name: &str, tiles: [usize; 2]) -> Result<Self, Error> {
         let preset = presets::find(name)?;
         for (axis, &value) in tiles.iter().enumerate() {
@@ -153,8 +154,8 @@ impl Array {
         Ok(self)
     }
 
-    /// The same array with a complex response c_i (N,) of each transducer: gain and phase offset, 0 for a dead
-    /// one, which then gets drive 0. `None` stands for 1 everywhere.
+    /// The same array with a complex response c_i (N,) of each transducer: its gain and phase offset. A transducer of response
+    /// 0 is dead and gets drive 0. `None` stands for 1 everywhere.
     ///
     /// # Errors
     /// Another number of responses than transducers, a value that is not finite.
@@ -189,8 +190,8 @@ impl Array {
         Ok(self)
     }
 
-    /// The same array behind a device that knows only some phases and amplitudes: every answer then lies on that
-    /// grid. `None` (and quantization that bind nothing) stands for any drive.
+    /// The same array on a device that can play only some phases and amplitudes: every drive is then rounded to these. `None`,
+    /// or a quantization without limits, allows any drive.
     #[must_use]
     pub fn with_quantization(mut self, quantization: Option<Quantization>) -> Self {
         self.quantization = quantization.filter(|quantization| !quantization.is_continuous()).map(Arc::new);
@@ -242,18 +243,18 @@ impl Array {
         self.mask.as_deref()
     }
 
-    /// The grid of the device, or `None` if any drive is possible.
+    /// The phases and amplitudes that the device can play, or `None` if it can play any.
     #[must_use]
     pub fn quantization(&self) -> Option<&Quantization> {
         self.quantization.as_deref()
     }
 
-    /// Positions and quantization, shared.
+    /// Positions and quantization, as shared pointers.
     pub(crate) fn shared(&self) -> (Arc<[[f64; 3]]>, Option<Arc<Quantization>>) {
         (Arc::clone(&self.positions), self.quantization.clone())
     }
 
-    /// The response of transducer i relative to the source pressure, 0 if it is off.
+    /// The response of transducer i, a factor of the source pressure; 0 if the transducer is off.
     pub(crate) fn effect(&self, i: usize) -> Complex64 {
         if self.mask.as_ref().is_some_and(|mask| !mask[i]) {
             return Complex64::ZERO;
@@ -261,8 +262,8 @@ impl Array {
         self.response.as_ref().map_or(Complex64::ONE, |response| response[i])
     }
 
-    /// The transducers at other places: a mirror's images of places and directions, in opposite phase where it says
-    /// so.
+    /// The same array with each position and normal mapped, as the image of the array in a mirror; `opposite` reverses the sign
+    /// of all responses.
     pub(crate) fn moved(
         &self,
         place: impl Fn([f64; 3]) -> [f64; 3],
@@ -281,23 +282,24 @@ impl Array {
         }
     }
 
-    /// Hz that its transducers emit where they are hardware, as those of every preset but the paper's; scenes without a medium
-    /// then have [`Medium::room`].
+    /// The frequency in Hz of an array that is real hardware, such as every preset except the arrays of the paper. The default
+    /// medium of its scenes is [`Medium::room`].
     #[must_use]
     pub fn hardware(&self) -> Option<f64> {
         self.hardware
     }
 
-    /// The same array as hardware that emits this many Hz, or as none: a subset of a board, or its transducers where they were
-    /// measured.
+    /// The same array, marked as real hardware of this frequency in Hz, or as none. Use it for a subset of a board, or for a
+    /// board with measured positions.
     #[must_use]
     pub fn with_hardware(mut self, hardware: Option<f64>) -> Self {
         self.hardware = hardware;
         self
     }
 
-    /// The medium of a scene on this array that states some of [`Medium::KEYS`], or none of them: on hardware
-    /// [`Medium::room`] at the frequency given or its own, else the paper's, [`Medium::default`]; changed by [`Medium::with`].
+    /// The medium of a scene on this array, for some given values of [`Medium::KEYS`]. It begins as [`Medium::room`] on
+    /// hardware, at the given frequency or the board's, else as [`Medium::default`]. Then [`Medium::with`] applies the given
+    /// values.
     ///
     /// ```
     /// use midair::{Array, Medium};
@@ -316,13 +318,13 @@ impl Array {
         self.hardware.map_or(Ok(Medium::default()), |own| Medium::room(stated.unwrap_or(own)))?.with(given)
     }
 
-    /// The origin of the array.
+    /// How the array was made: from positions, as a grid or by a preset.
     #[must_use]
     pub fn origin(&self) -> &Origin {
         &self.origin
     }
 
-    /// Whether pressures are in the paper's unit: eq. (5) in millimetres, which P0 = 1e-3 Pa m reproduces.
+    /// Whether pressures are in the unit of Suzuki et al. 2021, eq. (5) with lengths in millimetres: P0 is then 1e-3 Pa m.
     #[must_use]
     pub fn in_paper_unit(&self) -> bool {
         self.transducer.source_pressure == 1e-3
@@ -333,13 +335,13 @@ impl Array {
         self.bounds
     }
 
-    /// The middle of the positions' bounding box: the origin of everything rounded to f32.
+    /// The middle of the positions' bounding box, from which all coordinates are measured before they are rounded to f32.
     pub(crate) fn centre(&self) -> [f64; 3] {
         self.bounds.map(|[low, high]| 0.5 * low + 0.5 * high)
     }
 }
 
-/// By value: the origin of an array does not count, nor whether it is hardware or a mask without effect was given.
+/// Compares values: the origin, the mark as hardware and a mask that switches nothing off do not count.
 impl PartialEq for Array {
     fn eq(&self, other: &Self) -> bool {
         let on = |array: &Self, i: usize| array.mask.as_ref().is_none_or(|mask| mask[i]);

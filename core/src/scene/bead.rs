@@ -1,4 +1,4 @@
-//! Bead: the sphere that traps are made for, and the gravity on it.
+//! Bead: the sphere that traps are made for, and its gravity.
 
 use crate::error::Error;
 use crate::scene::geometry::vector;
@@ -21,7 +21,7 @@ numbers! {
     or by {}
 }
 
-/// A sphere and the gravity that it is in.
+/// A sphere and the gravity that acts on it.
 ///
 /// ```
 /// use midair::{Bead, Particle};
@@ -45,7 +45,7 @@ impl Default for Bead {
 }
 
 impl Bead {
-    /// Every key of the table `bead` of a scene file.
+    /// Every key of the table `bead` in a scene file.
     pub const KEYS: &[Key] = &[
         Particle::KEYS[0],
         Particle::KEYS[1],
@@ -53,7 +53,7 @@ impl Bead {
         Key::new("gravity", "[0.0, 0.0, -9.81]", "m/s^2 along x, y and z; left out 9.81 down the z axis."),
     ];
 
-    /// The default bead with some numbers of its sphere, by name, and a gravity.
+    /// Returns the default bead with some of its numbers replaced, by name, and with another gravity if one is given.
     ///
     /// # Errors
     /// A number that is not above 0, a gravity that is not finite.

@@ -1,27 +1,27 @@
-//! Body: an obstacle of a few numbers, declared once for scene files and bindings.
+//! Body: an obstacle that a few numbers describe, declared once for scene files and bindings.
 
 use alloc::vec::Vec;
 
 use crate::scene::{Key, Obstacle, Surface};
 
-/// The numbers of each part of a body, and its surface.
+/// The numbers of each parameter of a body, and its boundary condition.
 pub(crate) type Described = (Vec<Vec<f64>>, Surface);
 
 /// A kind of obstacle that a few numbers describe.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct Body {
-    /// Its name in messages.
+    /// The name of the kind in messages.
     pub noun: &'static str,
-    /// Its parameters, each with the count of its numbers.
+    /// The parameters, each with its count of numbers.
     pub parts: &'static [(Key, usize)],
-    /// Makes the body from the numbers of each part and its boundary condition; the counts are right.
+    /// Makes the obstacle from the numbers of each parameter and its boundary condition. The caller gives the right counts.
     pub make: fn(&[Vec<f64>], Surface) -> Obstacle,
-    /// The numbers of each part and the surface, of an obstacle of this kind.
+    /// Returns the numbers of each parameter and the boundary condition; `None` for an obstacle of another kind.
     pub read: fn(&Obstacle) -> Option<Described>,
 }
 
-/// A type that some numbers make.
+/// A type that is made from a fixed count of numbers: a scalar or an array.
 pub(crate) trait Numbers {
     const COUNT: usize;
     fn of(numbers: &[f64]) -> Self;
@@ -52,9 +52,10 @@ impl<const N: usize> Numbers for [f64; N] {
     }
 }
 
-/// Declares the obstacles: the bodies of a few numbers with unit and example of each, and those of one value.
+/// Declares the enum of obstacles: first the kinds that a few numbers describe, with unit and example of each parameter, then
+/// the kinds that wrap one value.
 ///
-/// The enum gets `BODIES`, a [`Body`] for each kind, `PARTS`, the keys of all of them, and `noun`.
+/// The enum gets `BODIES`, a [`Body`] for each kind of the first sort, `PARTS`, all their parameters as keys, and `noun`.
 macro_rules! obstacles {
     (
         $(#[$meta:meta])*
@@ -108,7 +109,7 @@ macro_rules! obstacles {
                 },
             )+];
 
-            /// Their parameters, kind after kind.
+            /// The parameters of all these kinds, in the same order.
             pub const PARTS: &[$crate::scene::Key] = &[$($(
                 $crate::scene::Key::new(stringify!($field), $example, concat!("Of a ", $noun, ":", $($doc),+)),
             )+)+];

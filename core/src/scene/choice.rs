@@ -1,4 +1,4 @@
-//! A solver by its name and options, as in a scene file or a binding.
+//! Choice: a solver by its name and its options, as in a scene file or a binding.
 
 use alloc::string::String;
 
@@ -6,25 +6,25 @@ use crate::error::{Error, same_name};
 use crate::scene::aim::Aim;
 use crate::scene::value::{OptionValue, Options, Value};
 
-/// The solver of a scene file: its name, its options, whether to balance, and the aim.
+/// The solver in a scene file: its name, its options, whether to balance, and the aim.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
-    /// The name in the registry.
+    /// The solver's name in the registry.
     pub name: String,
-    /// The options set; the others keep their defaults.
+    /// The given options; all others keep their defaults.
     pub options: Options,
-    /// Whether to balance; left out it is the method's default.
+    /// Whether to balance the levels of the points; `None` stands for the method's default.
     pub balance: Option<bool>,
-    /// The aim, for a method that uses one; left out it is the problem's own.
+    /// The aim, for a method that has one; `None` stands for the aim of the problem.
     pub aim: Option<Aim>,
 }
 
 impl Choice {
-    /// A choice from a table of options, in which `balance` and `aim` are the entry point's, all else the solver's.
+    /// Splits a table of options: `balance` and `aim` are read here, all others belong to the solver.
     ///
     /// # Errors
-    /// A `balance` that is neither true nor false, an `aim` that is none. Name and options are checked by
-    /// [`crate::solvers::configure`].
+    /// A `balance` that is not true or false, an `aim` that is unknown. [`crate::solvers::configure`] checks the name and the
+    /// options.
     pub fn new(name: String, options: Options) -> Result<Self, Error> {
         let (mut own, mut balance, mut aim) = (Options::new(), None, None);
         for (key, value) in options {
@@ -45,7 +45,7 @@ impl Choice {
         Ok(Self { name, options: own, balance, aim })
     }
 
-    /// The table it came from.
+    /// Returns the table of options, with `balance` and `aim` if they are given: the inverse of [`Self::new`].
     #[must_use]
     pub fn table(&self) -> Options {
         let mut table = self.options.clone();

@@ -12,7 +12,7 @@ pub(crate) fn lattice([nx, ny]: [usize; 2], pitch: f64) -> Vec<[f64; 3]> {
     (0..nx * ny).map(|i| [centred(i % nx, nx), centred(i / nx, ny), 0.0]).collect()
 }
 
-/// Lowest and highest coordinate along each axis, [0, 0] where there are no points.
+/// The lowest and highest coordinate along each axis; [0, 0] if there are no points.
 pub(crate) fn bounds(points: &[[f64; 3]]) -> [[f64; 2]; 3] {
     let Some(first) = points.first() else { return [[0.0; 2]; 3] };
     points.iter().fold(first.map(|x| [x, x]), |mut bounds, point| {
@@ -23,17 +23,17 @@ pub(crate) fn bounds(points: &[[f64; 3]]) -> [[f64; 2]; 3] {
     })
 }
 
-/// a . b.
+/// The dot product a . b.
 pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|axis| a[axis] * b[axis]).sum()
 }
 
-/// a - b.
+/// The difference a - b.
 pub(crate) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|axis| a[axis] - b[axis])
 }
 
-/// a x b.
+/// The cross product a x b.
 pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|axis| {
         let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -41,18 +41,18 @@ pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     })
 }
 
-/// The distance of two places.
+/// The distance between two places.
 pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     math::sqrt((0..3).map(|axis| (a[axis] - b[axis]) * (a[axis] - b[axis])).sum())
 }
 
-/// Refuses positions of another number than the transducers, or not finite.
+/// Checks that there is one position for each transducer, and that all are finite.
 pub(crate) fn check_positions(positions: &[[f64; 3]], transducers: usize) -> Result<(), Error> {
     one_each("positions", positions.len(), "of them", transducers, "transducers")?;
     check_finite("positions", positions)
 }
 
-/// Refuses coordinates that are not finite, named only then.
+/// Checks that all coordinates are finite. The error names the first vector that is not, as `item[i]`.
 pub(crate) fn check_finite(item: &str, vectors: &[[f64; 3]]) -> Result<(), Error> {
     match vectors.iter().position(|vector| !vector.iter().all(|x| x.is_finite())) {
         Some(i) => vector(&format!("{item}[{i}]"), &vectors[i]),
@@ -60,7 +60,7 @@ pub(crate) fn check_finite(item: &str, vectors: &[[f64; 3]]) -> Result<(), Error
     }
 }
 
-/// Refuses a coordinate that is not finite.
+/// Checks that the three coordinates of a vector are finite.
 pub(crate) fn vector(item: &str, vector: &[f64; 3]) -> Result<(), Error> {
     if vector.iter().all(|x| x.is_finite()) {
         return Ok(());

@@ -1,28 +1,29 @@
-//! Key: one key of a table of a scene file, declared once for every binding; and tables whose keys are numbers.
+//! Key: one key of a table in a scene file, declared once for all bindings; and structs whose fields are numeric keys.
 
-/// A key of a scene file's table: its name, and how editors, bindings and errors explain it.
+/// A key of a table in a scene file, with the texts that editors, bindings and error messages show.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::exhaustive_structs, reason = "three texts")]
 pub struct Key {
     /// Its name in scene files, Python and C.
     pub name: &'static str,
-    /// A value as JSON writes it.
+    /// An example of a value, as in JSON.
     pub example: &'static str,
     /// The meaning in one line, with unit and default.
     pub about: &'static str,
 }
 
 impl Key {
-    /// A key by its texts.
+    /// Returns a key with these texts.
     pub(crate) const fn new(name: &'static str, example: &'static str, about: &'static str) -> Self {
         Self { name, example, about: about.trim_ascii() }
     }
 }
 
-/// Declares a struct of numbers, each with unit, default, range and an example, and the keys that set them otherwise.
+/// Declares a struct of numbers, each with its unit, default, range and an example. The keys after `or by` have no field: the
+/// fields are computed from them.
 ///
-/// The struct gets `Default`; `KEYS`, all keys in order; `numbers`, its own by name; `set`, one of them by name; and
-/// `check`, which refuses a number out of range.
+/// The struct gets `Default` and: `KEYS`, all keys in order; `numbers`, its fields by name; `set`, which sets one field by
+/// name; `in_range`, which rejects a number out of its range.
 macro_rules! numbers {
     (
         $(#[$meta:meta])*
@@ -53,19 +54,19 @@ macro_rules! numbers {
                 $( $crate::scene::Key::new(stringify!($other), stringify!($other_example), concat!($($other_doc),+)), )*
             ];
 
-            /// The key of this name, whatever the case, "-" and "_".
+            /// The key of this name; case, "-" and "_" do not matter.
             #[must_use]
             pub fn key(name: &str) -> Option<&'static $crate::scene::Key> {
                 Self::KEYS.iter().find(|key| $crate::error::same_name(key.name, name))
             }
 
-            /// The numbers by name.
+            /// The fields: name and value of each.
             #[must_use]
             pub fn numbers(&self) -> impl ExactSizeIterator<Item = (&'static str, f64)> + use<> {
                 [$( (stringify!($field), self.$field), )+].into_iter()
             }
 
-            /// Sets one of the numbers; returns whether there is one of this name.
+            /// Sets the field of this name; returns false if there is none.
             fn set(&mut self, name: &str, value: f64) -> bool {
                 match name {
                     $( stringify!($field) => self.$field = value, )+
@@ -74,7 +75,7 @@ macro_rules! numbers {
                 true
             }
 
-            /// Refuses a number that is out of its range.
+            /// Checks that each number is in its range.
             fn in_range(&self) -> Result<(), $crate::error::Error> {
                 $( $crate::error::real(
                     concat!($table, ".", stringify!($field)), self.$field, $least, $crate::scene::key::strict!($range),
@@ -86,7 +87,7 @@ macro_rules! numbers {
 }
 pub(crate) use numbers;
 
-/// Whether a range excludes its end: `above` it, or from `least` on.
+/// Whether a range excludes its lower end: `above` excludes it, `least` includes it.
 macro_rules! strict {
     (above) => {
         true

@@ -29,11 +29,11 @@ numbers! {
     }
 }
 
-/// The keys from which the numbers of air follow.
+/// The keys that describe the air; the fields follow from them.
 const AIR: [&str; 3] = ["temperature", "humidity", "air_pressure"];
 
 impl Medium {
-    /// c = 331.3 sqrt(1 + T/273.15) m/s, T in degrees Celsius (ideal gas, dry air).
+    /// Returns the sound speed in dry air (an ideal gas), c = 331.3 sqrt(1 + T/273.15) m/s with T in degrees Celsius.
     ///
     /// # Errors
     /// A temperature that is not finite or not above -273.15.
@@ -61,8 +61,8 @@ impl Medium {
         1.458e-6 * kelvin * math::sqrt(kelvin) / (kelvin + 110.4)
     }
 
-    /// The medium with some of [`Medium::KEYS`] changed. Where a temperature, a humidity or an air pressure is given, all
-    /// numbers that are not are those of [`Medium::air`]; a temperature left out is that of the sound speed.
+    /// Returns the medium with the given values of [`Medium::KEYS`]. If a temperature, a humidity or an air pressure is among
+    /// them, [`Medium::air`] computes all numbers that are not given. A missing temperature follows from the sound speed.
     ///
     /// ```
     /// let warm = midair::Medium::default().with(&[("temperature", 25.0), ("density", 1.18)])?;
@@ -72,7 +72,8 @@ impl Medium {
     /// ```
     ///
     /// # Errors
-    /// An unknown name; a temperature beside a sound speed; what [`Medium::air`] refuses. Other ranges are checked by a scene.
+    /// An unknown name; a temperature and a sound speed together; values that [`Medium::air`] rejects. A scene checks the other
+    /// ranges.
     pub fn with(mut self, given: &[(&str, f64)]) -> Result<Self, Error> {
         let of = |name: &str| given.iter().find(|(key, _)| *key == name).map(|&(_, value)| value);
         for &(name, value) in given {
@@ -97,19 +98,19 @@ impl Medium {
         Ok(made)
     }
 
-    /// c/f in m.
+    /// The wavelength c/f in m.
     #[must_use]
     pub fn wavelength(&self) -> f64 {
         self.sound_speed / self.frequency
     }
 
-    /// k = 2 pi f/c in 1/m.
+    /// The wavenumber k = 2 pi f/c in 1/m.
     #[must_use]
     pub fn wavenumber(&self) -> f64 {
         core::f64::consts::TAU / self.wavelength()
     }
 
-    /// k + j alpha in 1/m: of a wave e^{jkr}/r that the air absorbs.
+    /// The complex wavenumber k + j alpha in 1/m: a wave e^{j(k + j alpha)r}/r loses amplitude to absorption.
     pub(crate) fn complex_wavenumber(&self) -> Complex64 {
         Complex64::new(self.wavenumber(), self.absorption)
     }
@@ -125,9 +126,9 @@ impl Medium {
         pressure * pressure / (self.density * self.sound_speed * self.sound_speed)
     }
 
-    /// The estimated share of the second harmonic in a focus of |p| Pa, for the part that the linear model leaves out:
-    /// beta omega |p| L/(4 rho c^3), half the growth of a plane wave's harmonic (Fubini) over a focal depth L of three
-    /// wavelengths; that is 3 pi beta |p|/(2 rho c^2), with beta = 1.2 of air. An estimate for |p| below some 10 kPa.
+    /// Estimates the share of the second harmonic in a focus of |p| Pa; the linear model leaves this harmonic out. The share is
+    /// 3 pi beta |p|/(2 rho c^2), with beta = 1.2 for air. It is half of beta omega |p| L/(2 rho c^3), the harmonic of a plane
+    /// wave (Fubini) after a focal depth L of three wavelengths. The estimate holds for |p| below about 10 kPa.
     ///
     /// ```
     /// let air = midair::Medium::default();

@@ -1,4 +1,4 @@
-//! Mesh: a closed surface of triangles, checked once.
+//! Mesh: the closed surface of a body as triangles, checked once.
 
 use alloc::collections::BTreeMap;
 use alloc::format;
@@ -11,13 +11,13 @@ use crate::scene::geometry::vector;
 use crate::scene::geometry::{bounds, cross, distance, dot, minus};
 use crate::scene::surface::Surface;
 
-/// The cure for a face whose corners lie on a line.
+/// The cure in the error for a face whose corners lie on one line.
 const FLAT: &str = "it has no area: leave it out";
 
-/// A triangle by its corners, counterclockwise as seen from the air.
+/// The three corners of a triangle, counterclockwise as seen from the air.
 pub(crate) type Triangle = [[f64; 3]; 3];
 
-/// A body that waves cannot enter, by a closed surface of triangles: a hand, a cup, anything that a modeller writes.
+/// A body that waves cannot enter, given by a closed surface of triangles: a hand, a cup, or another shape from a 3D modeller.
 ///
 /// ```
 /// use midair::{Mesh, Surface};
@@ -40,12 +40,12 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// A surface of `vertices` (V, 3) in m and `faces` (F, 3), each three indices of vertices, counterclockwise as seen from
-    /// outside.
+    /// Returns the surface of `vertices` (V, 3) in m and `faces` (F, 3). A face lists the indices of three vertices,
+    /// counterclockwise as seen from outside.
     ///
     /// # Errors
-    /// No face, an index beyond the vertices, numbers that are not finite, a face of no area; a hole, an edge of more than
-    /// two faces, faces that do not agree on the outside, or a surface turned inside out.
+    /// No face, an index beyond the vertices, numbers that are not finite, a face of no area; a hole, an edge of more than two
+    /// faces, neighbouring faces with opposite orders of their corners, or all faces clockwise as seen from outside.
     pub fn new(vertices: Vec<[f64; 3]>, faces: Vec<[u32; 3]>, kind: Surface) -> Result<Self, Error> {
         for (v, vertex) in vertices.iter().enumerate() {
             vector(&format!("mesh.vertices[{v}]"), vertex)?;
@@ -72,7 +72,7 @@ impl Mesh {
                 return Err(Error::invalid(name(f), format!("{:?}", mesh.faces[f]), FLAT));
             }
         }
-        // The volume by the divergence theorem, about a corner so that rounding stays small.
+        // The volume by the divergence theorem. Coordinates are relative to a vertex, so that rounding errors stay small.
         let origin = mesh.vertices[0];
         mesh.volume = mesh
             .triangles()
@@ -91,13 +91,13 @@ impl Mesh {
         &self.vertices
     }
 
-    /// The faces (F, 3), three indices of vertices each.
+    /// The faces (F, 3): three vertex indices for each.
     #[must_use]
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.faces
     }
 
-    /// Its acoustic boundary condition.
+    /// The acoustic boundary condition of the surface.
     #[must_use]
     pub fn kind(&self) -> Surface {
         self.kind
@@ -109,7 +109,7 @@ impl Mesh {
         self.volume
     }
 
-    /// Its triangles.
+    /// The faces as triangles.
     pub(crate) fn triangles(&self) -> impl Iterator<Item = Triangle> + Clone {
         self.faces.iter().map(|face| face.map(|v| self.vertices[v as usize]))
     }
@@ -119,17 +119,17 @@ impl Mesh {
         self.bounds
     }
 
-    /// Its size along each axis in m.
+    /// The size of the bounding box along each axis in m.
     pub(crate) fn extent(&self) -> [f64; 3] {
         self.bounds.map(|[low, high]| high - low)
     }
 
-    /// The distance in m of a place from its surface.
+    /// The distance in m from a place to the surface.
     pub(crate) fn distance(&self, place: [f64; 3]) -> f64 {
         self.triangles().map(|triangle| away(triangle, place)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether a place is inside: the faces' solid angles there add up to 4 pi.
+    /// Whether a place is inside the surface: only there do the solid angles of the faces add up to 4 pi.
     pub(crate) fn contains(&self, place: [f64; 3]) -> bool {
         if (0..3).any(|axis| place[axis] < self.bounds[axis][0] || place[axis] > self.bounds[axis][1]) {
             return false;
@@ -137,16 +137,16 @@ impl Mesh {
         self.winding(place) > 0.5
     }
 
-    /// The number of times that the surface surrounds a place: 1 inside, 0 outside.
+    /// The winding number of the surface at a place: 1 inside, 0 outside. It is the sum of the faces' solid angles over 4 pi.
     pub(crate) fn winding(&self, place: [f64; 3]) -> f64 {
         let angle = |corners: Triangle| solid_angle(corners.map(|corner| minus(corner, place)));
         self.triangles().map(angle).sum::<f64>() / (2.0 * core::f64::consts::TAU)
     }
 }
 
-/// Refuses a surface with a hole, and faces of which one is turned against another.
+/// Checks that the surface has no hole, and that neighbouring faces list their corners in the same sense.
 fn closed(faces: &[[u32; 3]], name: impl Fn(usize) -> String) -> Result<(), Error> {
-    // Each edge is gone along once in either direction.
+    // Each edge belongs to two faces, which pass it in opposite directions: each direction occurs once.
     let mut edges: BTreeMap<[u32; 2], usize> = BTreeMap::new();
     for (f, &[a, b, c]) in faces.iter().enumerate() {
         for edge in [[a, b], [b, c], [c, a]] {
@@ -167,12 +167,13 @@ fn closed(faces: &[[u32; 3]], name: impl Fn(usize) -> String) -> Result<(), Erro
     Ok(())
 }
 
-/// Twice the area, along the normal.
+/// The vector along the triangle's normal whose length is twice the area.
 pub(crate) fn area_vector([a, b, c]: Triangle) -> [f64; 3] {
     cross(minus(b, a), minus(c, a))
 }
 
-/// Triangles of at most `area` whose edges are at most `edge` long: others are halved across their longest edge.
+/// Splits a triangle into parts of at most `area` in m^2, with edges of at most `edge` in m, and calls `each` on them. A larger
+/// triangle is halved across its longest edge.
 pub(crate) fn halved(triangle: Triangle, area: f64, edge: f64, each: &mut impl FnMut(Triangle)) {
     let [a, b, c] = triangle;
     let lengths = [distance(a, b), distance(b, c), distance(c, a)];
@@ -187,7 +188,7 @@ pub(crate) fn halved(triangle: Triangle, area: f64, edge: f64, each: &mut impl F
     halved([middle, q, r], area, edge, each);
 }
 
-/// The distance of a place from a triangle.
+/// The distance in m from a place to a triangle.
 fn away([a, b, c]: Triangle, place: [f64; 3]) -> f64 {
     let normal = area_vector([a, b, c]);
     let inner = [[a, b], [b, c], [c, a]]
@@ -204,8 +205,9 @@ fn away([a, b, c]: Triangle, place: [f64; 3]) -> f64 {
     [[a, b], [b, c], [c, a]].map(edge).into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// The solid angle of a triangle as seen from the origin, above 0 from behind (A. Van Oosterom and J. Strackee, "The solid
-/// angle of a plane triangle", IEEE Trans. Biomed. Eng. 30, 125, 1983).
+/// The solid angle of a triangle as seen from the origin. It is above 0 if the origin is behind the triangle, and below 0 in
+/// front of it (A. Van Oosterom and J. Strackee, "The solid angle of a plane triangle", IEEE Trans. Biomed. Eng. 30, 125,
+/// 1983).
 fn solid_angle([a, b, c]: Triangle) -> f64 {
     let [x, y, z] = [a, b, c].map(|corner| math::sqrt(dot(corner, corner)));
     let across = x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y;

@@ -61,10 +61,10 @@ use alloc::vec::Vec;
 
 use crate::error::Error;
 
-/// A trap's shell of loud sound is within half a wavelength of it: five times as far as a plane shows points.
+/// The loud shell around a trap lies within half a wavelength of it: five times the distance at which a plane shows a point.
 const SHELL: f64 = 5.0;
 
-/// A request: checked when made, and unchanged from then on.
+/// An array, a medium, control points and the request at them. Checked when made, and unchanged from then on.
 ///
 /// ```
 /// use midair::{Array, Medium, Request, Scene};
@@ -84,18 +84,19 @@ pub struct Scene {
     signature: Option<Signature>,
     bead: Bead,
     obstacles: Obstacles,
-    /// The solver a scene file names.
+    /// The solver that the scene file names.
     pub solver: Option<Choice>,
-    /// The plane a scene file asks pictures of.
+    /// The plane of the pictures, if the scene file gives one.
     pub plane: Option<Plane>,
 }
 
 impl Scene {
-    /// A scene of M `points` (M, 3) in m; without a medium, in that of the array ([`Array::medium`]).
+    /// Returns a scene with control points `points` (M, 3) in m. Without a medium it has the default of the array
+    /// ([`Array::medium`]).
     ///
     /// # Errors
-    /// No point, a value that is not finite or out of range, lists of unequal lengths, nothing requested, a
-    /// transducer or point too far away for f32 phases. A point *on* a transducer is found when solving.
+    /// No point, a value that is not finite or out of range, lists of unequal lengths, nothing requested, a transducer or point
+    /// too far away for phases in f32. A point *on* a transducer is an error only when the scene is solved.
     pub fn new(
         array: Array,
         medium: impl Into<Option<Medium>>,
@@ -111,17 +112,17 @@ impl Scene {
         Ok(Self { array, medium, points, request, signature: None, bead, obstacles, solver: None, plane: None })
     }
 
-    /// The same scene with a signature that turns foci into traps, or without one.
+    /// The same scene with a signature, which turns foci into traps, or without one.
     ///
     /// # Errors
-    /// Given factors of another modulus than 1, or not one for each transducer (and point).
+    /// Given factors of a modulus other than 1, or of a number that does not fit the transducers (and points).
     pub fn with_signature(mut self, signature: Option<Signature>) -> Result<Self, Error> {
         signature.as_ref().map_or(Ok(()), |signature| signature.check(self.array.len(), self.points.len()))?;
         self.signature = signature;
         Ok(self)
     }
 
-    /// The same scene with traps for another bead.
+    /// The same scene with another bead, for which traps are made.
     ///
     /// # Errors
     /// A radius, density or sound speed that is not above 0, a gravity that is not finite.
@@ -137,12 +138,12 @@ impl Scene {
         self.bead
     }
 
-    /// The same scene with these obstacles in place of its own: see [`Obstacle`]. The waves then follow
-    /// [`crate::Model::with_obstacles`].
+    /// Returns a copy of this scene with these obstacles instead of its own: see [`Obstacle`]. They change the waves as
+    /// [`crate::Model::with_obstacles`] says.
     ///
     /// # Errors
-    /// Numbers that are not finite, a normal of length 0; one that crosses the array, or has a point behind it; walls that
-    /// are neither parallel nor at right angles, more than six of them.
+    /// Numbers that are not finite, a normal of length 0, an obstacle that crosses the array or has a point behind it; walls
+    /// that are neither parallel nor at right angles, more than six walls.
     ///
     /// ```
     /// use midair::{Array, Medium, Obstacle, Request, Scene, Surface};
@@ -163,18 +164,18 @@ impl Scene {
         Ok(self)
     }
 
-    /// The obstacles.
+    /// The obstacles as given.
     #[must_use]
     pub fn obstacles(&self) -> &[Obstacle] {
         self.obstacles.given()
     }
 
-    /// The obstacles, which have been checked.
+    /// The obstacles with the results of their checks.
     pub(crate) fn checked_obstacles(&self) -> &Obstacles {
         &self.obstacles
     }
 
-    /// The signature that turns the foci into traps.
+    /// The signature, which turns the foci into traps; `None` for plain foci.
     #[must_use]
     pub fn signature(&self) -> Option<&Signature> {
         self.signature.as_ref()
@@ -198,13 +199,13 @@ impl Scene {
         &self.points
     }
 
-    /// The targets at the points.
+    /// The request: targets and weights of the points.
     #[must_use]
     pub fn request(&self) -> &Request {
         &self.request
     }
 
-    /// Probable mistakes in array, medium, points and plane: each slip once.
+    /// Returns probable mistakes in array, medium, points and plane; each mistake is listed once.
     ///
     /// ```
     /// use midair::{Array, Medium, Request, Scene};
@@ -224,7 +225,7 @@ impl Scene {
         doubts
     }
 
-    /// The probable mistakes of points and plane, without [`Array::doubts`].
+    /// Returns the probable mistakes in points and plane, without those of [`Array::doubts`].
     #[must_use]
     pub fn own_doubts(&self) -> Vec<Doubt> {
         let mut doubts = Vec::new();
@@ -234,14 +235,14 @@ impl Scene {
         doubts
     }
 
-    /// The planes of its pictures: the scene's own, else [`Scene::planes_around`].
+    /// The planes for pictures of this scene: its own plane, or [`Scene::planes_around`] if it has none.
     #[must_use]
     pub fn picture_planes(&self) -> Vec<Plane> {
         self.plane.map_or_else(|| self.planes_around(), |plane| [plane].into())
     }
 
-    /// The planes that show what is in it: those [`Plane::around`] its points, of traps two upright ones each, and an
-    /// upright one for each body that none of them cuts.
+    /// Returns planes that show the points and the obstacles. For foci they are those of [`Plane::around`]. Each trap has two
+    /// upright planes. Each body that none of these planes cuts has an upright plane of its own.
     #[must_use]
     pub fn planes_around(&self) -> Vec<Plane> {
         let (points, wavelength) = (&self.points, self.medium.wavelength());
@@ -255,7 +256,7 @@ impl Scene {
         planes
     }
 
-    /// Whether a picture of the plane shows any of the points, or the shell around a trap, whose middle is dark.
+    /// Whether a picture of the plane shows a point or, for traps, the loud shell around one: the middle of a trap is dark.
     #[must_use]
     pub fn is_shown(&self, plane: &Plane) -> bool {
         let wavelength = self.medium.wavelength() * if self.signature.is_some() { SHELL } else { 1.0 };

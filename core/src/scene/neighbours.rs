@@ -1,23 +1,24 @@
-//! Neighbours: the first pair of places nearer than a distance, by a sweep along one direction.
+//! Neighbours: finds a pair of places nearer than a given distance, by sorting along one direction.
 
 use alloc::vec::Vec;
 
 use crate::scene::geometry::distance;
 
-/// No side or diagonal of a lattice is across it: places side by side there are met one after another.
+/// The direction along which places are sorted. No side or diagonal of a lattice is normal to it, so neighbours in a lattice
+/// have different positions along it.
 const ACROSS: [f64; 3] = [0.6180, 0.5310, 0.5797];
 
-/// Pairs looked at for each place in the mean at most: a million places of a lattice need 30.
+/// The search stops after this many pairs per place on average; a lattice of a million places needs 30.
 const MOST_PAIRS: usize = 256;
 
-/// Places in their order along the direction.
+/// Places, and their order along [`ACROSS`].
 pub(crate) struct Neighbours<'a> {
     places: &'a [[f64; 3]],
     sorted: Vec<(f64, usize)>,
 }
 
 impl<'a> Neighbours<'a> {
-    /// Time O(N log N).
+    /// Sorts the places, in time O(N log N).
     pub(crate) fn of(places: &'a [[f64; 3]]) -> Self {
         let along = |place: &[f64; 3]| (0..3).map(|axis| place[axis] * ACROSS[axis]).sum::<f64>();
         let mut sorted: Vec<(f64, usize)> = places.iter().enumerate().map(|(k, place)| (along(place), k)).collect();
@@ -25,7 +26,7 @@ impl<'a> Neighbours<'a> {
         Self { places, sorted }
     }
 
-    /// The first pair nearer than `within` that `wanted` says yes to, and their distance.
+    /// Returns the first pair nearer than `within` for which `wanted(pair, distance)` is true, and its distance.
     pub(crate) fn pair(&self, within: f64, wanted: impl Fn([usize; 2], f64) -> bool) -> Option<([usize; 2], f64)> {
         let Self { places, sorted } = self;
         let pairs = sorted.iter().enumerate().flat_map(|(at, &(from, k))| {

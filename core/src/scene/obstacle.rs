@@ -14,17 +14,18 @@ use crate::scene::surface::ON;
 use crate::scene::wall::{Mirror, compatible, mirror};
 use crate::scene::{Array, Medium};
 
-/// The most walls of a scene: the sides of a box.
+/// The most walls of a scene: a box has six sides.
 const MOST_WALLS: usize = 6;
 
-/// The largest radius of a sphere in wavelengths, 102 mm at 40 kHz: a head. Its series has 13,000 terms a transducer.
+/// The largest radius of a sphere in wavelengths, 102 mm at 40 kHz, about a head. Its scattered wave then has 13,000 terms for
+/// each transducer.
 const LARGEST_SPHERE: f64 = 12.0;
 
-/// Boundary elements of a scene's meshes: their matrix is then 7 GB.
+/// The most boundary elements of all meshes of a scene: their matrix then takes 7 GB.
 const MOST_ELEMENTS: f64 = 30_000.0;
 
-/// The least distance of a body from a transducer, in wavelengths: eq. (5) does not hold for waves between nearer
-/// ones. (5).
+/// The least distance between a body and a transducer, in wavelengths. The point-source model, eq. (5), does not hold for
+/// reflections between nearer ones.
 const CLEAR: f64 = 0.25;
 
 obstacles! {
@@ -53,7 +54,7 @@ obstacles! {
 }
 
 impl Obstacle {
-    /// The lowest and highest coordinate of a body along each axis; a wall has none.
+    /// The lowest and highest coordinate of a body along each axis; `None` for a wall.
     pub(crate) fn bounds(&self) -> Option<[[f64; 2]; 3]> {
         match self {
             Self::Sphere { center, radius, .. } => Some(center.map(|x| [x - radius, x + radius])),
@@ -63,21 +64,21 @@ impl Obstacle {
     }
 }
 
-/// The checked obstacles of a scene; the array is inside none of them.
+/// The checked obstacles of a scene. No transducer is inside of one or behind a wall.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Obstacles {
     given: Arc<[Obstacle]>,
-    /// The walls: which obstacle each is, and the mirror that it is.
+    /// The walls: the index of each in `given`, and its mirror.
     walls: Arc<[(usize, Mirror)]>,
 }
 
 impl Obstacles {
-    /// Obstacles of an array in a medium.
+    /// Checks obstacles against an array and a medium.
     ///
     /// # Errors
-    /// Numbers that are not finite, a normal of length 0, what crosses the array or is too far away for phases in f32; two
-    /// walls that are neither parallel nor at a right angle, one behind another, more than six; a sphere beside others or
-    /// too large; a mesh with more elements than can be solved, or behind a wall.
+    /// Numbers that are not finite, a normal of length 0, an obstacle that crosses the array or is too far away for phases in
+    /// f32; two walls that are neither parallel nor at a right angle, one wall behind another, more than six walls; a sphere
+    /// that is too large or has other obstacles beside it; a mesh with too many elements or behind a wall.
     pub(crate) fn new(given: Vec<Obstacle>, array: &Array, medium: Medium) -> Result<Self, Error> {
         let mut walls: Vec<(usize, Mirror)> = Vec::new();
         for (k, obstacle) in given.iter().enumerate() {
@@ -108,7 +109,7 @@ impl Obstacles {
         Ok(all)
     }
 
-    /// The numbers as they were given.
+    /// The obstacles in the order in which they were given.
     pub(crate) fn given(&self) -> &[Obstacle] {
         &self.given
     }
@@ -127,7 +128,8 @@ impl Obstacles {
         self.given.iter().filter_map(|obstacle| if let Obstacle::Mesh(mesh) = obstacle { Some(&**mesh) } else { None })
     }
 
-    /// The obstacle that a place is inside of, or behind.
+    /// Returns the index of the obstacle that contains a place, or of the wall in front of it; `None` if the place is in free
+    /// air.
     pub(crate) fn around(&self, place: [f64; 3]) -> Option<usize> {
         let behind = self.walls.iter().find(|(_, wall)| wall.height(place) < -ON).map(|(k, _)| *k);
         behind.or_else(|| {
@@ -139,7 +141,7 @@ impl Obstacles {
         })
     }
 
-    /// The distance in m of a place outside from the nearest sphere or mesh.
+    /// The distance in m from a place in free air to the nearest sphere or mesh.
     pub(crate) fn clearance(&self, place: [f64; 3]) -> f64 {
         let from = |obstacle: &Obstacle| match obstacle {
             Obstacle::Sphere { center, radius, .. } => distance(*center, place) - radius,
@@ -149,13 +151,13 @@ impl Obstacles {
         self.given.iter().map(from).fold(f64::INFINITY, f64::min)
     }
 
-    /// Refuses points inside an obstacle.
+    /// Checks that no point is inside an obstacle or behind a wall.
     pub(crate) fn check_points(&self, points: &[[f64; 3]]) -> Result<(), Error> {
         let each = |(j, &point): (usize, &[f64; 3])| self.check_point(point, || format!("points[{j}].position"));
         points.iter().enumerate().try_for_each(each)
     }
 
-    /// Refuses a point inside an obstacle by its name.
+    /// Checks that a point is not inside an obstacle or behind a wall; `name` makes its name for the error.
     pub(crate) fn check_point(&self, point: [f64; 3], name: impl FnOnce() -> String) -> Result<(), Error> {
         let Some(k) = self.around(point) else { return Ok(()) };
         let cure = match &self.given[k] {
@@ -167,7 +169,8 @@ impl Obstacles {
         Err(Error::invalid(name(), format!("{point:?}"), cure))
     }
 
-    /// Refuses meshes of which no computer solves the boundary; a file in millimetres is such a one.
+    /// Checks that the meshes together have few enough boundary elements to be solved. A mesh file in millimetres, read as
+    /// metres, fails here.
     fn check_elements(&self, medium: Medium) -> Result<(), Error> {
         let [area, _] = element_size(medium);
         let mut count = 0.0;
@@ -190,7 +193,7 @@ impl Obstacles {
         Ok(())
     }
 
-    /// Refuses meshes that cross or touch a wall.
+    /// Checks that no mesh crosses or touches a wall.
     fn check_clear(&self, medium: Medium) -> Result<(), Error> {
         let [_, edge] = element_size(medium);
         for (k, obstacle) in self.given.iter().enumerate() {
@@ -208,13 +211,14 @@ impl Obstacles {
     }
 }
 
-/// The largest area in m^2 and the longest edge in m of a boundary element: 2.5 to a wavelength, slivers longer.
+/// The largest area in m^2 and the longest edge in m of a boundary element: about 2.5 elements per wavelength. The edge limit
+/// concerns only slender triangles.
 pub(crate) fn element_size(medium: Medium) -> [f64; 2] {
     let edge = 0.4 * medium.wavelength();
     [0.433 * edge * edge, 2.0 * edge]
 }
 
-/// The area of a triangle.
+/// The area of a triangle in m^2.
 fn size(triangle: [[f64; 3]; 3]) -> f64 {
     let twice = area_vector(triangle);
     0.5 * distance(twice, [0.0; 3])

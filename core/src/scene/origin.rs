@@ -1,20 +1,20 @@
-//! Origin of an array: a grid, a preset or positions.
+//! Origin: how an array was made: as a grid, by a preset, or from positions.
 
-/// The origin of an array, so that a scene file can state it in short form.
+/// How an array was made. A scene file can then state the array in short form.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Origin {
-    /// Positions and normals one by one.
+    /// From a list of positions and normals.
     Positions,
-    /// [`crate::Array::grid`].
+    /// By [`crate::Array::grid`].
     Grid {
         /// Transducers along x.
         nx: usize,
         /// Transducers along y.
         ny: usize,
-        /// Their distance in m.
+        /// The distance between neighbours in m.
         pitch: f64,
     },
-    /// [`crate::Array::preset`].
+    /// By [`crate::Array::preset`].
     Preset {
         /// Name of the preset.
         name: &'static str,

@@ -1,4 +1,4 @@
-//! Part: data of an array beside its places, such as a mask; each is declared once here for every binding.
+//! Part: optional data of an array beside its positions, such as a mask. Each part is declared once here for all bindings.
 
 use alloc::format;
 use alloc::vec;
@@ -14,45 +14,45 @@ use crate::scene::key::Key;
 use crate::scene::origin::Origin;
 use crate::scene::transducer::Transducer;
 
-/// The kind of a part: bindings read and write one kind, whatever the part.
+/// The type of a part's value. Bindings have one function to read and write each type.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::exhaustive_enums, reason = "a binding has to read every kind")]
 pub enum PartKind {
     /// One number.
     Real,
-    /// A law by its name, with or without its parameter.
+    /// A directivity: the name of a law, with or without its parameter.
     Directivity,
     /// A complex number for each transducer.
     Complexes,
-    /// Whether each transducer has it.
+    /// A truth value for each transducer.
     Flags,
-    /// A number of 0 or above for each transducer.
+    /// A whole number of 0 or above for each transducer.
     Indices,
-    /// Phases and amplitudes; one without any binds nothing.
+    /// A quantization: the phases and amplitudes that a board can play. One that names neither allows any drive.
     Quantization,
 }
 
-/// The value of a part, of its kind.
+/// The value of a part, one variant for each [`PartKind`].
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::exhaustive_enums, reason = "a binding has to write every kind")]
 pub enum PartValue {
     /// One number.
     Real(f64),
-    /// A law.
+    /// A directivity.
     Directivity(Directivity),
-    /// One of each transducer (N,).
+    /// One number for each transducer (N,).
     Complexes(Vec<Complex64>),
-    /// One of each transducer (N,).
+    /// One truth value for each transducer (N,).
     Flags(Vec<bool>),
-    /// One of each transducer (N,).
+    /// One index for each transducer (N,).
     Indices(Vec<usize>),
-    /// The board's grid.
+    /// The phases and amplitudes that the board can play.
     Quantization(Quantization),
 }
 
 type Checked = Result<Array, Error>;
 
-/// The function that reads a part from an array, and the function that sets it.
+/// The functions that read a part from an array and that set it, by type.
 #[derive(Debug)]
 enum Access {
     Real(fn(&Array) -> f64, fn(Array, f64) -> Checked),
@@ -63,7 +63,7 @@ enum Access {
     Quantization(fn(&Array) -> Option<&Quantization>, fn(Array, Option<Quantization>) -> Array),
 }
 
-/// A part of every array. All of them are [`Array::PARTS`].
+/// A named part of an array. [`Array::PARTS`] lists all of them.
 #[derive(Debug)]
 pub struct Part {
     /// Its name in scene files, Python and C.
@@ -71,14 +71,14 @@ pub struct Part {
     access: Access,
 }
 
-/// Declares the parts, each with its meaning, an example and its access.
+/// Declares the parts: the name of each, its meaning, an example and its access functions.
 macro_rules! parts {
     ($( $(#[doc = $doc:literal])+ $name:ident, such as $example:literal: $access:expr; )+) => {
         impl Array {
             /// Every part, in the order of scene files.
             pub const PARTS: &'static [Part] = &[$( Part { name: stringify!($name), access: $access }, )+];
 
-            /// The keys of the parts.
+            /// The keys of the parts in scene files.
             pub const PART_KEYS: &'static [Key] =
                 &[$( Key::new(stringify!($name), $example, concat!($($doc),+)), )+];
         }
@@ -113,7 +113,7 @@ parts! {
 }
 
 impl Part {
-    /// The kind of its values.
+    /// The type of the part's value.
     #[must_use]
     pub fn kind(&self) -> PartKind {
         match self.access {
@@ -126,7 +126,7 @@ impl Part {
         }
     }
 
-    /// The value of this part in an array, or `None` where it has none.
+    /// The value of this part in an array, or `None` where the array has none.
     #[must_use]
     pub fn of(&self, array: &Array) -> Option<PartValue> {
         match self.access {
@@ -139,7 +139,7 @@ impl Part {
         }
     }
 
-    /// The array with this part in place of its own.
+    /// Returns the array with this value of the part instead of its own.
     ///
     /// ```
     /// use midair::{Array, PartValue};
@@ -151,7 +151,8 @@ impl Part {
     /// ```
     ///
     /// # Errors
-    /// A value of another kind, and what the array's own methods refuse, such as another number of values than transducers.
+    /// A value of another type; values that the array's own methods reject, such as a list whose length is not the number of
+    /// transducers.
     pub fn put(&self, array: Array, value: PartValue) -> Result<Array, Error> {
         match (&self.access, value) {
             (Access::Real(_, set), PartValue::Real(value)) => set(array, value),
@@ -169,13 +170,14 @@ impl Part {
 }
 
 impl Array {
-    /// The part of this name, whatever the case, "-" and "_".
+    /// Returns the part of this name; case, "-" and "_" do not matter.
     #[must_use]
     pub fn part(name: &str) -> Option<&'static Part> {
         Self::PARTS.iter().find(|part| same_name(part.name, name))
     }
 
-    /// The parts that, given beside its origin, make the same array again; those of the preset are left out.
+    /// Returns the parts that a scene file must state, beside the origin, to make the same array again. Values that the preset
+    /// already has are left out.
     pub fn stated(&self) -> impl Iterator<Item = (&'static str, PartValue)> + '_ {
         let usual = match *self.origin() {
             Origin::Preset { name, tiles } => Self::preset(name, tiles).ok(),
@@ -194,7 +196,8 @@ impl Array {
     }
 }
 
-/// The value that stands for a missing part, where leaving it out would mean the preset's.
+/// Returns the value that means "none", for an array without a part that its preset has. Leaving the part out would mean the
+/// preset's value.
 fn none_like(usual: &PartValue, transducers: usize) -> Option<PartValue> {
     Some(match usual {
         PartValue::Complexes(_) => PartValue::Complexes(vec![Complex64::ONE; transducers]),

@@ -1,4 +1,4 @@
-//! Plane: a square of pixels normal to an axis, for pictures of the field, and the planes that show given points.
+//! Plane: a square of pixels normal to an axis, for pictures of the field; and how planes are chosen that show given points.
 
 use alloc::format;
 use alloc::vec::Vec;
@@ -8,35 +8,36 @@ use crate::error::{Error, find, real};
 use crate::scene::geometry::bounds;
 use crate::scene::geometry::vector;
 
-/// A point within this part of the wavelength of a plane lies in it: even a standing wave has 4/5 of its pressure there.
+/// A point within this many wavelengths of a plane is shown in it: at this distance even a standing wave has 4/5 of its
+/// pressure.
 const NEAR: f64 = 0.1;
 
-/// Wavelengths that a plane of its own accord shows around the points.
+/// How many wavelengths around the points a plane shows, if its size is not given.
 const MARGIN: f64 = 2.0;
 
-/// Side of a plane through a trap in wavelengths: the shell around it and the next.
+/// The side of a plane through a trap, in wavelengths: it shows the shell around the trap and the next one.
 const TRAP: f64 = 2.5;
 
-/// The most planes that points, and the most traps that two planes each are shown in; further ones are left out.
+/// The most planes for foci, and the most traps for which planes are made; further ones are left out.
 const MOST_PLANES: usize = 4;
 
-/// Pixels along a side of such a plane.
+/// Pixels along each side of a plane whose size is not given.
 const PIXELS: usize = 200;
 
 /// An axis of space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(clippy::exhaustive_enums, reason = "space has three")]
 pub enum Axis {
-    /// The axis along a flat array's rows.
+    /// The axis along the rows of a flat array.
     X,
-    /// The axis along its columns.
+    /// The axis along the columns of a flat array.
     Y,
-    /// The axis away from it.
+    /// The axis normal to a flat array.
     Z,
 }
 
 impl Axis {
-    /// Every axis; where several would do as the normal of a plane, the first of these is taken.
+    /// Every axis, in order of preference: if several fit as the normal of a plane, the first is used.
     const ALL: [Self; 3] = [Self::Z, Self::Y, Self::X];
 
     /// The axis of this name: "x", "y" or "z".
@@ -48,12 +49,12 @@ impl Axis {
         find("axis", name, &names, |(name, _)| name).map(|(_, axis)| *axis)
     }
 
-    /// Its coordinate's index.
+    /// The index of the axis in [x, y, z].
     const fn index(self) -> usize {
         self as usize
     }
 
-    /// The indices of the other two, across and up a picture.
+    /// The indices of the other two axes: the horizontal and the vertical axis of a picture.
     const fn others(self) -> [usize; 2] {
         match self {
             Self::X => [1, 2],
@@ -69,24 +70,24 @@ impl fmt::Display for Axis {
     }
 }
 
-/// A square of pixels normal to an axis, for pictures of the field: of z, x runs across and y up; of y, x and z; of x,
-/// y and z.
+/// A square of pixels normal to an axis, for pictures of the field. The horizontal and vertical axes of the picture are x and y
+/// for the normal z, x and z for y, and y and z for x.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
-    /// The axis that it is normal to.
+    /// The axis normal to the plane.
     pub axis: Axis,
-    /// Its place along that axis in m.
+    /// The coordinate of the plane along that axis in m.
     pub at: f64,
-    /// Side in m.
+    /// The side of the square in m.
     pub size: f64,
     /// Pixels along each side, ends included.
     pub pixels: usize,
-    /// Middle in m, across and up.
+    /// The middle of the square in m, as (horizontal, vertical) coordinate.
     pub center: [f64; 2],
 }
 
 impl Plane {
-    /// A plane at height z, of `pixels` x `pixels` samples at center + linspace(-size/2, size/2, pixels).
+    /// Returns a plane at height z of `pixels` x `pixels` samples, at center + linspace(-size/2, size/2, pixels).
     ///
     /// # Errors
     /// As [`Plane::normal_to`].
@@ -94,7 +95,7 @@ impl Plane {
         Self::normal_to(Axis::Z, z, size, pixels, center)
     }
 
-    /// A plane normal to `axis` at the place `at` along it, sampled as that of [`Plane::new`].
+    /// Returns a plane normal to `axis` at the coordinate `at` along it, sampled as by [`Plane::new`].
     ///
     /// # Errors
     /// A coordinate that is not finite, a size that is not above 0, fewer than 2 or more than 8192 pixels.
@@ -107,9 +108,9 @@ impl Plane {
         Ok(Self { axis, at, size, pixels, center })
     }
 
-    /// The planes that show `points`, at least two wavelengths around them, those with the most points first: one where
-    /// they lie in a plane normal to z, y or x; else one for each of their places along the axis with the fewest, at
-    /// most four. All are equal but for their place.
+    /// Returns planes that show `points` and at least two wavelengths around them. If the points lie in a plane normal to z, y
+    /// or x, this is the only one. Otherwise the normal is the axis along which the points have the fewest different places,
+    /// with one plane for each place, at most four. Planes with the most points come first; they differ only in their place.
     #[must_use]
     pub fn around(points: &[[f64; 3]], wavelength: f64) -> Vec<Self> {
         let layers = |axis| Self::layers(axis, points, wavelength);
@@ -118,8 +119,8 @@ impl Plane {
         planes
     }
 
-    /// Two upright planes through each of the first four traps, all of one size: those normal to y, then those normal to
-    /// x. A trap is a node, and a plane across the axis may contain only nodes.
+    /// Returns two upright planes of one size through each of the first four traps: first all normal to y, then all normal to
+    /// x. A trap is a node of the pressure, and a plane across the array's axis may contain only nodes.
     #[must_use]
     pub(crate) fn upright(traps: &[[f64; 3]], wavelength: f64) -> Vec<Self> {
         let through = |axis: Axis| {
@@ -131,21 +132,22 @@ impl Plane {
         through(Axis::Y).chain(through(Axis::X)).collect()
     }
 
-    /// The plane normal to y through the middle of a body of those bounds, which shows it and `points`.
+    /// Returns the plane normal to y through the middle of a body with these bounds. It shows the body and `points`.
     pub(crate) fn through_body(body: [[f64; 2]; 3], points: &[[f64; 3]], wavelength: f64) -> Self {
         let corners = [0, 1].map(|end| body.map(|side| side[end]));
         let around = Self::layers(Axis::Y, &[points, &corners].concat(), wavelength)[0];
         Self { at: 0.5 * (body[1][0] + body[1][1]), ..around }
     }
 
-    /// Whether the plane cuts the box of those bounds.
+    /// Whether the plane's square cuts the box with these bounds.
     pub(crate) fn cuts(&self, bounds: [[f64; 2]; 3]) -> bool {
         let within = |k: usize, at: f64, half: f64| bounds[k][0] < at + half && at - half < bounds[k][1];
         let mut beside = self.axis.others().into_iter().zip(self.center);
         within(self.axis.index(), self.at, 0.0) && beside.all(|(k, at)| within(k, at, 0.5 * self.size))
     }
 
-    /// The planes normal to `axis` that show all `points`, those with the most of them first; at least one.
+    /// Returns the planes normal to `axis` that together show all `points`, at least one plane. Those with the most points come
+    /// first.
     pub(crate) fn layers(axis: Axis, points: &[[f64; 3]], wavelength: f64) -> Vec<Self> {
         let bounds = bounds(points);
         let [across, up] = axis.others().map(|k| bounds[k]);
@@ -154,7 +156,7 @@ impl Plane {
         let center = [middle(across), middle(up)];
         let mut places: Vec<f64> = points.iter().map(|point| point[axis.index()]).collect();
         places.sort_unstable_by(f64::total_cmp);
-        // From each lowest place up to the last one for which the plane's middle is near to all.
+        // Each plane takes the lowest point left and all points above it that lie near enough to the middle between them.
         let mut layers: Vec<_> = Vec::new();
         let mut rest = &places[..];
         while let Some(&low) = rest.first() {
@@ -169,10 +171,10 @@ impl Plane {
         layers.into_iter().map(|(_, at)| Self { axis, at, size, pixels: PIXELS, center }).collect()
     }
 
-    /// The place along `axis` that `z` or, of any axis, `at` tells, if either does.
+    /// Returns the coordinate along `axis`, given as `z` or as `at`; `None` if neither is given.
     ///
     /// # Errors
-    /// Both are given, or z for another axis.
+    /// Both are given, or z for an axis other than z.
     pub fn place(axis: Axis, z: Option<f64>, at: Option<f64>) -> Result<Option<f64>, Error> {
         match (axis, z, at) {
             (_, Some(_), Some(at)) => Err(Error::invalid("plane.at", at, "z is given too: give one of them")),
@@ -187,39 +189,39 @@ impl Plane {
         }
     }
 
-    /// Whether a picture shows this point: it lies within half a pixel of the square and a tenth of the wavelength of
-    /// the plane.
+    /// Whether a picture of the plane shows this point: it lies in the square, with half a pixel as margin, and within a tenth
+    /// of the wavelength of the plane.
     #[must_use]
     pub fn shows(&self, point: [f64; 3], wavelength: f64) -> bool {
         let edge = 0.5 * self.size * (1.0 + 1.0 / (self.pixels as f64 - 1.0));
         let inside =
             self.axis.others().into_iter().zip(self.center).all(|(k, center)| (point[k] - center).abs() <= edge);
-        // Rounding in the middle of two places must not lose both.
+        // The factor 1.001 allows for rounding: without it a plane halfway between two points might show neither.
         inside && (point[self.axis.index()] - self.at).abs() <= 1.001 * NEAR * wavelength
     }
 
-    /// The same in whole micrometres, for messages.
+    /// The same plane with all lengths rounded to micrometres, for messages.
     #[must_use]
     pub fn rounded(&self) -> Self {
         let round = |x: f64| libm::round(x * 1e6) / 1e6;
         Self { at: round(self.at), size: round(self.size), center: self.center.map(round), ..*self }
     }
 
-    /// Coordinates in m of the pixels along a side of the picture: `side` 0 is across, 1 is up.
+    /// Coordinates in m of the pixels along one side of the picture: `side` 0 is horizontal, 1 is vertical.
     #[must_use]
     pub fn samples(&self, side: usize) -> Vec<f64> {
         let step = self.size / (self.pixels as f64 - 1.0);
         (0..self.pixels).map(|i| self.center[side] - self.size / 2.0 + i as f64 * step).collect()
     }
 
-    /// Coordinates in m of the pixels along an axis of space, `None` for the axis that is normal to the plane.
+    /// Coordinates in m of the pixels along an axis of space; `None` for the normal of the plane.
     #[must_use]
     pub fn along(&self, axis: Axis) -> Option<Vec<f64>> {
         let side = self.axis.others().into_iter().position(|k| k == axis.index())?;
         Some(self.samples(side))
     }
 
-    /// The samples row by row, the axis across fastest: pixel (up, across) is at index up * pixels + across.
+    /// The samples row by row, the horizontal axis fastest: pixel (up, across) has the index up * pixels + across.
     #[must_use]
     pub fn points(&self) -> Vec<[f64; 3]> {
         let [across, up] = self.axis.others();
@@ -233,7 +235,7 @@ impl Plane {
     }
 }
 
-/// The number as a person would write it.
+/// Writes the plane as the Python call that makes it.
 impl fmt::Display for Plane {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { axis, at, size, pixels, center: [across, up] } = self;

@@ -1,7 +1,7 @@
-//! Plausibility: values that are computed but probably mistakes, and the unit that was probably meant.
+//! Plausibility: warns of values that can be computed but are probably mistakes, and names the unit that was probably meant.
 //!
-//! A wrong factor of 1000 is beyond each limit for every array that has been built, and no array that has been built
-//! is beyond one.
+//! The limits are chosen so that every array that has been built is within all of them, and that an error by a factor of 1000
+//! exceeds one.
 
 use alloc::format;
 use alloc::string::String;
@@ -17,40 +17,42 @@ use crate::scene::origin::Origin;
 use crate::scene::plane::Plane;
 use crate::scene::request::Request;
 
-/// Hz of air-coupled arrays, 20 kHz to 1 MHz, with a margin for audible and for laboratory frequencies.
+/// Plausible frequencies in Hz. Air-coupled arrays use 20 kHz to 1 MHz; the margin is for audible and laboratory frequencies.
 const FREQUENCY: RangeInclusive<f64> = 5e3..=2e6;
 
-/// Temperatures in degrees C at which people work.
+/// Plausible temperatures in degrees C: those at which people work.
 const TEMPERATURE: RangeInclusive<f64> = -60.0..=60.0;
 
-/// kg/m^3 of air from high mountains to deep frost.
+/// Plausible densities in kg/m^3: air from high mountains to deep frost.
 const DENSITY: RangeInclusive<f64> = 0.5..=2.0;
 
-/// Np/m at 40 kHz, growing as the frequency squared: some four times what the dampest or driest air takes, and below that
-/// air's dB/m.
+/// The largest plausible absorption in Np/m at 40 kHz; it grows as the frequency squared. It is about four times that of air at
+/// any humidity, and below air's absorption in dB/m, so that a value in dB/m is noticed.
 const ABSORPTION: f64 = 1.0;
 
-/// Pa m of a transducer, from a dead buzzer to a horn; the paper's unit is apart.
+/// Plausible source pressures of a transducer in Pa m, from a weak buzzer to a horn. The unit of the paper is an exception, see
+/// [`Array::in_paper_unit`].
 const SOURCE_PRESSURE: RangeInclusive<f64> = 0.01..=100.0;
 
-/// Wavelengths between neighbours: nearer than the first they overlap, farther than the second they do not act together.
+/// Plausible distances between neighbours in wavelengths: nearer transducers overlap, and farther ones do not form a beam.
 const SPACING: RangeInclusive<f64> = 0.05..=5.0;
 
-/// The largest array and picture in m.
+/// The largest plausible array or picture in m.
 const LARGEST: f64 = 10.0;
 
-/// The farthest point from an array in m, unless the array itself is larger: sound of 40 kHz is down to half there.
+/// The largest plausible distance in m between a point and the array; a larger array raises it to its own size. At 40 kHz the
+/// air has absorbed half of the pressure there.
 const FARTHEST: f64 = 5.0;
 
-/// A value that is answered, but probably a mistake that way.
+/// A value that is computed but is probably a mistake.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Doubt {
-    /// The item, as in the scene file: `array.grid.pitch`.
+    /// The name of the value, as in a scene file: `array.grid.pitch`.
     pub item: String,
-    /// The value found.
+    /// The value itself, with its unit.
     pub value: String,
-    /// The cure.
+    /// How to correct it.
     pub cure: String,
 }
 
@@ -65,26 +67,27 @@ fn doubt(item: impl Into<String>, value: impl Into<String>, cure: impl Into<Stri
     Doubt { item: item.into(), value: value.into(), cure: cure.into() }
 }
 
-/// A number to four digits, as short as it can be written.
+/// A number with four significant digits, in its shortest form.
 pub(crate) fn short(x: f64) -> String {
     let x: f64 = format!("{x:.3e}").parse().unwrap_or(x);
     if x == 0.0 || (1e-4..1e7).contains(&x.abs()) { format!("{x}") } else { format!("{x:e}") }
 }
 
-/// "give m (150 mm are 0.15 m)": the first of some units in which a value would be in range.
+/// Returns the cure "give m (150 mm are 0.15 m)". It names the first of `others` (unit, factor) in which the value would be in
+/// range.
 fn in_unit(value: f64, unit: &str, others: &[(&str, f64)], range: &RangeInclusive<f64>) -> String {
     let meant = others.iter().find(|(_, factor)| range.contains(&(value * factor)));
     let meant = meant.map(|(name, factor)| format!(" ({} {name} are {} {unit})", short(value), short(value * factor)));
     format!("give {unit}{}", meant.unwrap_or_default())
 }
 
-/// Like [`in_unit`] for a length.
+/// The cure of [`in_unit`] for a length in m.
 fn metres(value: f64, range: &RangeInclusive<f64>) -> String {
     in_unit(value, "m", &[("mm", 1e-3), ("cm", 1e-2)], range)
 }
 
 impl Plane {
-    /// Probable mistakes in a plane: a length beyond every array's.
+    /// Returns a probable mistake in a plane: a length larger than any array.
     #[must_use]
     pub fn doubt(&self) -> Option<Doubt> {
         let [across, up] = self.center;
@@ -96,7 +99,7 @@ impl Plane {
 }
 
 impl Array {
-    /// Probable mistakes in an array and its medium: each slip once.
+    /// Returns probable mistakes in an array and its medium; each mistake is listed once.
     #[must_use]
     pub fn doubts(&self, medium: Medium) -> Vec<Doubt> {
         let mut doubts = of_medium(medium);
@@ -109,7 +112,7 @@ impl Array {
         doubts
     }
 
-    /// Probable mistakes in an array, whatever its medium: a width beyond every array's.
+    /// Returns a probable mistake in an array alone: a width larger than that of any array.
     #[must_use]
     pub fn doubt(&self) -> Option<Doubt> {
         let side = largest(&self.bounds());
@@ -130,7 +133,7 @@ fn of_medium(medium: Medium) -> Vec<Doubt> {
     if !TEMPERATURE.contains(&celsius) {
         let (value, cure) = of_speed(sound_speed, celsius);
         doubts.push(doubt("medium.sound_speed", value, cure));
-        // The air of a doubtful temperature is no measure.
+        // Absorption and density depend on the temperature, so they are not judged if it is in doubt.
         return doubts;
     }
     let most = ABSORPTION * (frequency / 40e3) * (frequency / 40e3);
@@ -146,7 +149,7 @@ fn of_medium(medium: Medium) -> Vec<Doubt> {
     doubts
 }
 
-/// A sound speed that air does not have, and the unit that was probably meant.
+/// Returns the text and the cure for a sound speed that air does not have; the cure names the unit that was probably meant.
 fn of_speed(speed: f64, celsius: f64) -> (String, String) {
     let value = format!("{} m/s", short(speed));
     let scales = [("K", celsius - 273.15), ("degrees F", (celsius - 32.0) / 1.8)];
@@ -159,11 +162,11 @@ fn of_speed(speed: f64, celsius: f64) -> (String, String) {
     (value, format!("air has 293 to 366 m/s, at -60 to 60 degrees C: {cure}"))
 }
 
-/// Neighbours too close or too far apart, or an array too large.
+/// Returns a probable mistake in positions: neighbours too close or too far apart, or an array too large.
 fn extent(array: &Array, medium: Medium) -> Option<Doubt> {
     let places = array.positions();
     let wavelength = medium.wavelength();
-    // A doubtful wavelength is no measure.
+    // If the wavelength itself is in doubt, distances cannot be judged by it.
     let sure = FREQUENCY.contains(&medium.frequency) && TEMPERATURE.contains(&medium.temperature());
     if sure && places.len() > 1 {
         let usual = &(wavelength / 4.0..=wavelength * 3.0);
@@ -192,7 +195,7 @@ fn largest(bounds: &[[f64; 2]; 3]) -> f64 {
     bounds.iter().fold(0.0, |most, [low, high]| f64::max(most, high - low))
 }
 
-/// An array and the box around it in which its points are looked for.
+/// An array and the box around it in which points are plausible.
 #[derive(Clone, Debug)]
 pub(crate) struct Vicinity {
     array: Array,
@@ -208,7 +211,8 @@ impl Vicinity {
         Self { array: array.clone(), bounds: bounds.map(|[low, high]| [low - most, high + most]), size }
     }
 
-    /// The first point far away, or else behind every transducer, and how many there are, named by its index.
+    /// Returns the first point outside of the box or, if all are inside, the first one behind every transducer. The text also
+    /// gives the number of such points; `name` makes the name from the index.
     pub(crate) fn doubt(&self, points: &[[f64; 3]], name: impl Fn(usize) -> String) -> Option<Doubt> {
         let outside = |point: &[f64; 3]| point.iter().zip(&self.bounds).any(|(x, [low, high])| x < low || x > high);
         let first = |doubtful: &dyn Fn(&[f64; 3]) -> bool| {
@@ -230,12 +234,12 @@ impl Vicinity {
     }
 }
 
-/// Two points so close that no wave has their two pressures: over a distance d it changes by no more than k d of its
-/// greatest pressure (Bernstein's inequality).
+/// Returns two points that are too close for their different pressures: over a distance d, the pressure of a wave changes by at
+/// most k d times its greatest pressure (Bernstein's inequality).
 pub(crate) fn contrary(medium: Medium, points: &[[f64; 3]], request: &Request) -> Option<Doubt> {
     let pressures = request.pressures.as_ref()?;
     let taking_part: Vec<usize> = (0..points.len()).filter(|&j| request.weight(j) > 0.0).collect();
-    // Mostly all ask for the same.
+    // In most requests all pressures are equal.
     if taking_part.iter().all(|&j| pressures[j] == pressures[taking_part[0]]) {
         return None;
     }

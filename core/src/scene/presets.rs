@@ -1,4 +1,4 @@
-//! Presets: real boards and the paper's arrays, as data with their source.
+//! Presets: the arrays of real boards and of Suzuki et al. 2021, as data with their source.
 
 use alloc::vec::Vec;
 
@@ -13,62 +13,62 @@ use crate::scene::directivity::Directivity;
 use crate::scene::geometry::lattice;
 use crate::scene::transducer::Transducer;
 
-/// An array known by name.
+/// An array with a name.
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::exhaustive_structs, reason = "read by every binding; built only here")]
 pub struct Preset {
-    /// Its name in `Array::preset` and in scene files.
+    /// The name in `Array::preset` and in scene files.
     pub name: &'static str,
-    /// Its description in one line.
+    /// A description in one line.
     pub summary: &'static str,
-    /// Where its numbers come from.
+    /// The publication or file with these numbers.
     pub source: &'static str,
-    /// Transducers of one board.
+    /// The number of transducers of one board.
     pub count: usize,
     /// Whether boards can be tiled.
     pub tiles: bool,
-    /// Its transducers.
+    /// Source pressure and directivity of the transducers.
     pub transducer: Transducer,
-    /// The board that plays it, where there is one that can play any drive: its quantization is the array's, and the array's
-    /// order is the board's ([`Board::new`](crate::Board::new)).
+    /// The kind of board that plays any drive of this array, if there is one. The array has its quantization, and transducers
+    /// in the same order as [`Board::new`](crate::Board::new).
     pub board: Option<&'static str>,
-    /// Transducers in a row that one channel drives.
+    /// How many consecutive transducers share one channel.
     pub together: usize,
     pub(crate) positions: fn([usize; 2]) -> Vec<[f64; 3]>,
-    /// Where the transducers face from their positions, unless all face +z.
+    /// The normal of a transducer at a position; `None` if all transducers face +z.
     pub(crate) normal: Option<fn([f64; 3]) -> [f64; 3]>,
 }
 
 impl Preset {
-    /// The quantization of its device.
+    /// The phases and amplitudes that its board can play; `None` if there is no board.
     pub(crate) fn quantization(&self) -> Result<Option<Quantization>, Error> {
         self.board.map(|kind| board::format(kind)?.steps.quantization()).transpose()
     }
 
-    /// The response of this many transducers of it: what its device cannot make up for.
+    /// The responses of `count` transducers that the board causes and cannot correct; `None` if all are 1.
     pub(crate) fn response(&self, count: usize) -> Result<Option<Vec<Complex64>>, Error> {
         let Some(kind) = self.board else { return Ok(None) };
         let format = board::format(kind)?;
         Ok(format.response((0..count).map(|i| format.channel(i))))
     }
 
-    /// Frequency in Hz of hardware in real air: every preset has one except the paper's arrays of point sources.
+    /// The frequency in Hz of real hardware; `None` for the arrays of the paper, which are point sources.
     pub(crate) fn frequency(&self) -> Result<Option<f64>, Error> {
         let frequency = self.board.map_or(Ok(40e3), |kind| Ok(board::format(kind)?.frequency))?;
         Ok((self.transducer != PAPER).then_some(frequency))
     }
 }
 
-/// P0 = 1e-3 Pa m is eq. (5) with lengths in millimetres.
+/// The transducer of Suzuki et al. 2021: P0 = 1e-3 Pa m is eq. (5) with lengths in millimetres.
 const PAPER: Transducer = Transducer { source_pressure: 1e-3, directivity: Directivity::POINT };
-/// Ultraino's transducers of 10 mm.
+/// The 10 mm transducer in Ultraino's files.
 const ULTRAINO: Transducer = Transducer { source_pressure: 2.4, directivity: Directivity::sinc(9e-3) };
-/// Murata MA40S4S at 20 V.
+/// The Murata MA40S4S at 20 V.
 const MURATA: Transducer = Transducer { source_pressure: 3.4, directivity: Directivity::piston(4.5e-3) };
 const HANDYBEAM: Transducer = Transducer { source_pressure: 3.4, directivity: Directivity::cos(3.376) };
 const OPENMPD: &str =
     "OpenMPD board file (16 x 16 at 10.5 mm, x slow, y from + to -) and AcousTools 1.2, Boards.py (gap, P0, piston)";
-/// Boards above and below the origin, relative to the plane between them.
+/// Boards above and below the origin face the plane z = 0.
 const INWARDS: fn([f64; 3]) -> [f64; 3] = |[_, _, z]| [0.0, 0.0, -z.signum()];
 const SUZUKI: &str = "Suzuki et al., IEEE Trans. Haptics 14(4), 2021, section IV";
 
@@ -232,7 +232,7 @@ pub const PRESETS: [Preset; 13] = [
     },
 ];
 
-/// The preset of that name.
+/// Returns the preset of this name.
 ///
 /// # Errors
 /// An unknown name; the error lists the known ones.
@@ -240,12 +240,12 @@ pub fn find(name: &str) -> Result<&'static Preset, Error> {
     error::find("preset", name, &PRESETS, |preset| preset.name)
 }
 
-/// Boards x fastest, transducers row-major on each, the middle of all lattices at the origin.
+/// Boards in rows, x fastest, and the transducers of each row by row, x fastest. The middle of all of them is the origin.
 fn autd3(tiles: [usize; 2]) -> Vec<[f64; 3]> {
     const SITES: [usize; 2] = [18, 14];
     const PITCH: f64 = 10.16e-3;
     const BOARD: [f64; 2] = [192.0e-3, 151.4e-3];
-    /// Sites (x, y) taken by screws and the connector.
+    /// Sites (x, y) without a transducer: screws and the connector are there.
     const MISSING: [[usize; 2]; 3] = [[1, 1], [2, 1], [16, 1]];
     let place = |axis: usize, tile: usize, site: usize| {
         let middle = (tiles[axis] as f64 - 1.0) * BOARD[axis] + (SITES[axis] as f64 - 1.0) * PITCH;
@@ -262,19 +262,19 @@ fn autd3(tiles: [usize; 2]) -> Vec<[f64; 3]> {
     positions
 }
 
-/// A board around z = 0 and one facing it, each in its own order: the one below, then the one above, turned about y.
+/// Returns a board below z = 0 and the same board above it, turned about y to face the first. Each keeps its own order.
 fn facing(board: &[[f64; 3]], gap: f64) -> Vec<[f64; 3]> {
     let below = board.iter().map(|&[x, y, _]| [x, y, -0.5 * gap]);
     below.chain(board.iter().map(|&[x, y, _]| [-x, y, 0.5 * gap])).collect()
 }
 
-/// One OpenMPD board.
+/// The positions of one OpenMPD board, in its own order.
 fn openmpd() -> Vec<[f64; 3]> {
     let own = lattice([16, 16], 10.5e-3);
     (0..256).map(|i| [own[i / 16][0], -own[i % 16][0], 0.0]).collect()
 }
 
-/// A ring of transducers counterclockwise, the first at an angle from +x.
+/// A ring of transducers, counterclockwise. `first` is the angle of the first from +x, in rad.
 fn ring(count: u32, radius: f64, height: f64, first: f64) -> impl Iterator<Item = [f64; 3]> {
     (0..count).map(move |k| {
         let angle = first + core::f64::consts::TAU * f64::from(k) / f64::from(count);
@@ -282,18 +282,18 @@ fn ring(count: u32, radius: f64, height: f64, first: f64) -> impl Iterator<Item 
     })
 }
 
-/// Rings of transducers, their radii and distances from the middle plane: the cap below, then the one above, each from its
-/// innermost ring outwards.
+/// Returns the positions of two caps of rings, first the lower cap, then the upper one; each cap from its innermost ring
+/// outwards. A ring is (count, radius, distance from the middle plane).
 fn levitator(rings: [(u32, f64, f64); 3]) -> Vec<[f64; 3]> {
     let cap =
         |side: f64| rings.into_iter().flat_map(move |(count, radius, height)| ring(count, radius, side * height, 0.0));
     [-1.0, 1.0].into_iter().flat_map(cap).collect()
 }
 
-/// Height of the focus of Ultraino's bowl, whose radius is 72.7 mm.
+/// The height in m of the focus of Ultraino's bowl; the bowl's radius is 72.7 mm.
 const BOWL_FOCUS: f64 = 55.5e-3;
 
-/// Rings from the rim to the middle, as in Ultraino's file: each ring from +y on, the third half a step later.
+/// Rings from the rim to the middle, in the order of Ultraino's file. Each ring begins at +y, the third half a step later.
 fn bowl() -> Vec<[f64; 3]> {
     const RINGS: [(u32, f64, f64, f64); 5] = [
         (28, 56.75e-3, 10.14e-3, 0.0),

@@ -1,4 +1,4 @@
-//! Request: targets (as pressures, with or without phases) and weights of the control points, and their checks.
+//! Request: target pressures of the control points, with or without phases, and weights; and their checks.
 
 use alloc::format;
 use alloc::vec::Vec;
@@ -8,20 +8,20 @@ use num_complex::Complex64;
 use crate::error::{Error, one_each, real};
 use crate::math;
 
-/// Pressures (M,) in Pa, their phases (M,) in rad and weights (M,) of M points; each may be left out.
+/// Requested pressures (M,) in Pa, their phases (M,) in rad and weights (M,) of M points; each list may be left out.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[allow(clippy::exhaustive_structs, reason = "three lists, checked where they are used")]
 pub struct Request {
-    /// Peak pressures |p| in Pa; left out all are the balanced level. 0 asks for a quiet point.
+    /// Peak pressures |p| in Pa; 0 stands for a quiet point. Left out, all points have the balanced level.
     pub pressures: Option<Vec<f64>>,
-    /// Phases of the pressures in rad: the targets are `p_j e^{j phase_j}`. Left out the phases are free.
+    /// Phases of the pressures in rad: the targets are `p_j e^{j phase_j}`. Left out, the phases are free.
     pub phases: Option<Vec<f64>>,
-    /// Weights of the points' terms in eq. (7); left out all are 1. A point of weight 0 takes no part.
+    /// Weights of the points in eq. (7); left out, all are 1. A point of weight 0 is ignored.
     pub weights: Option<Vec<f64>>,
 }
 
 impl Request {
-    /// A request of complex pressures (M,) in Pa: their moduli and their phases.
+    /// Returns the request for complex pressures (M,) in Pa: their moduli and phases.
     ///
     /// ```
     /// use midair::{Complex64, Request};
@@ -32,7 +32,7 @@ impl Request {
     /// ```
     #[must_use]
     pub fn of_complex(pressures: &[Complex64]) -> Self {
-        // A quiet point has no phase: that of -0 would be pi.
+        // Sets the phase of a zero to 0: atan2 gives pi for -0.
         let phase = |p: &Complex64| if *p == Complex64::ZERO { 0.0 } else { math::atan2(p.im, p.re) };
         Self {
             pressures: Some(pressures.iter().map(|p| math::hypot(p.re, p.im)).collect()),
@@ -41,18 +41,18 @@ impl Request {
         }
     }
 
-    /// The complex pressures (M,) in Pa, where pressures have phases.
+    /// The complex pressures (M,) in Pa; `None` where pressures or phases are left out.
     #[must_use]
     pub fn complex_pressures(&self) -> Option<Vec<Complex64>> {
         let (pressures, phases) = (self.pressures.as_ref()?, self.phases.as_ref()?);
         Some(pressures.iter().zip(phases).map(|(&p, &phase)| p * math::phasor(phase)).collect())
     }
 
-    /// Checks all lists against `points` points.
+    /// Checks all lists for `points` points.
     ///
     /// # Errors
-    /// No points; another length; a value that is not finite, or negative and no phase; phases without pressures;
-    /// nothing requested (every pressure 0 or every weight 0).
+    /// No points; a list of another length; a value that is not finite, a negative pressure or weight; phases without
+    /// pressures; nothing requested (every pressure 0 or every weight 0).
     pub fn check(&self, points: usize) -> Result<(), Error> {
         if points == 0 {
             return Err(Error::invalid("points", "empty", "give at least one point"));
@@ -60,7 +60,7 @@ impl Request {
         for (name, values) in [("pressures", &self.pressures), ("weights", &self.weights)] {
             let Some(values) = values else { continue };
             one_each(name, values.len(), "values", points, "points")?;
-            // Named only when refused: this runs for every frame of a moving hand.
+            // The name is made only for an error: this check runs for every frame of a tracked hand.
             let refused = |value: &f64| !(value.is_finite() && *value >= 0.0);
             if let Some(j) = values.iter().position(refused) {
                 real(&format!("points[{j}].{}", name.trim_end_matches('s')), values[j], 0.0, false)?;
@@ -90,12 +90,12 @@ impl Request {
         Ok(())
     }
 
-    /// Pressure of point j, 1 where pressures are left out.
+    /// The pressure of point j in Pa, 1 where pressures are left out.
     pub(crate) fn pressure(&self, j: usize) -> f64 {
         self.pressures.as_ref().map_or(1.0, |pressures| pressures[j])
     }
 
-    /// Weight of point j.
+    /// The weight of point j.
     pub(crate) fn weight(&self, j: usize) -> f64 {
         self.weights.as_ref().map_or(1.0, |weights| weights[j])
     }

@@ -11,12 +11,12 @@ use crate::math;
 use crate::scene::Array;
 use crate::scene::geometry::dot;
 
-/// Factors s_ji that multiply the transducers' responses while a scene is solved, and are no part of what is played: a
-/// drive q whose `sum_i G_ji s_ji q_i` is a strong focus at point j has the real field `sum_i G_ji q_i`, a trap there.
+/// Factors s_ji that turn foci into traps. While a scene is solved, they multiply the responses; the played drive does not
+/// contain them. If the drive q makes `sum_i G_ji s_ji q_i` a strong focus at point j, the real field `sum_i G_ji q_i` is a
+/// trap there.
 ///
-/// The array's axis a is the direction that its normals have most in common (the leading eigenvector of the sum of
-/// n n^T); its sides, seen from a point x, are the transducers below it, (x - x_i) a > 0, and those above it. All of it
-/// is taken at each point again.
+/// The axis a of the array is the leading eigenvector of the sum of n n^T over its normals n. Seen from a point x, a transducer
+/// at x_i is below it if (x - x_i) a > 0, else above it. Sides and azimuths are relative to each point.
 ///
 /// Twin traps and vortices are those of Marzo et al., Nature Communications 6, 8661 (2015).
 ///
@@ -29,7 +29,7 @@ use crate::scene::geometry::dot;
 /// let scene = scene.with_signature(Some(Signature::Twin))?;
 /// let problem = Problem::new(&scene)?;
 /// let solution = midair::solve(&problem, &Uniform::default(), true, &mut Workspace::new(), &mut Control::none())?;
-/// // The focus that was turned into a trap, and the silence that is in its place.
+/// // A loud focus at the point in the solver's model with the factors, silence there in the real field.
 /// let model = midair::Model::of(&scene, midair::InstructionSet::best());
 /// let field = midair::field(&model, &solution.drive, &[point], &mut Control::none())?;
 /// assert!(solution.pressures[0].norm() > 5e3 && field[0].norm() < 1.0);
@@ -38,39 +38,39 @@ use crate::scene::geometry::dot;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Signature {
-    /// The strongest trap in all three axes that this array is known to make at a point. Where its sides face each other,
-    /// and the weaker one gives at least half the other's pressure: pi for the side above, a standing wave with a node of
-    /// the pressure at the point. Else [`Signature::Vortex`], whose least stiffness is the best of the known ones.
+    /// The strongest known trap for this array at a point. If the transducers above and below face each other, and the weaker
+    /// side gives at least half the pressure of the stronger one, it is a standing wave with a node at the point: phase pi for
+    /// the side above. Otherwise it is [`Signature::Vortex`], whose least stiffness is the best of the known ones.
     Trap,
-    /// pi for the half of the array at x below the point's (at y, for an array along x): the two halves cancel in a plane
-    /// through the point.
+    /// A twin trap: phase pi for the half of the array at x below the point's (at y, for an array along x). The two halves
+    /// cancel in a plane through the point.
     Twin,
-    /// The azimuth of each transducer around the array's axis through the point.
+    /// A vortex: the phase of each transducer is its azimuth around the array's axis through the point.
     Vortex,
-    /// 1: the point stays a focus, among others that do not.
+    /// Factor 1: the point stays a focus, while other points are traps.
     Focus,
-    /// Factors of modulus 1: (N,) for all points, or (M, N), point by point.
+    /// Given factors of modulus 1: (N,) for all points, or (M, N), point by point.
     Given(Arc<[Complex64]>),
-    /// One for each point (M,), of those known by name.
+    /// A named signature for each point (M,).
     Each(Arc<[Signature]>),
 }
 
-/// The signatures known by name.
+/// The signatures with a name that apply to all points.
 const KNOWN: [(&str, Signature); 3] =
     [("trap", Signature::Trap), ("twin", Signature::Twin), ("vortex", Signature::Vortex)];
 
 /// The name of [`Signature::Focus`].
 const FOCUS: &str = "focus";
 
-/// The weaker side's part of the stronger one's pressure from which on a standing wave traps better than a vortex: found
-/// with two boards of 16 x 16 at 10.5 mm, 236.5 mm apart, and points from the middle to one of them.
+/// A standing wave traps better than a vortex if the weaker side gives at least this part of the stronger side's pressure.
+/// Found for two boards of 16 x 16 at 10.5 mm, 236.5 mm apart, and points from the middle to one board.
 const FACING: f64 = 0.5;
 
-/// Moduli that are 1 to rounding in f32.
+/// The allowed deviation of a modulus from 1, after rounding to f32.
 const ROUNDING: f64 = 1e-6;
 
 impl Signature {
-    /// The signature of a name.
+    /// Returns the signature of this name.
     ///
     /// # Errors
     /// An unknown name.
@@ -78,7 +78,7 @@ impl Signature {
         find("signature", name, &KNOWN, |known| known.0).map(|known| known.1.clone())
     }
 
-    /// The signature of a name, of one point among others: "focus", too.
+    /// Returns the signature of this name for one point of several; "focus" is allowed here.
     ///
     /// # Errors
     /// An unknown name.
@@ -87,7 +87,7 @@ impl Signature {
         find("signature", name, &known, |known| known.0).map(|known| known.1.clone())
     }
 
-    /// Its name; given factors have none, nor has a list.
+    /// The name; `None` for given factors and for a list.
     #[must_use]
     pub fn name(&self) -> Option<&'static str> {
         if *self == Self::Focus {
@@ -96,7 +96,7 @@ impl Signature {
         KNOWN.iter().find(|(_, known)| known == self).map(|known| known.0)
     }
 
-    /// Whether all points should be [`Signature::Trap`].
+    /// Whether all points are [`Signature::Trap`].
     pub(crate) fn traps(&self) -> bool {
         match self {
             Self::Each(each) => each.iter().all(|one| *one == Self::Trap),
@@ -104,7 +104,7 @@ impl Signature {
         }
     }
 
-    /// The signature of some of the points.
+    /// The signature for the points with these indices.
     pub(crate) fn select(&self, chosen: &[usize]) -> Self {
         match self {
             Self::Each(each) => Self::Each(chosen.iter().map(|&j| each[j].clone()).collect()),
@@ -112,7 +112,7 @@ impl Signature {
         }
     }
 
-    /// Refuses factors that are of another modulus than 1, or too many or few; lists of another length than points.
+    /// Checks that given factors have modulus 1 and the right number, and that a list names one signature for each point.
     pub(crate) fn check(&self, transducers: usize, points: usize) -> Result<(), Error> {
         if let Self::Each(each) = self {
             one_each("signature", each.len(), "names", points, "points")?;
@@ -138,7 +138,7 @@ impl Signature {
         }
     }
 
-    /// The factors (N,) of point `j` at `point`; `reach` (N,) is |G| of each transducer there.
+    /// The factors (N,) of point `j` at `point`. `reach` (N,) is |G|, the pressure of each transducer there at full drive.
     pub(crate) fn factors(&self, array: &Array, j: usize, point: [f64; 3], reach: &[f64]) -> Vec<Complex64> {
         let n = array.len();
         if let Self::Each(each) = self {
@@ -174,8 +174,8 @@ impl Signature {
     }
 }
 
-/// Unit vectors: across the array (as near to x as possible, or to y for an array along x), the third of a right-handed
-/// frame, and the array's axis, its largest component above 0.
+/// Returns three unit vectors: across the array (as near to x as possible, or to y for an array along x), the third axis of the
+/// right-handed frame, and the array's axis. The largest component of the axis is above 0.
 fn frame(normals: &[[f64; 3]]) -> [[f64; 3]; 3] {
     let mut scatter = [[0.0; 3]; 3];
     for n in normals {
@@ -183,7 +183,7 @@ fn frame(normals: &[[f64; 3]]) -> [[f64; 3]; 3] {
             row.iter_mut().zip(n).for_each(|(entry, y)| *entry += x * y);
         }
     }
-    // Squared over and over, a matrix tends to the projection on its leading eigenvector.
+    // Repeated squaring: the matrix tends to the projection on its leading eigenvector.
     for _ in 0..40 {
         let trace = scatter[0][0] + scatter[1][1] + scatter[2][2];
         let old = scatter.map(|row| row.map(|entry| entry / trace));

@@ -1,4 +1,4 @@
-//! Start of an iterative method (a drive or point phases), and the check of a drive.
+//! Start: the drive or the phases at the points from which an iterative method begins; and the check of a drive.
 
 use alloc::format;
 use alloc::vec::Vec;
@@ -18,7 +18,7 @@ pub enum Start {
     Phases(Vec<f64>),
 }
 
-/// Refuses a drive that no array of `transducers` could be given.
+/// Checks that a drive has one finite value of modulus at most 1 for each transducer.
 pub(crate) fn check_drive(drive: &[Complex32], transducers: usize) -> Result<(), Error> {
     one_each("drive", drive.len(), "values", transducers, "transducers")?;
     for (i, q) in drive.iter().enumerate() {

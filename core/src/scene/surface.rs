@@ -2,17 +2,17 @@
 
 use crate::scene::value::words;
 
-/// Metres that count as none beside an obstacle's surface.
+/// Distances in m below this are taken as 0 beside the surface of an obstacle.
 pub(crate) const ON: f64 = 1e-9;
 
 /// The acoustic boundary condition of a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[allow(clippy::exhaustive_enums, reason = "the two ideal surfaces")]
 pub enum Surface {
-    /// The air cannot move across it: dp/dn = 0. Solids in air.
+    /// The air cannot move across the surface: dp/dn = 0. Solids in air are rigid.
     #[default]
     Rigid,
-    /// A surface without resistance to sound: p = 0 (pressure-release).
+    /// The surface does not resist sound: p = 0 (pressure-release).
     Soft,
 }
 

@@ -1,4 +1,4 @@
-//! Values of options from bindings, read as a type.
+//! Values: options as bindings pass them, and their conversion to Rust types.
 
 use alloc::collections::BTreeMap;
 use alloc::format;
@@ -14,7 +14,7 @@ use crate::error::{Error, same_name};
 pub enum Value {
     /// true or false.
     Bool(bool),
-    /// An integer; wide enough for a seed of 64 bits and for its negative.
+    /// An integer, wide enough for a seed of 64 bits and for negative numbers.
     Integer(i128),
     /// A real number.
     Real(f64),
@@ -40,22 +40,22 @@ impl fmt::Display for Value {
 /// Options by name.
 pub type Options = BTreeMap<String, Value>;
 
-/// A type that an option can have.
+/// A Rust type that an option can have.
 pub trait OptionValue: Sized {
-    /// The words that it takes; none where it takes no words.
+    /// The words that the option takes; empty if it takes none.
     const WORDS: &'static [&'static str] = &[];
-    /// Whether it takes a list of integers.
+    /// Whether the option takes a list of integers.
     const LIST: bool = false;
     /// Reads the value that a binding passes; `item` names the option in the error.
     ///
     /// # Errors
     /// A value of another kind or out of range.
     fn read(item: &str, value: &Value) -> Result<Self, Error>;
-    /// The option as a [`Value`].
+    /// The option's value as a [`Value`].
     fn show(&self) -> Value;
 }
 
-/// The integer that a value is, where the type can hold it.
+/// Returns the value as an integer of type `T`; `None` if it is none or out of range.
 fn integer<T: TryFrom<i128>>(value: &Value) -> Option<T> {
     if let Value::Integer(number) = value { T::try_from(*number).ok() } else { None }
 }
@@ -94,7 +94,7 @@ impl OptionValue for f64 {
     }
 }
 
-/// Reads a value that is one of a few words, whatever its case, "-" and "_".
+/// Reads a value that must be one of some words; case, "-" and "_" do not matter.
 ///
 /// # Errors
 /// Any other value; the error lists the words.
@@ -109,13 +109,13 @@ pub fn word<T: Copy>(item: &str, value: &Value, words: &[(&'static str, T)]) -> 
     })
 }
 
-/// The word for a value with a fixed set of words.
+/// Returns the word for a value.
 pub fn spell<T: Copy + PartialEq>(value: T, words: &[(&'static str, T)]) -> Value {
     let found = words.iter().find(|(_, meaning)| *meaning == value);
     Value::Text(found.map_or_else(String::new, |(word, _)| (*word).to_string()))
 }
 
-/// Makes an enum an option that is one of a few words.
+/// Makes an enum the type of an option whose values are words.
 macro_rules! words {
     ($type:ty: $($word:literal = $value:expr),+) => {
         impl $crate::scene::OptionValue for $type {

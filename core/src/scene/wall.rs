@@ -1,4 +1,4 @@
-//! Walls: infinite planes as obstacles, with a mirror that faces the array.
+//! Walls: infinite planes as obstacles, each with a mirror that faces the array.
 
 use alloc::format;
 
@@ -9,10 +9,10 @@ use crate::scene::geometry::vector;
 use crate::scene::surface::{ON, Surface};
 use crate::scene::{Array, Medium};
 
-/// A cosine below this is that of a right angle, after rounding.
+/// Two normals are at a right angle if the modulus of their cosine is below this, which allows for rounding.
 const SQUARE: f64 = 1e-6;
 
-/// A reflecting plane.
+/// A reflecting plane with a unit normal on the array's side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Mirror {
     point: [f64; 3],
@@ -21,25 +21,25 @@ pub(crate) struct Mirror {
 }
 
 impl Mirror {
-    /// Metres in front of it.
+    /// The distance in m of a place in front of the plane; negative behind it.
     pub(crate) fn height(&self, place: [f64; 3]) -> f64 {
         dot([0, 1, 2].map(|x| place[x] - self.point[x]), self.normal)
     }
 
-    /// The image of a place.
+    /// The mirror image of a place.
     pub(crate) fn place(&self, place: [f64; 3]) -> [f64; 3] {
         let height = self.height(place);
         [0, 1, 2].map(|x| place[x] - 2.0 * height * self.normal[x])
     }
 
-    /// The image of a direction.
+    /// The mirror image of a direction.
     pub(crate) fn direction(&self, direction: [f64; 3]) -> [f64; 3] {
         let along = dot(direction, self.normal);
         [0, 1, 2].map(|x| direction[x] - 2.0 * along * self.normal[x])
     }
 }
 
-/// Makes the mirror of a wall. Its normal points to the side of the array.
+/// Returns the mirror of a wall. Its normal points to the side of the array.
 pub(crate) fn mirror(
     item: &str,
     (point, normal, kind): ([f64; 3], [f64; 3], Surface),
@@ -75,7 +75,8 @@ pub(crate) fn mirror(
     Ok(mirror)
 }
 
-/// Rejects two walls whose images do not give the reflections.
+/// Checks that two walls are compatible. Image sources give the right reflections only for walls that are parallel or at right
+/// angles.
 pub(crate) fn compatible((k, own): (usize, &Mirror), (other, before): (usize, &Mirror)) -> Result<(), Error> {
     let cosine = dot(own.normal, before.normal);
     if cosine.abs() > SQUARE && cosine.abs() < 1.0 - SQUARE {

@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::scene::array::Array;
 
 impl Array {
-    /// The array of a kind of board: its preset, or a grid for a kind that each owner wires differently.
+    /// Returns the array of a kind of board: its preset, or a grid if each owner wires this kind differently.
     ///
     /// # Errors
     /// An unknown name, tiles of 0, tiles for a kind that cannot be tiled.
@@ -30,8 +30,8 @@ impl Array {
         }
     }
 
-    /// The boards of a kind behind the array, with a channel for each of its transducers, or of its own channels. Transducers
-    /// that are masked or dead are off, and so are channels of none but these.
+    /// Returns boards of this kind for the array. Each transducer has a channel, or the channels are those of the array. Masked
+    /// and dead transducers are off, and so is a channel with no other transducers.
     ///
     /// # Errors
     /// An unknown name, more transducers or channels than the boards have.
@@ -50,8 +50,9 @@ impl Array {
         board.with_live((0..self.len()).map(|i| self.effect(i) != Complex64::ZERO).collect())
     }
 
-    /// The same array with several transducers wired to one driven channel: the channel of each transducer (N,), 0 to
-    /// C - 1. Drives stay (N,), equal within a channel. `None`, and 0 to N - 1 in order, give each its own.
+    /// The same array with several transducers wired to one channel: `channels` (N,) gives the channel of each transducer, 0 to
+    /// C - 1. Drives keep the shape (N,) and are equal within a channel. `None`, and 0 to N - 1 in order, give each transducer
+    /// its own channel.
     ///
     /// # Errors
     /// As [`Channels::new`].

@@ -1,4 +1,4 @@
-//! A power of the cosine: `HandyBeam`'s model.
+//! D = cos(theta)^n: the directivity of `HandyBeam`.
 
 use crate::math;
 use crate::scene::directivity::law::{Directivity, Law, Parameter, Shape, Taylor};
@@ -9,7 +9,7 @@ pub(super) static LAW: Law = Law {
     about: "D = cos(theta)^n; HandyBeam's model with n = 3.376",
     value: |exponent, cos_theta, _| math::pow(cos_theta, exponent),
     taylor: Taylor::Each(|n, c, _| {
-        // One power and quotients, where neither is too small to divide.
+        // One power, from which the others follow by division, unless the power or c is too small to divide.
         let (whole, over) = (math::pow(c, n), [1.0, c, c * c, c * c * c]);
         let power = |m: usize, factor: f64| match factor {
             0.0 => 0.0,

@@ -1,54 +1,55 @@
-//! Law: radiation of a kind of transducer over the angle, stated once; and a directivity, a law with its parameter.
+//! Law: the directivity of one kind of transducer as a function of the angle. Directivity: a law with its parameter.
 
 use core::fmt;
 
 use crate::kernels::waves::SLOPES;
 
-/// All that is known of one kind of directivity D(theta), for wavenumber k in 1/m. One file of this folder states one law.
+/// One kind of directivity D(theta), with k the wavenumber in 1/m. Each file of this folder defines one law.
 pub(crate) struct Law {
     /// The name in scene files, Python and C.
     pub(crate) name: &'static str,
-    /// The parameter, where it has one.
+    /// The law's parameter, or `None`.
     pub(crate) parameter: Option<Parameter>,
-    /// The formula, in one line.
+    /// The formula in one line, for users.
     pub(crate) about: &'static str,
-    /// D of (parameter, cos theta, k) for cos theta from 0 to 1.
+    /// Returns D for (parameter, cos theta, k), with cos theta from 0 to 1.
     pub(crate) value: fn(f64, f64, f64) -> f64,
-    /// The method that computes its derivatives by cos theta there.
+    /// How the derivatives of D by cos theta are computed.
     pub(crate) taylor: Taylor,
-    /// The speed at which D varies with the angle, of (parameter, k): x where D falls about as 1 - x^2 sin^2(theta)/6
-    /// from the axis.
+    /// How fast D changes with the angle, for (parameter, k): the x for which D falls about as 1 - x^2 sin^2(theta)/6 near the
+    /// axis.
     pub(crate) sharpness: fn(f64, f64) -> f64,
-    /// The functions that the polynomials of the f32 rows follow.
+    /// The form of D, which selects the polynomials that approximate it in f32.
     pub(crate) shape: Shape,
 }
 
-/// The Taylor coefficients D, D', D''/2, D'''/6, D''''/24 by cos theta.
+/// How to compute the Taylor coefficients D, D', D''/2, D'''/6, D''''/24 by cos theta.
 pub(crate) enum Taylor {
-    /// A function of (parameter, cos theta, k).
+    /// By a function of (parameter, cos theta, k).
     Each(fn(f64, f64, f64) -> [f64; SLOPES]),
-    /// D = `factor` J(x)/x^`order`, x = `scale` sin theta with a scale of (parameter, k): see [`super::bessel`].
+    /// By a Bessel function: D = `factor` J(x)/x^`order` with x = `scale` sin theta; `scale` is a function of (parameter, k).
+    /// See [`super::bessel`].
     InSine { scale: fn(f64, f64) -> f64, order: f64, factor: f64 },
 }
 
 /// The parameter of a law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
-    /// The parameter that a bare name stands for.
+    /// Its value if only the law's name is given.
     pub default: f64,
-    /// Whether the parameter is a length in m, above 0 and at most 1 m; else it is a number, 0 or above.
+    /// Whether the parameter is a length in m, above 0 and at most 1 m. Otherwise it is a number of 0 or above.
     pub length: bool,
 }
 
-/// The value of a law over the angle.
+/// The form of D as a function of the angle. Except for a point source, D is 0 behind the baffle.
 pub(crate) enum Shape {
     /// D = 1 everywhere, also behind.
     Omnidirectional,
-    /// D is a smooth function of cos^2 theta, 0 behind the baffle.
+    /// D is a smooth function of cos^2 theta.
     Even,
-    /// D = cos^n theta with the parameter n, 0 behind the baffle.
+    /// D = cos^n theta, where n is the parameter.
     Power,
-    /// D bends or ends at these angles in degrees, from 90 downwards; 0 behind the baffle.
+    /// D is a piecewise polynomial of cos theta; the pieces begin at these angles in degrees, from 90 downwards.
     Pieces([f64; 15]),
 }
 
@@ -57,7 +58,7 @@ pub(crate) enum Shape {
 #[derive(Clone, Copy)]
 pub struct Directivity {
     pub(crate) law: &'static Law,
-    /// 0 where the law has none.
+    /// The value of the parameter, 0 where the law has none.
     pub(crate) parameter: f64,
 }
 

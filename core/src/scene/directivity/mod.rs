@@ -1,4 +1,4 @@
-//! Directivity D(theta) of a transducer: the laws, one a file, and a law with its parameter by name.
+//! Directivity D(theta) of a transducer: the laws, one in each file, and a law with its parameter by name.
 
 pub(crate) mod bessel;
 pub(crate) mod cos;
@@ -20,17 +20,17 @@ use crate::kernels::waves::{SLOPES, Slopes};
 use crate::scene::directivity::bessel::{in_sine, normalised, series};
 use crate::scene::directivity::law::{Law, Shape, Taylor};
 
-/// The laws that scene files, Python and C know.
+/// All laws that scene files, Python and C can name.
 static LAWS: [&Law; 5] = [&point::LAW, &piston::LAW, &sinc::LAW, &cos::LAW, &t4010a1::LAW];
 
 impl Directivity {
-    /// The directivities of bare names, one of each law.
+    /// One directivity of each law, with the law's default parameter.
     pub fn all() -> impl Iterator<Item = Self> {
         LAWS.iter().map(|law| Self { law, parameter: law.parameter.map_or(0.0, |parameter| parameter.default) })
     }
 
-    /// The directivity of a law's name and its parameter (piston: radius in m, sinc: width in m, cos: exponent); left
-    /// out it is the law's own.
+    /// Returns the directivity of this name and parameter (piston: radius in m, sinc: width in m, cos: exponent). Without a
+    /// parameter it has the law's default.
     ///
     /// ```
     /// use midair::Directivity;
@@ -42,8 +42,7 @@ impl Directivity {
     /// ```
     ///
     /// # Errors
-    /// A name not listed, a parameter where none belongs, a radius or width that is not above 0, an exponent
-    /// below 0.
+    /// An unknown name, a parameter for a law without one, a radius or width that is not above 0, an exponent below 0.
     pub fn named(name: &str, parameter: Option<f64>) -> Result<Self, Error> {
         let law = *find("directivity", name, &LAWS, |law| law.name)?;
         match (law.parameter, parameter) {
@@ -55,7 +54,7 @@ impl Directivity {
         }
     }
 
-    /// The name and parameter that [`Directivity::named`] takes.
+    /// The arguments of [`Directivity::named`] that give this directivity.
     #[must_use]
     pub fn name(&self) -> (&'static str, Option<f64>) {
         (self.law.name, self.law.parameter.map(|_| self.parameter))
@@ -84,9 +83,9 @@ impl Directivity {
         Ok(self)
     }
 
-    /// Refuses beams so narrow that an angle in f32 no longer resolves them, for wavenumber k (1/m).
+    /// Rejects a beam so narrow that angles in f32 cannot resolve it; `k` is the wavenumber in 1/m.
     pub(crate) fn check_beam(&self, k: f64) -> Result<(), Error> {
-        // An error of 6e-8 in cos(theta) changes D by 2e-4 at most up to here.
+        // Up to this sharpness the rounding of cos(theta) to f32, 6e-8, changes D by at most 2e-4.
         if (self.law.sharpness)(self.parameter, k) > 80.0 {
             let cure = "give metres, at most some 13 wavelengths (an exponent: at most 6400)";
             return Err(Error::invalid(format!("directivity.{}", self.law.name), self.parameter, cure));
@@ -94,13 +93,14 @@ impl Directivity {
         Ok(())
     }
 
-    /// D at an angle given by its cosine, for wavenumber k (1/m), in double precision.
+    /// Returns D at an angle, given by its cosine, for the wavenumber `k` in 1/m. Computed in double precision.
     #[must_use]
     pub fn value(&self, cos_theta: f64, k: f64) -> f64 {
         if self.silent(cos_theta) { 0.0 } else { (self.law.value)(self.parameter, cos_theta, k) }
     }
 
-    /// The Taylor coefficients of D by cos(theta), up to the fourth, for wavenumber k (1/m); all 0 behind a baffle.
+    /// Returns the Taylor coefficients of D by cos(theta) up to the fourth order, for the wavenumber `k` in 1/m. All are 0
+    /// behind a baffle.
     pub(crate) fn taylor(&self, cos_theta: f64, k: f64) -> [f64; SLOPES] {
         let c = cos_theta.min(1.0);
         if self.silent(c) {
@@ -114,7 +114,7 @@ impl Directivity {
         }
     }
 
-    /// The directivity as the kernels find it for many transducers.
+    /// Returns this directivity in the form in which the kernels evaluate it for many transducers.
     pub(crate) fn slopes(self, k: f64) -> Slopes {
         let each = Slopes::Each(Box::new(move |c| self.taylor(c, k)));
         match (&self.law.shape, &self.law.taylor) {
@@ -128,7 +128,8 @@ impl Directivity {
         }
     }
 
-    /// dD/dk in place of D, up to the third, where D is a function of k sin(theta); else it is one of theta alone.
+    /// Returns the Taylor coefficients of dD/dk up to the third order, if D is a function of k sin(theta). Otherwise D does not
+    /// depend on k, and the result is `None`.
     pub(crate) fn widening(self, k: f64) -> Option<Slopes> {
         let Taylor::InSine { scale, order, factor } = &self.law.taylor else { return None };
         let (scale, order, factor) = (scale(self.parameter, k), *order, 2.0 * factor / k);
@@ -149,7 +150,7 @@ impl Directivity {
         })
     }
 
-    /// Whether an angle lies behind the baffle.
+    /// Whether the transducer radiates nothing at this angle: behind its baffle.
     fn silent(&self, cos_theta: f64) -> bool {
         cos_theta < 0.0 && !matches!(self.law.shape, Shape::Omnidirectional)
     }

@@ -1,4 +1,4 @@
-//! Pattern: D(theta) of a transducer as polynomials in f32, by Chebyshev interpolation in f64.
+//! Pattern: a directivity D(theta) as polynomials in f32. Chebyshev interpolation in f64 gives their coefficients.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -11,17 +11,18 @@ use crate::kernels::propagate::directivity::{Chebyshev, Exponent, MIDDLE, Patter
 use crate::math;
 use crate::scene::directivity::law::{Directivity, Shape};
 
-/// The largest error of a polynomial before it is rounded to f32.
+/// The largest error of a polynomial, before its coefficients are rounded to f32.
 const ERROR: f64 = 7.5e-7;
 
-/// Nodes over 0 to 1: the narrowest beam needs some 50.
+/// Interpolation nodes in the interval 0 to 1: the narrowest beam needs about 50.
 const NODES: usize = 64;
 
-/// The largest sum of the terms of a polynomial, D being at most 1: four bits that f32 may lose.
+/// The largest allowed sum of the moduli of a polynomial's terms. D is at most 1, so up to four bits of f32 are lost by
+/// cancellation.
 const TERMS: f64 = 16.0;
 
 impl Directivity {
-    /// The pattern that the f32 rows read, for wavenumber k (1/m); none for a point source.
+    /// Returns the pattern for the wavenumber `k` in 1/m, from which the f32 kernels compute D; `None` for a point source.
     pub(crate) fn pattern(&self, k: f64) -> Option<Pattern> {
         let even = match &self.law.shape {
             Shape::Omnidirectional => return None,
@@ -43,7 +44,7 @@ impl Directivity {
     }
 }
 
-/// The shortest kind that holds some powers.
+/// Returns the shortest type of polynomial that has room for these powers; `None` if there are too many.
 fn polynomial(even: bool, powers: &[f64]) -> Option<Pattern> {
     Some(match (even, powers.len()) {
         (true, ..=6) => Pattern::Even6(rounded(powers)),
@@ -56,7 +57,7 @@ fn polynomial(even: bool, powers: &[f64]) -> Option<Pattern> {
     })
 }
 
-/// Coefficients from the highest power down, as the kernels read them.
+/// Rounds the coefficients to f32 and orders them from the highest power down, as the kernels expect.
 fn rounded<const EVEN: bool, const N: usize>(powers: &[f64]) -> Polynomial<EVEN, N> {
     Polynomial(array::from_fn(|n| powers.get(N - 1 - n).map_or(0.0, |&power| power as f32)))
 }
@@ -66,7 +67,7 @@ fn size(powers: &[f64]) -> f64 {
     powers.iter().rev().fold(0.0, |sum, power| 0.5 * sum + power.abs())
 }
 
-/// The first `count` Chebyshev coefficients of a function over an interval, by its values at some nodes.
+/// The first `count` Chebyshev coefficients of a function on the interval from low to high, from its values at `nodes` nodes.
 fn series(value: impl Fn(f64) -> f64, [low, high]: [f64; 2], nodes: usize, count: usize) -> Vec<f64> {
     let mut series = vec![0.0; count];
     for node in 0..nodes {
@@ -83,7 +84,7 @@ fn series(value: impl Fn(f64) -> f64, [low, high]: [f64; 2], nodes: usize, count
     series
 }
 
-/// The fewest coefficients over 0 to 1 that follow the function within [`ERROR`].
+/// The shortest Chebyshev series on the interval 0 to 1 whose error is at most [`ERROR`].
 fn short_series(value: impl Fn(f64) -> f64) -> Vec<f64> {
     let mut series = series(value, [0.0, 1.0], NODES, NODES);
     let mut error = 0.0;
@@ -97,10 +98,10 @@ fn short_series(value: impl Fn(f64) -> f64) -> Vec<f64> {
     series
 }
 
-/// The same polynomial in powers of half the argument of the Chebyshev polynomials, from the lowest.
+/// Converts a Chebyshev series into powers of x/2, the lowest first; x is the argument of the Chebyshev polynomials.
 fn powers(series: &[f64]) -> Vec<f64> {
     let mut powers = vec![0.0; series.len()];
-    // T_0 = 1, T_1 = 2 x, T_(n+1) = 4 x T_n - T_(n-1), power by power.
+    // In powers of x/2: T_0 = 1, T_1 = 2 (x/2), T_(n+1) = 4 (x/2) T_n - T_(n-1).
     let (mut last, mut this) = (Vec::new(), vec![1.0]);
     for (n, coefficient) in series.iter().enumerate() {
         for (sum, power) in powers.iter_mut().zip(&this) {
@@ -114,7 +115,8 @@ fn powers(series: &[f64]) -> Vec<f64> {
     powers
 }
 
-/// Quartics of the cosine, which begin at some angles in degrees; the last ends at 0 degrees.
+/// Returns a piecewise polynomial of degree 4 in cos(theta). Its pieces begin at these angles in degrees; the last one ends at
+/// 0 degrees.
 fn pieces(begins: &[f64; LANES - 1], value: impl Fn(f64) -> f64) -> Pieces {
     let middle = f64::from(MIDDLE);
     let bounds: Lanes = array::from_fn(|k| {
@@ -122,11 +124,11 @@ fn pieces(begins: &[f64; LANES - 1], value: impl Fn(f64) -> f64) -> Pieces {
     });
     let mut coefficients = [[0.0; LANES]; 5];
     for (k, pair) in bounds.windows(2).enumerate() {
-        // The last bound lies beyond all x.
+        // The last bound is above 1, the largest cosine: the piece ends at 1.
         let [low, high] = [pair[0], pair[1].min(1.0 - MIDDLE)].map(|bound| f64::from(bound) + middle);
         let width = high - low;
         let mut powers = powers(&series(&value, [low, high], 8, coefficients.len()));
-        // From powers of (c - low)/width - 1/2 to those of c - low: Taylor's shift, coefficient by coefficient.
+        // Converts powers of (c - low)/width - 1/2 into powers of c - low by a Taylor shift.
         for first in 0..powers.len() {
             for n in (first..powers.len() - 1).rev() {
                 powers[n] -= 0.5 * powers[n + 1];

@@ -1,4 +1,4 @@
-//! A point source: the paper's model.
+//! A point source, as in Suzuki et al. 2021.
 
 use crate::scene::directivity::law::{Directivity, Law, Shape, Taylor};
 
@@ -13,6 +13,6 @@ pub(super) static LAW: Law = Law {
 };
 
 impl Directivity {
-    /// D = 1 everywhere, also behind: the paper's model.
+    /// D = 1 everywhere, also behind the transducer, as in Suzuki et al. 2021.
     pub const POINT: Self = Self { law: &LAW, parameter: 0.0 };
 }

@@ -1,4 +1,4 @@
-//! An aperture of one width: Ultraino's model.
+//! An aperture of finite width: the directivity of Ultraino.
 
 use crate::math;
 use crate::scene::directivity::law::{Directivity, Law, Parameter, Shape, Taylor};
@@ -17,7 +17,7 @@ pub(super) static LAW: Law = Law {
 };
 
 impl Directivity {
-    /// D = sin(x)/x, x = (k d/2) sin theta: an aperture of `width` d (m); Ultraino's model.
+    /// D = sin(x)/x with x = (k d/2) sin theta: an aperture of `width` d (m), as in Ultraino.
     #[must_use]
     pub const fn sinc(width: f64) -> Self {
         Self { law: &LAW, parameter: width }

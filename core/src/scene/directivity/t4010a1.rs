@@ -1,4 +1,4 @@
-//! The Nicera T4010A1, the AUTD3's transducer, as measured.
+//! The measured directivity of the Nicera T4010A1, the transducer of the AUTD3.
 
 use crate::math;
 use crate::scene::directivity::law::{Directivity, Law, Shape, Taylor};
@@ -6,7 +6,7 @@ use crate::scene::directivity::law::{Directivity, Law, Shape, Taylor};
 /// D at 0, 10, ..., 90 degrees (values of the AUTD3 software's transducer table).
 const MEASURED: [f64; 10] = [1.0, 1.0, 1.0, 0.8913, 0.7079, 0.5012, 0.3548, 0.2512, 0.1995, 0.1778];
 
-/// Where quartics begin, in degrees: at the measured angles, where D bends, and between them.
+/// Where the pieces of the polynomial begin, in degrees: at measured angles, where D has kinks, and between them.
 const BEGINS: [f64; 15] = [90.0, 80.0, 70.0, 65.0, 60.0, 55.0, 50.0, 47.0, 43.0, 40.0, 35.0, 30.0, 26.0, 23.0, 20.0];
 
 pub(super) static LAW: Law = Law {
@@ -14,15 +14,16 @@ pub(super) static LAW: Law = Law {
     parameter: None,
     about: "the Nicera T4010A1 as measured every 10 degrees (the AUTD3's transducer), by monotone cubics (PCHIP)",
     value: |_, cos_theta, _| pchip(&MEASURED, math::acos(cos_theta.min(1.0)).to_degrees() / 10.0)[0],
-    // The second derivative jumps every 10 degrees.
+    // The derivatives of this law: the second one jumps at every tenth degree, where the cubics meet.
     taylor: Taylor::Each(|_, c, _| {
         let theta = math::acos(c);
         let [d, d1, d2, d3] = pchip(&MEASURED, theta.to_degrees() / 10.0);
-        // The measured values begin flat.
+        // D is constant near the axis, where theta has no Taylor series in cos(theta).
         if d1 == 0.0 && d2 == 0.0 && d3 == 0.0 {
             return [d, 0.0, 0.0, 0.0, 0.0];
         }
-        // theta as a series in cos(theta): its derivatives are -1/s, -c/s^3, -(1 + 2 c^2)/s^5, -(9 c + 6 c^3)/s^7.
+        // The Taylor series of theta in c = cos(theta), with s = sin(theta): its derivatives are -1/s, -c/s^3, -(1 + 2
+        // c^2)/s^5, -(9 c + 6 c^3)/s^7.
         let s2 = 1.0 - c * c;
         let s = math::sqrt(s2);
         let unit = 1.0_f64.to_degrees() / 10.0;
@@ -41,9 +42,9 @@ impl Directivity {
     pub const T4010A1: Self = Self { law: &LAW, parameter: 0.0 };
 }
 
-/// The Taylor coefficients at x of the monotone cubic through `values` at 0, 1, 2, ... (Fritsch and Butland 1984:
-/// harmonic-mean slopes, so that no overshoot is invented between measured values; one-sided three-point slopes at the
-/// ends).
+/// Returns the Taylor coefficients at x of the monotone cubic through `values` at 0, 1, 2, ... (F. N. Fritsch and J. Butland
+/// 1984). The slopes are harmonic means, so the cubic does not overshoot between measured values; at the ends they are
+/// one-sided three-point slopes.
 fn pchip(values: &[f64; 10], x: f64) -> [f64; 4] {
     let step = |i: usize| values[i + 1] - values[i];
     let slope = |i: usize| -> f64 {

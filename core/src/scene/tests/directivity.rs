@@ -3,14 +3,14 @@
 use super::*;
 use crate::math;
 
-/// A bound on the fourth Taylor coefficient.
+/// Returns a bound on the fourth Taylor coefficient of D for a sharpness s.
 fn most(s: f64) -> f64 {
     1.0 + s * s + 0.1 * s * s * s + 1e-4 * s * s * s * s
 }
 
 #[test]
 fn slopes_are_those_of_the_directivity() {
-    // Around the arguments above which the series is not used, and for beams of many lobes.
+    // The steps cover the argument at which the computation changes from series to functions. The extra beams have many lobes.
     let h = 1e-3;
     let beams = [Directivity::piston(50e-3), Directivity::sinc(60e-3), Directivity::cos(0.0), Directivity::cos(1.0)];
     let smooth = Directivity::all().filter(|directivity| !matches!(directivity.law.shape, Shape::Pieces(_)));
@@ -19,11 +19,11 @@ fn slopes_are_those_of_the_directivity() {
             let c = 0.005 * f64::from(step);
             let [d, d1, d2, d3, d4] = directivity.taylor(c, 739.0);
             assert!((d - directivity.value(c, 739.0)).abs() < 1e-13, "{directivity:?} at {c}");
-            // Its polynomial against itself nearby, to the fourth order.
+            // Compares the Taylor polynomial with D nearby, to the fourth order.
             for x in [-h, h] {
                 let near = directivity.taylor((c + x).min(1.0), 739.0)[0];
                 let error = ((((d4 * x + d3) * x + d2) * x + d1) * x + d - near).abs();
-                // D is a function of s sin^2(theta), whose derivatives are below 1e-4 at the fourth order.
+                // D is a function of s^2 sin^2(theta), whose fourth derivative is below 1e-4.
                 let sharpness = (directivity.law.sharpness)(directivity.parameter, 739.0);
                 let fourth = match directivity.law.shape {
                     Shape::Even => most(sharpness * sharpness),
