@@ -1,7 +1,8 @@
-//! Bodies: the waves that spheres and meshes add to G.
+//! Bodies: the part of G that spheres and meshes add.
 //!
-//! It is H S: waves or surface elements at a point times their response to each transducer. S is found once; a point
-//! that moves needs its own row of H alone.
+//! It is the product H S. H (M, K) contains the K waves, or surface elements, of the bodies at each of M points. S (K, N)
+//! contains the response of each wave or element to each of N transducers. S is computed once; a point that moves needs only
+//! its own row of H anew.
 
 use alloc::sync::Arc;
 use alloc::vec;
@@ -19,9 +20,9 @@ use crate::propagation::local::Local;
 use crate::propagation::sources::Sources;
 use crate::propagation::sphere::Sphere;
 
-/// The waves of bodies: a trait, so that a program that has none is not linked with their mathematics.
+/// The waves of bodies. This is a trait, so that a program without bodies is not linked with their code.
 trait Basis: fmt::Debug + Send + Sync {
-    /// Each wave, or the wave of each element, at a point outside.
+    /// Writes the value of each wave, or of the wave of each element, at a point outside of the bodies.
     fn row(&self, point: [f64; 3], row: &mut Vec<Complex64>);
 }
 
@@ -37,11 +38,11 @@ impl Basis for Boundary {
     }
 }
 
-/// Bodies and their answer to each transducer.
+/// Bodies and their response to each transducer.
 #[derive(Clone, Debug)]
 pub(crate) struct Bodies {
     basis: Arc<dyn Basis>,
-    /// S (K, N), wave by wave, padded, real and imaginary parts apart; the transducers' responses left out.
+    /// S (K, N), row by row, padded: its real and its imaginary part. The transducers' own responses are not included.
     answers: [Vec<f32>; 2],
     transducers: usize,
 }
@@ -53,7 +54,7 @@ impl Bodies {
         Ok(Self::of(Arc::new(sphere), answers, sources.array.len()))
     }
 
-    /// The bodies with the sound on a boundary's elements (E, N).
+    /// Returns the bodies of a boundary. `sound` (E, N) is the sound on each of its elements for each transducer.
     pub(crate) fn of_boundary(boundary: Arc<Boundary>, sound: &[Complex32]) -> Self {
         let transducers = boundary.transducers();
         Self::of(boundary, sound.iter().copied(), transducers)
@@ -69,13 +70,13 @@ impl Bodies {
         Self { basis, answers: planes, transducers }
     }
 
-    /// The number of waves or elements.
+    /// The number K of waves or elements.
     pub(crate) fn len(&self) -> usize {
         self.answers[0].len() / padded(self.transducers)
     }
 
-    /// The share of each transducer at some points by way of the bodies, without its response, in Pa: real and
-    /// imaginary parts, padded.
+    /// Returns the pressure that each transducer gives at each point by way of the bodies, in Pa: real and imaginary part,
+    /// padded. The transducers' own responses are not included.
     pub(crate) fn sent(&self, points: &[[f64; 3]]) -> Vec<[Vec<f32>; 2]> {
         let lanes = padded(self.transducers);
         let mut row = Vec::new();
@@ -87,12 +88,12 @@ impl Bodies {
         let received: Vec<[Vec<f32>; 2]> = points.iter().map(received).collect();
         let mut sent = vec![[(); 2].map(|()| vec![0.0; lanes]); points.len()];
         let answers = self.answers.each_ref().map(|plane| &plane[..]);
-        // Every instruction set gives the same bits.
+        // All instruction sets give the same bits.
         panels::add_answers(InstructionSet::best(), answers, &received, &mut sent, lanes);
         sent
     }
 
-    /// The Taylor coefficients around a point of what each transducer sends there by way of them, as [`Bodies::sent`].
+    /// Returns the Taylor coefficients, around a point, of the pressures that [`Bodies::sent`] returns.
     pub(crate) fn expanded(
         &self,
         local: &Local,
@@ -117,13 +118,13 @@ impl Bodies {
         Ok(sent)
     }
 
-    /// The sum over all transducers for each wave or element.
+    /// The rows of S, one for each wave or element: real and imaginary part.
     fn each(&self) -> impl Iterator<Item = [&[f32]; 2]> {
         let [re, im] = self.answers.each_ref().map(|plane| plane.chunks_exact(padded(self.transducers)));
         re.zip(im).map(|(re, im)| [re, im])
     }
 
-    /// The waves or elements in the field of a drive (N,), responses counted in.
+    /// The amplitude of each wave or element in the field of a drive (N,), with the transducers' responses included.
     pub(crate) fn driven(&self, sources: &Sources, drive: &[Complex32]) -> Vec<Complex64> {
         let played =
             |(i, q): (usize, &Complex32)| sources.array.effect(i) * Complex64::new(f64::from(q.re), f64::from(q.im));
@@ -135,7 +136,7 @@ impl Bodies {
         self.each().map(sum).collect()
     }
 
-    /// The pressure at a point of waves or elements so driven, in Pa.
+    /// The pressure at a point in Pa, for the amplitudes that [`Bodies::driven`] returns. `row` is scratch memory.
     pub(crate) fn pressure(&self, driven: &[Complex64], point: [f64; 3], row: &mut Vec<Complex64>) -> Complex64 {
         self.basis.row(point, row);
         row.iter().zip(driven).map(|(received, driven)| received * driven).sum()

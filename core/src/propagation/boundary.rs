@@ -1,16 +1,18 @@
-//! Boundary: the sound on the surface of meshes, by boundary elements.
+//! Boundary: the sound on the surfaces of meshes, by the boundary element method.
 //!
-//! Unknown on each flat element is u = p where it is rigid, u = (dp/dn)/k where it is soft; with g = e^{jkR}/(4 pi R) the
-//! elements send
+//! The unknown u is constant on each flat element: u = p on a rigid element, u = (dp/dn)/k on a soft one. With the Green's
+//! function g = e^{jkR}/(4 pi R) and the incident wave p_i, the pressure at a place x in the air is
 //!
 //! ```text
 //! p(x) = p_i(x) + sum_rigid u int dg/dn_y dS - sum_soft k u int g dS
 //! ```
 //!
-//! At the elements' middles this and j/k times its derivative along their normal, which together have no spurious
-//! resonances of the inside (A. J. Burton and G. F. Miller, Proc. R. Soc. A 323, 201, 1971), are E equations for E unknowns.
-//! The integral of an element at its own middle, where it is hypersingular, is known in closed form but for one over the
-//! angle; a six-point rule does the others, of halves and quarters where they are near.
+//! The E equations for the E unknowns are this one at the middle of each element, plus j/k times its derivative along the
+//! element's normal. Together the two have no spurious resonances of the inside (A. J. Burton and G. F. Miller, Proc. R. Soc. A
+//! 323, 201, 1971).
+//!
+//! At its own middle the integral of an element is hypersingular. It is known in closed form except for one integral over the
+//! angle. A six-point rule computes all other integrals; near elements are first cut into quarters.
 
 use alloc::format;
 use alloc::vec;
@@ -28,17 +30,18 @@ use crate::propagation::reflection::{Reflection, reflections};
 use crate::propagation::sources::Sources;
 use crate::scene::{Array, Medium, Obstacle, Obstacles, check_array, element_size};
 
-/// A step along a normal for derivatives, in wavelengths: its square and rounding over it are both below 1e-7.
+/// The step along a normal for numerical derivatives, in wavelengths. The errors by its square and by rounding are both below
+/// 1e-7.
 const STEP: f64 = 1e-4;
 
-/// Entries that a thread goes through between two looks at the control.
+/// How many matrix entries a thread computes between two checks whether to stop.
 const STRETCH: usize = 1 << 14;
 
-/// The surfaces of meshes as elements, before an array in a medium: A u = b.
+/// The surfaces of meshes as boundary elements for an array in a medium: the equations A u = b.
 ///
-/// A and b come from here, u from any library that solves linear equations; [`crate::Model::with_sound`] then takes u
-/// (E, N), and from there on points move without anybody touching the mesh. Elements are the faces, halved until 2.5 of
-/// them go to a wavelength.
+/// This type computes A and b; any library for linear equations computes u (E, N). [`crate::Model::with_sound`] then takes u.
+/// After that, points can move without a new solution. The elements are the faces, halved until there are 2.5 of them per
+/// wavelength.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -56,20 +59,20 @@ const STRETCH: usize = 1 << 14;
 #[derive(Clone, Debug)]
 pub struct Boundary {
     pub(crate) obstacles: Obstacles,
-    /// The array and its images in walls, responses left out.
+    /// The array and its images in walls, all with response 1.
     pub(super) sources: Vec<Sources>,
     pub(super) elements: Vec<Element>,
-    /// The elements' images in walls.
+    /// The mirror images of the elements in walls, each set with its sign.
     images: Vec<(f64, Vec<Element>)>,
-    /// Panels of both, eight at a time.
+    /// The elements and then their images in the form of the kernels, eight in each panel.
     panels: Vec<Vec<Panels>>,
 }
 
 impl Boundary {
-    /// The boundary of the meshes among some obstacles.
+    /// Returns the boundary of the meshes among these obstacles.
     ///
     /// # Errors
-    /// As [`crate::Scene::with_obstacles`]; no mesh among them.
+    /// As [`crate::Scene::with_obstacles`]; obstacles without a mesh.
     pub fn new(array: &Array, medium: Medium, obstacles: Vec<Obstacle>) -> Result<Self, Error> {
         check_array(array, medium)?;
         let obstacles = Obstacles::new(obstacles, array, medium)?;
@@ -105,28 +108,28 @@ impl Boundary {
         self.sources[0].medium
     }
 
-    /// The parameters that the sound on it depends on, as bytes: a key to keep it by.
+    /// The parameters that the sound on the boundary depends on, as bytes: the key for a cache of solutions.
     #[must_use]
     pub fn content(&self) -> Vec<u8> {
         let (own, medium) = (&self.sources[0].array, self.medium());
-        // {:?} of an f64 is the shortest text that reads as the same number.
+        // {:?} writes the shortest text that reads as the same f64.
         let medium = [medium.frequency, medium.sound_speed, medium.absorption];
         let placed = (own.positions(), own.normals(), own.transducer(), medium);
         format!("{placed:?} {:?}", self.obstacles.given()).into_bytes()
     }
 
-    /// Whether it belongs to an array, whatever its responses, in a medium.
+    /// Whether the boundary belongs to this array and medium. Responses do not matter.
     pub(crate) fn fits(&self, array: &Array, medium: Medium) -> bool {
         let own = &self.sources[0].array;
         let placed = own.positions() == array.positions() && own.normals() == array.normals();
         placed && own.transducer() == array.transducer() && self.medium() == medium
     }
 
-    /// A (E, E), row by row.
+    /// Returns the matrix A (E, E), row by row.
     ///
     /// # Errors
-    /// Bodies that coincide, cross or contain each other, or are thinner than the elements carry; more memory than allowed; a
-    /// stop.
+    /// Bodies that coincide, cross or contain each other, or that are too thin for the size of the elements; more memory than
+    /// allowed; a stop.
     pub fn matrix(&self, control: &mut Control) -> Result<Vec<Complex32>, Error> {
         let count = self.elements.len();
         control.room("the boundary of the meshes", [self.transducers(), count], bytes(8, &[count, count]))?;
@@ -149,7 +152,7 @@ impl Boundary {
         Ok(matrix)
     }
 
-    /// The equation at the middle of an element.
+    /// Writes the equation at the middle of element `e`, row `e` of A.
     fn fill(&self, e: usize, row: &mut [Complex32]) {
         let own = &self.elements[e];
         let (wave, eta) = (self.medium().complex_wavenumber(), self.eta());
@@ -166,7 +169,8 @@ impl Boundary {
         }
     }
 
-    /// b (E, N), element by element: what each transducer alone sends there, p_i + j/k dp_i/dn in Pa.
+    /// Returns b (E, N) in Pa, row by row: the incident wave p_i + j/k dp_i/dn of each transducer alone at the middle of each
+    /// element.
     ///
     /// # Errors
     /// More memory than allowed; a stop.
@@ -189,12 +193,13 @@ impl Boundary {
         Ok(incident)
     }
 
-    /// The factor j/k, which makes the equations well posed; with 1/k they are scaled best (A. J. Burton and G. F. Miller).
+    /// The factor j/k of the derivative in the equations. A factor with an imaginary part excludes the resonances; the modulus
+    /// 1/k gives the best condition number (A. J. Burton and G. F. Miller).
     fn eta(&self) -> Complex64 {
         Complex64::new(0.0, 1.0 / self.medium().wavenumber())
     }
 
-    /// The wave of each element at a point for u = 1.
+    /// Writes the wave of each element at a point, for u = 1 on the element.
     pub(crate) fn row(&self, point: [f64; 3], row: &mut Vec<Complex64>) {
         let wave = self.medium().complex_wavenumber();
         row.clear();
@@ -202,7 +207,7 @@ impl Boundary {
         let images = self.images.iter().map(|(sign, elements)| (*sign, elements));
         for ((sign, elements), panels) in core::iter::once((1.0, &self.elements)).chain(images).zip(&self.panels) {
             let mut parts = row.chunks_mut(EIGHT).zip(elements.chunks(EIGHT));
-            // Every instruction set gives the same bits.
+            // All instruction sets give the same bits.
             panels::each(InstructionSet::best(), [wave.re, wave.im], panels, point, |[re, im]| {
                 let Some((row, elements)) = parts.next() else { return };
                 for ((sum, element), (&re, &im)) in row.iter_mut().zip(elements).zip(re.iter().zip(im)) {
@@ -213,7 +218,7 @@ impl Boundary {
         }
     }
 
-    /// Refuses sound (E, N) that is not that of this boundary.
+    /// Checks that `sound` (E, N) has the size of this boundary and is finite.
     pub(crate) fn check_sound(&self, sound: &[Complex32]) -> Result<(), Error> {
         let wanted = self.elements.len() * self.transducers();
         if sound.len() != wanted {

@@ -1,4 +1,4 @@
-//! Dense: G written out, some points at a time.
+//! Dense: the whole matrix G, computed for some points at a time.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -9,11 +9,11 @@ use crate::control::{Control, bytes};
 use crate::error::Error;
 use crate::propagation::Propagation;
 
-/// Entries of G that are written out together, some points at a time: the memory of the others is not touched yet.
+/// How many entries of G are computed together. The memory of later points is not touched before their turn.
 const ENTRIES_A_BLOCK: usize = 1 << 18;
 
 impl Propagation {
-    /// G (M, N) in Pa, point by point, from the same rows that the solvers see.
+    /// Returns G (M, N) in Pa, point by point. The entries are those that the solvers use.
     ///
     /// # Errors
     /// A point on a transducer; more memory than allowed; a stop.

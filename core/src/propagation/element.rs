@@ -1,4 +1,4 @@
-//! Element: a flat triangle of a surface, on which the sound is constant, and its waves.
+//! Element: a flat triangle of a surface, on which the sound is constant, and the wave that it sends.
 
 use core::f64::consts::PI;
 
@@ -14,20 +14,22 @@ use crate::scene::geometry::{cross, distance, dot, minus};
 use crate::scene::mesh::{Triangle, area_vector, halved};
 use crate::scene::{Mesh, Surface};
 
-/// Points and weights of a six-point rule on a triangle that is exact for polynomials of degree 4 (D. A. Dunavant, Int. J.
-/// Numer. Meth. Eng. 21, 1129, 1985): the share of two corners, that of the third, the weight.
+/// Nodes and weights of a six-point rule on a triangle, exact for polynomials of degree 4 (D. A. Dunavant, Int. J. Numer. Meth.
+/// Eng. 21, 1129, 1985). Each row stands for three nodes: the barycentric coordinate of two corners, that of the third corner,
+/// and the weight.
 const RULE: [[f64; 3]; 2] = [
     [0.445_948_490_915_965, 0.108_103_018_168_070, 0.223_381_589_678_011],
     [0.091_576_213_509_771, 0.816_847_572_980_459, 0.109_951_743_655_322],
 ];
 
-/// An element is near to a place within this many times its reach: two edges.
+/// An element is near a place if the distance is below this many times its reach, about two edges. It is then cut into
+/// quarters.
 const NEAR: f64 = 3.5;
 
-/// How often a near element is cut in four, at most: within an eighth of its edge it is beyond the rule.
+/// How often a near element is cut into quarters, at most. Below an eighth of the edge in distance, the rule is inaccurate.
 const MOST_CUTS: u32 = 3;
 
-/// Nodes of Gauss' rule on [-1, 1] and their weights, 8 of them.
+/// Nodes and weights of the Gauss rule with 8 nodes on [-1, 1]; each row stands for the nodes x and -x.
 const GAUSS: [[f64; 2]; 4] = [
     [0.183_434_642_495_649_8, 0.362_683_783_378_362],
     [0.525_532_409_916_329, 0.313_706_645_877_887_3],
@@ -40,9 +42,9 @@ const GAUSS: [[f64; 2]; 4] = [
 struct Patch {
     corners: Triangle,
     center: [f64; 3],
-    /// The distance of its farthest corner from its middle.
+    /// The distance of the farthest corner from the middle.
     reach: f64,
-    /// The nodes of [`RULE`], and their weights in m^2 over 4 pi.
+    /// The nodes of [`RULE`], each with its weight in m^2 over 4 pi.
     nodes: [([f64; 3], f64); NODES],
 }
 
@@ -68,20 +70,21 @@ impl Patch {
     }
 }
 
-/// A flat triangle with sound on it.
+/// A boundary element: a flat triangle with constant sound on it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Element {
     patch: Patch,
-    /// Into the air.
+    /// The unit normal, which points into the air.
     pub(crate) normal: [f64; 3],
     pub(crate) kind: Surface,
 }
 
-/// A place and, for the equation there, its normal and the factor of the derivative along it.
+/// A place. For the equation at the middle of an element it also has the normal there and the factor of the derivative along
+/// it.
 pub(crate) type Place = ([f64; 3], Option<([f64; 3], Complex64)>);
 
 impl Element {
-    /// Elements of a mesh, of at most this area in m^2 and this length in m.
+    /// Splits the faces of a mesh into elements of at most this area in m^2, with edges of at most this length in m.
     pub(crate) fn all(mesh: &Mesh, [area, edge]: [f64; 2]) -> Vec<Self> {
         let mut all = Vec::new();
         for triangle in mesh.triangles() {
@@ -96,27 +99,27 @@ impl Element {
         Self { patch: Patch::new(corners), normal: twice.map(|x| x / length), kind }
     }
 
-    /// The element at another place.
+    /// The element with its corners and its normal mapped, as in a mirror.
     pub(crate) fn moved(&self, place: impl Fn([f64; 3]) -> [f64; 3], direction: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
         Self { patch: Patch::new(self.patch.corners.map(place)), normal: direction(self.normal), kind: self.kind }
     }
 
-    /// Its middle.
+    /// The middle of the element.
     pub(crate) fn center(&self) -> [f64; 3] {
         self.patch.center
     }
 
-    /// The distance of its farthest corner from its middle.
+    /// The distance of the farthest corner from the middle.
     pub(crate) fn reach(&self) -> f64 {
         self.patch.reach
     }
 
-    /// Whether a place is so near that the element is cut for it.
+    /// Whether a place is so near that the integral over the element is cut into quarters.
     pub(crate) fn is_near(&self, place: [f64; 3]) -> bool {
         distance(place, self.patch.center) < NEAR * self.patch.reach
     }
 
-    /// Some elements for [`crate::kernels::panels::each`], of a wavenumber in rad/m.
+    /// Packs elements for [`crate::kernels::panels::each`], with the wavenumber in rad/m.
     pub(crate) fn panels(elements: &[Self], wavenumber: f64) -> Vec<Panels> {
         elements.chunks(EIGHT).map(|chunk| Self::panel(chunk, wavenumber)).collect()
     }
@@ -124,7 +127,7 @@ impl Element {
     fn panel(chunk: &[Self], wavenumber: f64) -> Panels {
         let mut panels = Panels::NONE;
         for lane in 0..EIGHT {
-            // Lanes beyond the last element repeat it.
+            // Unused lanes of the last panel repeat the last element.
             let element = &chunk[lane.min(chunk.len() - 1)];
             for axis in 0..3 {
                 panels.center[axis][lane] = element.patch.center[axis];
@@ -142,7 +145,7 @@ impl Element {
         panels
     }
 
-    /// The term of the equation at its middle beside the integrals: half of p, or half of j/k dp/dn.
+    /// The term that the equation at the element's middle has besides integrals: half of p, or half of j/k dp/dn.
     pub(crate) fn jump(&self) -> Complex64 {
         match self.kind {
             Surface::Rigid => Complex64::new(0.5, 0.0),
@@ -150,13 +153,14 @@ impl Element {
         }
     }
 
-    /// [`influence`] at its own middle, in closed form over the distance. Over a flat element
+    /// Returns [`influence`] at the element's own middle. The integral over the distance is in closed form. Over a flat element
     ///
     /// ```text
     /// int g dS = 1/(4 pi jk) int (e^{jkR} - 1) dtheta,   int d2g/dn2 dS = jk/2 - 1/(4 pi) int e^{jkR}/R dtheta
     /// ```
     ///
-    /// with R(theta) from the middle to the edge, the second by its finite part; the two others are 0.
+    /// where R(theta) is the distance from the middle to the edge. The second integral is the finite part of a divergent one.
+    /// The integrals of dg/dn are 0.
     pub(crate) fn own_influence(&self, wave: Complex64, eta: Complex64) -> Complex64 {
         let turned = Complex64::I * wave;
         let mut sum = Complex64::ZERO;
@@ -165,7 +169,7 @@ impl Element {
             let side = minus(b, a);
             let length = math::sqrt(dot(side, side));
             let across = cross(a, b);
-            // The middle's distance from the side, and the angles from its foot to the corners.
+            // The distance of the middle from this side, and the angles from the foot of that perpendicular to the corners.
             let height = math::sqrt(dot(across, across)) / length;
             let [first, last] = [a, b].map(|corner| math::atan2(dot(corner, side) / length, height));
             for [node, weight] in GAUSS.into_iter().flat_map(|[node, weight]| [[-node, weight], [node, weight]]) {
@@ -186,8 +190,8 @@ impl Element {
     }
 }
 
-/// The wave of an element at another place for u = 1: for p, int dg/dn_y dS of a rigid one, -k int g dS of a soft
-/// one; with a normal at the place, plus a factor times the derivative along it.
+/// Returns the wave of an element with u = 1 at another place: int dg/dn_y dS for a rigid element, -k int g dS for a soft one.
+/// If the place has a normal, the wave's derivative along it is added, times the factor.
 pub(crate) fn influence(wave: Complex64, place: Place, element: &Element) -> Complex64 {
     let sum = integral(wave, place, element, &element.patch, MOST_CUTS);
     match element.kind {
@@ -203,7 +207,7 @@ fn integral(wave: Complex64, place: Place, element: &Element, patch: &Patch, cut
     }
     let turned = Complex64::I * wave;
     let at_center = phasor(turned * away);
-    // All nodes step by step: none waits for another.
+    // The six nodes go through each step together, so that the CPU can overlap their computations.
     let rays = patch.nodes.map(|(node, _)| minus(place.0, node));
     let distances = rays.map(|ray| math::sqrt(dot(ray, ray)).max(1e-3 * patch.reach));
     let phasors = near_phasors(turned, distances.map(|r| r - away));
@@ -216,7 +220,8 @@ fn integral(wave: Complex64, place: Place, element: &Element, patch: &Patch, cut
     sum * at_center
 }
 
-/// g or dg/dn_y at a node, 1/`near` away along `ray`, and on request a factor times its derivative along n_x.
+/// Returns g (soft) or dg/dn_y (rigid) at a node. `ray` is the vector from the node to the place, 1/`near` its length. With a
+/// `derivative`, adds the factor times the derivative along the normal n_x.
 fn kernel(
     turned: Complex64,
     (ray, near, g): ([f64; 3], f64, Complex64),
@@ -247,9 +252,10 @@ fn phasor(z: Complex64) -> Complex64 {
     math::phasor(z.im) * math::exp(z.re)
 }
 
-/// e^{turned d} for distances d within an element, by Taylor's polynomials: six of them a call of the library.
+/// Returns e^{turned d} for distances d within an element, by Taylor polynomials: all six cost about as much as one call of the
+/// library.
 fn near_phasors(turned: Complex64, distances: [f64; 6]) -> [Complex64; 6] {
-    // To 1e-8 up to an angle of 2.5, half a wavelength across.
+    // The error is 1e-8 up to an angle of 2.5 rad, less than half a wavelength.
     const TERMS: usize = 8;
     let angles = distances.map(|d| turned.im * d);
     let squares = angles.map(|angle| angle * angle);

@@ -1,4 +1,4 @@
-//! Field p = G q of a drive: on any points over all threads, and at the points of a problem.
+//! Field p = G q of a drive: at any points over all threads, and at the points of a problem.
 
 use alloc::sync::Arc;
 use alloc::vec;
@@ -17,17 +17,17 @@ use crate::propagation::model::Model;
 use crate::scene::{check_drive, check_places};
 use crate::workspace::Workspace;
 
-/// Points worked on by one thread at once.
+/// How many points a thread computes together.
 const CHUNK: usize = 256;
 
-/// Entries of G a thread goes through between two steps: some milliseconds.
+/// How many entries of G a thread computes between two reports of progress: some milliseconds of work.
 const STRETCH: usize = 1 << 21;
 
-/// Complex pressures (P,) in Pa (peak) of a drive (N,) at any `points` (P, 3) in m: p = G q.
+/// Returns the complex pressures (P,) in Pa (peak) of a drive (N,) at any `points` (P, 3) in m: p = G q.
 ///
-/// A point nearer to a transducer than a hundredth of the wavelength counts as that far away, so that a picture
-/// is always finite; inside an obstacle the pressure is 0. With feature `parallel` the points go over all threads; the
-/// result does not depend on how many there are.
+/// A point nearer to a transducer than a hundredth of the wavelength counts as that far away, so that a picture is always
+/// finite. Inside an obstacle the pressure is 0. With the feature `parallel` all threads share the points; the result does not
+/// depend on their number.
 ///
 /// # Errors
 /// A drive that does not fit the array, no points, a coordinate that is not finite or too far away; more memory than
@@ -79,10 +79,10 @@ pub fn field(
     Ok(pressures)
 }
 
-/// G at places that stay while drives change: a field is then a product, in a fraction of [`field`]'s time.
+/// G at fixed points, stored for many drives: each field is then a matrix product, much faster than [`field`].
 #[derive(Clone, Debug)]
 pub struct KeptField {
-    /// re and im of the padded rows, one a transducer, in units of the reference.
+    /// Real and imaginary part of the padded rows, one row for each transducer, in units of `reference`.
     planes: [Vec<f32>; 2],
     points: usize,
     transducers: usize,
@@ -91,10 +91,10 @@ pub struct KeptField {
 }
 
 impl KeptField {
-    /// Keeps G (N, P), 8 bytes an entry, at any `points` (P, 3) in m of a model without obstacles.
+    /// Computes and stores G (N, P), 8 bytes for each entry, at any `points` (P, 3) in m of a model without obstacles.
     ///
     /// # Errors
-    /// As [`field`]; obstacles, which have other waves.
+    /// As [`field`]; a model with obstacles, which add other waves.
     ///
     /// ```
     /// use midair::{Array, Complex32, Control, InstructionSet, KeptField, Medium, Model, Plane};
@@ -146,7 +146,7 @@ impl KeptField {
     }
 }
 
-/// One chunk: the waves of all transducers, added up.
+/// Computes the field at one chunk of points.
 fn chunk(
     model: &Model,
     (drive, bodies): (&[Complex32], Option<(&Bodies, &[Complex64])>),
@@ -180,7 +180,8 @@ fn chunk(
     Ok(())
 }
 
-/// P = G q of a drive at the points of a problem, rows computed on the way: one padded row, in units of the reference.
+/// Returns the field p = G q of a drive at the points of a problem: one padded row, in units of the reference. Rows of G are
+/// computed on the way and not stored.
 pub(crate) fn field_of<'w>(
     propagation: &Propagation,
     drive: &[Complex32],

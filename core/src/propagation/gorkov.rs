@@ -1,4 +1,4 @@
-//! Gor'kov potential of a small sphere in the field of a drive, its force and stiffness, by exact derivatives of G.
+//! Gor'kov potential of a small sphere in the field of a drive, with its force and stiffness, by exact derivatives of G.
 
 use alloc::format;
 use alloc::vec;
@@ -18,14 +18,15 @@ use crate::propagation::sources::Sources;
 use crate::propagation::taylor::Taylor;
 use crate::scene::{Particle, check_drive, check_places, distance};
 
-/// Points worked on by one thread at once.
+/// How many points a thread computes together.
 const CHUNK: usize = 16;
 
-/// The largest radius of a sphere, and the step of its force's differences, in wavelengths.
+/// The largest radius of a sphere, in wavelengths.
 const MOST: f64 = 3.0;
+/// The step of the finite differences for the stiffness of a large sphere, in wavelengths.
 const STEP: f64 = 1.0 / 400.0;
 
-/// Force, potential and stiffness of a small sphere at some points (P,).
+/// Force, potential and stiffness of a small sphere at P points.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Gorkov {
@@ -33,32 +34,36 @@ pub struct Gorkov {
     pub potential: Vec<f64>,
     /// Force -grad U (P, 3) in N.
     pub force: Vec<[f64; 3]>,
-    /// Second derivatives of U (P, 3, 3) in N/m. Their diagonal is the stiffness along x, y and z; all eigenvalues are
-    /// above 0 where a force of 0 is a trap.
+    /// Second derivatives of U (P, 3, 3) in N/m. The diagonal is the stiffness along x, y and z. A point of force 0 is a trap
+    /// if all eigenvalues are above 0.
     pub hessian: Vec<[[f64; 3]; 3]>,
 }
 
-/// Gor'kov potential, force and stiffness of a `particle` at any `points` (P, 3) in m, in the field of a drive (N,).
+/// Returns the Gor'kov potential, force and stiffness of a `particle` at any `points` (P, 3) in m, in the field of a drive
+/// (N,).
 ///
 /// ```text
 /// U = V [ f1 <p^2>/(2 rho c^2) - 3/4 f2 rho <v^2> ],   v = grad p/(j omega rho),   V = 4/3 pi a^3
 /// f1 = 1 - kappa_p/kappa_0,  f2 = 2 (rho_p/rho - 1)/(2 rho_p/rho + 1),   kappa = 1/(rho c^2)
 /// ```
 ///
-/// after H. Bruus, "Acoustofluidics 7", Lab on a Chip 12, 1014 (2012), and L. P. Gor'kov, Sov. Phys. Dokl. 6, 773 (1962):
-/// a sphere that is small beside the wavelength, a fluid without viscosity, no gravity, and no scattering force,
-/// which travelling waves add, such as those of a single array. From a radius of an eighth of the wavelength on, up
-/// to three, the sphere is
-/// rigid, and the force that of its series of waves, with all of that: its potential is NaN, for it has none, and `hessian` has
-/// the force's differences, -dF. G is eq. (5) itself, not a scene's signature, in double precision, and its
-/// derivatives are exact: Taylor polynomials around each point. Those of the sound that spheres and meshes send on come from its
-/// values on a small ball, to 1e-5.
+/// The formulas follow H. Bruus, "Acoustofluidics 7", Lab on a Chip 12, 1014 (2012), and L. P. Gor'kov, Sov. Phys. Dokl. 6, 773
+/// (1962). They hold for a sphere that is small beside the wavelength, in a fluid without viscosity. They contain no gravity,
+/// and not the scattering force of travelling waves, such as those of a single array.
+///
+/// A sphere with a radius from an eighth of the wavelength to three wavelengths is treated as rigid. Its force is computed from
+/// a series of spherical waves and contains the scattering force. It has no potential: `potential` is NaN, and `hessian`
+/// contains finite differences of the force, -dF.
+///
+/// G is eq. (5) itself in double precision, without a scene's signature. Its derivatives are exact, from Taylor polynomials
+/// around each point. Those of the sound scattered by spheres and meshes come from its values on a small ball, with an error of
+/// 1e-5.
 ///
 /// # Errors
-/// A drive that does not fit the array; no points, one that is not finite, too far away, within lambda/100 of a
-/// transducer, or in the plane of a transducer whose directivity breaks off there; a particle of no size, density or
-/// sound speed, or larger than three wavelengths; a point inside an obstacle or within lambda/100 of a sphere or mesh, or a large
-/// sphere that reaches so far; more memory than allowed; a stop.
+/// A drive that does not fit the array; no points, one that is not finite, too far away, within lambda/100 of a transducer, or
+/// in the plane of a transducer whose directivity is discontinuous there; a particle of no size, density or sound speed, or
+/// larger than three wavelengths; a point inside an obstacle or within lambda/100 of a sphere or mesh, or a large sphere that
+/// extends there; more memory than allowed; a stop.
 pub fn gorkov(
     model: &Model,
     drive: &[Complex32],
@@ -88,20 +93,20 @@ pub fn gorkov(
     })
 }
 
-/// Potential, force and second derivatives at one point.
+/// Potential, force and second derivatives of the potential at one point.
 pub(crate) type Felt = (f64, [f64; 3], [[f64; 3]; 3]);
 
-/// The field of a drive, ready for the force on a particle at any point.
+/// The field of a drive, prepared to compute the force on a particle at any point.
 pub(crate) struct Trap<'a> {
     model: &'a Model,
     waves: Vec<(&'a Sources, Taylor)>,
-    /// Spheres and meshes, and their waves in the field of the drive.
+    /// Spheres and meshes, and the amplitudes of their waves in the field of the drive.
     bodies: Option<(&'a Bodies, Vec<Complex64>)>,
     particle: Particle,
 }
 
 impl<'a> Trap<'a> {
-    /// For a drive and a particle that are checked here, as the points are.
+    /// Checks the drive, the points and the particle, and prepares the field.
     ///
     /// # Errors
     /// As [`gorkov`].
@@ -133,7 +138,8 @@ impl<'a> Trap<'a> {
         Ok(Self { model, waves, bodies, particle })
     }
 
-    /// The sphere of a large particle, where it has room.
+    /// Returns the wave series of a large particle, `None` for a small one. Checks that the sphere touches nothing at any
+    /// point.
     fn large(&self, points: &[[f64; 3]], Particle { radius, .. }: Particle) -> Result<Option<Pushed>, Error> {
         let (medium, array) = (self.model.medium(), self.model.array());
         let wavelength = medium.wavelength();
@@ -156,7 +162,7 @@ impl<'a> Trap<'a> {
         Ok(Some(Pushed::new(self.particle, medium)))
     }
 
-    /// The force on a large sphere, which has no potential.
+    /// Force and stiffness of a large sphere, which has no potential.
     fn pushed(&self, sphere: &Pushed, j: usize, point: [f64; 3], control: &mut Control) -> Result<Felt, Error> {
         let mut force =
             |center: [f64; 3]| sphere.force(center, |place| self.pressure(j, place, &mut Control::none()), control);
@@ -174,7 +180,7 @@ impl<'a> Trap<'a> {
         Ok((f64::NAN, force(point)?, hessian))
     }
 
-    /// Potential, force and second derivatives at point `j`.
+    /// Potential, force and second derivatives at `point`, which errors name as point `j`.
     pub(crate) fn felt(&self, j: usize, point: [f64; 3], control: &mut Control) -> Result<Felt, Error> {
         let potential = potential(&self.pressure(j, point, control)?, self.particle.factors(self.model.medium()));
         let felt = (potential.value(), potential.gradient().map(|slope| -slope), potential.hessian());
@@ -185,7 +191,7 @@ impl<'a> Trap<'a> {
         Ok(felt)
     }
 
-    /// The pressure around a place of point `j`.
+    /// The Taylor polynomials of the pressure around `point`, real and imaginary part. Errors name it as point `j`.
     fn pressure(&self, j: usize, point: [f64; 3], control: &mut Control) -> Result<[Jet; 2], Error> {
         let mut pressure = [Jet::ZERO; 2];
         for (sources, taylor) in &self.waves {
@@ -201,7 +207,7 @@ impl<'a> Trap<'a> {
         Ok(pressure)
     }
 
-    /// The ball around a point on which the sound of bodies is looked at.
+    /// The ball around a point on which the sound of bodies is sampled for its derivatives.
     fn local(&self, j: usize, point: [f64; 3]) -> Result<Local, Error> {
         let medium = self.model.medium();
         let clear = self.model.scattering.as_ref().map_or(f64::INFINITY, |all| all.obstacles.clearance(point));

@@ -1,9 +1,11 @@
-//! Gradient: derivatives of a quantity of the field at points by the drive, the points, the array and the sound speed.
+//! Gradient: derivatives of a quantity of the field by the drive, the points, the array and the sound speed.
 //!
-//! Reverse mode by hand: of a scalar L with the cotangent dL/dvalue at each point, one pass forward and one back give dL by all
-//! that the value depends on. The quantity is a function of p at its point; w = dL/dRe p + j dL/dIm p goes back through
-//! eq. (5) in `kernels::backward`. What a particle feels is a function of p around its point, of the field's Taylor coefficients:
-//! their cotangents go back in `kernels::contraction`. Of an image in a wall the gradient is that of the mirrored transducer, mirrored back.
+//! This is reverse-mode differentiation, written by hand. A caller has a scalar L and gives its cotangent dL/dvalue at each
+//! point. One forward pass computes the values, one backward pass the derivatives of L by all that the values depend on.
+//!
+//! For a function of the pressure p at its point, w = dL/dRe p + j dL/dIm p goes back through eq. (5) in `kernels::backward`. A
+//! quantity of a particle is a function of the field's Taylor coefficients around the point; their cotangents go back in
+//! `kernels::contraction`. The gradient of an image in a wall is that of the mirrored transducer, mirrored back.
 
 use alloc::format;
 use alloc::vec;
@@ -27,46 +29,47 @@ use crate::propagation::taylor::Taylor;
 use crate::scene::Particle;
 use crate::scene::{Medium, Obstacle, check_places};
 
-/// Points whose gradients by transducers are one sum: such sums are added in the points' order, whatever the threads.
+/// How many points share one sum of gradients by transducers. These sums are added in the order of the points, so that the
+/// result does not depend on the threads.
 const BLOCK: usize = 32;
 
-/// Sums of each thread that wait to be added.
+/// How many such sums of each thread wait to be added.
 const WAITING: usize = 4;
 
-/// Pairs of a transducer and a point from which on a second thread saves more than its start costs.
+/// From this many pairs of a transducer and a point on, a second thread saves more time than its start takes.
 const SPREAD: usize = 1 << 17;
 
-/// Unit vectors.
+/// The unit vectors along x, y and z.
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// A value and its gradients: of L = sum of cotangent times value, by all that the value depends on.
+/// The values of a quantity, and the gradients of L = sum of cotangent times value.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Gradient {
-    /// The quantity at each point, [`Quantity::width`] numbers each.
+    /// The quantity at each point: [`Quantity::width`] numbers for each.
     pub value: Vec<f64>,
-    /// dL/dRe q + j dL/dIm q (N,): the direction in which L rises.
+    /// dL/dRe q + j dL/dIm q for each drive q (N,): the direction in which L rises fastest.
     pub drive: Vec<Complex64>,
-    /// dL by each point (M, 3), in 1/m.
+    /// The derivatives of L by each point (M, 3), in 1/m.
     pub points: Vec<[f64; 3]>,
-    /// dL by each transducer's position (N, 3), in 1/m.
+    /// The derivatives of L by each transducer's position (N, 3), in 1/m.
     pub positions: Vec<[f64; 3]>,
-    /// dL by each transducer's unit normal (N, 3), along the sphere of directions: across the normal.
+    /// The derivatives of L by each transducer's unit normal (N, 3); only the part perpendicular to the normal.
     pub normals: Vec<[f64; 3]>,
-    /// dL by the sound speed, in s/m, at constant frequency, absorption and density.
+    /// The derivative of L by the sound speed, in s/m, at constant frequency, absorption and density.
     pub sound_speed: f64,
 }
 
-/// The gradients of a quantity at `points` (M, 3) in m in the field of a drive (N,), for a `cotangent` dL/dvalue of
-/// [`Quantity::width`] numbers a point.
+/// Returns the gradients of a quantity at `points` (M, 3) in m, in the field of a drive (N,). The `cotangent` dL/dvalue has
+/// [`Quantity::width`] numbers for each point.
 ///
-/// The field is that of [`crate::gorkov`]: eq. (5) in double precision, beside walls and without a signature. Everything
-/// that is not named in [`Gradient`] is constant: source pressure, directivity and its size, responses, absorption.
+/// The field is that of [`crate::gorkov`]: eq. (5) in double precision, with walls and without a signature. All parameters
+/// without a field in [`Gradient`] are constant: source pressure, directivity, responses, absorption.
 ///
 /// # Errors
 /// A drive or cotangent of another length or not finite; no points, one that is not finite, too far away, behind a wall, within
-/// lambda/100 of a transducer, or in the plane of a transducer whose directivity breaks off there; spheres and meshes; more
-/// memory than allowed; a particle of no size, density or sound speed; a stop.
+/// lambda/100 of a transducer, or in the plane of a transducer whose directivity is discontinuous there; spheres and meshes;
+/// more memory than allowed; a particle of no size, density or sound speed; a stop.
 ///
 /// ```
 /// use midair::{Array, Complex64, Control, InstructionSet, Medium, Model, Quantity};
@@ -96,7 +99,7 @@ pub fn gradient(
 }
 
 impl Quantity {
-    /// Its values alone, [`Quantity::width`] numbers a point: the way forward of [`gradient`].
+    /// Returns only the values of the quantity, [`Quantity::width`] numbers for each point: the forward pass of [`gradient`].
     ///
     /// # Errors
     /// As [`gradient`].
@@ -111,18 +114,18 @@ impl Quantity {
     }
 }
 
-/// Transducers or their images in a wall.
+/// The transducers, or their images in one wall or in several.
 struct Seen<'a> {
     sources: &'a Sources,
     waves: Taylor,
     drives: Vec<[Eight; 2]>,
-    /// Their waves times the drive, where derivatives are requested.
+    /// The waves times the drive, for a quantity of a particle.
     driven: Option<Taylor>,
-    /// The mirror images of the unit vectors.
+    /// The unit vectors as mirrored by the walls.
     axes: [[f64; 3]; 3],
 }
 
-/// A drive's field, ready for points.
+/// The field of a drive, prepared for the points.
 struct Pass<'a> {
     set: InstructionSet,
     medium: Medium,
@@ -130,11 +133,11 @@ struct Pass<'a> {
     all: Vec<Seen<'a>>,
 }
 
-/// Results at a few points.
+/// Results at one block of points.
 struct Part {
     value: Vec<f64>,
     points: Vec<[f64; 3]>,
-    /// Values by transducer, for each of the images.
+    /// Gradients by transducer: one list for the array and one for each of its images.
     pulls: Vec<Vec<Pull>>,
     by_k: f64,
     by_speed: f64,
@@ -179,7 +182,8 @@ impl<'a> Pass<'a> {
         Ok(Self { set: model.set, medium, quantity, all })
     }
 
-    /// Values and, of a cotangent, gradients: by parts of the points, whose sums are added in their order.
+    /// Returns the values and, with a cotangent, the gradients. Blocks of points are computed in parallel and added in their
+    /// order.
     fn run(&self, points: &[[f64; 3]], cotangent: Option<&[f64]>, control: &mut Control) -> Result<Gradient, Error> {
         let (width, count) = (self.quantity.width(), self.all[0].sources.array.len());
         let blocks: usize = self.all.iter().map(|seen| seen.drives.len()).sum();
@@ -205,7 +209,7 @@ impl<'a> Pass<'a> {
                 *part = Some(self.part((first, points), cotangent, control)?);
                 Ok(())
             };
-            // A particle feels derivatives, ten times the work.
+            // A particle needs derivatives of the field, ten times the work.
             let cost = if self.quantity.particle().is_some() { 10 } else { 1 };
             if count * all.len() * cost < SPREAD {
                 work.try_for_each(|work| run(work, control))?;
@@ -233,7 +237,7 @@ impl<'a> Pass<'a> {
         Ok(gradient)
     }
 
-    /// Values of a few points, the first of which has an index.
+    /// Computes one block of points; `first` is the index of its first point.
     fn part(
         &self,
         (first, points): (usize, &[[f64; 3]]),
@@ -261,8 +265,8 @@ impl<'a> Pass<'a> {
         Ok(part)
     }
 
-    /// Writes the value of a function of the pressure at a point into `part`, and with a cotangent adds the gradients.
-    /// Returns the gradient by the point.
+    /// Computes a function of the pressure at one point. Writes its value into `part` and, with a cotangent, adds its gradients
+    /// there. Returns the gradient by the point.
     fn sounded(
         &self,
         (index, point): (usize, [f64; 3]),
@@ -297,7 +301,7 @@ impl<'a> Pass<'a> {
         Ok(by_point)
     }
 
-    /// Does the same for a quantity of a particle at a point.
+    /// Does the same as [`Pass::sounded`] for a quantity of a particle.
     fn felt(
         &self,
         (index, point): (usize, [f64; 3]),
@@ -340,7 +344,7 @@ impl Part {
         Self { value: Vec::new(), points: Vec::new(), pulls, by_k: 0.0, by_speed: 0.0 }
     }
 
-    /// Adds the sums of another.
+    /// Adds the sums of another block.
     fn add(&mut self, other: &Self) {
         let all = self.pulls.iter_mut().zip(&other.pulls);
         all.for_each(|(own, other)| own.iter_mut().zip(other).for_each(|(own, other)| own.add(other)));

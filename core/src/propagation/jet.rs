@@ -1,9 +1,9 @@
-//! Jet: a function of a place by its Taylor polynomial of degree 3 around a point, so that derivatives are exact.
+//! Jet: a function of position as its Taylor polynomial of degree 3 around a point, for exact derivatives.
 
 use crate::kernels::derivatives::MORE_TERMS;
 pub(crate) use crate::kernels::derivatives::TERMS;
 
-/// Exponents of the monomials, by degree, those of degree 4 too.
+/// The exponents (x, y, z) of the monomials up to degree 4, sorted by degree.
 pub(crate) const EXPONENTS: [[u8; 3]; MORE_TERMS] = {
     let mut exponents = [[0; 3]; MORE_TERMS];
     let (mut next, mut degree) = (0, 0);
@@ -28,7 +28,7 @@ pub(crate) fn degree(term: usize) -> i32 {
     EXPONENTS[term].iter().map(|&exponent| i32::from(exponent)).sum()
 }
 
-/// The place of a monomial among them.
+/// The index of a monomial in [`EXPONENTS`].
 pub(crate) const fn place(of: [u8; 3]) -> usize {
     let mut at = 0;
     while EXPONENTS[at][0] != of[0] || EXPONENTS[at][1] != of[1] || EXPONENTS[at][2] != of[2] {
@@ -37,10 +37,10 @@ pub(crate) const fn place(of: [u8; 3]) -> usize {
     at
 }
 
-/// Number of pairs of monomials whose product is one of them.
+/// The number of pairs of monomials whose product has degree 3 or less.
 const PAIRS: usize = 84;
 
-/// The pairs, and the place of their product.
+/// These pairs as indices, each with the index of its product.
 const PRODUCTS: [[usize; 3]; PAIRS] = {
     let mut products = [[0; 3]; PAIRS];
     let (mut next, mut i) = (0, 0);
@@ -60,33 +60,33 @@ const PRODUCTS: [[usize; 3]; PAIRS] = {
     products
 };
 
-/// Coefficients of the monomials in the displacement from the point, constant first.
+/// The coefficients of the monomials in the displacement from the point, the constant first.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Jet([f64; TERMS]);
 
 impl Jet {
     pub(crate) const ZERO: Self = Self([0.0; TERMS]);
 
-    /// The jet of these coefficients.
+    /// Returns the jet with these coefficients.
     pub(crate) fn of(coefficients: [f64; TERMS]) -> Self {
         Self(coefficients)
     }
 
-    /// `slope` . x.
+    /// The linear function `slope` . x.
     pub(crate) fn linear(slope: [f64; 3]) -> Self {
         let mut jet = Self::ZERO;
         jet.0[1..4].copy_from_slice(&slope);
         jet
     }
 
-    /// |x|^2.
+    /// The quadratic function |x|^2.
     pub(crate) fn square() -> Self {
         let mut jet = Self::ZERO;
         (0..3).for_each(|axis| jet.0[place(second(axis, axis))] = 1.0);
         jet
     }
 
-    /// One monomial.
+    /// The monomial with this index.
     pub(crate) fn monomial(term: usize) -> Self {
         let mut jet = Self::ZERO;
         jet.0[term] = 1.0;
@@ -98,7 +98,7 @@ impl Jet {
         &self.0
     }
 
-    /// Adds `factor` times another.
+    /// Adds `factor` times another jet.
     pub(crate) fn add(&mut self, other: &Self, factor: f64) {
         self.0.iter_mut().zip(&other.0).for_each(|(own, other)| *own += factor * other);
     }
@@ -111,7 +111,7 @@ impl Jet {
         product
     }
 
-    /// The derivative along an axis: exact up to degree 2.
+    /// The derivative along an axis: exact up to degree 2, because the terms of degree 4 are unknown.
     pub(crate) fn derivative(&self, axis: usize) -> Self {
         let mut derivative = Self::ZERO;
         for (exponents, coefficient) in EXPONENTS.iter().zip(&self.0) {
@@ -124,12 +124,12 @@ impl Jet {
         derivative
     }
 
-    /// The sum of products of the coefficients.
+    /// The dot product of the two lists of coefficients.
     pub(crate) fn dot(&self, other: &Self) -> f64 {
         self.0.iter().zip(&other.0).map(|(own, other)| own * other).sum()
     }
 
-    /// From the cotangent of a product, that of a factor beside `other`.
+    /// Returns the cotangent of one factor, for the cotangent of a product (`self`) and its other factor.
     pub(crate) fn back_times(&self, other: &Self) -> Self {
         let mut back = Self::ZERO;
         for [i, j, at] in PRODUCTS {
@@ -138,7 +138,7 @@ impl Jet {
         back
     }
 
-    /// From the cotangent of a derivative along an axis, that of the function.
+    /// Returns the cotangent of a function, for the cotangent of its derivative along an axis (`self`).
     pub(crate) fn back_derivative(&self, axis: usize) -> Self {
         let mut back = Self::ZERO;
         for (own, exponents) in back.0.iter_mut().zip(&EXPONENTS) {
@@ -167,7 +167,7 @@ impl Jet {
     }
 }
 
-/// The exponents of a product of two coordinates.
+/// The exponents of the product of two coordinates.
 fn second(x: usize, y: usize) -> [u8; 3] {
     let mut exponents = [0; 3];
     exponents[x] += 1;

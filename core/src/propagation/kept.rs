@@ -1,4 +1,5 @@
-//! Kept: G that no kernel computes: behind obstacles, under a signature, or with a column a channel.
+//! Kept: a matrix G that is stored because no kernel computes it: with obstacles, with a signature, or with channels as
+//! columns.
 
 use alloc::format;
 use alloc::sync::Arc;
@@ -17,17 +18,19 @@ use crate::propagation::stiffness::Stiffness;
 use crate::propagation::taylor::add_exact;
 use crate::scene::{Bead, Signature};
 
-/// The largest number of entries of a stored G: it takes a tenth of a second and a few MB. If each entry is the sum of
-/// more than eight waves, the number is smaller in proportion.
+/// The most entries of a stored G: it takes a tenth of a second and a few MB. If each entry is the sum of more than eight
+/// waves, the limit is lower in proportion.
 const MOST_ENTRIES: usize = 1 << 20;
 
-/// G, or the reason why there is none.
+/// G column by column, or the error that prevents it.
 pub(crate) type Matrix = Result<Arc<[Complex64]>, Error>;
 
-/// Points and the matrix of a G that differs in nothing else: columns of points that stay are not made again. Empty where there is none.
+/// The points and the entries of an earlier G with the same other parameters. Columns of points that have not moved are copied
+/// from it. Empty if there is none.
 pub(crate) type Known<'a> = (&'a [[f64; 3]], &'a [Complex64]);
 
-/// The functions that are made from it, as values, so that a program without obstacles and signatures is not linked with them.
+/// The functions that compute from a [`Kept`], as function pointers, so that a program without obstacles and signatures is not
+/// linked with them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Make {
     /// [`Kept::matrix`]
@@ -36,16 +39,16 @@ pub(crate) struct Make {
     pub(crate) stiffness: fn(&Kept, &mut Control) -> Result<Option<Stiffness>, Error>,
 }
 
-/// The parameters of such a matrix.
+/// The parameters of a stored G.
 #[derive(Clone, Debug)]
 pub(crate) struct Kept {
     pub(crate) sources: Arc<Sources>,
     pub(crate) points: Arc<[[f64; 3]]>,
     pub(crate) scattering: Option<Arc<Scattering>>,
     pub(crate) signature: Option<Signature>,
-    /// The beads that its traps hold.
+    /// The bead of its traps.
     pub(crate) bead: Bead,
-    /// Whose transducers' columns are summed.
+    /// The channels: the columns of transducers on one channel are summed.
     pub(crate) channels: Option<Channels>,
     pub(crate) make: Make,
 }
@@ -65,13 +68,13 @@ impl PartialEq for Kept {
 impl Kept {
     pub(crate) const MAKE: Make = Make { matrix: Self::matrix, stiffness: Self::stiffness };
 
-    /// G of channels alone, without obstacles and signature.
+    /// The functions for channels alone, without obstacles and signature.
     pub(crate) const BARE: Make = Make { matrix: Self::bare, stiffness: |_, _| Ok(None) };
 
-    /// G in Pa, column by column (N or C, M).
+    /// Computes G in Pa, column by column (N or C, M).
     ///
     /// # Errors
-    /// Points inside obstacles, factors that do not fit, more entries than are kept.
+    /// Points inside obstacles, a signature that does not fit, more entries than can be stored.
     fn matrix(&self, known: Known<'_>) -> Matrix {
         let array = &self.sources.array;
         self.signature.as_ref().map_or(Ok(()), |signature| signature.check(array.len(), self.points.len()))?;
@@ -112,8 +115,8 @@ impl Kept {
         })
     }
 
-    /// The columns of G, of this many waves each. `add` gets the numbers and places of the points whose columns are not known, and
-    /// a row of zeros a point.
+    /// Computes the columns of G. Each entry is the sum of `waves` waves; `why` explains in the error why G is stored. `add`
+    /// gets the indices and positions of the points that are not known, and adds to a row of zeros for each.
     fn columns(
         &self,
         (waves, why): (usize, &str),
@@ -143,13 +146,13 @@ impl Kept {
         Ok(matrix.into())
     }
 
-    /// The stiffness of traps at the points, the signature left out; `None` where derivatives of the field are not known, as
-    /// on the surface of a sphere or a mesh.
+    /// The stiffness of traps at the points, without the signature. `None` where derivatives of the field are unknown, as on
+    /// the surface of a sphere or a mesh.
     ///
     /// # Errors
     /// More memory than allowed, a stop.
     fn stiffness(&self, control: &mut Control) -> Result<Option<Stiffness>, Error> {
-        // Every instruction set gives the same bits.
+        // All instruction sets give the same bits.
         let set = InstructionSet::best();
         Stiffness::of(
             (set, self.bead),
@@ -161,7 +164,7 @@ impl Kept {
         )
     }
 
-    /// The matrix at some of its points.
+    /// Returns the parameters for some of the points, by their indices.
     pub(crate) fn select(&self, chosen: &[usize]) -> Self {
         let signature = self.signature.as_ref().map(|signature| signature.select(chosen));
         Self { points: chosen.iter().map(|&j| self.points[j]).collect(), signature, ..self.clone() }

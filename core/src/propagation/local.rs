@@ -1,14 +1,16 @@
-//! Local: derivatives of sound without sources nearby, from its pressure on a small ball.
+//! Local: derivatives of the sound at a point without sources nearby, from the pressure on a small ball around it.
 //!
-//! Inside of a ball that no source reaches, sound of wavenumber k is a sum of regular waves. By the addition theorem of
-//! spherical harmonics (NIST's Digital Library of Mathematical Functions, 14.30.9) its values at the radius a give it at x:
+//! Inside a ball without sources, sound of wavenumber k is a sum of regular spherical waves. By the addition theorem of
+//! spherical harmonics (NIST's Digital Library of Mathematical Functions, 14.30.9), the values on the radius a give the
+//! pressure at x, at the distance r from the middle:
 //!
 //! ```text
 //! p(x) = sum_l (2l + 1)/(4 pi) j_l(kr)/j_l(ka) int p(a s) P_l(s . x/r) ds,   j_l(kr) = (kr)^l/(2l + 1)!! (1 - (kr)^2/(4l + 6) + ...)
 //! ```
 //!
-//! The integral over directions s is Gauss' rule in the height and equal steps around, exact to degree 11: orders l up to 3,
-//! those that derivatives up to the third need, see nothing of orders below 9. r^l P_l(s . x/r) is a polynomial in x.
+//! The integral over the directions s is a Gauss rule in the height with equal steps in azimuth, exact to degree 11.
+//! Derivatives up to the third need the orders l up to 3, which the rule separates from all other orders below 9. r^l P_l(s .
+//! x/r) is a polynomial in x.
 
 use alloc::vec::Vec;
 use core::f64::consts::{PI, TAU};
@@ -20,17 +22,17 @@ use crate::propagation::jet::{Jet, TERMS};
 use crate::propagation::sphere::gauss;
 use crate::scene::Medium;
 
-/// Heights of Gauss' rule; there are twice as many steps around.
+/// The number of heights of the Gauss rule; there are twice as many steps in azimuth.
 const HEIGHTS: usize = 6;
 
-/// The least distance of a point from a sphere or a mesh for derivatives, in wavelengths.
+/// The least distance in wavelengths between a point and a sphere or mesh, for derivatives of the field.
 pub(crate) const LEAST_CLEARANCE: f64 = 0.01;
 
-/// Places around a point, from it in m, and the weight of the pressure there in each Taylor coefficient at the point.
+/// Offsets from a point in m, each with weights: the weight of the pressure there in each Taylor coefficient at the point.
 pub(crate) struct Local(Vec<([f64; 3], [Complex64; TERMS])>);
 
 impl Local {
-    /// Places on a ball of a radius in m, for a wavenumber whose imaginary part is the absorption.
+    /// Returns the places on a ball with this radius in m. The imaginary part of the wavenumber is the absorption.
     pub(crate) fn new(wavenumber: Complex64, radius: f64) -> Self {
         let (heights, weights) = gauss(HEIGHTS);
         let steps = 2 * HEIGHTS;
@@ -44,19 +46,19 @@ impl Local {
         Self((0..HEIGHTS * steps).map(place).collect())
     }
 
-    /// Places on a ball that is clear of bodies: `None` where a point, this far in m from the nearest, is within
-    /// a hundredth of a wavelength of it.
+    /// Returns the places on a ball that is clear of bodies; `clear` is the distance in m to the nearest body. Returns `None`
+    /// if that is less than a hundredth of the wavelength.
     pub(crate) fn beside(medium: Medium, clear: f64) -> Option<Self> {
         let ball = || Self::new(medium.complex_wavenumber(), 0.125 * clear.min(medium.wavelength()));
         (clear >= LEAST_CLEARANCE * medium.wavelength()).then(ball)
     }
 
-    /// Places around a point, and the weight of the pressure there in each Taylor coefficient at the point.
+    /// The places on the ball around a point, each with its weights for the Taylor coefficients.
     pub(crate) fn around(&self, point: [f64; 3]) -> impl Iterator<Item = ([f64; 3], &[Complex64; TERMS])> {
         self.0.iter().map(move |(offset, terms)| ([0, 1, 2].map(|axis| point[axis] + offset[axis]), terms))
     }
 
-    /// The polynomial around a point, real and imaginary part, of a pressure by place.
+    /// The Taylor polynomials, real and imaginary part, around a point, from the values of `pressure` on the ball.
     pub(crate) fn expand(&self, point: [f64; 3], mut pressure: impl FnMut([f64; 3]) -> Complex64) -> [Jet; 2] {
         let mut sum = [Complex64::ZERO; TERMS];
         for (place, terms) in self.around(point) {
@@ -67,7 +69,8 @@ impl Local {
     }
 }
 
-/// The sum over l of (2l + 1)/(4 pi) `j_l(kr)/j_l(ka) P_l(s . x/r)` up to degree 3 in x.
+/// The weights of a direction s: the sum over l of (2l + 1)/(4 pi) `j_l(kr)/j_l(ka) P_l(s . x/r)` as a polynomial up to degree
+/// 3 in x.
 fn shares(wavenumber: Complex64, radius: f64, s: [f64; 3]) -> [Complex64; TERMS] {
     let along = Jet::linear(s);
     let square = Jet::square();
@@ -98,7 +101,7 @@ fn shares(wavenumber: Complex64, radius: f64, s: [f64; 3]) -> [Complex64; TERMS]
     terms
 }
 
-/// `j_l(z)` (2l + 1)!!/z^l of a small z.
+/// `j_l(z)` (2l + 1)!!/z^l for a small z, by its power series.
 fn tail(z: Complex64, l: usize) -> Complex64 {
     let (mut sum, mut term) = (Complex64::ONE, Complex64::ONE);
     for n in 1..12 {

@@ -1,4 +1,4 @@
-//! Propagation matrix G, row by row: computed from positions on request, or given.
+//! Propagation: the matrix G, one row for each transducer, computed from positions or given by the user.
 
 pub(crate) mod bodies;
 pub(crate) mod boundary;
@@ -44,16 +44,17 @@ use crate::math;
 use crate::propagation::kept::{Kept, Known};
 use crate::scene::{Array, Bead, Scene, UNITS};
 
-/// A source of rows of G, one row a transducer: computed from positions on request, or a matrix of the user's
-/// own (measured, scattered by obstacles). A solver cannot tell which.
+/// The matrix G, one row for each transducer. Rows are computed from positions when needed, or come from a matrix of the user's
+/// own (measured, or computed elsewhere). Solvers work with both alike.
 ///
-/// Rows are planar f32 in units of [`Propagation::reference`], padded with zeros to [`Propagation::lanes`].
+/// Rows are f32, real and imaginary part apart, in units of [`Propagation::reference`]. They are padded with zeros to
+/// [`Propagation::lanes`].
 #[derive(Clone, Debug)]
 pub struct Propagation {
     rows: Rows,
     count: usize,
     set: InstructionSet,
-    /// Whether its rows are computed after the sums of |G|.
+    /// Whether the method computes the rows one by one after [`Propagation::reach`].
     rows_follow: bool,
 }
 
@@ -64,20 +65,20 @@ enum Rows {
         frame: Arc<[Vec<f32>; 3]>,
         points: Arc<[[f64; 3]]>,
     },
-    /// The user's numbers, transducer by transducer, and the padded f32 rows made of them.
+    /// The entries in f64, transducer by transducer, and the padded f32 rows made from them.
     Stored {
         matrix: Arc<[Complex64]>,
         planar: Arc<[Vec<f32>; 2]>,
         reference: f64,
-        /// The obstacles, signature or channels that they were made from, if there are any.
+        /// The obstacles, signature or channels that the entries were computed from; `None` for a user's own matrix.
         kept: Option<Arc<Kept>>,
     },
 }
 
-/// Array and points (M, 3) in m that a G was made of, and obstacles and signature where it has any.
+/// The array and the points (M, 3) in m that G was computed from, and its obstacles and signature if it has any.
 type Origin<'a> = (&'a Array, &'a [[f64; 3]], Option<&'a Kept>);
 
-/// Compared by the data that G is made from, not by the kernels that make it.
+/// Compares the data that G is computed from; the instruction set does not count.
 impl PartialEq for Propagation {
     fn eq(&self, other: &Self) -> bool {
         match (&self.rows, &other.rows) {
@@ -93,26 +94,27 @@ impl PartialEq for Propagation {
 }
 
 impl Propagation {
-    /// G of a scene's array at its points, whatever its signature and obstacles.
+    /// Returns G of a scene's array at its points, without the scene's signature and obstacles.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         Self::at(Arc::new(Sources::new(scene.array(), scene.medium())), scene.points().into(), InstructionSet::best())
     }
 
-    /// G of some sources at points that have been checked.
+    /// Returns G of these sources at points that have been checked.
     pub(crate) fn at(sources: Arc<Sources>, points: Arc<[[f64; 3]]>, set: InstructionSet) -> Self {
         let frame = Arc::new(sources.frame(&points));
         let count = points.len();
         Self { count, rows: Rows::Computed { sources, frame, points }, set, rows_follow: false }
     }
 
-    /// G that is kept, at points that have been checked; what is `known` of it is not made again.
+    /// Returns a stored G at points that have been checked. Columns that are `known` are not computed again.
     pub(crate) fn kept(kept: Kept, known: Known<'_>, set: InstructionSet) -> Result<Self, Error> {
         let (count, reference) = (kept.points.len(), kept.sources.reference());
         Ok(Self::stored((kept.make.matrix)(&kept, known)?, count, reference, set, Some(kept.into())))
     }
 
-    /// The same with a column a channel, the sum of its transducers'; a given matrix has such columns already.
+    /// Returns G with one column for each channel: the sum of its transducers' columns. A user's own matrix has such columns
+    /// already.
     pub(crate) fn driven(self, channels: Option<&Channels>) -> Result<Self, Error> {
         let Some(channels) = channels else { return Ok(self) };
         let mut kept = match &self.rows {
@@ -136,19 +138,19 @@ impl Propagation {
         Self::kept(kept, (&[], &[]), self.set)
     }
 
-    /// The same by the kernels of another instruction set than the machine's best.
+    /// Returns the same G with another instruction set for its kernels.
     #[must_use]
     pub fn with_instruction_set(self, set: InstructionSet) -> Self {
         Self { set, ..self }
     }
 
-    /// The instruction set of the kernels.
+    /// The instruction set that the kernels use.
     #[must_use]
     pub fn instruction_set(&self) -> InstructionSet {
         self.set
     }
 
-    /// A user's own G (M, N) in Pa, point by point, as the matrix reads.
+    /// Returns a user's own G (M, N) in Pa, given point by point.
     ///
     /// # Errors
     /// No entries, a length that is no multiple of `points`, an entry that is not finite (named by [j, i]).
@@ -196,11 +198,11 @@ impl Propagation {
         }
     }
 
-    /// The same with some transducers of a given matrix switched off: where the mask (N,) is false, G is 0, and so is then
-    /// the drive. An array that G is computed from has a mask of its own.
+    /// Switches off some transducers of a user's own matrix: where the mask (N,) is false, G is 0, and therefore the drive too.
+    /// For a computed G, the array has the mask.
     ///
     /// # Errors
-    /// Another number of entries than transducers, a computed G.
+    /// Another number of entries than transducers, a G that is computed from an array.
     pub fn with_mask(mut self, mask: &[bool]) -> Result<Self, Error> {
         let Rows::Stored { matrix, planar, kept: None, .. } = &mut self.rows else {
             return Err(Error::invalid("mask", "given", "an array has its own: give it there"));
@@ -217,7 +219,7 @@ impl Propagation {
         Ok(self)
     }
 
-    /// Number of transducers N, or of channels for solvers of an array that has them.
+    /// The number of transducers N. For solvers of an array with channels it is the number of channels.
     #[must_use]
     pub fn transducers(&self) -> usize {
         match &self.rows {
@@ -226,19 +228,19 @@ impl Propagation {
         }
     }
 
-    /// Number of points M.
+    /// The number of points M.
     #[must_use]
     pub fn points(&self) -> usize {
         self.count
     }
 
-    /// Length of a row: M padded to 16.
+    /// The length of a row: M rounded up to a multiple of 16.
     #[must_use]
     pub fn lanes(&self) -> usize {
         padded(self.count)
     }
 
-    /// Pa of one unit: 1000 P0, or the mean modulus of a user's own G.
+    /// The unit of the rows in Pa: 1000 P0, or the mean modulus of a user's own G.
     #[must_use]
     pub fn reference(&self) -> f64 {
         match &self.rows {
@@ -247,7 +249,7 @@ impl Propagation {
         }
     }
 
-    /// Its origin, if known.
+    /// The array, points and obstacles that G was computed from; `None` for a user's own matrix.
     pub(crate) fn origin(&self) -> Option<Origin<'_>> {
         match &self.rows {
             Rows::Computed { sources, points, .. } => Some((&sources.array, points, None)),
@@ -255,12 +257,12 @@ impl Propagation {
         }
     }
 
-    /// The points (M, 3) in m, where these are known.
+    /// The points (M, 3) in m; `None` for a user's own matrix.
     pub(crate) fn control_points(&self) -> Option<&[[f64; 3]]> {
         self.origin().map(|(_, points, _)| points)
     }
 
-    /// The cure where no transducer has any effect at a point.
+    /// The cure in the error for a point that no transducer reaches.
     pub(crate) fn cure_of_silence(&self) -> &'static str {
         match self.origin() {
             None => "give its row of the matrix an entry that is neither 0 nor masked, or ask for pressure 0 there",
@@ -271,11 +273,11 @@ impl Propagation {
         }
     }
 
-    /// Writes row `i`: `re` and `im` of length [`Propagation::lanes`], zeros in the padding. Relative error of an
-    /// entry against eq. (5) in f64: below 2e-4 up to 1 m at 40 kHz, growing with the distance.
+    /// Writes row `i` into `re` and `im`, of length [`Propagation::lanes`], with zeros in the padding. The relative error of an
+    /// entry, compared with eq. (5) in f64, is below 2e-4 up to 1 m at 40 kHz and grows with the distance.
     ///
     /// # Panics
-    /// If `i` is no transducer or a slice has another length.
+    /// If there is no transducer `i` or a slice has another length.
     pub fn row(&self, i: usize, re: &mut [f32], im: &mut [f32]) {
         assert!(re.len() == self.lanes() && im.len() == self.lanes(), "a row is M padded to 16 long");
         match &self.rows {
@@ -296,7 +298,7 @@ impl Propagation {
         }
     }
 
-    /// The rows as the kernels read them.
+    /// The rows in the form that the kernels read.
     pub(crate) fn rows(&self) -> rows::Rows<'_> {
         match &self.rows {
             Rows::Computed { sources, frame, .. } => rows::Rows::Computed {
@@ -309,7 +311,7 @@ impl Propagation {
         }
     }
 
-    /// The inputs of rows, unless the rows are kept.
+    /// The inputs of the kernels that compute rows; `None` if the rows are stored.
     pub(crate) fn computed(&self) -> Option<(&Arc<Sources>, ControlPoints<'_>)> {
         match &self.rows {
             Rows::Computed { sources, frame, .. } => Some((sources, self.padded_points(frame))),
@@ -317,7 +319,7 @@ impl Propagation {
         }
     }
 
-    /// The same transducers at other points, in the same memory if it has no other owner.
+    /// Replaces the points. The memory is reused unless another G shares it.
     pub(crate) fn carry(&mut self, points: &[[f64; 3]]) -> Result<(), Error> {
         let (sources, frame, old) = match &mut self.rows {
             Rows::Computed { sources, frame, points } => (sources, frame, points),
@@ -342,7 +344,7 @@ impl Propagation {
         Ok(())
     }
 
-    /// Entry (j, i) in double precision, in Pa: eq. (5) itself.
+    /// Returns entry (j, i) in Pa in double precision: eq. (5) itself.
     #[must_use]
     pub fn exact(&self, j: usize, i: usize) -> Complex64 {
         match &self.rows {
@@ -351,7 +353,7 @@ impl Propagation {
         }
     }
 
-    /// The same transducers at some of the points.
+    /// Returns G at some of the points, by their indices.
     pub(crate) fn select(&self, chosen: &[usize]) -> Self {
         match &self.rows {
             Rows::Computed { sources, points, .. } => {
@@ -367,7 +369,7 @@ impl Propagation {
         }
     }
 
-    /// The same with each point's row multiplied by a factor of its own, kept as a matrix.
+    /// Returns G with the row of each point multiplied by a factor, as a stored matrix.
     pub(crate) fn stretched(&self, factors: &[f64]) -> Self {
         let entry = |k: usize| self.exact(k % self.count, k / self.count) * factors[k % self.count];
         let entries = (0..self.transducers() * self.count).map(entry).collect();

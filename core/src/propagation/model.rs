@@ -1,4 +1,4 @@
-//! Model of G: an array in a medium, prepared once for control points that change.
+//! Model: an array in a medium, prepared once for control points that change.
 
 use alloc::string::String;
 use alloc::sync::Arc;
@@ -17,7 +17,7 @@ use crate::propagation::scattering::Scattering;
 use crate::propagation::sources::Sources;
 use crate::scene::{Array, Bead, Medium, Obstacle, Obstacles, Scene, Signature, check_array};
 
-/// An array in a medium, prepared once for points that change.
+/// An array in a medium, prepared once to compute G and fields for points that change.
 ///
 /// ```
 /// use midair::{Array, InstructionSet, Medium, Model};
@@ -34,14 +34,14 @@ pub struct Model {
     pub(crate) scattering: Option<Arc<Scattering>>,
     signature: Option<Signature>,
     bead: Bead,
-    /// Whether rows of G follow the sums of |G|.
+    /// Whether the method computes the rows of G one by one, see [`Model::for_rows`].
     rows_follow: bool,
-    /// The maker of G behind obstacles or under a signature; none where there are neither.
+    /// The functions that compute a stored G, with obstacles or a signature; `None` without both.
     make: Option<Make>,
 }
 
 impl Model {
-    /// Makes an array ready.
+    /// Prepares an array in a medium.
     ///
     /// # Errors
     /// As [`Scene::new`]: a medium out of range, a beam too narrow or a transducer too far away for f32 phases.
@@ -51,7 +51,7 @@ impl Model {
         Ok(Self { sources, set, scattering: None, signature: None, bead, rows_follow: false, make: None })
     }
 
-    /// The model of a scene that has been checked.
+    /// Returns the model of a scene. The scene has been checked already.
     #[must_use]
     pub fn of(scene: &Scene, set: InstructionSet) -> Self {
         let sources = Arc::new(Sources::new(scene.array(), scene.medium()));
@@ -62,12 +62,13 @@ impl Model {
             .unwrap_or_else(|_| unreachable!("it is not stopped"))
     }
 
-    /// The same behind obstacles, in place of those that it has: rows of G are then what comes straight from the
-    /// transducers plus what the obstacles send on, of walls in double precision, and so are fields and pressures.
+    /// Returns a copy of this model with these obstacles instead of its own. G and the field are then the direct wave of each
+    /// transducer plus the waves that the obstacles reflect or scatter. The walls' part is computed in double precision.
     ///
-    /// A wall is exact, by image sources with eq. (5)'s directivity and absorption. So are two or three at right angles;
-    /// of two that face each other three reflections are counted. A sphere is its series, to 1e-5 of the largest |p|. A
-    /// mesh needs the sound on its surface, which [`Model::with_sound`] brings: until then it is refused where it matters.
+    /// One wall is exact: image sources with the directivity and absorption of eq. (5). So are two or three walls at right
+    /// angles. Between two walls that face each other, up to three reflections are computed. A sphere is computed by its wave
+    /// series, with an error of 1e-5 of the largest |p|. A mesh needs the sound on its surface from [`Model::with_sound`];
+    /// without it, G and fields are errors.
     ///
     /// # Errors
     /// As [`Scene::with_obstacles`].
@@ -87,7 +88,8 @@ impl Model {
         self.with_obstacles_watched(obstacles, &mut Control::none())
     }
 
-    /// The same over the control's threads, until a stop: a sphere as large as a head takes seconds.
+    /// Does the same as [`Model::with_obstacles`] on the control's threads, and can be stopped: a sphere as large as a head
+    /// takes seconds.
     ///
     /// # Errors
     /// As [`Model::with_obstacles`]; a stop.
@@ -96,11 +98,11 @@ impl Model {
         self.scattered(&checked, control)
     }
 
-    /// The same behind the obstacles of a boundary and the sound (E, N) on its elements, in Pa: the solution u of the
-    /// equations of [`Boundary::matrix`] and [`Boundary::incident`].
+    /// Returns a copy of this model with the obstacles of a boundary. `sound` (E, N) in Pa is the sound on its elements: the
+    /// solution u of the equations of [`Boundary::matrix`] and [`Boundary::incident`].
     ///
     /// # Errors
-    /// A boundary of another array or medium, other numbers than E times N, one that is not finite.
+    /// A boundary of another array or medium, another number of values than E times N, a value that is not finite.
     pub fn with_sound(self, boundary: Arc<Boundary>, sound: &[Complex32]) -> Result<Self, Error> {
         if !boundary.fits(self.array(), self.medium()) {
             let cure = "make it of the model's own array and medium";
@@ -128,22 +130,22 @@ impl Model {
         self.scattering.as_ref().map_or(&[], |scattering| scattering.obstacles.given())
     }
 
-    /// The same under a signature: what it is solved with. The field of a drive is that of the array itself.
+    /// Returns a copy of this model with a signature. Only solvers use it: the field of a drive is that of the array itself.
     #[must_use]
     pub fn with_signature(self, signature: Option<Signature>) -> Self {
         let kept = signature.is_some() || self.scattering.is_some();
         Self { signature, make: kept.then_some(Kept::MAKE), ..self }
     }
 
-    /// The same for a method that computes rows of G one after the other, or for one that does not: what such rows and the
-    /// sums of |G| before them have in common is then computed once. No bit depends on it.
+    /// Returns a copy of this model for a method that computes the rows of G one by one, or for another method. Results do not
+    /// depend on it. For rows, intermediate values of the sums of |G| are stored and used again.
     #[doc(hidden)]
     #[must_use]
     pub fn for_rows(self, rows_follow: bool) -> Self {
         Self { rows_follow, ..self }
     }
 
-    /// The same with traps for another bead.
+    /// Returns a copy of this model with another bead, for which traps are made.
     #[must_use]
     pub fn with_bead(self, bead: Bead) -> Self {
         Self { bead, ..self }
@@ -155,19 +157,20 @@ impl Model {
         self.bead
     }
 
-    /// G at some points (M, 3) in m, times the factors of the signature if there is one.
+    /// Returns G at `points` (M, 3) in m, multiplied by the factors of the signature if there is one.
     ///
     /// # Errors
-    /// No point, a coordinate that is not finite or too far away; one inside an obstacle; factors that do not fit, and more
-    /// than 2^20 entries under a signature or behind obstacles (fewer of many images).
+    /// No point, a coordinate that is not finite or too far away; a point inside an obstacle; factors that do not fit; with a
+    /// signature or obstacles, more than 2^20 entries (fewer if there are many images).
     pub fn propagation(&self, points: &[[f64; 3]]) -> Result<Propagation, Error> {
         self.columns(points, None)
     }
 
-    /// The same as solvers see it: of an array with channels a column each, the sum of its transducers'.
+    /// Returns G as solvers need it: for an array with channels, one column for each channel, the sum of its transducers'
+    /// columns.
     ///
     /// # Errors
-    /// The same, and more than 2^20 entries (N, M) with channels.
+    /// As [`Model::propagation`], and more than 2^20 entries (N, M) with channels.
     pub(crate) fn driven(&self, points: &[[f64; 3]]) -> Result<Propagation, Error> {
         self.columns(points, self.array().wiring().cloned())
     }
@@ -187,12 +190,12 @@ impl Model {
         Propagation::kept(kept, (&[], &[]), self.set)
     }
 
-    /// Bytes that G at a point is kept in, in f64 and f32; 0 where it is computed on request.
+    /// The bytes of a stored G for each point, in f64 and f32; 0 if G is computed when needed.
     pub(crate) fn bytes_a_point(&self) -> usize {
         if self.make.is_some() || self.array().wiring().is_some() { 24 * self.array().len() } else { 0 }
     }
 
-    /// Refuses a point inside an obstacle by its name.
+    /// Checks that a point is not inside an obstacle; `name` makes its name for the error.
     pub(crate) fn check_point(&self, point: [f64; 3], name: impl FnOnce() -> String) -> Result<(), Error> {
         self.scattering.as_ref().map_or(Ok(()), |scattering| scattering.obstacles.check_point(point, name))
     }

@@ -1,16 +1,17 @@
-//! Momentum: the force of sound on a rigid sphere that need not be small, by the sphere's series of waves.
+//! Momentum: the force of sound on a rigid sphere of any size, from the spherical waves at its surface.
 //!
-//! Around the sphere the sound of the drive is a sum of regular waves, a_k j_n(kr) Y_k, and the sphere answers with outgoing
-//! ones, s_n a_k h_n(kr) Y_k. Far away half of each regular wave goes outwards. The force is the momentum that goes in less
-//! that which goes out, in which what the regular waves alone bring and take is the same:
+//! Around the sphere, the sound of the drive is a sum of regular waves a_k j_n(kr) Y_k. The sphere scatters outgoing waves s_n
+//! a_k h_n(kr) Y_k. Far away, half of each regular wave goes outwards. The force is the momentum that flows in less the
+//! momentum that flows out. The regular waves alone carry as much momentum in as out, so
 //!
 //! ```text
 //! F = -1/(2 rho c^2) int n Re(S conj(S + 2 f)) dn,   S = sum_k (-j)^(n+1) s_n a_k Y_k/k,   f = sum_k (-j)^(n+1) a_k Y_k/(2k)
 //! s_n = -(k j_n' - g_n j_n)/(k h_n' - g_n h_n) at ka,   g_1 = rho/(rho_p a), else 0
 //! ```
 //!
-//! g_1 lets the sphere move with the sound as its mass allows (P. M. Morse and K. U. Ingard, Theoretical Acoustics, 1968,
-//! sections 8.2 and 8.3). The air is without friction and, around the sphere, without absorption.
+//! Here a is the radius, rho_p the density of the sphere, n the direction, and k in Y_k/k the wavenumber. g_1 lets the sphere
+//! move with the sound as far as its mass allows (P. M. Morse and K. U. Ingard, Theoretical Acoustics, 1968, sections 8.2 and
+//! 8.3). The air has no viscosity and, around the sphere, no absorption.
 
 use alloc::vec::Vec;
 
@@ -23,21 +24,21 @@ use crate::propagation::jet::Jet;
 use crate::propagation::sphere::{Rules, Sphere};
 use crate::scene::{Medium, Particle, Surface, dot};
 
-/// A sphere that is pushed in an air.
+/// A sphere in air, on which sound exerts a force.
 pub(crate) struct Pushed {
     radius: f64,
     medium: Medium,
     rules: Rules,
-    /// Of each order j_n, j_n' and, at the surface, the answer's factor of the slope and of the pressure, over h_n.
+    /// For each order n: j_n(ka), j_n'(ka), and the factors of the slope and of the pressure at the surface in s_n a_k.
     orders: Vec<[Complex64; 4]>,
 }
 
 impl Pushed {
-    /// A sphere with the size and density of a particle.
+    /// Returns a sphere with the size and density of a particle.
     pub(crate) fn new(particle: Particle, medium: Medium) -> Self {
         let medium = Medium { absorption: 0.0, ..medium };
         let size = medium.wavenumber() * particle.radius;
-        // Terms beyond fall below 1e-8 (W. J. Wiscombe, Applied Optics 19, 1505, 1980).
+        // Waves of higher orders are below 1e-8 (W. J. Wiscombe, Applied Optics 19, 1505, 1980).
         let order = math::ceil(size + 4.05 * math::cbrt(size) + 4.0) as usize;
         let sphere = Sphere::of_order(([0.0; 3], particle.radius, Surface::Rigid), medium, order);
         let moved = medium.density / (particle.density * particle.radius);
@@ -50,10 +51,10 @@ impl Pushed {
         Self { radius: particle.radius, medium, orders: orders.collect(), rules: Rules::new(&sphere) }
     }
 
-    /// The force in N around a center, of the pressure, real and imaginary part, at a place.
+    /// Returns the force in N on the sphere around `center`. `pressure` returns the real and imaginary part at a place.
     ///
     /// # Errors
-    /// Those of the pressure, a stop.
+    /// The errors of `pressure`, a stop.
     pub(crate) fn force(
         &self,
         center: [f64; 3],
@@ -71,7 +72,8 @@ impl Pushed {
         for (n, [j, slope, by_slope, by_pressure]) in self.orders.iter().enumerate() {
             for k in n * n..(n + 1) * (n + 1) {
                 let (p, rise) = (sent[k], both[k]);
-                // a_k: p over j_n and its slope over k j_n', whichever is not 0.
+                // a_k follows from p = a_k j_n and its slope = a_k k j_n'. A weighted mean of both is used, because one of them
+                // can be 0.
                 let own = (p * j + rise * slope / wavenumber) / (j * j + slope * slope);
                 let answer = rise * by_slope + p * by_pressure;
                 sent[k] = answer * turn;

@@ -1,4 +1,4 @@
-//! Particle: Gor'kov's potential of a small sphere in a pressure.
+//! Particle: the Gor'kov potential of a small sphere in a pressure field, and other forces on the sphere.
 
 use alloc::format;
 
@@ -7,11 +7,11 @@ use crate::math;
 use crate::propagation::jet::Jet;
 use crate::scene::{Medium, Particle, dot};
 
-/// Radii in wavelengths from which on the sphere is no longer small: k a = 0.79.
+/// The largest radius of a small sphere in wavelengths: k a = 0.79.
 pub(crate) const LARGEST: f64 = 0.125;
 
 impl Particle {
-    /// The factors of |p|^2 and of -|grad p|^2 in U.
+    /// Returns the factors of |p|^2 and of -|grad p|^2 in the potential U.
     #[must_use]
     pub fn factors(&self, medium: Medium) -> [f64; 2] {
         let speeds = medium.sound_speed / self.sound_speed;
@@ -24,12 +24,12 @@ impl Particle {
         [volume * f1 / (4.0 * compressibility), volume * 3.0 * f2 / (8.0 * medium.density * omega * omega)]
     }
 
-    /// The slope of the factor of |p|^2 by the medium's sound speed; the other has none.
+    /// The derivative of the factor of |p|^2 by the medium's sound speed; the other factor does not depend on it.
     pub(crate) fn factor_slope(&self, medium: Medium) -> f64 {
         -self.volume() / (2.0 * medium.density * medium.sound_speed * medium.sound_speed * medium.sound_speed)
     }
 
-    /// Rejects values that describe no sphere.
+    /// Checks that radius, density and sound speed are above 0.
     pub(crate) fn check(&self) -> Result<(), Error> {
         real("radius", self.radius, 0.0, true)?;
         real("density", self.density, 0.0, true)?;
@@ -40,19 +40,20 @@ impl Particle {
         4.0 / 3.0 * core::f64::consts::PI * self.radius * self.radius * self.radius
     }
 
-    /// The mass in kg that a force moves: its own, and half that of the air in its place, which moves with it.
+    /// The mass in kg that a force accelerates: the particle's own and half that of the displaced air, which moves with it.
     #[must_use]
     pub fn mass(&self, medium: Medium) -> f64 {
         (self.density + 0.5 * medium.density) * self.volume()
     }
 
-    /// Weight less buoyancy in N under a `gravity` in m/s^2.
+    /// Returns the weight less buoyancy in N, for a `gravity` in m/s^2.
     #[must_use]
     pub fn weight(&self, medium: Medium, gravity: [f64; 3]) -> [f64; 3] {
         gravity.map(|g| (self.density - medium.density) * self.volume() * g)
     }
 
-    /// Drag in N of air at rest on it at a `speed` in m/s, by Schiller and Naumann (1933), for Re up to 800:
+    /// Returns the drag in N of still air at a `speed` in m/s, by Schiller and Naumann (1933), for Reynolds numbers Re up to
+    /// 800:
     ///
     /// ```text
     /// F = 6 pi eta a v (1 + 0.15 Re^0.687),   Re = 2 a rho v/eta
@@ -65,7 +66,7 @@ impl Particle {
         stokes * (1.0 + 0.15 * math::pow(reynolds, 0.687))
     }
 
-    /// The force in N beside weight and buoyancy that a velocity in m/s and an acceleration in m/s^2 take.
+    /// Returns the force in N that a velocity in m/s and an acceleration in m/s^2 require, besides weight and buoyancy.
     #[must_use]
     pub fn needed(&self, medium: Medium, velocity: [f64; 3], acceleration: [f64; 3]) -> [f64; 3] {
         let (mass, speed) = (self.mass(medium), math::sqrt(dot(velocity, velocity)));
@@ -73,7 +74,7 @@ impl Particle {
         [0, 1, 2].map(|axis| mass * acceleration[axis] + drag * velocity[axis])
     }
 
-    /// A remark where the radius is beyond an eighth of the wavelength: the potential is then too simple.
+    /// Returns a remark if the radius exceeds an eighth of the wavelength, where the Gor'kov potential is inaccurate.
     #[must_use]
     pub fn remark(&self, medium: Medium) -> Option<alloc::string::String> {
         let most = LARGEST * medium.wavelength();
@@ -86,7 +87,7 @@ impl Particle {
     }
 }
 
-/// U of the parts of a pressure, real and imaginary.
+/// Returns the potential U for the real and the imaginary part of a pressure; the factors are those of [`Particle::factors`].
 pub(crate) fn potential(pressure: &[Jet], [compression, motion]: [f64; 2]) -> Jet {
     let mut potential = Jet::ZERO;
     for part in pressure {
@@ -98,7 +99,7 @@ pub(crate) fn potential(pressure: &[Jet], [compression, motion]: [f64; 2]) -> Je
     potential
 }
 
-/// The cotangents of a pressure, real and imaginary part, from the cotangent of its U.
+/// Returns the cotangents of the real and imaginary part of a pressure, for the cotangent of its potential U.
 pub(crate) fn back(pressure: &[Jet; 2], [compression, motion]: [f64; 2], potential: &Jet) -> [Jet; 2] {
     pressure.each_ref().map(|part| {
         let mut back = Jet::ZERO;

@@ -1,4 +1,4 @@
-//! Quantity: a function of the field at a point, and its backward pass to the pressure there.
+//! Quantity: a function of the field at a point, and its derivatives by the pressure there.
 
 use num_complex::Complex64;
 
@@ -10,29 +10,29 @@ use crate::propagation::particle::{back, potential};
 use crate::scene::Medium;
 use crate::scene::Particle;
 
-/// The coefficients of x^2, y^2 and z^2.
+/// The indices of x^2, y^2 and z^2 among the coefficients of a [`Jet`].
 const SQUARES: [usize; 3] = [4, 7, 9];
 
 /// A quantity of the field at each point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Quantity {
-    /// Complex p in Pa (peak): two numbers a point, its real and imaginary part.
+    /// Complex p in Pa (peak): two numbers for each point, the real and the imaginary part.
     Pressure,
     /// |p| in Pa.
     Amplitude,
     /// Radiation pressure |p|^2/(rho c^2) in Pa on a wall at normal incidence.
     Radiation,
-    /// Gor'kov's potential of a particle in J.
+    /// The Gor'kov potential of a particle in J.
     Potential(Particle),
-    /// The force on it in N: three numbers a point.
+    /// The force on a particle in N: three numbers for each point.
     Force(Particle),
-    /// Its stiffness -dF/ds along x, y and z in N/m: three numbers a point.
+    /// The stiffness -dF/ds of a particle along x, y and z in N/m: three numbers for each point.
     Stiffness(Particle),
 }
 
 impl Quantity {
-    /// The quantity of a name, of a particle where it is one's.
+    /// Returns the quantity of this name; `particle` is used by those of a particle.
     ///
     /// ```
     /// use midair::{Particle, Quantity};
@@ -42,7 +42,7 @@ impl Quantity {
     /// ```
     ///
     /// # Errors
-    /// A name not listed.
+    /// An unknown name.
     pub fn named(name: &str, particle: Particle) -> Result<Self, Error> {
         let all = [
             ("pressure", Self::Pressure),
@@ -56,7 +56,7 @@ impl Quantity {
         found.ok_or_else(|| Error::unknown("quantity", name, all.iter().map(|(known, _)| *known)))
     }
 
-    /// The numbers that it has at each point.
+    /// How many numbers it has at each point.
     #[must_use]
     pub fn width(self) -> usize {
         match self {
@@ -66,7 +66,7 @@ impl Quantity {
         }
     }
 
-    /// The particle that it is about.
+    /// The particle, or `None` for a quantity of the pressure.
     #[must_use]
     pub fn particle(self) -> Option<Particle> {
         match self {
@@ -75,7 +75,7 @@ impl Quantity {
         }
     }
 
-    /// Writes its value for a pressure, unless it is a particle's.
+    /// Writes the value of a quantity of the pressure for a pressure p.
     pub(crate) fn write(self, medium: Medium, p: Complex64, value: &mut [f64]) {
         match self {
             Self::Pressure => value.copy_from_slice(&[p.re, p.im]),
@@ -84,7 +84,7 @@ impl Quantity {
         }
     }
 
-    /// dL/dRe p + j dL/dIm p, and dL by the sound speed at constant p.
+    /// Returns dL/dRe p + j dL/dIm p, and the derivative of L by the sound speed at constant p.
     pub(crate) fn back(self, medium: Medium, p: Complex64, value: &[f64], cotangent: &[f64]) -> ([f64; 2], f64) {
         let along = |factor: f64| [factor * p.re, factor * p.im];
         match self {
@@ -92,12 +92,13 @@ impl Quantity {
             Self::Radiation => {
                 (along(2.0 * cotangent[0] * medium.radiation(1.0)), -2.0 * cotangent[0] * value[0] / medium.sound_speed)
             }
-            // |p| has no slope at 0: the least of its subgradients.
+            // |p| has no derivative at 0: the smallest subgradient, 0, is used.
             _ => (along(if value[0] > 0.0 { cotangent[0] / value[0] } else { 0.0 }), 0.0),
         }
     }
 
-    /// Writes the particle's quantity for a pressure around the point, real and imaginary part.
+    /// Writes the value of a quantity of a particle, for the Taylor polynomials of the pressure around the point (real and
+    /// imaginary part).
     pub(crate) fn write_felt(self, pressure: &[Jet; 2], factors: [f64; 2], value: &mut [f64]) {
         let potential = potential(pressure, factors);
         match self {
@@ -107,7 +108,8 @@ impl Quantity {
         }
     }
 
-    /// The cotangents of the coefficients of that pressure, and dL by the sound speed at constant pressure.
+    /// Returns the cotangents of the coefficients of that pressure, and the derivative of L by the sound speed at constant
+    /// pressure.
     pub(crate) fn back_felt(
         self,
         (medium, particle): (Medium, Particle),
@@ -126,7 +128,7 @@ impl Quantity {
     }
 }
 
-/// Cotangents of a pressure's coefficients in the backward pass, real and imaginary part.
+/// Returns the weights for the backward pass, for the cotangents of a pressure's coefficients (real and imaginary part).
 pub(crate) fn weights([re, im]: &[Jet; 2]) -> Weights {
     let mut weights = Weights::default();
     for (term, (re, im)) in re.coefficients().iter().zip(im.coefficients()).enumerate() {
@@ -144,7 +146,7 @@ pub(crate) fn weights([re, im]: &[Jet; 2]) -> Weights {
         weights.grown.push(weight(own, 1.0 + own.iter().map(|&n| f64::from(n)).sum::<f64>()));
         for axis in 0..3 {
             weights.slopes[axis].push(raised(own, axis, 1.0));
-            // x times dF/dx: of axes that follow each other, and back.
+            // Terms x dF/dy - y dF/dx, for each pair of axes in cyclic order.
             let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
             for (from, to, sign) in [(next, last, 1.0), (last, next, -1.0)] {
                 if own[from] > 0 {

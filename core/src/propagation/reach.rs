@@ -1,4 +1,4 @@
-//! Reach: the sums of |G| at the points, the pressures that all transducers in phase give.
+//! Reach: the sum of |G| at each point, the pressure that all transducers in phase give there.
 
 use alloc::vec::Vec;
 
@@ -11,13 +11,14 @@ use crate::math;
 use crate::propagation::sources::Sources;
 use crate::propagation::{Propagation, Rows};
 
-/// Square wavelengths, a little more than a hundredth squared: f32 decides where f64 is to look.
+/// The square, in square wavelengths, of slightly more than a hundredth of a wavelength. Distances below it in f32 are checked
+/// again in f64.
 pub(crate) const NEAR: f32 = 1.01e-4;
 
-/// The largest number of stored amplitudes: 1 MiB, which stays in the second-level cache until the rows are made.
+/// The most amplitudes that are stored: 1 MiB, which stays in the second-level cache until the rows are computed.
 const MOST_KEPT: usize = 1 << 18;
 
-/// Amplitudes |c| D e^{-alpha r}/r of all elements of G, where they are kept: row after row.
+/// The amplitudes |c| D e^{-alpha r}/r of all elements of G, row by row, if they are stored.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Amplitudes {
     rows: Vec<Line>,
@@ -31,8 +32,9 @@ impl Amplitudes {
 }
 
 impl Propagation {
-    /// p1_j = `sum_i |G_ji|` in units of the reference, refusing a point on a transducer. Where it saves a sweep to compute
-    /// each directivity twice, `amplitudes` are kept for [`Propagation::rows_of`]; else it is empty.
+    /// Computes p1_j = `sum_i |G_ji|` in units of the reference, and checks that no point is on a transducer. If it saves time
+    /// to compute each directivity only once, stores the `amplitudes` for [`Propagation::rows_of`]; otherwise they are left
+    /// empty.
     pub(crate) fn reach(
         &self,
         reach: &mut Vec<f64>,
@@ -65,7 +67,7 @@ impl Propagation {
                 };
                 let lanes = self.lanes();
                 let wide = lanes / LANES;
-                // All of it is written anew.
+                // All entries are overwritten below.
                 amplitudes.rows.resize(sources.transducers.len() * wide, Line([0.0; LANES]));
                 amplitudes.sums.resize(lanes, 0.0);
                 for run in runs {
@@ -92,7 +94,8 @@ impl Propagation {
         Ok(())
     }
 
-    /// Whether rows follow, the points fill three quarters of their lane groups, and an amplitude takes more than a quotient.
+    /// Whether storing the amplitudes saves time: rows are computed afterwards, the points fill three quarters of their lane
+    /// groups, and the directivity makes an amplitude more costly than a division.
     fn keeps(&self) -> bool {
         let Rows::Computed { sources, .. } = &self.rows else { return false };
         let (lanes, pattern) = (self.lanes(), sources.radiation.pattern.is_some());
@@ -102,7 +105,7 @@ impl Propagation {
             && lanes * sources.transducers.len() <= MOST_KEPT
     }
 
-    /// The rows as the kernels read them, with the amplitudes that [`Propagation::reach`] kept.
+    /// The rows in the form that the kernels read, with the amplitudes that [`Propagation::reach`] stored.
     pub(crate) fn rows_of<'a>(&'a self, kept: &'a Amplitudes) -> rows::Rows<'a> {
         match self.rows() {
             rows::Rows::Computed { radiation, sources, control_points, .. } => {

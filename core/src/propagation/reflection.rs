@@ -1,11 +1,13 @@
-//! Reflection: walls that a wave meets one after another, as images of the array and of surfaces.
+//! Reflection: walls that a wave meets one after another, as mirror images of the array and of surfaces.
 //!
-//! A wall through c with unit normal n sends back what a mirrored transducer would send: from x' = x - 2 ((x - c).n) n,
-//! looking along n' = v - 2 (v.n) n, times 1 (rigid: dp/dn = 0 on the wall) or -1 (soft: p = 0). So G = G(x) + sum of
-//! +-G(x'), every term eq. (5) itself, with its directivity and absorption.
+//! Let a wall contain the point c and have the unit normal n. It reflects the wave of a transducer at x with normal v like a
+//! mirrored transducer at x' = x - 2 ((x - c).n) n with normal v' = v - 2 (v.n) n. The factor is 1 for a rigid wall (dp/dn = 0
+//! on it) and -1 for a soft one (p = 0). So G = G(x) + sum of +-G(x'), where every term is eq. (5) with its directivity and
+//! absorption.
 //!
-//! Of several walls each mirrors the others' images, too. Two or three at right angles have 3 or 7 images and are exact;
-//! two that face each other have infinitely many, and those of more than [`MOST_REFLECTIONS`] reflections are left out.
+//! With several walls, each also mirrors the images of the others. Two or three walls at right angles have 3 or 7 images and
+//! are exact. Two walls that face each other have infinitely many; images of more than [`MOST_REFLECTIONS`] reflections are
+//! left out.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -14,13 +16,13 @@ use crate::propagation::element::Element;
 use crate::scene::wall::Mirror;
 use crate::scene::{Array, Obstacles, Surface, distance};
 
-/// Walls that a wave has met one after another. Three make a corner exact.
+/// The most walls that a wave meets one after another. With three, a corner of three walls is exact.
 const MOST_REFLECTIONS: usize = 3;
 
-/// Metres within which two images are the same.
+/// Images nearer than this, in m, are the same.
 const SAME: f64 = 1e-9;
 
-/// Mirrors that a wave meets one after another.
+/// The mirrors that a wave meets one after another.
 #[derive(Clone, Debug)]
 pub(crate) struct Reflection(Vec<Mirror>);
 
@@ -33,26 +35,27 @@ impl Reflection {
         self.0.iter().fold(direction, |direction, mirror| mirror.direction(direction))
     }
 
-    /// -1 after an odd number of soft walls.
+    /// The sign of the reflected wave: -1 after an odd number of soft walls.
     pub(crate) fn sign(&self) -> f64 {
         let soft = self.0.iter().filter(|mirror| mirror.kind == Surface::Soft).count();
         if soft % 2 == 1 { -1.0 } else { 1.0 }
     }
 
-    /// The array as the mirrors show it.
+    /// The mirror image of an array.
     pub(crate) fn array(&self, array: &Array) -> Array {
         array.moved(|place| self.place(place), |direction| self.direction(direction), self.sign() < 0.0)
     }
 
-    /// An element as the mirrors show it.
+    /// The mirror image of an element.
     pub(crate) fn element(&self, element: &Element) -> Element {
         element.moved(|place| self.place(place), |direction| self.direction(direction))
     }
 }
 
-/// Each mirror, and the mirrors' images in one another, as seen about a place.
+/// Returns all reflections of up to [`MOST_REFLECTIONS`] walls, without those that give the same image. `centre` is any place
+/// near the array.
 pub(crate) fn reflections(centre: [f64; 3], obstacles: &Obstacles) -> Vec<Reflection> {
-    // Four places determine a transformation.
+    // Two reflections are the same if they map four places alike.
     let [x, y, z] = centre;
     let probe = [[x, y, z], [x + 1.0, y, z], [x, y + 1.0, z], [x, y, z + 1.0]];
     let mut seen = vec![probe];

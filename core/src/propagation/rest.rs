@@ -1,4 +1,4 @@
-//! Rest: the resting place of a particle in the field of a drive, and the stability there.
+//! Rest: the place where a particle rests in the field of a drive, and how stable it is there.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -17,38 +17,42 @@ use crate::scene::{Particle, distance, dot};
 /// The longest step along the force, in wavelengths.
 const STEP: f64 = 1.0 / 48.0;
 
-/// Steps that a particle is followed for.
+/// How many steps a particle is followed, at most.
 const STEPS: usize = 300;
 
-/// A step so short that the place is found, in wavelengths.
+/// The place is found when a step is shorter than this, in wavelengths.
 const STILL: f64 = 1e-7;
 
-/// A particle that moves farther than that is not trapped, and the force is sampled so far along an axis, in wavelengths.
+/// A particle that moves farther than this is not trapped, in wavelengths. The force along an axis is sampled up to this
+/// distance.
 const FAR: f64 = 1.0;
 
-/// Where particles rest, one for each point that they start at (P,). One that is not trapped has only `place`, else NaN.
+/// Where particles rest, one for each of P starting points. A particle that is not trapped has only `place`; its other values
+/// are NaN.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Rest {
-    /// The place (P, 3) in m where the net force is 0; or where an untrapped particle was lost.
+    /// The place (P, 3) in m where the net force is 0; for a particle that is not trapped, where it was lost.
     pub place: Vec<[f64; 3]>,
-    /// Whether the place holds it (P,): the net force pulls back from all sides, within a wavelength of the start.
+    /// Whether the particle is trapped at the place (P,): within a wavelength of the start, the net force pushes it back from
+    /// all sides.
     pub held: Vec<bool>,
-    /// Eigenvalues of the stiffness there (P, 3) in N/m, the softest first.
+    /// Eigenvalues of the stiffness at the place (P, 3) in N/m, the smallest first.
     pub stiffness: Vec<[f64; 3]>,
-    /// The direction of each (P, 3, 3), of length 1.
+    /// The unit vector of each eigenvalue (P, 3, 3).
     pub axes: Vec<[[f64; 3]; 3]>,
-    /// How far in m the net force pulls back along each direction, against it and along it (P, 3, 2).
+    /// The distance in m over which the net force pushes back, in the negative and the positive direction of each axis (P, 3,
+    /// 2).
     pub basin: Vec<[[f64; 2]; 3]>,
-    /// The most in N that it pulls back with there (P, 3, 2).
+    /// The largest force in N that pushes back over that distance (P, 3, 2).
     pub restoring: Vec<[[f64; 2]; 3]>,
 }
 
-/// Where particles that start at some points (P, 3) in m come to rest in the field of a drive (N,) under a `gravity` in m/s^2:
-/// the net force, Gor'kov's and weight less buoyancy, is followed downhill to the place where it is 0.
+/// Finds where particles that start at `points` (P, 3) in m come to rest, in the field of a drive (N,) with a `gravity` in
+/// m/s^2. The search follows the net force, Gor'kov's force plus weight less buoyancy, to a place where it is 0.
 ///
-/// Each step goes by the inverse of |stiffness|, a thirtieth of a wavelength at most, never up in energy. The basin is what
-/// the straight line along each axis shows, up to a wavelength.
+/// Each step is the net force times the inverse of |stiffness|, at most 1/48 of a wavelength, and never raises the energy. The
+/// basin is measured along straight lines in both directions of each axis, up to a wavelength.
 ///
 /// # Errors
 /// As [`crate::gorkov`]; a gravity that is not finite.
@@ -83,7 +87,7 @@ pub fn rest(
     let mut all: Vec<Option<One>> = vec![None; points.len()];
     let parts = all.iter_mut().zip(points).enumerate().collect();
     control.each(parts, &|(j, (out, point)): (usize, (&mut Option<One>, &[f64; 3])), control| {
-        // A start that has no force is refused; a particle that strays to such a place is lost.
+        // It is an error if the force at a start is unknown. A particle that moves to such a place is lost.
         trap.felt(j, *point, control)?;
         *out = Some(follow.from(j, *point, control)?);
         Ok(())
@@ -99,7 +103,7 @@ pub fn rest(
     })
 }
 
-/// Properties of one particle.
+/// The results for one particle.
 #[derive(Clone, Copy)]
 struct One {
     place: [f64; 3],
@@ -124,7 +128,7 @@ impl One {
     }
 }
 
-/// A particle in a field, under its weight.
+/// Follows a particle in a field, with its weight.
 struct Follow<'a> {
     trap: &'a Trap<'a>,
     weight: [f64; 3],
@@ -132,7 +136,7 @@ struct Follow<'a> {
 }
 
 impl Follow<'_> {
-    /// Energy, net force and second derivatives; none where there is no force.
+    /// Energy, net force and second derivatives at a place; `None` if the force there is unknown.
     fn felt(&self, j: usize, place: [f64; 3], control: &mut Control) -> Result<Option<Felt>, Error> {
         match self.trap.felt(j, place, control) {
             Ok((potential, force, hessian)) => {
@@ -169,7 +173,7 @@ impl Follow<'_> {
         Ok(One::lost(place))
     }
 
-    /// The stability at a place: along each axis, both ways.
+    /// Measures the stability at a place, in both directions along each axis.
     fn held(
         &self,
         j: usize,
@@ -189,7 +193,7 @@ impl Follow<'_> {
         Ok(One { place, held: true, stiffness: order.map(|k| stiffness[k]), axes, basin, restoring })
     }
 
-    /// The distance over which the net force pulls back along a direction, and its largest value.
+    /// Returns the distance over which the net force pushes back along a direction, and the largest such force.
     fn along(&self, j: usize, place: [f64; 3], way: [f64; 3], control: &mut Control) -> Result<[f64; 2], Error> {
         let h = STEP * self.wavelength;
         let (mut last, mut before, mut most) = (0.0, 0.0, 0.0_f64);
@@ -197,7 +201,7 @@ impl Follow<'_> {
             let at = [0, 1, 2].map(|axis| place[axis] + n as f64 * h * way[axis]);
             let Some((_, net, _)) = self.felt(j, at, control)? else { return Ok([(n - 1) as f64 * h, most]) };
             let own = -dot(net, way);
-            // The top of the parabola through three neighbours.
+            // The maximum of the parabola through three neighbouring samples.
             if last > before && last >= own {
                 let bend = before - 2.0 * last + own;
                 most = most.max(last - (own - before) * (own - before) / (8.0 * bend));
@@ -212,7 +216,8 @@ impl Follow<'_> {
     }
 }
 
-/// The step |H|^-1 net, at most so long: along each axis of the stiffness with the force, whatever its sign.
+/// Returns the step |H|^-1 net, shortened to at most `most`. With |H| instead of H, the step follows the force also along axes
+/// of negative stiffness.
 fn step(net: [f64; 3], stiffness: [f64; 3], axes: [[f64; 3]; 3], most: f64) -> [f64; 3] {
     let mut step = [0.0; 3];
     for (k, axis) in stiffness.iter().zip(&axes) {

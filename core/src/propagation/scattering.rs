@@ -1,4 +1,4 @@
-//! Scattering: the waves that obstacles add to eq. (5), by image sources of walls and the answers of bodies.
+//! Scattering: the waves that obstacles add to eq. (5): image sources for walls, responses of spheres and meshes.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -14,17 +14,17 @@ use crate::propagation::sphere::Sphere;
 use crate::propagation::taylor::add_exact;
 use crate::scene::{Obstacle, Obstacles};
 
-/// Obstacles prepared for the transducers of some [`Sources`].
+/// Obstacles, prepared for the transducers of given [`Sources`].
 #[derive(Clone, Debug)]
 pub(crate) struct Scattering {
     pub(crate) obstacles: Obstacles,
-    /// The array as its mirrors show it.
+    /// The array as mirrored by the walls.
     pub(crate) images: Arc<[Sources]>,
     pub(crate) bodies: Option<Arc<Bodies>>,
 }
 
 impl Scattering {
-    /// Obstacles that have been checked with the sources' array and medium; the sound on meshes is still to be found.
+    /// Prepares obstacles that have been checked with the array and medium of `sources`. The sound on meshes is not known yet.
     ///
     /// # Errors
     /// A stop.
@@ -41,12 +41,12 @@ impl Scattering {
         Ok(Self { images: reflections.iter().map(image).collect(), obstacles, bodies })
     }
 
-    /// The same with the bodies' answers.
+    /// Returns the same obstacles with the responses of the bodies.
     pub(crate) fn with_bodies(self, bodies: Bodies) -> Self {
         Self { bodies: Some(Arc::new(bodies)), ..self }
     }
 
-    /// Refuses meshes whose sound has not been found.
+    /// Checks that the sound on all meshes is known.
     pub(crate) fn check(&self) -> Result<(), Error> {
         if self.bodies.is_some() || self.obstacles.meshes().next().is_none() {
             return Ok(());
@@ -55,8 +55,8 @@ impl Scattering {
         Err(Error::invalid("obstacles", "a mesh whose surface is not solved", cure))
     }
 
-    /// Adds what each transducer of some sources sends to some points by way of the obstacles, to a row a point, in Pa: images
-    /// in double precision, bodies by answers kept in single.
+    /// Adds to the rows, one for each point, the waves of each transducer by way of the obstacles, in Pa. Images are computed
+    /// in double precision; the responses of bodies are stored in single precision.
     pub(crate) fn add(&self, sources: &Sources, points: &[[f64; 3]], rows: &mut [Vec<Complex64>]) {
         for image in &*self.images {
             add_exact(image, points, rows);
@@ -70,9 +70,9 @@ impl Scattering {
         }
     }
 
-    /// The ratio of the time of an entry of G behind obstacles to that without.
+    /// How many times longer an entry of G takes than without obstacles.
     pub(crate) fn cost(&self) -> usize {
-        // A wave or an element takes a hundredth of the time of eq. (5).
+        // A wave or an element takes about a hundredth of the time of eq. (5).
         1 + self.images.len() + self.bodies.as_ref().map_or(0, |bodies| bodies.len() / 100)
     }
 }

@@ -1,4 +1,4 @@
-//! Sources: the transducers prepared for the kernels, and eq. (5) in f64.
+//! Sources: an array's transducers, prepared for the kernels, and eq. (5) in f64.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -10,10 +10,10 @@ use crate::kernels::{Radiation, Source, SourceList, padded};
 use crate::math;
 use crate::scene::{Array, Medium, check_places, distance};
 
-/// An array in a medium, prepared for computing rows: positions in wavelengths from the array's middle.
+/// An array in a medium, prepared to compute rows of G. Positions are in wavelengths, relative to the array's middle.
 ///
-/// Distances in wavelengths *are* phases in turns, so the f32 rows need no multiplication between distance and
-/// phase, and lose no digits to one.
+/// A distance in wavelengths *is* a phase in turns. So the f32 rows need no multiplication between distance and phase, and lose
+/// no digits to one.
 #[derive(Clone, Debug)]
 pub(crate) struct Sources {
     pub(crate) array: Array,
@@ -27,7 +27,7 @@ impl Sources {
     pub(crate) fn new(array: &Array, medium: Medium) -> Self {
         let centre = array.centre();
         let wavelength = medium.wavelength();
-        // P0 cancels: the reference is 1000 P0.
+        // P0 cancels, because the reference is 1000 P0.
         let unit = 1.0 / (1000.0 * wavelength);
         let transducers: Vec<_> = (0..array.len())
             .map(|i| {
@@ -53,14 +53,15 @@ impl Sources {
         Self { array: array.clone(), medium, centre, transducers: SourceList::new(&transducers), radiation }
     }
 
-    /// Points in this frame, padded with the last one: x, y and z.
+    /// Converts points to wavelengths relative to the array's middle: lists of x, y and z, padded with copies of the last
+    /// point.
     pub(crate) fn frame(&self, points: &[[f64; 3]]) -> [Vec<f32>; 3] {
         let mut frame = [(); 3].map(|()| vec![0.0; padded(points.len())]);
         self.write_frame(points, &mut frame);
         frame
     }
 
-    /// Writes the points into a frame of their number.
+    /// Writes the points into a frame that has their number.
     pub(crate) fn write_frame(&self, points: &[[f64; 3]], frame: &mut [Vec<f32>; 3]) {
         for (j, point) in points.iter().enumerate() {
             let position = wavelengths(*point, self.centre, self.medium.wavelength());
@@ -68,7 +69,8 @@ impl Sources {
                 axis[j] = x;
             }
         }
-        // Padding is computed with the rest, and far away, with absorption, it would be denormal: a hundred cycles each.
+        // The kernels compute the padding too. Zeros as padding may lie so far away that absorption makes the result denormal,
+        // which takes a hundred cycles each.
         for axis in frame {
             let (own, padding) = axis.split_at_mut(points.len());
             if let Some(&last) = own.last() {
@@ -77,7 +79,7 @@ impl Sources {
         }
     }
 
-    /// Refuses points that are none, not finite or too far away for phases in f32.
+    /// Checks that there are points, and that all are finite and near enough for phases in f32.
     pub(crate) fn check_points(&self, points: &[[f64; 3]]) -> Result<(), Error> {
         if points.is_empty() {
             return Err(Error::invalid("points", "empty", "give at least one point"));
@@ -85,17 +87,17 @@ impl Sources {
         check_places(self.centre, self.medium, "points", ".position", points)
     }
 
-    /// Pa of one unit of the rows.
+    /// The unit of the rows in Pa.
     pub(crate) fn reference(&self) -> f64 {
         1000.0 * self.array.transducer().source_pressure
     }
 
-    /// Eq. (5) in double precision, in Pa.
+    /// Eq. (5) in double precision, in Pa, with the transducer's response.
     pub(crate) fn exact(&self, i: usize, point: [f64; 3]) -> Complex64 {
         self.array.effect(i) * self.sent(i, point)
     }
 
-    /// The same without the transducer's response.
+    /// Eq. (5) in double precision, in Pa, without the transducer's response.
     pub(crate) fn sent(&self, i: usize, point: [f64; 3]) -> Complex64 {
         let transducer = self.array.transducer();
         let from = self.array.positions()[i];
@@ -110,12 +112,12 @@ impl Sources {
         Complex64::new(amplitude * math::cos(k * r), amplitude * math::sin(k * r))
     }
 
-    /// Refuses points nearer to transducer `i` than a hundredth of the wavelength.
+    /// Checks that no point is nearer to transducer `i` than a hundredth of the wavelength.
     pub(crate) fn check_distances(&self, i: usize, points: &[[f64; 3]]) -> Result<(), Error> {
         points.iter().enumerate().try_for_each(|(j, &point)| self.check_distance(i, j, point))
     }
 
-    /// Refuses point `j` nearer to transducer `i` than that.
+    /// Checks that a point is not nearer to transducer `i` than a hundredth of the wavelength. Errors name it as point `j`.
     pub(crate) fn check_distance(&self, i: usize, j: usize, point: [f64; 3]) -> Result<(), Error> {
         let least = self.medium.wavelength() / 100.0;
         let distance = distance(self.array.positions()[i], point);
@@ -126,7 +128,7 @@ impl Sources {
     }
 }
 
-/// A position in wavelengths from `centre`, rounded to f32 only now.
+/// Converts a position to wavelengths relative to `centre`; it is rounded to f32 only after the subtraction.
 fn wavelengths(position: [f64; 3], centre: [f64; 3], wavelength: f64) -> [f32; 3] {
     [0, 1, 2].map(|axis| ((position[axis] - centre[axis]) / wavelength) as f32)
 }

@@ -1,14 +1,15 @@
-//! Sphere: the sound that a sphere sends on, by its series of outgoing waves.
+//! Sphere: the sound that a sphere scatters, as a series of outgoing spherical waves.
 //!
-//! The wave of a transducer at the sphere, p_i or dp_i/dr at r = a, is expanded in real spherical harmonics Y_k of order n,
-//! by Gauss' rule in cos(theta) and equal steps in phi. The sphere answers with the outgoing waves that cancel it,
+//! At the sphere, r = a, the wave of a transducer (p_i, or dp_i/dr) is expanded in real spherical harmonics Y_k of order n. The
+//! integrals use a Gauss rule in cos(theta) and equal steps in phi. The scattered wave consists of the outgoing waves that meet
+//! the boundary condition,
 //!
 //! ```text
 //! p_s(r) = sum_k c_k h_n(kr)/h_n(ka) Y_k,   c_k = - <p_i, Y_k> (soft),   c_k = - <dp_i/dr, Y_k> h_n(ka)/(k h_n'(ka)) (rigid)
 //! ```
 //!
-//! (P. M. Morse and K. U. Ingard, Theoretical Acoustics, 1968, section 8.2). So any directivity goes through, and of a point
-//! source it is the classical series. k is eq. (5)'s with its absorption, k + j alpha.
+//! (P. M. Morse and K. U. Ingard, Theoretical Acoustics, 1968, section 8.2). This works for any directivity; for a point source
+//! it is the classical series. k is the complex wavenumber k + j alpha, with the absorption of eq. (5).
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -22,13 +23,14 @@ use crate::math;
 use crate::propagation::sources::Sources;
 use crate::scene::{Medium, Surface, distance};
 
-/// The terms below this part of the largest term are left out: e^-10 = 5e-5 of a transducer's own share.
+/// Terms smaller than e^-10 = 5e-5 of a transducer's largest term are left out.
 const CUT: f64 = 10.0;
 
-/// Orders above k a that a transducer close to the surface may add.
+/// The most orders above k a that a transducer close to the surface may add.
 const MOST_EXTRA: f64 = 90.0;
 
-/// A step along the radius for derivatives, in wavelengths: its square and rounding over it are both below 1e-7.
+/// The step along the radius for numerical derivatives, in wavelengths. The errors by its square and by rounding are both below
+/// 1e-7.
 const STEP: f64 = 1e-4;
 
 /// A sphere in a medium, prepared for an array.
@@ -40,37 +42,39 @@ pub(crate) struct Sphere {
     wavenumber: Complex64,
     /// The highest order n.
     order: usize,
-    /// h_n(ka) of orders 0 to one above the highest.
+    /// h_n(ka) for the orders 0 to `order` + 1.
     surface: Vec<Complex64>,
-    /// Factors of the recurrence of Legendre functions for each order n and m = 0..=n.
+    /// Factors in the recurrence of the Legendre functions, for each order n and m = 0..=n.
     factors: Vec<[f64; 2]>,
 }
 
 impl Sphere {
-    /// One that has been checked, and the places of the transducers.
+    /// Returns a sphere that has been checked. Its highest order is chosen for the distance of the nearest of `places`, the
+    /// transducers.
     pub(crate) fn new((center, radius, kind): ([f64; 3], f64, Surface), medium: Medium, places: &[[f64; 3]]) -> Self {
         let size = medium.wavenumber() * radius;
         let nearest = places.iter().map(|&place| distance(place, center)).fold(f64::INFINITY, f64::min);
-        // The terms of a source at distance r fall as (a/r)^n beyond n = k r.
+        // Beyond n = k r, the terms of a source at the distance r fall as (a/r)^n.
         let far = 6.0 * math::cbrt(size) + 12.0;
         let near = (CUT / math::log(nearest / radius)).min(MOST_EXTRA);
         let order = math::ceil(size + far.max(near)) as usize;
         Self::of_order((center, radius, kind), medium, order)
     }
 
-    /// The series of a sphere with its own highest order.
+    /// Returns a sphere with a given highest order.
     pub(crate) fn of_order((center, radius, kind): ([f64; 3], f64, Surface), medium: Medium, order: usize) -> Self {
         let wavenumber = medium.complex_wavenumber();
         let surface = hankel(wavenumber * radius, order + 1);
         Self { center, radius, kind, wavenumber, order, surface, factors: factors(order) }
     }
 
-    /// The number of waves.
+    /// The number K of waves.
     pub(crate) fn waves(&self) -> usize {
         (self.order + 1) * (self.order + 1)
     }
 
-    /// Each wave at a point outside, 1 in modulus or less but for Y.
+    /// Writes each outgoing wave h_n(kr)/h_n(ka) Y_k at a point outside of the sphere. The ratio of Hankel functions has a
+    /// modulus of at most 1.
     pub(crate) fn row(&self, point: [f64; 3], row: &mut Vec<Complex64>) {
         let ray = [0, 1, 2].map(|axis| point[axis] - self.center[axis]);
         let r = distance(point, self.center).max(self.radius);
@@ -92,7 +96,8 @@ impl Sphere {
         }
     }
 
-    /// The amplitudes (K, N) of the waves that it answers each transducer with, in Pa, its response left out.
+    /// Returns the amplitudes (K, N) in Pa of the scattered waves for each transducer. The transducer's own response is not
+    /// included.
     ///
     /// # Errors
     /// A stop.
@@ -110,7 +115,7 @@ impl Sphere {
         Ok((0..self.waves()).flat_map(|wave| each.iter().map(move |answers| answers[wave])).collect())
     }
 
-    /// The answers to one transducer (K,).
+    /// The amplitudes (K,) for one transducer.
     fn answers_to(
         &self,
         sources: &Sources,
@@ -127,7 +132,7 @@ impl Sphere {
         Ok(answers)
     }
 
-    /// The wave of a transducer at the surface in a direction: p, or dp/dr of a rigid one.
+    /// The wave of a transducer at the surface in a direction: p for a soft sphere, dp/dr for a rigid one.
     fn met(&self, sources: &Sources, i: usize, direction: [f64; 3]) -> Complex64 {
         let sent = |r: f64| sources.sent(i, [0, 1, 2].map(|axis| self.center[axis] + r * direction[axis]));
         match self.kind {
@@ -139,7 +144,7 @@ impl Sphere {
         }
     }
 
-    /// The amplitude at the surface of the outgoing wave of order n that cancels 1.
+    /// The amplitude at the surface of the outgoing wave of order n that cancels an incident amplitude of 1.
     fn answer(&self, n: usize) -> Complex64 {
         match self.kind {
             Surface::Soft => Complex64::new(-1.0, 0.0),
@@ -150,13 +155,14 @@ impl Sphere {
         }
     }
 
-    /// `h_n` and its slope at the surface, h' = n/z h_n - h_(n+1).
+    /// `h_n` and its derivative at the surface, h' = n/z h_n - h_(n+1).
     pub(crate) fn outgoing(&self, n: usize) -> [Complex64; 2] {
         let z = self.wavenumber * self.radius;
         [self.surface[n], self.surface[n] * n as f64 / z - self.surface[n + 1]]
     }
 
-    /// Legendre functions of a cosine, such that they times cos(m phi) and sin(m phi) are orthonormal on the unit sphere.
+    /// Legendre functions of a cosine, normalised so that their products with cos(m phi) and sin(m phi) are orthonormal on the
+    /// unit sphere.
     fn legendre(&self, cosine: f64) -> Vec<f64> {
         let sine = math::sqrt(1.0 - cosine * cosine);
         let mut found = vec![0.0; self.factors.len()];
@@ -177,19 +183,19 @@ impl Sphere {
     }
 }
 
-/// Directions in which the wave at the surface is sampled.
+/// The directions in which the wave at the surface is sampled, and their weights.
 pub(crate) struct Rules {
-    /// Gauss' rule in the cosine to the z axis.
+    /// The nodes of a Gauss rule in cos(theta).
     heights: Vec<f64>,
     weights: Vec<f64>,
-    /// Legendre functions at each.
+    /// The Legendre functions at each node.
     legendre: Vec<Vec<f64>>,
-    /// e^{j phi} of equal steps.
+    /// e^{j phi} at equal steps of phi.
     turns: Vec<Complex64>,
 }
 
 impl Rules {
-    /// The directions that are exact for products of two waves and a direction.
+    /// Returns enough directions to integrate the product of two waves and a direction exactly.
     pub(crate) fn new(sphere: &Sphere) -> Self {
         let count = sphere.order + 1;
         let (heights, weights) = gauss(count);
@@ -198,10 +204,10 @@ impl Rules {
         Self { heights, weights, legendre, turns }
     }
 
-    /// The shares (K,) that each Y_k has in some functions of the direction.
+    /// Returns the coefficients (K,) in Y_k of some functions of the direction.
     ///
     /// # Errors
-    /// Those of the functions, a stop.
+    /// The errors of the functions, a stop.
     pub(crate) fn waves<const F: usize>(
         &self,
         of: impl Fn([f64; 3]) -> Result<[Complex64; F], Error>,
@@ -234,7 +240,8 @@ impl Rules {
         Ok(shares)
     }
 
-    /// The integral over all directions of the direction times Re(a conj(b)), of functions by their shares (K,).
+    /// Returns the integral over all directions of the direction times Re(a conj(b)); the functions a and b are given by their
+    /// coefficients (K,).
     pub(crate) fn turned(&self, a: &[Complex64], b: &[Complex64]) -> [f64; 3] {
         let count = self.heights.len();
         let mut sum = [0.0; 3];
@@ -256,7 +263,7 @@ impl Rules {
         sum
     }
 
-    /// The parts with cos(m phi) and sin(m phi) of a function at a height, by its shares.
+    /// The parts of a function at one height with cos(m phi) and with sin(m phi), for each m, from its coefficients.
     fn along(&self, h: usize, shares: &[Complex64]) -> Vec<[Complex64; 2]> {
         let count = self.heights.len();
         let part = |m: usize, k: &dyn Fn(usize) -> usize| {
@@ -276,13 +283,14 @@ impl Rules {
     }
 }
 
-/// Where order n and m = 0..=n are kept.
+/// The index of order n and m = 0..=n in a list.
 fn at(n: usize, m: usize) -> usize {
     n * (n + 1) / 2 + m
 }
 
-/// Factors in the recurrence of normalised Legendre functions (NIST's Digital Library of Mathematical Functions,
-/// 14.10.3 and 14.30.1): [sqrt((2m + 1)/2m), -] at n = m, with sqrt(2) of m > 0 in the first.
+/// Factors in the recurrence of normalised Legendre functions (NIST's Digital Library of Mathematical Functions, 14.10.3 and
+/// 14.30.1). At n = m the first is sqrt((2m + 1)/2m), and the second is unused. At m = 1 it also contains the sqrt(2) of real
+/// harmonics with m > 0.
 fn factors(order: usize) -> Vec<[f64; 2]> {
     let mut factors = Vec::with_capacity((order + 1) * (order + 2) / 2);
     for n in 0..=order {
@@ -300,7 +308,8 @@ fn factors(order: usize) -> Vec<[f64; 2]> {
     factors
 }
 
-/// Spherical Hankel functions h_n(z) of the first kind, orders 0 to `order`: upwards, where they grow.
+/// Spherical Hankel functions h_n(z) of the first kind for the orders 0 to `order`. The recurrence runs upwards, where they
+/// grow.
 fn hankel(z: Complex64, order: usize) -> Vec<Complex64> {
     let wave = math::phasor(z.re) * math::exp(-z.im);
     let first = Complex64::new(wave.im, -wave.re) / z;
@@ -313,12 +322,12 @@ fn hankel(z: Complex64, order: usize) -> Vec<Complex64> {
     found
 }
 
-/// Nodes and weights of Gauss' rule on [-1, 1], by Newton's method on the Legendre polynomial.
+/// Nodes and weights of the Gauss rule on [-1, 1]; Newton's method finds the roots of the Legendre polynomial.
 pub(crate) fn gauss(count: usize) -> (Vec<f64>, Vec<f64>) {
     let node = |k: usize| {
         let mut x = math::cos(PI * (k as f64 + 0.75) / (count as f64 + 0.5));
         let mut slope = 1.0;
-        // Quadratic from a start that is right to 1e-3: five steps are more than enough.
+        // Convergence is quadratic from a start that is accurate to 1e-3: five steps are more than enough.
         for _ in 0..6 {
             let [mut last, mut own] = [1.0, x];
             for n in 2..=count {

@@ -1,4 +1,4 @@
-//! Stiffness of traps as a form in the drive: the field's Taylor coefficients at each point, and their contribution to the stiffness.
+//! Stiffness of traps as a quadratic form of the field's Taylor coefficients at each point, for methods that optimise it.
 //!
 //! ```text
 //! c_jt  = sum_i C_jti q_i                                    coefficient t of p at point j, of degree n_t, times k^-n_t
@@ -7,8 +7,8 @@
 //! f_ja  = sum_tu S_atu (Re c_jt Re c_ju + Im c_jt Im c_ju)   the force
 //! ```
 //!
-//! Eigenvalues, and not the stiffness along x, y and z: where all of that is above 0, a trap may still be open
-//! between two axes.
+//! C, F and S are constant, q is the drive. K contains eigenvalues and not the stiffness along x, y and z: all three of these
+//! can be above 0 although the trap is open in a direction between two axes.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -28,32 +28,33 @@ use crate::propagation::sources::Sources;
 use crate::propagation::taylor::Taylor;
 use crate::scene::{Bead, Medium, Particle};
 
-/// The entries of H.
+/// The entries (a, b) of the symmetric matrix H.
 const ENTRIES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]];
 
-/// The least stiffness along an axis in a quotient, as a part of the largest one.
+/// The least stiffness along an axis in a division, as a part of the largest stiffness.
 const LEAST_STIFFNESS: f64 = 1e-3;
 
-/// F of each entry, and after them S of each axis.
+/// The matrices F for each of [`ENTRIES`], followed by S for each axis.
 type Forms = Vec<[[f64; TERMS]; TERMS]>;
 
-/// C and F of some points, and the particle that they are for.
+/// C, F and S of some points, for a particle; see the module's head.
 pub(crate) struct Stiffness {
-    /// C, one column of G after the other; the rows of point j begin at j [`TERMS`]: padded, re and im, in units of
-    /// the reference.
+    /// C column by column, one column for each transducer or channel; the rows of point j begin at j [`TERMS`]. Padded, real
+    /// and imaginary part, in units of the reference.
     planes: [Vec<f32>; 2],
     points: usize,
-    /// F in N/m and S in N, in those units.
+    /// F in N/m and S in N, for coefficients in these units.
     forms: Forms,
-    /// The load that the force at each point carries, in N, with the opposite sign: weight less buoyancy of the particle, inertia and drag.
+    /// The forces in N on the particle at each point besides the sound: weight less buoyancy, minus the forces of
+    /// [`Stiffness::pull_by`].
     load: Vec<[f64; 3]>,
     particle: Particle,
     medium: Medium,
 }
 
 impl Stiffness {
-    /// The Taylor coefficients of some sources at some points, with obstacles, summed by their channels; `None` where
-    /// the field has no derivatives.
+    /// Computes the coefficients for some sources at some points, with obstacles, summed by channels. Returns `None` where the
+    /// field has no derivatives.
     ///
     /// # Errors
     /// More memory than allowed, a stop.
@@ -108,24 +109,25 @@ impl Stiffness {
         Ok(finite.then_some(made))
     }
 
-    /// Has the particles be pulled by forces (M, 3) in N: their net force is then 0 where the field gives them.
+    /// Subtracts forces (M, 3) in N from the load: the net force is then 0 where the sound also gives these forces.
     pub(crate) fn pull_by(&mut self, forces: &[[f64; 3]]) {
         for (load, force) in self.load.iter_mut().zip(forces) {
             load.iter_mut().zip(force).for_each(|(load, x)| *load -= x);
         }
     }
 
-    /// The force in N that a particle of a velocity in m/s needs to accelerate, against the drag of the air.
+    /// The force in N that a particle with this velocity in m/s and acceleration in m/s^2 needs against inertia and the drag of
+    /// air.
     pub(crate) fn needed(&self, velocity: [f64; 3], acceleration: [f64; 3]) -> [f64; 3] {
         self.particle.needed(self.medium, velocity, acceleration)
     }
 
-    /// C as the kernels read it.
+    /// C in the form that the kernels read.
     pub(crate) fn planes(&self) -> [&[f32]; 2] {
         self.planes.each_ref().map(|plane| &plane[..])
     }
 
-    /// c of a drive (N,).
+    /// The coefficients c = C q of a drive (N,), real and imaginary part.
     pub(crate) fn field(&self, drive: &[Complex32]) -> [Vec<f32>; 2] {
         let lanes = padded(self.rows());
         let mut field = [(); 2].map(|()| vec![0.0; lanes]);
@@ -139,7 +141,7 @@ impl Stiffness {
         field
     }
 
-    /// sum_k (a_k - j b_k) C_ki of slopes a and b by the coefficients of point j: real and imaginary part.
+    /// Returns sum_k (a_k - j b_k) C_ki over the coefficients k of point j, for column i: real and imaginary part.
     pub(crate) fn correlated(&self, i: usize, j: usize, [a, b]: &[[f32; TERMS]; 2]) -> [f64; 2] {
         let [re, im] = self.column(i).map(|column| coefficients(column, j));
         let mut sum = [0.0; 2];
@@ -156,17 +158,18 @@ impl Stiffness {
         self.planes.each_ref().map(|plane| &plane[i * lanes..(i + 1) * lanes])
     }
 
-    /// Rows of C.
+    /// The number of rows of C.
     pub(crate) fn rows(&self) -> usize {
         self.points * TERMS
     }
 
-    /// K (3 M,) of c, re and im.
+    /// The eigenvalues K (3 M,) for coefficients c, given as real and imaginary part.
     pub(crate) fn at(&self, field: [&[f32]; 2]) -> impl Iterator<Item = f64> {
         (0..self.points).flat_map(move |j| eigen(self.hessian(field, j)).0)
     }
 
-    /// The net force (M, 3) of c on the particles and, of each, the inverse of |H|, for the distance at which it is 0.
+    /// Returns, for coefficients c, the net force (M, 3) on the particles and the inverse of each |H|. Their product is the
+    /// distance to the place where the force is 0.
     pub(crate) fn balance(&self, field: [&[f32]; 2]) -> (Vec<[f64; 3]>, Vec<[[f64; 3]; 3]>) {
         let each = |j: usize| {
             let (values, vectors) = eigen(self.hessian(field, j));
@@ -183,7 +186,8 @@ impl Stiffness {
         [0, 1, 2].map(|axis| self.load[j][axis] + quadratic(&self.forms[ENTRIES.len() + axis], &parts))
     }
 
-    /// Writes the sum of w dK/dRe c and v df/dRe c, and that of dIm c, with weights w (3 M,) and v (M, 3).
+    /// Writes the gradient of sum_k w_k K_k + sum_j v_j . f_j by the coefficients c: by Re c into `re`, by Im c into `im`. The
+    /// weights w are (3 M,), v is (M, 3).
     pub(crate) fn pull(&self, field: [&[f32]; 2], weights: &[f64], forces: &[[f64; 3]], [re, im]: [&mut [f32]; 2]) {
         for (j, (weights, forces)) in weights.chunks_exact(3).zip(forces).enumerate() {
             if weights.iter().chain(forces).all(|&share| share == 0.0) {
@@ -192,7 +196,7 @@ impl Stiffness {
                 }
                 continue;
             }
-            // dK = v^T dH v of its eigenvector v.
+            // The change of an eigenvalue with eigenvector v is dK = v^T dH v.
             let (_, vectors) = eigen(self.hessian(field, j));
             let shares = ENTRIES.map(|[a, b]| {
                 let both = if a == b { 1.0 } else { 2.0 };
@@ -209,7 +213,7 @@ impl Stiffness {
         }
     }
 
-    /// H of point j.
+    /// The matrix H of point j.
     fn hessian(&self, field: [&[f32]; 2], j: usize) -> [[f64; 3]; 3] {
         let parts = field.map(|plane| coefficients(plane, j));
         let mut hessian = [[0.0; 3]; 3];
@@ -221,12 +225,13 @@ impl Stiffness {
     }
 }
 
-/// Factors that make the coefficients of all terms alike in size.
+/// Units for the coefficients in which all of them have a similar size.
 fn units(medium: Medium, pressure: f64) -> [f64; TERMS] {
     core::array::from_fn(|term| pressure / (0..degree(term)).map(|_| medium.wavenumber()).product::<f64>())
 }
 
-/// F and S of coefficients in `units`: half the second differences of H and of the force.
+/// Returns F and S for coefficients in `units`. They are half the second differences of H and of the force, which are
+/// quadratic.
 fn forms(factors: [f64; 2], units: &[f64; TERMS]) -> Forms {
     let values = |terms: &[usize]| -> Vec<f64> {
         let mut part = Jet::ZERO;
@@ -240,7 +245,7 @@ fn forms(factors: [f64; 2], units: &[f64; TERMS]) -> Forms {
     let alone: [_; TERMS] = core::array::from_fn(|term| values(&[term]));
     let mut forms = vec![[[0.0; TERMS]; TERMS]; alone[0].len()];
     for t in 0..TERMS {
-        // Force and second derivatives do not depend on other degrees.
+        // Only pairs of these degrees contribute to the force and the second derivatives.
         for u in (0..=t).filter(|&u| (1..=4).contains(&(degree(t) + degree(u)))) {
             let both = values(&[t, u]);
             for (entry, form) in forms.iter_mut().enumerate() {
@@ -252,7 +257,7 @@ fn forms(factors: [f64; 2], units: &[f64; TERMS]) -> Forms {
     forms
 }
 
-/// The value of a form of the field's real and imaginary part.
+/// The value of a quadratic form, summed over the field's real and imaginary part.
 fn quadratic(form: &[[f64; TERMS]; TERMS], parts: &[[f64; TERMS]; 2]) -> f64 {
     parts.iter().flat_map(|part| part.iter().zip(times(form, part))).map(|(c, slope)| c * slope).sum()
 }

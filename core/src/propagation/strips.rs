@@ -1,8 +1,8 @@
-//! Strips of G: tiles of some transducers at a time, and the results of one pass over them: powers, G G^H, G^H p and G q.
+//! Strips: G as tiles, some transducers at a time, and the results of one pass over them: powers, G G^H, G^H p and G q.
 //!
-//! Sixteen transducers fill the lanes, however few points there are: at M = 4 a method makes G once in a quarter of the time
-//! that one row a transducer takes. Where G is small it is one strip, made once and met again in each pass. Else each
-//! pass makes it again, [`STRIP`] transducers at a time: memory stays O(M), and reading G back would take as long.
+//! Sixteen transducers fill the SIMD lanes, even if there are few points. With M = 4, G takes a quarter of the time that it
+//! takes with one row for each transducer. A small G is one strip, computed once and used in each pass. A large G is computed
+//! again in each pass, [`STRIP`] transducers at a time. Memory stays O(M), and reading a stored G would take as long.
 
 use core::ops::Range;
 
@@ -16,26 +16,26 @@ use crate::math::sqrtf;
 use crate::propagation::Propagation;
 use crate::workspace::{Aligned, Buffer, Workspace};
 
-/// Transducers of a strip of a large G.
+/// The number of transducers in a strip of a large G.
 const STRIP: usize = products::RUN * LANES;
 
-/// The length of a strip where code and memory are to be short.
+/// The number of transducers in a strip, on targets where code and memory must be small.
 const SHORT_STRIP: usize = 4 * LANES;
 
-/// Entries of a G that is kept as a whole: 2 MB.
+/// The most entries of a G that is stored as a whole: 2 MB.
 const KEPT: usize = 1 << 18;
 
-/// A list over the transducers, re and im, padded to whole pairs of tiles.
+/// One number for each transducer, real and imaginary part, padded to whole pairs of tiles.
 pub(crate) type Drives<'w> = [Buffer<'w, f32>; 2];
 
-/// G over the points of a problem, in strips.
+/// G at the points of a problem, in strips.
 pub(crate) struct Strips<'w> {
     propagation: &'w Propagation,
     order: Buffer<'w, u32>,
     planes: [Aligned<'w>; 2],
-    /// The number of transducers of a strip: whole pairs of tiles unless it is the only one.
+    /// The number of transducers in a strip: whole pairs of tiles, unless it is the only strip.
     strip: usize,
-    /// Whether the only strip is ready.
+    /// Whether the only strip has been computed.
     made: bool,
     work: &'w Workspace,
 }
@@ -53,7 +53,7 @@ impl<'w> Strips<'w> {
         Self { propagation, order: work.counting(count), planes, strip, made: false, work }
     }
 
-    /// Calls `pass` for each strip, with the range of its transducers, which is also the range of its lanes in padded lists.
+    /// Calls `pass` for each strip. The range is that of its transducers, and also of its lanes in padded lists.
     fn each(
         &mut self,
         control: &mut Control,
@@ -75,12 +75,12 @@ impl<'w> Strips<'w> {
         Ok(())
     }
 
-    /// A list over the transducers.
+    /// Returns memory for one complex number for each transducer.
     fn drives(&self) -> Drives<'w> {
         [(); 2].map(|()| self.work.floats.take_any(tiles::lanes(self.propagation.transducers())))
     }
 
-    /// sum_i |G_ji|^2 of each point.
+    /// The sum sum_i |G_ji|^2 for each point.
     pub(crate) fn powers(&mut self, control: &mut Control) -> Result<Buffer<'w, f32>, Error> {
         let (set, work) = (self.propagation.instruction_set(), self.work);
         let mut powers = work.floats.take(self.order.len());
@@ -93,7 +93,7 @@ impl<'w> Strips<'w> {
         Ok(powers)
     }
 
-    /// sum_j f_j |G_ji| of each transducer.
+    /// The sum sum_j f_j |G_ji| for each transducer, with `factors` f.
     pub(crate) fn moduli(&mut self, factors: &[f32], control: &mut Control) -> Result<Buffer<'w, f32>, Error> {
         let set = self.propagation.instruction_set();
         let mut moduli = self.work.floats.take_any(tiles::lanes(self.propagation.transducers()));
@@ -104,7 +104,7 @@ impl<'w> Strips<'w> {
         Ok(moduli)
     }
 
-    /// b_i = sum_j conj(G_ji) p_j of each transducer.
+    /// Returns b_i = sum_j conj(G_ji) p_j for each transducer, with `phasors` p.
     pub(crate) fn back_project(&mut self, phasors: &Planar, control: &mut Control) -> Result<Drives<'w>, Error> {
         let set = self.propagation.instruction_set();
         let mut drives = self.drives();
@@ -116,7 +116,7 @@ impl<'w> Strips<'w> {
         Ok(drives)
     }
 
-    /// P = G q: one padded row.
+    /// Returns the field p = G q of `drives` q: one padded row.
     pub(crate) fn field(&mut self, drives: &mut Drives<'_>, control: &mut Control) -> Result<Planar<'w>, Error> {
         let (set, work) = (self.propagation.instruction_set(), self.work);
         let mut field = Planar::zeros(1, self.propagation.lanes(), work);
@@ -132,10 +132,10 @@ impl<'w> Strips<'w> {
         Ok(field)
     }
 
-    /// conj(G diag(f) G^H), row k padded: entry l is `conj(sum_i f_i G_ki conj(G_li))`, f_i >= 0, 1 where left out. Time
-    /// O(N M^2), memory O(M^2).
+    /// Returns conj(G diag(f) G^H), each row padded. Entry l of row k is `conj(sum_i f_i G_ki conj(G_li))`, with `factors` f_i
+    /// >= 0, or 1 without factors. Time O(N M^2), memory O(M^2).
     ///
-    /// Conjugated so that `correlate` with row k is row k of G G^H times a vector.
+    /// It is conjugated so that `correlate` with row k gives row k of G G^H times a vector.
     ///
     /// # Errors
     /// More memory than allowed, a stop.
@@ -163,7 +163,7 @@ impl<'w> Strips<'w> {
         })?;
         for k in 0..count {
             control.pulse()?;
-            // A diagonal is real: the rest of its imaginary part after rounding would turn phases.
+            // The diagonal is real: an imaginary part left by rounding would change phases.
             product.im[k * lanes + k] = 0.0;
             for l in k + 1..count {
                 let (upper, lower) = (k * lanes + l, l * lanes + k);

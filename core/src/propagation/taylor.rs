@@ -1,4 +1,4 @@
-//! Taylor: eq. (5) of an array's transducers as polynomials around a point, exact up to degree 3.
+//! Taylor: the waves of an array's transducers, eq. (5), as Taylor polynomials around a point, exact up to degree 3.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -14,17 +14,17 @@ use crate::kernels::waves::{Emitters, Waves};
 use crate::propagation::jet::{Jet, TERMS};
 use crate::propagation::sources::Sources;
 
-/// The transducers of an array whose factor is not 0.
+/// The transducers of an array that have a factor other than 0.
 pub(crate) struct Taylor {
     set: InstructionSet,
     pub(super) waves: Waves,
     pub(super) emitters: Vec<Emitters>,
-    /// The transducer of each lane of the emitters.
+    /// The index of the transducer in each lane of the emitters.
     pub(super) members: Vec<usize>,
 }
 
 impl Taylor {
-    /// The expansion of some sources with a factor each, which includes the response.
+    /// Prepares some sources with a complex factor for each transducer, which includes its response.
     pub(crate) fn new(set: InstructionSet, sources: &Sources, factor: impl Fn(usize) -> Complex64) -> Self {
         let array = &sources.array;
         let factor = |i: usize| factor(i) * array.transducer().source_pressure;
@@ -40,14 +40,14 @@ impl Taylor {
         Self { set, waves, emitters, members }
     }
 
-    /// Adds the waves of all of them around a point to a pressure, real and imaginary part.
+    /// Adds the waves of all transducers around a point to a pressure, given as real and imaginary part.
     pub(crate) fn add(&self, point: [f64; 3], pressure: &mut [Jet; 2], control: &mut Control) -> Result<(), Error> {
         let sums = derivatives::sum(self.set, &self.waves, &self.emitters, point, control)?;
         pressure.iter_mut().zip(sums).for_each(|(own, sum)| own.add(&Jet::of(sum), 1.0));
         Ok(())
     }
 
-    /// Gives each transducer's wave around a point, real and imaginary part.
+    /// Calls `take` with the index of each transducer and its wave around a point, real and imaginary part.
     pub(crate) fn each(
         &self,
         point: [f64; 3],
@@ -63,9 +63,9 @@ impl Taylor {
     }
 }
 
-/// Adds eq. (5) of some sources at some points (M, 3), in Pa, to a row (N,) a point.
+/// Adds eq. (5) in Pa to `rows`, one row (N,) for each of the points (M, 3).
 pub(crate) fn add_exact(sources: &Sources, points: &[[f64; 3]], rows: &mut [Vec<Complex64>]) {
-    // Every instruction set gives the same bits.
+    // All instruction sets give the same bits.
     let Taylor { set, waves, emitters, members } =
         Taylor::new(InstructionSet::best(), sources, |i| sources.array.effect(i));
     let mut values = vec![[[0.0; EIGHT]; 2]; emitters.len()];

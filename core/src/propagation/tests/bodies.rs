@@ -1,4 +1,4 @@
-//! Spheres against the classical series of a point source, and meshes against spheres and boundary conditions.
+//! Compares spheres with the classical series of a point source, and meshes with spheres and with mirror images.
 
 use alloc::sync::Arc;
 use core::f64::consts::{PI, TAU};
@@ -15,7 +15,8 @@ const K: f64 = TAU * 40e3 / 340.0;
 const CENTER: [f64; 3] = [0.004, -0.003, 0.06];
 const RADIUS: f64 = 0.012;
 
-/// Spherical Bessel functions of both kinds, orders 0 to `order`, by backward and forward recurrence.
+/// Spherical Bessel functions of the first and second kind, j + j y, for the orders 0 to `order`, by backward and forward
+/// recurrence.
 fn bessel(x: f64, order: usize) -> Vec<Complex64> {
     let begin = order + 60 + x as usize;
     let (mut down, mut above) = (vec![0.0; begin + 1], 0.0);
@@ -37,7 +38,7 @@ fn bessel(x: f64, order: usize) -> Vec<Complex64> {
     (0..=order).map(|n| Complex64::new(down[n] * scale, up[n])).collect()
 }
 
-/// e^{jkR}/R and the scattered wave of the sphere at a point (P. M. Morse and K. U. Ingard, section 8.2).
+/// e^{jkR}/R plus the wave that the sphere scatters, at a point (P. M. Morse and K. U. Ingard, section 8.2).
 fn series(kind: Surface, source: [f64; 3], point: [f64; 3]) -> Complex64 {
     let away = |a: [f64; 3], b: [f64; 3]| (0..3).map(|x| (a[x] - b[x]).powi(2)).sum::<f64>().sqrt();
     let [from, to] = [source, point].map(|place| [0, 1, 2].map(|x| place[x] - CENTER[x]));
@@ -60,7 +61,7 @@ fn series(kind: Surface, source: [f64; 3], point: [f64; 3]) -> Complex64 {
     sum
 }
 
-/// A few transducers, one of them late and half as loud, another dead.
+/// Returns six transducers: one has half the gain and a phase offset, another is off.
 fn array(directivity: Directivity) -> Array {
     let array = Array::grid(3, 2, 15e-3).expect("a grid");
     let array = array.with_transducer(Transducer { directivity, source_pressure: 1.0 }).expect("a transducer");
@@ -106,7 +107,7 @@ fn a_sphere_is_its_classical_series() {
     }
 }
 
-/// The parts of a triangle of the unit sphere that is cut in four, again and again.
+/// Cuts a triangle of the unit sphere into four, `left` times, and calls `each` with the parts.
 fn cut(corners: [[f64; 3]; 3], left: u32, each: &mut dyn FnMut([[f64; 3]; 3])) {
     if left == 0 {
         return each(corners);
@@ -122,7 +123,7 @@ fn cut(corners: [[f64; 3]; 3], left: u32, each: &mut dyn FnMut([[f64; 3]; 3])) {
     }
 }
 
-/// A sphere of triangles: an octahedron whose faces are cut in four, `cuts` times.
+/// Returns a sphere of triangles: an octahedron whose faces are cut into four, `cuts` times.
 fn ball(center: [f64; 3], radius: f64, cuts: u32, kind: Surface) -> Obstacle {
     let mut vertices: Vec<[f64; 3]> = Vec::new();
     let mut index = |vertex: [f64; 3]| {
@@ -146,7 +147,7 @@ fn ball(center: [f64; 3], radius: f64, cuts: u32, kind: Surface) -> Obstacle {
     Obstacle::Mesh(Arc::new(Mesh::new(vertices, faces, kind).expect("a ball")))
 }
 
-/// The model behind a boundary, its equations solved by Gauss' elimination.
+/// Returns a model with a boundary, whose equations are solved by Gaussian elimination.
 fn solved(array: &Array, medium: Medium, obstacles: Vec<Obstacle>) -> Model {
     let boundary = Boundary::new(array, medium, obstacles).expect("a boundary");
     let wide = |list: Vec<Complex32>| -> Vec<Complex64> {
@@ -181,8 +182,8 @@ fn solved(array: &Array, medium: Medium, obstacles: Vec<Obstacle>) -> Model {
 #[test]
 #[ignore = "slow"]
 fn a_mesh_of_a_sphere_is_the_sphere() {
-    // At 40 kHz, and where the inside of the rigid sphere resonates, k a = 4.4934 (p = 0 there: j_1(k a) = 0), which is
-    // where an equation without its derivative fails.
+    // The frequencies are 40 kHz and the one with k a = 4.4934, where j_1(k a) = 0. There the inside of the rigid sphere
+    // resonates, and an equation without the derivative term fails.
     let array = array(Directivity::piston(4.5e-3));
     for (kind, frequency) in [
         (Surface::Rigid, 40e3),
@@ -193,7 +194,8 @@ fn a_mesh_of_a_sphere_is_the_sphere() {
         let medium = Medium { frequency, absorption: 0.2, ..Medium::default() };
         let sphere = Obstacle::Sphere { center: CENTER, radius: RADIUS, kind };
         let exact = model(&array, medium).with_obstacles(&[sphere]).expect("a sphere");
-        // The corners lie as far outside as the triangles lie inside, so that both enclose the same volume.
+        // The corners lie as far outside as the triangles' middles lie inside, so that the mesh and the sphere enclose about
+        // the same volume.
         let mesh = solved(&array, medium, vec![ball(CENTER, RADIUS * 1.008, 3, kind)]);
         let points = points();
         let [found, expected] = [mesh, exact].map(|model| model.propagation(&points[..4]).expect("points"));
@@ -213,14 +215,14 @@ fn a_mesh_of_a_sphere_is_the_sphere() {
 
 #[test]
 fn a_mesh_before_a_wall_is_two_meshes() {
-    // The scene and its array mirrored in the wall x = 0.04, without the wall.
+    // The reference has no wall: the mesh and the array are mirrored at x = 0.04.
     let array = Array::grid(2, 2, 15e-3).expect("a grid");
     let at = 0.04;
     let mirror = |[x, y, z]: [f64; 3]| [2.0 * at - x, y, z];
     let places: Vec<[f64; 3]> =
         array.positions().iter().copied().chain(array.positions().iter().map(|p| mirror(*p))).collect();
     let both = Array::new(places, None).expect("an array");
-    // Small enough that no face is halved, which mirrors would do otherwise.
+    // The mesh is so small that no face is halved: mirrored faces would be halved differently.
     let own = ball(CENTER, 0.004, 2, Surface::Rigid);
     let Obstacle::Mesh(mesh) = &own else { unreachable!() };
     let turned = mesh.faces().iter().map(|face| [face[0], face[2], face[1]]).collect();
@@ -266,7 +268,6 @@ fn a_mesh_without_its_sound_is_refused_where_it_matters() {
 
 #[test]
 fn the_inside_of_a_mesh_is_found_by_solid_angles() {
-    // Solid angles determine the inside of the mesh.
     let Obstacle::Mesh(ball) = ball(CENTER, 0.01, 2, Surface::Rigid) else { unreachable!() };
     let inside = |by: f64| ball.contains([0, 1, 2].map(|x| CENTER[x] + by * [0.6, 0.64, 0.48][x]));
     assert!(inside(0.0) && inside(0.0093) && !inside(0.01001) && !inside(-0.01001));

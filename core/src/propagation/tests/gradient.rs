@@ -1,16 +1,17 @@
-//! Tests of `gradient`: central differences in double precision of p = G q, G entry by entry by eq. (5) itself.
+//! Tests of `gradient` by central differences in double precision. Their p = G q is computed entry by entry with eq. (5).
 
 use super::*;
 use crate::rng::Rng;
 use crate::scene::{Array, Directivity, Surface, Transducer};
 
-/// Steps of the differences: in m, of drives and normals, and in m/s. Second derivatives of measured lobes jump.
+/// The steps of the differences: for lengths in m, for drives and normals, and for the sound speed in m/s. They are small,
+/// because the second derivatives of measured directivities jump.
 const STEPS: [f64; 3] = [1e-6, 1e-5, 1e-3];
 
-/// The allowed error of a gradient, relative to the largest of its kind.
+/// The largest allowed error of a gradient, relative to the largest number of the same gradient.
 const WORST: f64 = 1e-5;
 
-/// All that a value depends on.
+/// All inputs that a value depends on.
 #[derive(Clone)]
 struct Setting {
     positions: Vec<[f64; 3]>,
@@ -24,7 +25,7 @@ struct Setting {
 }
 
 impl Setting {
-    /// Scene number `seed`: a law, with and without absorption, before no, one or two walls in turn.
+    /// Returns the random scene number `seed`. Directivities, absorption and the number of walls (0 to 2) take turns.
     fn random(seed: usize) -> Self {
         let mut rng = Rng::new(seed as u64);
         let mut uniform = move || 2.0 * rng.uniform() - 1.0;
@@ -68,7 +69,7 @@ impl Setting {
         model.with_obstacles(&self.walls).expect("walls")
     }
 
-    /// The scalar whose gradient is sought.
+    /// The scalar L whose gradient is tested.
     fn value(&self, quantity: Quantity, cotangent: &[f64]) -> f64 {
         if let Some(particle) = quantity.particle() {
             return self.felt(quantity, particle, cotangent);
@@ -89,7 +90,7 @@ impl Setting {
         sum
     }
 
-    /// The gradient of `gorkov`, of drives that are added up, as it takes them in single precision.
+    /// L from `gorkov`. That takes drives in single precision, so the drives are given as the array's responses.
     fn felt(&self, quantity: Quantity, particle: Particle, cotangent: &[f64]) -> f64 {
         let count = self.drive.len();
         let mut array = self.model().array().clone();
@@ -110,7 +111,7 @@ impl Setting {
         (0..self.points.len()).map(each).sum()
     }
 
-    /// The central difference for the change by `change`.
+    /// The central difference of L, of fourth order, where `change` moves one input.
     fn difference(&self, quantity: Quantity, cotangent: &[f64], step: f64, change: impl Fn(&mut Self, f64)) -> f64 {
         let at = |by: f64| {
             let mut moved = self.clone();
@@ -121,7 +122,7 @@ impl Setting {
     }
 }
 
-/// The largest difference of numbers from the expected ones, relative to the largest of these.
+/// The largest difference between found and wanted numbers, relative to the largest wanted one.
 fn off(found: &[f64], wanted: &[f64]) -> f64 {
     let most = wanted.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     let far = found.iter().zip(wanted).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
@@ -129,7 +130,7 @@ fn off(found: &[f64], wanted: &[f64]) -> f64 {
     if far == 0.0 { 0.0 } else { far / most }
 }
 
-/// The worst of each gradient of a quantity in some scenes.
+/// The largest error of each gradient of a quantity over some scenes.
 fn worst(quantity: Quantity, seeds: core::ops::Range<usize>) -> [f64; 5] {
     let mut worst = [0.0_f64; 5];
     for seed in seeds {
@@ -155,7 +156,7 @@ fn worst(quantity: Quantity, seeds: core::ops::Range<usize>) -> [f64; 5] {
         let found = by.drive.iter().flat_map(|q| [q.re, q.im]).collect::<Vec<_>>();
         let points = each(setting.points.len(), length, |setting, j, axis, by| setting.points[j][axis] += by);
         let positions = each(count, length, |setting, i, axis, by| setting.positions[i][axis] += by);
-        // The gradient by the unit normals, which the array makes of the given ones.
+        // Derivatives by the unit normals, which the array computes from the given normals.
         let mut unit = setting.clone();
         unit.normals = setting.model().array().normals().to_vec();
         let turned = |i: usize, axis: usize| {
@@ -179,7 +180,7 @@ fn worst(quantity: Quantity, seeds: core::ops::Range<usize>) -> [f64; 5] {
     worst
 }
 
-/// All quantities, of a bead that is heavy enough to feel the motion of the air.
+/// All quantities, for a bead that is heavy enough to move less than the air.
 fn all() -> [Quantity; 6] {
     let bead = Particle { radius: 0.8e-3, density: 100.0, sound_speed: 1100.0 };
     ["pressure", "amplitude", "radiation", "gorkov", "force", "stiffness"]
@@ -207,7 +208,7 @@ fn gradients_are_central_differences_in_two_hundred_scenes() {
 #[test]
 fn bits_are_those_of_every_instruction_set_and_number_of_threads() {
     let setting = Setting::random(4);
-    // Enough transducers for a second thread.
+    // So many points that a second thread is used.
     let count = (SPREAD / setting.drive.len() + 1) as u32;
     let points: Vec<[f64; 3]> = (0..count).map(|k| [0.001 * f64::from(k % 61), -0.02, 0.15]).collect();
     let cotangent: Vec<f64> = (0..count).map(|k| f64::from(k % 7) - 2.0).collect();

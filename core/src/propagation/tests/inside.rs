@@ -1,4 +1,4 @@
-//! Bodies that cannot be solved are rejected, and the field inside a solution is that of its equations.
+//! Tests that bodies which cannot be solved are rejected.
 
 use alloc::sync::Arc;
 
@@ -6,7 +6,7 @@ use crate::control::Control;
 use crate::propagation::Boundary;
 use crate::scene::{Array, Medium, Mesh, Obstacle, Surface};
 
-/// A box from a corner, of some lengths along the axes.
+/// Returns a box with one corner at `at` and these lengths along the axes.
 fn brick(at: [f64; 3], lengths: [f64; 3]) -> Obstacle {
     let corners = (0..8).map(|k| [0, 1, 2].map(|axis| at[axis] + lengths[axis] * f64::from(k >> (2 - axis) & 1)));
     let faces = [

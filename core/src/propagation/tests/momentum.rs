@@ -1,9 +1,9 @@
-//! Tests of the force on a large sphere: plane waves' closed forms.
+//! Tests of the force on a large sphere, against closed forms for plane waves.
 
 use super::*;
 use core::f64::consts::PI;
 
-/// A plane wave along z, and one of amplitude `back` against it.
+/// Returns the field of a plane wave along z plus one of amplitude `back` in the opposite direction.
 fn waves(back: f64, medium: Medium) -> impl Fn([f64; 3]) -> Result<[Jet; 2], Error> {
     let k = medium.wavenumber();
     move |place: [f64; 3]| {
@@ -28,7 +28,8 @@ fn a_small_sphere_has_kings_force_in_standing_and_running_waves() {
     for density in [5.0, 29.0, 1e9] {
         let sphere = Pushed::new(Particle { radius, density, sound_speed: 1e9 }, medium);
         let ratio = medium.density / density;
-        // L. V. King, Proc. R. Soc. A 147, 212 (1934): pi a^2 (ka) E (1 + 2/3 (1 - r))/(2 + r) 8 sin 2kh of two waves of energy E each,
+        // L. V. King, Proc. R. Soc. A 147, 212 (1934), with the energy density E of one wave and r = `ratio`. A standing wave
+        // of two waves: pi a^2 (ka) E (1 + 2/3 (1 - r))/(2 + r) 8 sin 2kh.
         let z = 0.1 / k;
         let standing = sphere.force([0.0, 0.0, z], waves(1.0, medium), &mut Control::none()).expect("a force");
         let wanted = 4.0
@@ -41,7 +42,7 @@ fn a_small_sphere_has_kings_force_in_standing_and_running_waves() {
             * math::sin(2.0 * k * z)
             * ((1.0 + 2.0 / 3.0 * (1.0 - ratio)) / (2.0 + ratio));
         assert!((standing[2] / wanted - 1.0).abs() < 2e-3, "{} {wanted}", standing[2]);
-        // and 4 pi a^2 (ka)^4 E (1 + 2/9 (1 - r)^2)/(2 + r)^2 of one.
+        // A single travelling wave: 4 pi a^2 (ka)^4 E (1 + 2/9 (1 - r)^2)/(2 + r)^2.
         let running = sphere.force([0.0; 3], waves(0.0, medium), &mut Control::none()).expect("a force");
         let wanted = 4.0
             * PI
@@ -52,7 +53,7 @@ fn a_small_sphere_has_kings_force_in_standing_and_running_waves() {
             * (1.0 + 2.0 / 9.0 * (1.0 - ratio) * (1.0 - ratio))
             / ((2.0 + ratio) * (2.0 + ratio));
         assert!((running[2] / wanted - 1.0).abs() < 2e-3, "{} {wanted}", running[2]);
-        // Across the wave only the rounding of sums as large as the standing wave's remains.
+        // The force across the wave is only rounding, of sums as large as those of the standing wave.
         assert!(running[0].abs() + running[1].abs() < 1e-13 * standing[2], "{running:?} {standing:?}");
     }
 }
@@ -63,7 +64,7 @@ fn a_sphere_of_many_wavelengths_takes_what_its_section_meets() {
     let radius = 3.0 * medium.wavelength();
     let sphere = Pushed::new(Particle { radius, density: 1e9, sound_speed: 1e9 }, medium);
     let force = sphere.force([0.0; 3], waves(0.0, medium), &mut Control::none()).expect("a force")[2];
-    // Geometrical acoustics of a rigid sphere: each ray turned back as from a mirror gives pi a^2 E in the mean.
+    // In geometrical acoustics a rigid sphere reflects each ray as a mirror does. On average this gives the force pi a^2 E.
     let section = PI * radius * radius / (2.0 * medium.density * medium.sound_speed * medium.sound_speed);
     assert!((force / section - 1.0).abs() < 0.1, "{}", force / section);
 }

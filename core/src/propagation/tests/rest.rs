@@ -1,4 +1,4 @@
-//! Tests of `rest`: the places where the net force is 0, against the force itself.
+//! Tests of `rest`: compares the resting places with the force there.
 
 use super::*;
 use crate::InstructionSet;
@@ -7,7 +7,7 @@ use crate::scene::{Array, Medium};
 
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
-/// Two rows of transducers that face each other, and a drive that makes nodes between them.
+/// Returns two facing arrays of 5 x 5 transducers, and a drive that makes nodes between them.
 fn model() -> (Model, Vec<Complex32>) {
     let place = |i: usize| {
         let k = i % 25;
@@ -32,7 +32,7 @@ fn a_bead_rests_where_the_net_force_is_0_and_is_pulled_back_up_to_the_edge() {
     let none = &mut Control::none();
     let rest = rest(&model, &drive, &starts, particle, GRAVITY, none).expect("places");
     assert_eq!(rest.held, [true; 3]);
-    // The second start lies in the first's basin, the third in that of the next node.
+    // The second start lies in the basin of the first, the third one in the basin of the next node.
     assert!(distance(rest.place[0], rest.place[1]) < 1e-8 && rest.place[2][2] > 3.5e-3);
     let weight = particle.weight(model.medium(), GRAVITY);
     let net = |place: [f64; 3]| {
@@ -49,7 +49,7 @@ fn a_bead_rests_where_the_net_force_is_0_and_is_pulled_back_up_to_the_edge() {
                 let (edge, most) = (rest.basin[j][k][way], rest.restoring[j][k][way]);
                 let fine = (1..=400).map(|n| back(edge * f64::from(n) / 400.0)).fold(0.0, f64::max);
                 assert!((most / fine - 1.0).abs() < 5e-3, "{most} {fine}");
-                // The edge, unless it is where looking ends.
+                // The force is 0 at the edge of the basin, unless the search ended there.
                 if edge < 0.99 * model.medium().wavelength() {
                     assert!(back(edge).abs() < 0.02 * most && back(0.9 * edge) > 0.0);
                 }

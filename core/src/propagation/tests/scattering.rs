@@ -1,4 +1,4 @@
-//! Images against sums written out in f64, and against the boundary conditions.
+//! Tests of image sources, against sums written out in f64 and against the boundary conditions.
 
 use core::f64::consts::TAU;
 
@@ -28,7 +28,7 @@ fn all(propagation: &Propagation, j: usize) -> Vec<Complex64> {
     (0..propagation.transducers()).map(|i| propagation.exact(j, i)).collect()
 }
 
-/// Eq. (5) of a piston with absorption, mirrored in the plane x = `at`, written out.
+/// Eq. (5) of a piston with absorption, mirrored at the plane x = `at`, written out.
 fn mirrored(array: &Array, i: usize, at: f64, [x, y, z]: [f64; 3]) -> Complex64 {
     let [a, b, c] = array.positions()[i];
     let ray = [x - (2.0 * at - a), y - b, z - c];
@@ -47,7 +47,7 @@ fn a_wall_adds_its_image() {
     let array = tilted.with_transducer(array.transducer()).expect("a transducer");
     let points = [[0.01, 0.02, 0.15], [0.0599, -0.03, 0.1], [-0.2, 0.1, 0.3]];
     for (kind, sign) in [(Surface::Rigid, 1.0), (Surface::Soft, -1.0)] {
-        // The side is the array's, whatever the normal's sign and length.
+        // Sound is on the array's side of the wall, whatever the sign and the length of the normal.
         for normal in [[1.0, 0.0, 0.0], [-3e-5, 0.0, 0.0]] {
             let behind = model(&array, &[wall([0.06, 7.0, 7.0], normal, kind)]);
             let [own, bare] = [&behind, &model(&array, &[])].map(|model| model.propagation(&points).expect("points"));
@@ -73,7 +73,7 @@ fn surfaces_do_what_they_must() {
         let corner: Vec<_> =
             [floor, side, back].iter().zip(kinds).map(|((point, normal), kind)| wall(*point, *normal, kind)).collect();
         let model = model(&array, &corner);
-        // On each wall, away from the others, and 10 um into the room from there.
+        // For each wall: a place on it, far from the other walls, and places 10 and 20 um in front of it.
         for ((point, normal), kind) in [floor, side, back].into_iter().zip(kinds) {
             let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
             let unit = normal.map(|x| x / length);
@@ -83,7 +83,7 @@ fn surfaces_do_what_they_must() {
             let values = [0.0, 1e-5, 2e-5].map(|h| all(&model.propagation(&[place(h)]).expect("a point"), 0));
             for i in 0..array.len() {
                 let [on, near, far] = [values[0][i], values[1][i], values[2][i]];
-                // The derivative by three values, to second order in 10 um.
+                // The derivative along the normal from three values, a difference of second order.
                 let slope = (4.0 * near - far - 3.0 * on) / 2e-5;
                 match kind {
                     Surface::Rigid => assert!(slope.norm() < 1e-3 * 740.0 * 40.0, "{slope} {i}"),
@@ -105,7 +105,7 @@ fn images_are_counted() {
     assert_eq!(images(&[x(0.1)]), 1);
     assert_eq!(images(&[x(0.1), y(0.1)]), 3);
     assert_eq!(images(&[x(0.1), y(0.1), z]), 7);
-    // Up to three reflections between two opposed walls, the first at either of them.
+    // Up to three reflections between two opposite walls; the first one is at either wall.
     assert_eq!(images(&[x(0.1), x(-0.1)]), 6);
 }
 
@@ -159,7 +159,7 @@ fn scenes_keep_obstacles_and_refuse_what_cannot_be() {
         let line = reported(obstacles);
         assert!(line.starts_with(cure), "{line}");
     }
-    // An array in the wall: the normal tells the side.
+    // If the array lies in the wall, the normal decides which side has sound.
     assert!(scene(vec![[0.0, 0.0, 0.1]], vec![rigid([0.0; 3], [0.0, 0.0, 1.0])]).is_ok());
     assert!(scene(vec![[0.0, 0.0, -0.1]], vec![rigid([0.0; 3], [0.0, 0.0, 1.0])]).is_err());
     let many = (0..3000).map(|j| [1e-5 * f64::from(j), 0.0, 0.1]).collect();

@@ -9,7 +9,7 @@ use crate::propagation::kept::Kept;
 use crate::rng::Rng;
 use crate::scene::{Array, Directivity, Obstacle, Particle, Signature, Surface, Transducer};
 
-/// Two rows of transducers that face each other, one of them weak, a wall beside them, and two points.
+/// Returns a model of two facing arrays of 4 x 3 transducers with a wall beside them, and the stored G at two points.
 fn kept() -> (Model, Kept) {
     let place = |i: usize| [0.011 * (i % 4) as f64, 0.012 * (i / 4 % 3) as f64, if i < 12 { 0.0 } else { 0.08 }];
     let normals = (0..24).map(|i| [0.0, 0.0, if i < 12 { 1.0 } else { -1.0 }]).collect();
@@ -42,7 +42,7 @@ fn it_is_the_stiffness_of_gorkov_and_its_slope() {
     for (reported, wanted) in reported.iter().zip(&wanted) {
         assert!((reported - wanted).abs() < 1e-5 * largest, "{reported} {wanted}");
     }
-    // The slope along another field, by both sides.
+    // The derivative along another field's coefficients, against a central difference.
     let weights = [0.3, -0.2, 0.7, 0.1, 0.9, -0.4];
     let way = traps.field(&drive.iter().rev().copied().collect::<Vec<_>>());
     let shifted = |part: f32| [0, 1].map(|k| c[k].iter().zip(&way[k]).map(|(a, b)| a + part * b).collect());

@@ -1,4 +1,4 @@
-//! Strips against sums in double precision.
+//! Compares the results of strips with sums in double precision.
 
 use super::*;
 use crate::kernels::InstructionSet;
@@ -10,7 +10,7 @@ fn gram_is_the_weighted_conjugate_product() {
     let work = Workspace::new();
     let mut rng = Rng::new(1);
     for (set, count) in InstructionSet::all().flat_map(|set| (1..=67).map(move |count| (set, count))) {
-        // One run of tiles, and two with a rest.
+        // The sizes: one run of tiles, and two runs of which the last is not full.
         for transducers in [1, 37, 530] {
             let mut number = || 2.0 * rng.uniform() - 1.0;
             let matrix: Vec<Complex64> = (0..count * transducers).map(|_| Complex64::new(number(), number())).collect();
@@ -18,7 +18,7 @@ fn gram_is_the_weighted_conjugate_product() {
             let unit = 1.0 / propagation.reference();
             let factors: Vec<f32> = (0..tiles::lanes(transducers)).map(|i| 0.25 + (i % 3) as f32).collect();
             for factors in [None, Some(&factors[..])] {
-                // Twice, over dirty memory.
+                // Computed twice, the second time in memory that is not zero.
                 let mut strips = Strips::new(&propagation, &work);
                 drop(strips.gram(factors, &mut Control::none()).expect("it is not stopped"));
                 let product = strips.gram(factors, &mut Control::none()).expect("it is not stopped");
@@ -28,7 +28,7 @@ fn gram_is_the_weighted_conjugate_product() {
                         let at = |k: usize, i: usize| matrix[k * transducers + i] * unit;
                         let want: Complex64 = (0..transducers).map(|i| at(k, i).conj() * at(l, i) * factor(i)).sum();
                         let [re, im] = product.row(k).map(|row| f64::from(row[l]));
-                        // Terms below 8, some two roundings each.
+                        // The error bound: terms are below 8 and have about two roundings each.
                         let allowed = 15.0 * f64::from(f32::EPSILON) * (transducers + 8) as f64;
                         assert!((Complex64::new(re, im) - want).norm() <= allowed, "{set} {count} {k} {l}");
                     }
@@ -43,7 +43,7 @@ fn gram_is_the_weighted_conjugate_product() {
 fn strips_add_up_to_sums_over_all_transducers() {
     let work = Workspace::new();
     let mut rng = Rng::new(2);
-    // One strip that is kept, and one after another.
+    // The sizes: a single stored strip, and several strips one after another.
     for (set, (count, transducers)) in
         InstructionSet::all().flat_map(|set| [(3, 70), (37, 530), (300, 1100)].map(|size| (set, size)))
     {
@@ -58,7 +58,7 @@ fn strips_add_up_to_sums_over_all_transducers() {
         }
         let mut strips = Strips::new(&propagation, &work);
         let none = &mut Control::none();
-        // Terms below 8, some two roundings each.
+        // The error bound: terms are below 8 and have about two roundings each.
         let allowed = |terms: usize| 15.0 * f64::from(f32::EPSILON) * (terms + 8) as f64;
         let powers = strips.powers(none).expect("it is not stopped");
         let moduli = strips.moduli(&phasors.re, none).expect("it is not stopped");

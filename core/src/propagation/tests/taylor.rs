@@ -1,11 +1,11 @@
-//! Tests of `taylor`: the kernel against Taylor polynomials multiplied out one transducer at a time.
+//! Tests of `taylor`: compares the kernel with Taylor polynomials that are multiplied for one transducer at a time.
 
 use super::*;
 use crate::math;
 use crate::rng::Rng;
 use crate::scene::{Array, Directivity, Medium, Transducer, distance};
 
-/// `value` + `slope` . x + `curvature` |x|^2.
+/// The polynomial `value` + `slope` . x + `curvature` |x|^2.
 fn quadratic(value: f64, slope: [f64; 3], curvature: f64) -> Jet {
     let mut sum = Jet::linear(slope);
     sum.add(&Jet::monomial(0), value);
@@ -13,7 +13,7 @@ fn quadratic(value: f64, slope: [f64; 3], curvature: f64) -> Jet {
     sum
 }
 
-/// First, second and third power of a polynomial's difference from its value.
+/// The first, second and third power of (polynomial - its value at the point).
 fn powers(of: &Jet) -> [Jet; 3] {
     let mut first = *of;
     first.add(&quadratic(of.value(), [0.0; 3], 0.0), -1.0);
@@ -21,24 +21,25 @@ fn powers(of: &Jet) -> [Jet; 3] {
     [first, second, second.times(&first)]
 }
 
-/// A function by its Taylor coefficients at a value, for a polynomial with these [`powers`] there.
+/// The composition of a function with a polynomial. `coefficients` are the function's Taylor coefficients at the polynomial's
+/// value, `powers` those of [`powers`].
 fn series(coefficients: [f64; 4], powers: &[Jet; 3]) -> Jet {
     let mut sum = quadratic(coefficients[0], [0.0; 3], 0.0);
     powers.iter().zip(&coefficients[1..]).for_each(|(power, coefficient)| sum.add(power, *coefficient));
     sum
 }
 
-/// Eq. (5) of transducer i around a point, its response left out, in Pa: real and imaginary part.
+/// Eq. (5) of transducer i around a point in Pa, without its response: real and imaginary part.
 fn jet(sources: &Sources, i: usize, point: [f64; 3]) -> [Jet; 2] {
     let transducer = sources.array.transducer();
     let (from, normal) = (sources.array.positions()[i], sources.array.normals()[i]);
     let ray = [0, 1, 2].map(|axis| point[axis] - from[axis]);
     let r = distance(from, point);
-    // r = sqrt(r^2), r^2 a polynomial.
+    // r as the square root of the polynomial r^2.
     let square = powers(&quadratic(r * r, ray.map(|x| 2.0 * x), 1.0));
     let root = powers(&series([r, 0.5 / r, -0.125 / (r * r * r), 0.0625 / (r * r * r * r * r)], &square));
-    // e^{(jk - alpha) r}/r: the coefficients of e^{u (r + h)} are those of e^{u r} times u^n/n!, those of 1/(r + h) are
-    // (-1/r)^n/r.
+    // The wave e^{ur}/r with u = jk - alpha, for r + h: the coefficients of e^{u (r + h)} are e^{ur} u^n/n!, those of 1/(r + h)
+    // are (-1/r)^n/r.
     let u = Complex64::new(-sources.medium.absorption, sources.medium.wavenumber());
     let wave = math::exp(u.re * r) * transducer.source_pressure / r;
     let wave = Complex64::new(wave * math::cos(u.im * r), wave * math::sin(u.im * r));
@@ -47,7 +48,7 @@ fn jet(sources: &Sources, i: usize, point: [f64; 3]) -> [Jet; 2] {
     let third = a * a * a / 6.0 + a * a * b / 2.0 + a * b * b + b * b * b;
     let terms = [wave, wave * (a + b), wave * second, wave * third];
     let parts = [terms.map(|c| c.re), terms.map(|c| c.im)].map(|part| series(part, &root));
-    // cos(theta) = ray . normal/r.
+    // The cosine of the angle, cos(theta) = ray . normal/r.
     let inverse = series([1.0 / r, -1.0 / (r * r), 1.0 / (r * r * r), -1.0 / (r * r * r * r)], &root);
     let height = (0..3).map(|axis| ray[axis] * normal[axis]).sum::<f64>();
     let cosine = quadratic(height, normal, 0.0).times(&inverse);
@@ -60,7 +61,7 @@ fn jet(sources: &Sources, i: usize, point: [f64; 3]) -> [Jet; 2] {
     parts.map(|part| part.times(&directivity))
 }
 
-/// Thirteen transducers that look at all sides, one of them off, and a point before or behind each.
+/// Returns 13 transducers with random positions and normals, and a random factor for each; one factor is 0.
 fn sources(directivity: Directivity, absorption: f64) -> (Sources, Vec<Complex64>) {
     let mut rng = Rng::new(11);
     let mut vector = |size: f64| [(); 3].map(|()| size * (2.0 * rng.uniform() - 1.0));
@@ -122,7 +123,7 @@ fn values_are_those_of_eq_5() {
     for (law, absorption) in Directivity::all().flat_map(|law| [(law, 0.0), (law, 0.15)]) {
         let (sources, _) = sources(law, absorption);
         let [x, y, z] = sources.array.positions()[3];
-        // Before and behind, and within a hundredth of a wavelength.
+        // Points in front of the array, behind it, and within a hundredth of a wavelength of a transducer.
         let points = [[0.013, -0.02, 0.17], [0.3, 0.1, -0.2], [x, y + 2e-5, z]];
         let mut rows = vec![vec![Complex64::ONE; sources.array.len()]; points.len()];
         add_exact(&sources, &points, &mut rows);
