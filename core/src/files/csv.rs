@@ -1,4 +1,4 @@
-//! Tables of numbers in text: rows with commas, semicolons or tabs, columns by name or by their number.
+//! Tables of numbers as text: rows with commas, semicolons or tabs. Columns are found by name or by their number.
 
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -6,33 +6,34 @@ use alloc::vec::Vec;
 
 use crate::error::{Error, one_line};
 
-/// The columns that a file may have.
+/// The columns that a kind of file may have.
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::exhaustive_structs, reason = "the words of a kind of file")]
 pub struct Columns<'a> {
-    /// Lists of names, the shorter first.
+    /// Alternative lists of column names, the shorter first.
     pub choices: &'a [&'a [&'a str]],
-    /// The units, for errors: `in metres`.
+    /// The units, for error messages: `in metres`.
     pub units: &'a str,
-    /// A correct row, for errors.
+    /// A correct row, for error messages.
     pub example: &'a str,
 }
 
-/// Numbers of a file, in the order of the names that were chosen.
+/// The numbers of a file; the columns are in the order of the chosen list of names.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[allow(clippy::exhaustive_structs, reason = "the two parts of a table")]
 pub struct Table {
     /// The line of each row, counted from 1.
     pub lines: Vec<usize>,
-    /// Rows of finite numbers, all of one length.
+    /// Rows of finite numbers, all of the same length.
     pub rows: Vec<Vec<f64>>,
 }
 
-/// Reads a table. A first row of names says which columns are which; without one their number does. Empty lines and
-/// lines that begin with # are skipped; other named columns are ignored.
+/// Reads a table. If the first row contains names, they identify the columns; otherwise the number of columns does. Skips empty
+/// lines and lines that begin with #. Ignores columns with other names.
 ///
 /// # Errors
-/// No text in UTF-8, no row; a name that is missing or there twice; a cell that is not a finite number. Each names the file and the line.
+/// Text that is not UTF-8, no row; a column that is missing or there twice; a cell that is not a finite number. Each error
+/// names the file and, where there is one, the line.
 ///
 /// ```
 /// use midair::files::{Columns, read_table};
@@ -50,7 +51,7 @@ pub fn read_table(bytes: &[u8], name: &str, columns: Columns<'_>) -> Result<Tabl
     };
     let text = text.trim_start_matches('\u{feff}').replace("\r\n", "\n").replace('\r', "\n");
     let mut table = Table::default();
-    // The names and where their columns are, from the first row on.
+    // The chosen names and the index of each column, found in the first row.
     let mut chosen: Option<Chosen<'_>> = None;
     for (index, line) in text.split('\n').enumerate() {
         if line.trim().is_empty() || line.trim_start().starts_with('#') {
@@ -83,7 +84,7 @@ pub fn read_table(bytes: &[u8], name: &str, columns: Columns<'_>) -> Result<Tabl
     Ok(table)
 }
 
-/// The names that are read, and where their columns are.
+/// The names that are read, each with the index of its column.
 type Chosen<'a> = Vec<(&'a str, usize)>;
 
 impl<'a> Columns<'a> {
@@ -91,18 +92,18 @@ impl<'a> Columns<'a> {
         self.choices.iter().map(|names| names.join(",")).collect::<Vec<_>>().join(" or ")
     }
 
-    /// The columns of a row of numbers alone.
+    /// The columns of a table without names, by their number.
     fn counted(&self, count: usize) -> Result<Chosen<'a>, String> {
         let fits = self.choices.iter().find(|names| names.len() == count);
         let fits = fits.map(|names| names.iter().copied().zip(0..).collect());
         fits.ok_or_else(|| format!("{count} columns: give {} {}", self.or(), self.units))
     }
 
-    /// The columns of a row of names.
+    /// The columns of a table whose first row is `cells`, a row of names.
     fn named(&self, cells: &[&str]) -> Result<Chosen<'a>, String> {
         let places =
             |name: &str| (0..cells.len()).filter(|&at| cells[at].eq_ignore_ascii_case(name)).collect::<Vec<_>>();
-        // The longest list of which a name of its own is there.
+        // The longest list of names that has a name of its own, not in a shorter list, among the cells.
         let begun = |names: &&&[&str]| {
             names.last().is_some()
                 && names.iter().any(|name| {

@@ -1,6 +1,6 @@
-//! Tables that a binding draws: text, drawings and pictures as points, an obstacle's file as a mesh.
+//! Drawn: tables that a binding converts: texts, drawings and pictures to points, the file of an obstacle to a mesh.
 //!
-//! The core knows nothing of fonts, drawings, pictures and models.
+//! The core has no code for fonts, drawings, pictures and 3D models.
 
 use alloc::string::String;
 use alloc::vec;
@@ -13,7 +13,7 @@ use crate::files::shape::shape;
 use crate::files::write;
 use crate::scene::Request;
 
-/// The curve or picture that a table describes.
+/// The result of drawing a table.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::exhaustive_enums, reason = "what the tables of a scene file stand for")]
 pub enum Drawing {
@@ -23,29 +23,29 @@ pub enum Drawing {
     Mesh(Vec<[f64; 3]>, Vec<[u32; 3]>),
 }
 
-/// Draws a table by its name, `shape` (of text and drawings), `image`, `obstacles` or `motion.path`, and its keys as TOML; `motion.file` by the
-/// file's name.
+/// A function that draws a table. Its arguments are the name of the table, `shape` (of texts and drawings), `image`,
+/// `obstacles` or `motion.path`, and the table's keys as TOML; or `motion.file` and the name of the file.
 ///
-/// A refusal is one line, `radius is -0.03: give a number above 0`; for a key it gets the key's place.
+/// An error is one line, `radius is -0.03: give a number above 0`. If it begins with a key, the place of that key is added.
 pub type Draw<'a> = dyn FnMut(&str, &str) -> Result<Drawing, String> + 'a;
 
-/// The tables, in the order in which their points follow those of the document.
+/// The tables with points, in the order in which their points follow those of `points`.
 const NAMES: [&str; 2] = ["shape", "image"];
 
-/// The points of one table, and its path in the document.
+/// The points of one table, and the table's path in the document.
 pub(super) struct Drawn {
     pub(super) path: String,
     pub(super) points: Vec<[f64; 3]>,
     pub(super) request: Request,
 }
 
-/// Tables that draw nothing.
+/// The drawing function of callers that cannot draw: always an error.
 pub(super) fn undrawn(_name: &str, _text: &str) -> Result<Drawing, String> {
     Err("midair's Python package draws it: load the file there and save the scene, which lists what it stands for"
         .into())
 }
 
-/// Each such table of a document, and its obstacles.
+/// The tables in a document that may need a drawing function: shapes, images and obstacles.
 pub(super) fn tables(document: &Node) -> impl Iterator<Item = &Node> {
     NAMES.iter().chain(&["obstacles"]).filter_map(|name| document.get(name)).flat_map(|node| match node {
         Node::List(list) => list.as_slice(),
@@ -53,7 +53,7 @@ pub(super) fn tables(document: &Node) -> impl Iterator<Item = &Node> {
     })
 }
 
-/// The points of each such table.
+/// Draws all tables of shapes and images.
 pub(super) fn drawn(root: &Table<'_>, draw: &mut Draw<'_>) -> Result<Vec<Drawn>, Fault> {
     let mut found = Vec::new();
     for name in NAMES {
@@ -63,7 +63,7 @@ pub(super) fn drawn(root: &Table<'_>, draw: &mut Draw<'_>) -> Result<Vec<Drawn>,
     Ok(found)
 }
 
-/// The points of a table, or of each of several.
+/// Draws a table, or each of a list of tables.
 pub(super) fn each(name: &str, item: Item<'_>, draw: &mut Draw<'_>) -> Result<Vec<Drawn>, Fault> {
     let items = match item.node {
         Node::Table(_) => vec![item],
@@ -76,10 +76,10 @@ pub(super) fn each(name: &str, item: Item<'_>, draw: &mut Draw<'_>) -> Result<Ve
     drawn.collect()
 }
 
-/// Vertices (V, 3) in m and faces (F, 3).
+/// The vertices (V, 3) in m and faces (F, 3) of a mesh.
 type Surface = (Vec<[f64; 3]>, Vec<[u32; 3]>);
 
-/// The mesh of an obstacle's table.
+/// Draws the mesh of an obstacle's table.
 pub(super) fn mesh(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Surface, Fault> {
     match one("obstacles", item, draw)? {
         Drawing::Mesh(vertices, faces) => Ok((vertices, faces)),

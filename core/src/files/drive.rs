@@ -1,4 +1,4 @@
-//! A drive in CSV: a row index, x, y, z, amplitude, phase for each transducer, in m and rad.
+//! Drives in CSV: a row with index, x, y, z, amplitude and phase for each transducer, in m and rad.
 
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -11,17 +11,17 @@ use crate::error::Error;
 use crate::files::csv::{self, Columns};
 use crate::math;
 
-/// An amplitude of 1 may have been rounded.
+/// The tolerance for an amplitude of 1 that was rounded when written.
 const ROUNDING: f64 = 1e-6;
 
-/// Positions and other columns are not read.
+/// The columns that are read; positions and other columns are ignored.
 const COLUMNS: Columns<'_> = Columns {
     choices: &[&["amplitude", "phase"], &["index", "amplitude", "phase"]],
     units: "with phases in rad",
     example: "0,1.0,0.0",
 };
 
-/// Writes a drive (N,); positions (N,) in m are left out where they are unknown.
+/// Returns a drive (N,) as CSV. Without `positions` (N,) in m, the columns x, y and z are left out.
 ///
 /// ```
 /// use midair::{Complex32, files};
@@ -43,10 +43,10 @@ pub fn write_drive(positions: Option<&[[f64; 3]]>, drive: &[Complex32]) -> Strin
     text
 }
 
-/// Reads a drive (N,); errors call the file `name`.
+/// Reads a drive (N,) from CSV; errors name the file as `name`.
 ///
 /// # Errors
-/// Those of [`crate::files::read_table`]; an index that is not that of its row; an amplitude that is not 0 to 1.
+/// Those of [`crate::files::read_table`]; an index that is not the number of its row; an amplitude outside of 0 to 1.
 pub fn read_drive(bytes: &[u8], name: &str) -> Result<Vec<Complex32>, Error> {
     let table = csv::read_table(bytes, name, COLUMNS)?;
     let rows = table.lines.into_iter().zip(table.rows).enumerate();
@@ -65,7 +65,7 @@ pub fn read_drive(bytes: &[u8], name: &str) -> Result<Vec<Complex32>, Error> {
     .collect()
 }
 
-/// The shortest decimal that is read back to the same number, as Python writes it.
+/// Returns the shortest decimal number that is read back as the same f64, written as in Python.
 fn shortest(x: f64) -> String {
     let size = x.abs();
     if size == 0.0 || (1e-4..1e16).contains(&size) {

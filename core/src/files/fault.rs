@@ -1,4 +1,4 @@
-//! Error in a document, with its name, line and column, and a correct line as an example.
+//! Fault: an error in a document, reported with the document's name, the line and column, and a correct line as an example.
 
 use alloc::boxed::Box;
 use alloc::format;
@@ -10,14 +10,14 @@ use crate::files::source::{Format, Source};
 use crate::files::{place, schema};
 use crate::solvers::{Entry, SOLVERS};
 
-/// An error, and the item of the document that it is about.
+/// An error, and the item of the document that caused it.
 pub(super) struct Fault {
     error: Box<Error>,
     at: At,
 }
 
 enum At {
-    /// The item that the error itself names, as the core's do.
+    /// The item that the error itself names.
     Own,
     /// The value at a path.
     Value(String),
@@ -32,17 +32,17 @@ impl From<Error> for Fault {
 }
 
 impl Fault {
-    /// An error about the value at a path.
+    /// Returns an error about the value at a path.
     pub(super) fn at(path: impl Into<String>, error: Error) -> Self {
         Self { error: Box::new(error), at: At::Value(path.into()) }
     }
 
-    /// An error about a key of the table at a path.
+    /// Returns an error about a key of the table at a path.
     pub(super) fn key(table: impl Into<String>, key: impl Into<String>, error: Error) -> Self {
         Self { error: Box::new(error), at: At::Key(table.into(), key.into()) }
     }
 
-    /// The error in full: `bowl.toml, line 12, column 12: points[1].pressure is "loud": give a number; for example
+    /// Returns the complete error: `bowl.toml, line 12, column 12: points[1].pressure is "loud": give a number; for example
     /// pressure = 500.0`.
     pub(super) fn reported(self, text: &str, format: Format, source: Source<'_>) -> Error {
         let (offset, example) = match (&self.at, &*self.error) {
@@ -63,18 +63,19 @@ impl Fault {
     }
 }
 
-/// The path in a document that the core means by an item: `phases` is an option of its solver, `pressures` are its points'.
+/// Returns the path in the document for an item of the core's errors: `phases` is an option of the solver, `pressures` are
+/// those of the points.
 fn in_document(text: &str, format: Format, item: &str) -> Option<String> {
     let item = match item {
         "pressures" => "points[0].pressure",
         "weights" => "points[0].weight",
-        // "array.grid nx * ny" is about the grid.
+        // Items such as "array.grid nx * ny" begin with the path.
         other => other.split(' ').next().unwrap_or(other),
     };
     let tables = ["", "array.", "solver.", "medium.", "plane."];
     let paths = tables.map(|table| format!("{table}{item}"));
     let written = paths.iter().find(|path| place::whole(text, format, path).is_some());
-    // A missing key has no place of its own; its table has one.
+    // A key that is missing has no place in the text; its path is known from the schema.
     let known = || paths.iter().find(|path| schema::example(path, format).is_some());
     written.or_else(known).cloned()
 }
@@ -84,14 +85,14 @@ fn example(path: &str, format: Format) -> Option<String> {
     option.map_or_else(|| schema::example(path, format), |option| example_of_option(option, format))
 }
 
-/// A line for the key that an unknown one was likely meant to be.
+/// Returns an example for the key that was probably meant by an unknown key.
 fn example_of_key(table: &str, key: &str, format: Format) -> Option<String> {
     let known = schema::keys(table);
     let meant = schema::renamed(table, key).or_else(|| nearest(key, &known.collect::<Vec<_>>()));
     let has = |entry: &&Entry| entry.options().iter().any(|option| same_name(option.name, key));
     match (meant, table) {
         (Some(meant), _) => schema::example(&format!("{table}.{meant}"), format),
-        // An option of another solver goes with that one.
+        // The option belongs to another solver: the example names that solver.
         (None, "solver") => match SOLVERS.iter().find(has) {
             Some(owner) => Some(schema::line("solver", "name", &format!("\"{}\"", owner.info.name), format)),
             None => example_of_option(key, format),
@@ -100,7 +101,7 @@ fn example_of_key(table: &str, key: &str, format: Format) -> Option<String> {
     }
 }
 
-/// A line for a solver's option, or for the one that was likely meant.
+/// Returns an example for an option of a solver, or for the most similar one.
 fn example_of_option(key: &str, format: Format) -> Option<String> {
     let options: Vec<_> = SOLVERS.iter().flat_map(Entry::options).collect();
     let names: Vec<_> = options.iter().map(|option| option.name).collect();

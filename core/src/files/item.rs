@@ -1,4 +1,4 @@
-//! Values of a document as types; a value of another type is rejected by its path.
+//! Item: a value of a document with its path, and its conversion to a type. Errors name the path.
 
 use alloc::borrow::Cow;
 use alloc::format;
@@ -11,13 +11,13 @@ use crate::files::node::Node;
 use crate::files::schema;
 use crate::scene::Key;
 
-/// A value of the document and its path, such as `points[3].pressure`.
+/// A value in a document, with its path, such as `points[3].pressure`.
 pub(super) struct Item<'a> {
     pub(super) path: String,
     pub(super) node: &'a Node,
 }
 
-/// A table of the document, its keys known.
+/// A table in a document. All its keys are known ones.
 pub(super) struct Table<'a> {
     path: String,
     pub(super) entries: &'a [(String, Node)],
@@ -29,13 +29,14 @@ impl<'a> Item<'a> {
         Self { path: String::new(), node }
     }
 
-    /// The refusal of this value.
+    /// Returns an error about this value.
     pub(super) fn refused(&self, cure: &str) -> Fault {
         let name = if self.path.is_empty() { "the document" } else { &self.path };
         Fault::at(self.path.as_str(), Error::invalid(name, self.node, cure))
     }
 
-    /// A refusal of one of this table's keys, such as `radius is -0.03: give a number above 0`, as one of the document's.
+    /// Converts an error of the drawing function, such as `radius is -0.03: give a number above 0`, to an error about that key
+    /// of this table.
     pub(super) fn reported(&self, refusal: &str) -> Fault {
         let parts = refusal.split_once(" is ").and_then(|(key, rest)| Some((key, rest.split_once(": ")?)));
         match parts.filter(|(key, _)| schema::keys(&self.path).any(|known| known == *key)) {
@@ -51,7 +52,7 @@ impl<'a> Item<'a> {
         self.node.real().ok_or_else(|| self.refused("give a number"))
     }
 
-    /// A whole number; a too large one is rejected like any other value out of range.
+    /// A whole number. One beyond i64 becomes the largest i64, which range checks reject later.
     pub(super) fn integer(&self) -> Result<i64, Fault> {
         match *self.node {
             Node::Integer(value) => Ok(value),
@@ -60,7 +61,7 @@ impl<'a> Item<'a> {
         }
     }
 
-    /// A count; a number of 0 or less is rejected before anything is built from it.
+    /// A count. A negative number is an error here; the caller rejects 0.
     pub(super) fn count(&self) -> Result<usize, Fault> {
         usize::try_from(self.integer()?).map_err(|_| self.refused("give at least 1"))
     }
@@ -72,18 +73,18 @@ impl<'a> Item<'a> {
         }
     }
 
-    /// Exactly N numbers.
+    /// A list of exactly N numbers.
     pub(super) fn numbers<const N: usize>(&self) -> Result<[f64; N], Fault> {
         self.some(N).map(|list| core::array::from_fn(|k| list[k]))
     }
 
-    /// This many numbers.
+    /// A list of exactly `count` numbers.
     pub(super) fn some(&self, count: usize) -> Result<Vec<f64>, Fault> {
         let numbers = self.node.reals().filter(|list| list.len() == count);
         numbers.map(Cow::into_owned).ok_or_else(|| self.refused(&format!("give {count} numbers")))
     }
 
-    /// Any number of numbers.
+    /// A list of numbers.
     pub(super) fn reals(&self) -> Result<Vec<f64>, Fault> {
         let numbers = self.node.reals().ok_or_else(|| self.refused("give a list of numbers"))?;
         Ok(numbers.into_owned())
@@ -94,7 +95,7 @@ impl<'a> Item<'a> {
         self.each(Item::numbers, &format!("give a list of lists of {N} numbers"))
     }
 
-    /// A number of at least 0.
+    /// A finite number of at least 0.
     pub(super) fn least_zero(&self) -> Result<f64, Fault> {
         let number = self.real()?;
         if number >= 0.0 && number.is_finite() { Ok(number) } else { Err(self.refused("give a number of at least 0")) }
@@ -107,7 +108,7 @@ impl<'a> Item<'a> {
         }
     }
 
-    /// A list of true and false.
+    /// A list of truth values.
     pub(super) fn flags(&self) -> Result<Vec<bool>, Fault> {
         self.each(Item::flag, "give a list of true and false")
     }
@@ -120,7 +121,7 @@ impl<'a> Item<'a> {
         numbers.iter().map(|&number| index(number).ok_or_else(|| self.refused(cure))).collect()
     }
 
-    /// Every value of a list.
+    /// Reads every value of a list; `cure` is the cure in the error if this is none.
     pub(super) fn each<T>(&self, read: impl Fn(&Item<'a>) -> Result<T, Fault>, cure: &str) -> Result<Vec<T>, Fault> {
         let list = match self.node {
             Node::List(list) if list.is_empty() || self.node.reals().is_none() => list,
@@ -130,12 +131,12 @@ impl<'a> Item<'a> {
         (0..list.len()).map(|index| read(&item(index))).collect()
     }
 
-    /// A table of keys that the schema knows.
+    /// A table whose keys must be in the schema.
     pub(super) fn table(&self) -> Result<Table<'a>, Fault> {
         self.table_of(&schema::keys(&self.path).collect::<Vec<_>>())
     }
 
-    /// A table of these keys.
+    /// A table whose keys must be among `known`.
     pub(super) fn table_of(&self, known: &[&str]) -> Result<Table<'a>, Fault> {
         let table = self.open_table()?;
         for (key, _) in table.entries {
@@ -151,7 +152,7 @@ impl<'a> Item<'a> {
         Ok(table)
     }
 
-    /// A table of any keys.
+    /// A table with any keys.
     pub(super) fn open_table(&self) -> Result<Table<'a>, Fault> {
         match self.node {
             Node::Table(entries) => Ok(Table { path: self.path.clone(), entries }),
@@ -161,13 +162,13 @@ impl<'a> Item<'a> {
 }
 
 impl<'a> Table<'a> {
-    /// The value of a key; left out where it is null.
+    /// The value of a key; `None` if it is missing or null.
     pub(super) fn get(&self, key: &str) -> Option<Item<'a>> {
         let (_, node) = self.entries.iter().find(|(name, node)| name == key && *node != Node::Null)?;
         Some(Item { path: self.path_of(key), node })
     }
 
-    /// The value of a key, if it is there, read as a type.
+    /// Reads the value of a key as a type; `None` if it is missing.
     pub(super) fn read<T>(
         &self,
         key: &str,
@@ -176,13 +177,13 @@ impl<'a> Table<'a> {
         self.get(key).map(|item| read(&item)).transpose()
     }
 
-    /// The numbers that are given for some keys.
+    /// The numbers of those keys that are given, by name.
     pub(super) fn reals(&self, keys: &[Key]) -> Result<Vec<(&'static str, f64)>, Fault> {
         let given = keys.iter().filter_map(|key| self.get(key.name).map(|item| (key.name, item)));
         given.map(|(name, item)| Ok((name, item.real()?))).collect()
     }
 
-    /// The value of a key that must be there.
+    /// The value of a required key.
     pub(super) fn need(&self, key: &str) -> Result<Item<'a>, Fault> {
         self.get(key).ok_or_else(|| {
             let path = self.path_of(key);

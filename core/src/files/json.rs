@@ -1,4 +1,4 @@
-//! JSON by `serde_json`, read as a tree of values; and the place of a value in the text.
+//! JSON, parsed by `serde_json` into a tree of values; and the place of a value in the text.
 
 use alloc::collections::BTreeMap;
 use alloc::format;
@@ -14,7 +14,7 @@ use crate::files::node::Node;
 use crate::files::step::{Place, Step};
 use crate::files::syntax::Flaw;
 
-/// The beginnings of the parser's messages, and our words for each.
+/// How each message of the parser begins, and the reason that users read instead.
 const REASONS: [(&str, &str); 13] = [
     ("EOF", "the text ends before its last bracket, brace or quote is closed"),
     ("expected value", NO_VALUE),
@@ -33,7 +33,7 @@ const REASONS: [(&str, &str); 13] = [
 const NO_VALUE: &str = "a value is missing, or not a number, \"text\" in double quotes, true, false, [list] or {table}";
 const NO_ESCAPE: &str = "a backslash that escapes nothing";
 
-/// The value of a text.
+/// Parses a text.
 pub(super) fn read(text: &str) -> Result<Node, Flaw> {
     from_str(text).map_err(|error| {
         let foreign = !text.trim_start().starts_with(['{', '[']);
@@ -41,7 +41,7 @@ pub(super) fn read(text: &str) -> Result<Node, Flaw> {
     })
 }
 
-/// The depth to which some steps lead into a text that was read.
+/// Follows `steps` into a text that has been parsed, as far as they lead.
 pub(super) fn find(text: &str, steps: &[Step<'_>]) -> Place {
     let start = text.len() - text.trim_start().len();
     let (mut place, mut rest) = (Place { value: start, key: start, steps: 0 }, text);
@@ -62,14 +62,14 @@ pub(super) fn find(text: &str, steps: &[Step<'_>]) -> Place {
     place
 }
 
-/// The offset of the key at the end of a text: of the last quote before its closing one that no backslash escapes.
+/// The offset of the key at the end of a text: the last quote before the closing quote that is not escaped by a backslash.
 fn opening(text: &str) -> usize {
     let key = text.trim_end().strip_suffix('"').unwrap_or_default();
     let escaped = |at: usize| (at - key[..at].trim_end_matches('\\').len()) % 2 == 1;
     key.rmatch_indices('"').find(|(at, _)| !escaped(*at)).map_or(0, |(at, _)| at)
 }
 
-/// The parser's error in our words, at the byte that the parser read last.
+/// Converts an error of the parser, with the byte that the parser read last.
 fn refused(error: &Error, text: &str) -> Flaw {
     let line = text.split_inclusive('\n').take(error.line().saturating_sub(1)).map(str::len).sum::<usize>();
     let mut at = (line + error.column()).saturating_sub(1).min(text.len());
@@ -85,7 +85,7 @@ fn refused(error: &Error, text: &str) -> Flaw {
         Some((_, reason)) => Flaw::new(at, format!("no JSON here ({reason})")),
         None if said.starts_with("number out of range") => Flaw::too_large(at),
         None if said.starts_with("recursion") => Flaw::nested(at),
-        // Ours, of the key that was read last.
+        // The error of [`Flaw::check_key`], about the key that was read last.
         None => Flaw::new(opening(text.get(..=at).unwrap_or(text)), said),
     }
 }
@@ -96,7 +96,7 @@ impl<'de> Deserialize<'de> for Node {
     }
 }
 
-/// Builds a tree from the parser's events.
+/// Builds a tree of values from the events of the parser.
 struct Tree;
 
 impl<'de> Visitor<'de> for Tree {

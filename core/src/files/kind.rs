@@ -1,4 +1,4 @@
-//! Kinds: tables whose key `kind` determines their other keys.
+//! Kind: tables whose key `kind` determines which other keys they have.
 
 use alloc::format;
 use alloc::string::String;
@@ -9,10 +9,10 @@ use crate::files::fault::Fault;
 use crate::files::item::{Item, Table};
 use crate::files::node::Node;
 
-/// A kind: its name, the keys that must be there, and those that may.
+/// A kind: its name, its required keys, and its optional keys.
 pub(super) type Kind = (&'static str, &'static [&'static str], &'static [&'static str]);
 
-/// The kind of a table, which has no key that is not its own or `common`.
+/// Returns the kind of a table, and the table. All its keys must belong to the kind or be `common` to all kinds.
 pub(super) fn of<'a>(item: &Item<'a>, kinds: &[Kind], common: &[&str]) -> Result<(&'static str, Table<'a>), Fault> {
     let table = item.table()?;
     let names = || kinds.iter().map(|(name, ..)| *name).collect::<Vec<_>>().join(", ");

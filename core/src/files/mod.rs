@@ -1,4 +1,4 @@
-//! Scene files, TOML or JSON, read and written for every binding.
+//! Scene files in TOML or JSON, read and written for all bindings.
 
 mod csv;
 mod drawn;
@@ -44,8 +44,8 @@ use crate::scene::Scene;
 /// Reads a scene from a file's bytes.
 ///
 /// # Errors
-/// An empty, binary or oversized file, a fault of the format, an unknown key, solver, option or preset, and all
-/// that [`Scene::new`] refuses.
+/// An empty, binary or too large file, a syntax error, an unknown key, solver, option or preset, and all errors of
+/// [`Scene::new`].
 ///
 /// ```
 /// use midair::files::{Format, read};
@@ -64,7 +64,7 @@ pub fn read(bytes: &[u8], format: Format) -> Result<Scene, Error> {
     read_from(bytes, format, Source::default())
 }
 
-/// The same for a document that may name files, or has a name for its errors.
+/// Does the same as [`read`] for a document that may name other files; `source` also names the document in errors.
 ///
 /// # Errors
 /// As [`read`], and a file that cannot be read.
@@ -72,21 +72,21 @@ pub fn read_from(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Sce
     read_drawn(bytes, format, source, &mut drawn::undrawn)
 }
 
-/// The same of a document whose tables `[shape]` of text and drawings, whose `[image]`, and whose obstacles' files are drawn by the
-/// caller.
+/// Does the same as [`read_from`]. `draw` draws the tables that need it: `[shape]` with texts and drawings, `[image]`, and the
+/// files of obstacles.
 ///
 /// # Errors
-/// As [`read_from`], and what `draw` refuses.
+/// As [`read_from`], and the errors of `draw`.
 pub fn read_drawn(bytes: &[u8], format: Format, source: Source<'_>, draw: &mut Draw<'_>) -> Result<Scene, Error> {
     let (text, document) = parse(bytes, format, source)?;
     read::scene(&document, source, draw).map_err(|fault| fault.reported(text, format, source))
 }
 
-/// Reads a document of points that move: `draw` makes of each `motion.path`, or of `motion.file`, the points of its first
-/// frame, and keeps the path itself. A document without `[motion]` is none.
+/// Reads a document of moving points. `draw` returns the points of the first frame for each `motion.path`, or for
+/// `motion.file`; the caller stores the path itself. Returns `None` for a document without `[motion]`.
 ///
 /// # Errors
-/// As [`read_drawn`]; points that rest beside `[motion]`, a motion without rate, path or file.
+/// As [`read_drawn`]; resting points beside `[motion]`, a motion without rate, path or file.
 ///
 /// ```
 /// use midair::Request;
@@ -120,10 +120,10 @@ pub fn read_motion(
     motion::motion(&document, source, draw).map_err(|fault| fault.reported(text, format, source))
 }
 
-/// Reads a document of a sweep: its values, whose keys are known.
+/// Reads the document of a sweep as a tree of values, whose keys have been checked.
 ///
 /// # Errors
-/// A fault of the format, an unknown key.
+/// A syntax error, an unknown key.
 ///
 /// ```
 /// use midair::files::{Format, Source, read_sweep};
@@ -138,8 +138,8 @@ pub fn read_sweep(bytes: &[u8], format: Format, source: Source<'_>) -> Result<No
     Ok(document)
 }
 
-/// A refusal of a document's value, such as `points.z is -1: give more`, with its place; none where the document has no such
-/// value.
+/// Adds the name and place in a document to an error about a value, such as `points.z is -1: give more`. Returns `None` if the
+/// document has no such value.
 #[must_use]
 pub fn placed(bytes: &[u8], format: Format, source: Source<'_>, refusal: &str) -> Option<Error> {
     let (text, _) = parse(bytes, format, source).ok()?;
@@ -148,10 +148,10 @@ pub fn placed(bytes: &[u8], format: Format, source: Source<'_>, refusal: &str) -
     Some(source.fault(Some((text, at)), refusal))
 }
 
-/// The files that a document names, in its folder.
+/// The paths of the files that a document names, in the folder of the document.
 ///
 /// # Errors
-/// A document that is none.
+/// A document that cannot be parsed.
 pub fn references(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Vec<PathBuf>, Error> {
     let (_, document) = parse(bytes, format, source)?;
     let folder = source.folder.unwrap_or(Path::new(""));
@@ -164,7 +164,7 @@ pub fn references(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Ve
     Ok(named.collect())
 }
 
-/// The text of a document and its tables.
+/// Checks the bytes of a document and parses them. Returns the text and the tree of values.
 fn parse<'a>(bytes: &'a [u8], format: Format, source: Source<'_>) -> Result<(&'a str, Node), Error> {
     let fault = |reason: &str| source.fault(None, reason);
     if bytes.len() > MOST_BYTES {
@@ -185,15 +185,15 @@ fn parse<'a>(bytes: &'a [u8], format: Format, source: Source<'_>) -> Result<(&'a
     Ok((text, document.map_err(|flaw| flaw.reported(text, format, source))?))
 }
 
-/// Writes a scene as text that [`read`] reads as the same scene.
+/// Returns a scene as text, from which [`read`] reads the same scene.
 ///
 /// # Errors
-/// A signature of given factors; an option beyond 64 bits.
+/// A signature of given factors, an option beyond 64 bits.
 pub fn write(scene: &Scene, format: Format, provenance: &Provenance) -> Result<String, Error> {
     let document = tables::document(scene, provenance)?;
     let mut text = String::new();
     match format {
-        // It has no list with a null in it.
+        // It cannot fail: only a null in a list does, and a scene has none.
         Format::Toml => write::toml("", &document, &mut text).unwrap_or_default(),
         Format::Json => write::json(&document, "\n", &mut text),
     }

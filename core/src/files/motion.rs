@@ -1,4 +1,4 @@
-//! Scene files of moving points: the table `[motion]` in place of `[[points]]`, beside array, medium and solver.
+//! Scene files of moving points: the table `[motion]` instead of `[[points]]`, besides array, medium and solver.
 
 use alloc::format;
 use alloc::vec::Vec;
@@ -12,20 +12,20 @@ use crate::files::read;
 use crate::files::source::Source;
 use crate::scene::{Options, Request, Scene, Value};
 
-/// A document with `[motion]`.
+/// The contents of a document with `[motion]`.
 #[derive(Clone, Debug)]
 #[allow(clippy::exhaustive_structs, reason = "the two parts of a document")]
 pub struct Motion {
-    /// Everything but the motion, with the points of the first frame.
+    /// The scene without the motion; its points are those of the first frame.
     pub scene: Scene,
-    /// The keys of `[motion]` but `path` and `file`, as `midair.sequence` takes them: `rate`, `change`, `ahead`, ...
+    /// The keys of `[motion]` except `path` and `file`, as `midair.sequence` takes them: `rate`, `change`, `ahead`, ...
     pub settings: Options,
 }
 
-/// The tables that give points which rest.
+/// The tables with points that do not move.
 const RESTING: [&str; 3] = ["points", "shape", "image"];
 
-/// The motion of a document; none where it has no `[motion]`.
+/// Reads the motion of a document; `None` if it has no `[motion]`.
 pub(super) fn motion(document: &Node, source: Source<'_>, draw: &mut Draw<'_>) -> Result<Option<Motion>, Fault> {
     if document.get("motion").is_none() {
         return Ok(None);
@@ -51,7 +51,7 @@ pub(super) fn motion(document: &Node, source: Source<'_>, draw: &mut Draw<'_>) -
     Ok(Some(Motion { scene, settings }))
 }
 
-/// The points of the first frame, of a file or of all paths.
+/// The points of the first frame, from the file or from all paths.
 fn points(table: &Table<'_>, draw: &mut Draw<'_>) -> Result<Vec<[f64; 3]>, Fault> {
     match (table.get("file"), table.get("path")) {
         (Some(file), None) => match draw("motion.file", file.text()?) {

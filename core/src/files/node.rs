@@ -1,4 +1,4 @@
-//! A document of TOML or JSON as a tree of values, not yet interpreted.
+//! Node: a document in TOML or JSON as a tree of values, before they are interpreted.
 
 use alloc::borrow::Cow;
 use alloc::string::{String, ToString};
@@ -15,22 +15,22 @@ pub enum Node {
     Bool(bool),
     /// A whole number.
     Integer(i64),
-    /// A whole number beyond `i64`.
+    /// A whole number above the range of `i64`.
     Large(u64),
     /// Any other number.
     Real(f64),
-    /// Text, in TOML also a date.
+    /// A text; in TOML also a date.
     Text(String),
-    /// A list of numbers that are not all whole; it may be a million positions' coordinates.
+    /// A list of numbers that are not all whole. It is compact, because it may contain a million positions.
     Numbers(Vec<f64>),
     /// Any other list.
     List(Vec<Node>),
-    /// A table, each key once.
+    /// A table; each key occurs once.
     Table(Vec<(String, Node)>),
 }
 
 impl Node {
-    /// A number as the nearest f64.
+    /// The nearest f64 of a number; `None` for other values.
     pub(super) fn real(&self) -> Option<f64> {
         match *self {
             Self::Integer(value) => Some(value as f64),
@@ -40,13 +40,13 @@ impl Node {
         }
     }
 
-    /// A key's value, where this is a table that has it.
+    /// The value of a key; `None` if this is no table or has no such key.
     pub(super) fn get(&self, key: &str) -> Option<&Self> {
         let Self::Table(entries) = self else { return None };
         entries.iter().find(|(name, _)| name == key).map(|(_, node)| node)
     }
 
-    /// The numbers of a list that has nothing else.
+    /// The numbers of a list that contains only numbers.
     pub(super) fn reals(&self) -> Option<Cow<'_, [f64]>> {
         match self {
             Self::Numbers(list) => Some(list.into()),
@@ -55,7 +55,7 @@ impl Node {
         }
     }
 
-    /// A list, in its short form if it contains only numbers. Whole numbers stay whole.
+    /// Returns a list, in the compact form if it contains only numbers and not all are whole.
     pub(super) fn list(items: Vec<Self>) -> Self {
         let short = items.iter().any(|item| matches!(item, Self::Real(_)));
         let numbers = short.then(|| items.iter().map(Self::real).collect()).flatten();
@@ -63,7 +63,7 @@ impl Node {
     }
 }
 
-/// Short, on one line, as the reader of an error may recognise it.
+/// Writes the value in short form on one line, for error messages.
 impl fmt::Display for Node {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

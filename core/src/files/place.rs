@@ -1,4 +1,4 @@
-//! Line and column of an item in a document, found by its name for an error message.
+//! Place: the line and column of an item in a document, for error messages.
 
 use alloc::vec::Vec;
 
@@ -6,19 +6,20 @@ use crate::files::source::Format;
 use crate::files::step::{Place, Step};
 use crate::files::{json, toml};
 
-/// Where the value at a path such as `points[3].pressure` begins, as deep as the path leads in this document.
+/// The offset of the value at a path such as `points[3].pressure`. If the document has no such value, the offset of the nearest
+/// one around it.
 pub(super) fn find(text: &str, format: Format, path: &str) -> usize {
     follow(text, format, &steps(path)).value
 }
 
-/// Where the value at a path begins, if all of the path leads there.
+/// The offset of the value at a path; `None` if the document has no such value.
 pub(super) fn whole(text: &str, format: Format, path: &str) -> Option<usize> {
     let steps = steps(path);
     let place = follow(text, format, &steps);
     (!steps.is_empty() && place.steps == steps.len()).then_some(place.value)
 }
 
-/// Where a key of the table at a path is written.
+/// The offset of a key of the table at a path.
 pub(super) fn find_key(text: &str, format: Format, path: &str, key: &str) -> usize {
     let mut steps = steps(path);
     steps.push(Step::Key(key));

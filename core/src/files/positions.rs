@@ -1,4 +1,4 @@
-//! Positions of transducers in a separate CSV file: a row x, y, z in metres, and nx, ny, nz for turned ones.
+//! Positions of transducers in a separate CSV file: rows x, y, z in metres, optionally with a normal nx, ny, nz.
 
 use alloc::format;
 use alloc::string::ToString;
@@ -11,7 +11,7 @@ use crate::files::csv::{self, Columns};
 use crate::files::source::{MOST_BYTES, Source};
 use crate::scene::Array;
 
-/// Transducers of a file.
+/// The transducers of a file: positions (N, 3) in m, and normals (N, 3) if the file has them.
 pub(super) struct Positions {
     pub(super) positions: Vec<[f64; 3]>,
     pub(super) normals: Option<Vec<[f64; 3]>>,
@@ -24,7 +24,7 @@ pub const COLUMNS: Columns<'_> = Columns {
     example: "0.01,0.0,0.0",
 };
 
-/// Reads the file of that name in the document's folder.
+/// Reads the file with this name from the document's folder.
 pub(super) fn read(name: &str, source: Source<'_>) -> Result<Positions, Error> {
     let refused = |value: &str, cure: &str| Error::invalid("array.positions.file", value, cure);
     let quoted = format!("\"{name}\"");
@@ -50,7 +50,7 @@ pub(super) fn read(name: &str, source: Source<'_>) -> Result<Positions, Error> {
     positions(&bytes, &path.display().to_string())
 }
 
-/// Reads an array from a file's text; errors call the file `name`.
+/// Reads an array from the text of a file; errors name the file as `name`.
 ///
 /// # Errors
 /// Those of [`crate::files::read_table`] and of [`Array::new`].

@@ -20,7 +20,7 @@ use crate::scene::{
 };
 use crate::solvers::registry;
 
-/// The scene of a document.
+/// Returns the scene of a document.
 pub(super) fn scene(document: &Node, source: Source<'_>, draw: &mut Draw<'_>) -> Result<Scene, Fault> {
     let root = Item::root(document).table()?;
     if let Some(motion) = root.get("motion") {
@@ -34,7 +34,7 @@ pub(super) fn scene(document: &Node, source: Source<'_>, draw: &mut Draw<'_>) ->
     at(&root, places, request, source, draw)
 }
 
-/// The scene of a document's other tables, at these points.
+/// Returns the scene with these points, from the other tables of a document.
 pub(super) fn at(
     root: &Table<'_>,
     places: Vec<[f64; 3]>,
@@ -54,7 +54,7 @@ pub(super) fn at(
     Ok(scene)
 }
 
-/// Position, and pressure, phase and weight.
+/// The position of a point; and its pressure, phase and weight, if given.
 type Point = ([f64; 3], [Option<f64>; 3]);
 
 fn point(item: &Item<'_>) -> Result<Point, Fault> {
@@ -64,7 +64,7 @@ fn point(item: &Item<'_>) -> Result<Point, Fault> {
     Ok((position, [real("pressure")?, real("phase")?, real("weight")?]))
 }
 
-/// Listed points and those drawn, and at which index those of each drawn table begin.
+/// Joins the listed points and the drawn ones. Also returns, for each drawn table, the index of its first point and its path.
 fn joined(mut points: Vec<Point>, tables: Vec<Drawn>) -> (Vec<Point>, Vec<(usize, String)>) {
     let mut owners = Vec::new();
     for Drawn { path, points: places, request } in tables {
@@ -86,7 +86,7 @@ fn request(points: &[Point], owners: &[(usize, String)]) -> Result<Request, Faul
         let cure = format!("{given} of {} points have one: give every point a pressure, or none", points.len());
         return Err(Error::invalid(format!("{item}.pressure"), "left out", cure).into());
     }
-    // If it is given at any point, the others have the default.
+    // If one point has the number, the others get the default.
     let list = |key: usize, default: f64| {
         let any = points.iter().any(|(_, numbers)| numbers[key].is_some());
         any.then(|| points.iter().map(|(_, numbers)| numbers[key].unwrap_or(default)).collect())
@@ -100,17 +100,17 @@ fn obstacles(all: &Item<'_>, draw: &mut Draw<'_>) -> Result<Vec<Obstacle>, Fault
     items.iter().map(|item| obstacle(item, draw)).collect()
 }
 
-/// Keys of a mesh: listed, or of its file.
+/// The keys of a mesh: either listed in the document, or in a file.
 const MESH: [&[&str]; 2] = [&["vertices", "faces"], &["file", "scale", "offset"]];
 
-/// A body or a mesh, whichever its keys are of.
+/// Reads a wall or sphere or mesh; the given keys decide which.
 fn obstacle(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Obstacle, Fault> {
     let table = item.table()?;
     let given: Vec<&str> = table.entries.iter().map(|(key, _)| &**key).filter(|key| *key != "kind").collect();
     let given: Vec<&str> = given.into_iter().filter(|key| table.get(key).is_some()).collect();
     let all_of = |keys: &[&str]| !given.is_empty() && given.iter().all(|key| keys.contains(key));
     let names = |body: &Body| body.parts.iter().map(|(key, _)| key.name).collect::<Vec<_>>();
-    // Kinds may share keys: the one with the fewest parts left out is meant.
+    // Kinds may share keys: the kind with the fewest missing parameters is chosen.
     let body = Obstacle::BODIES.iter().filter(|body| all_of(&names(body))).min_by_key(|body| body.parts.len());
     let [listed, filed] = MESH.map(all_of);
     if body.is_none() && !listed && !filed {
@@ -142,7 +142,7 @@ fn obstacle(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Obstacle, Fault> {
     Ok(Obstacle::Mesh(Arc::new(made)))
 }
 
-/// An error of `mesh`, reported as that of an obstacle.
+/// Changes an error about a `mesh` to one about this obstacle.
 fn of_obstacle(error: Error, item: &Item<'_>) -> Fault {
     let error = match error {
         Error::Invalid { item: name, value, cure } => Error::invalid(name.replacen("mesh", &item.path, 1), value, cure),
@@ -151,7 +151,7 @@ fn of_obstacle(error: Error, item: &Item<'_>) -> Fault {
     Fault::at(item.path.as_str(), error)
 }
 
-/// Three indices of vertices.
+/// Reads three indices of vertices.
 fn face(item: &Item<'_>) -> Result<[u32; 3], Fault> {
     let corners: [f64; 3] = item.numbers()?;
     if corners.iter().any(|corner| corner.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(corner)) {
@@ -160,7 +160,7 @@ fn face(item: &Item<'_>) -> Result<[u32; 3], Fault> {
     Ok(corners.map(|corner| corner as u32))
 }
 
-/// A name, or one for each point.
+/// Reads one signature for all points, or a list with a name for each point.
 fn signature(item: &Item<'_>) -> Result<Signature, Fault> {
     let read = |path: &str, one: Result<Signature, Error>| one.map_err(|error| Fault::at(path, error));
     if let Node::List(_) = item.node {
@@ -200,14 +200,14 @@ fn array(table: &Table<'_>, source: Source<'_>) -> Result<Array, Fault> {
     } else {
         placed(table, source)?
     };
-    // A missing key has the preset's value, or the default.
+    // A missing part keeps the preset's value, or the default.
     Array::PARTS.iter().try_fold(array, |array, part| match table.get(part.name) {
         None => Ok(array),
         Some(item) => Ok(part.put(array, value_of(part, &item)?)?),
     })
 }
 
-/// The value of a part.
+/// Reads the value of a part.
 fn value_of(part: &Part, item: &Item<'_>) -> Result<PartValue, Fault> {
     Ok(match part.kind() {
         PartKind::Real => PartValue::Real(item.real()?),
@@ -229,7 +229,7 @@ fn tiles(item: &Item<'_>) -> Result<[usize; 2], Fault> {
     Ok(numbers.map(|number| number as usize))
 }
 
-/// An array by its positions, in the document or in a file beside it.
+/// Reads an array of positions, listed in the document or in a file beside it.
 fn placed(table: &Table<'_>, source: Source<'_>) -> Result<Array, Fault> {
     let given = table.need("positions")?;
     let normals = table.read("normals", Item::vectors)?;
@@ -261,7 +261,7 @@ fn directivity(item: &Item<'_>) -> Result<Directivity, Fault> {
     })
 }
 
-/// The quantization; that of an empty table binds nothing.
+/// Reads a quantization; an empty table allows any drive.
 fn quantization(item: &Item<'_>) -> Result<Quantization, Fault> {
     let table = item.table()?;
     let phases = table
@@ -290,7 +290,7 @@ fn choice(table: &Table<'_>, board: Option<&Quantization>) -> Result<Choice, Fau
     Ok(choice)
 }
 
-/// An option's value.
+/// Reads the value of an option.
 pub(super) fn value(item: &Item<'_>) -> Result<Value, Fault> {
     Ok(match item.node {
         Node::Bool(value) => Value::Bool(*value),
@@ -316,7 +316,7 @@ fn plane(table: &Table<'_>, scene: &Scene) -> Result<Plane, Fault> {
         None => Plane::around(points, wavelength)[0],
         Some(axis) => Plane::layers(axis, points, wavelength)[0],
     };
-    // A size of the user's own is meant around the array's axis; one that follows the points follows them.
+    // With a given size, the default center is the array's axis. Without it, size and center follow the points.
     let center = match (size, around.axis) {
         (None, _) => around.center,
         (Some(_), Axis::Z) => [0.0, 0.0],

@@ -1,4 +1,4 @@
-//! The keys of a scene file, each with its meaning and an example, for editors and error messages.
+//! Schema: all keys of a scene file, each with its meaning and an example, for editors and error messages.
 
 use alloc::format;
 use alloc::string::String;
@@ -6,7 +6,7 @@ use alloc::string::String;
 use crate::files::source::Format;
 use crate::scene::{Array, Bead, Key, Medium, Obstacle};
 
-/// A table's path, and its keys.
+/// The path of a table, and its keys.
 type Table = (&'static str, &'static [Key]);
 
 const TABLES: &[Table] = &[
@@ -237,7 +237,7 @@ const TABLES: &[Table] = &[
     ),
 ];
 
-/// Earlier names of keys, and usual misspellings.
+/// Former names and common misspellings of keys: table, former name, present name.
 const FORMER: &[(&str, &str, &str)] = &[
     ("array", "levels", "quantization"),
     ("solver", "level", "aim"),
@@ -248,22 +248,23 @@ const FORMER: &[(&str, &str, &str)] = &[
     ("image[]", "path", "file"),
 ];
 
-/// The key that was once called so.
+/// The present name of a former or misspelled key.
 pub(super) fn renamed(table: &str, key: &str) -> Option<&'static str> {
     FORMER.iter().find(|(at, former, _)| is(at, &pattern(table)) && *former == key).map(|(.., now)| *now)
 }
 
-/// Every table of a scene file by its path, `points[]` where there may be many, and its keys, in one or more parts.
+/// All tables of a scene file: path and keys. A list of tables has a path such as `points[]`; a table may occur more than once,
+/// with other keys.
 pub fn tables() -> impl Iterator<Item = (&'static str, &'static [Key])> {
     TABLES.iter().copied()
 }
 
-/// The keys of a table: `medium`, `points[3]`.
+/// The names of the keys of a table, whose path may have indices: `medium`, `points[3]`.
 pub(super) fn keys(table: &str) -> impl Iterator<Item = &'static str> + Clone {
     rows(&pattern(table)).map(|key| key.name)
 }
 
-/// A correct line for the key at a path, or for the nearest one around it.
+/// An example of a line for the key at a path, or for the nearest table around it.
 pub(super) fn example(path: &str, format: Format) -> Option<String> {
     let path = pattern(path);
     let mut path = path.trim_end_matches("[]");
@@ -279,13 +280,13 @@ pub(super) fn example(path: &str, format: Format) -> Option<String> {
     }
 }
 
-/// A correct line for a key of whatever table has it.
+/// An example of a line for a key, in the first table that has it.
 pub(super) fn example_of_key(key: &str, format: Format) -> Option<String> {
     let table = TABLES.iter().find(|(_, rows)| rows.iter().any(|known| known.name == key))?.0;
     example(&if table.is_empty() { key.into() } else { format!("{table}.{key}") }, format)
 }
 
-/// A key and its value as the format writes them.
+/// A key and its value as a line in this format.
 pub(super) fn line(table: &str, key: &str, json: &str, format: Format) -> String {
     if format == Format::Json {
         return format!("\"{key}\": {json}");
@@ -304,12 +305,12 @@ fn rows(pattern: &str) -> impl Iterator<Item = &'static Key> + Clone + use<> {
     TABLES.iter().filter(move |(path, _)| is(path, &pattern)).flat_map(|(_, rows)| *rows)
 }
 
-/// Whether a pattern means tables of the schema: `shape[]` also means a single `shape`, and `array` one of several.
+/// Whether the path of a table in the schema fits a pattern. `shape[]` also fits a single `shape`, and `array` one of several.
 fn is(path: &str, pattern: &str) -> bool {
     path.trim_end_matches("[]") == pattern.trim_end_matches("[]")
 }
 
-/// A path without its indices: `points[3].pressure` as `points[].pressure`.
+/// Removes the indices from a path: `points[3].pressure` becomes `points[].pressure`.
 fn pattern(path: &str) -> String {
     let mut within = false;
     path.chars()

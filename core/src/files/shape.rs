@@ -1,4 +1,4 @@
-//! Tables `[shape]`: lines, circles and polylines as points; text and drawings are drawn by the caller.
+//! Tables `[shape]`: converts lines, circles and polylines to points. The caller draws texts and drawings.
 
 use alloc::string::ToString;
 use alloc::vec;
@@ -18,10 +18,10 @@ const KINDS: [Kind; 5] = [
     ("svg", &["file", "size", "z"], &[]),
 ];
 
-/// Points and their targets.
+/// The points of a shape and their targets.
 type Made = (Vec<[f64; 3]>, Request);
 
-/// The points of a shape; none of text and drawings.
+/// Returns the points of a shape; `None` for texts and drawings.
 pub(super) fn shape(item: &Item<'_>) -> Result<Option<Made>, Fault> {
     let (kind, table) = kind::of(item, &KINDS, &["step", "pressure", "weight"])?;
     let curve = match kind {

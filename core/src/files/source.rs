@@ -1,4 +1,4 @@
-//! Source of a document: its format, its name in errors, and the folder of its files.
+//! Source of a document: its format, its name in error messages, and the folder of the files that it names.
 
 use alloc::format;
 use alloc::string::ToString;
@@ -6,10 +6,10 @@ use std::path::Path;
 
 use crate::error::{Error, one_line};
 
-/// The largest scene file read, in bytes.
+/// The largest scene file that is read, in bytes.
 pub const MOST_BYTES: usize = 64 << 20;
 
-/// The two ways to write a scene down.
+/// The formats of scene files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(clippy::exhaustive_enums, reason = "the two formats of the schema")]
 pub enum Format {
@@ -20,20 +20,20 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format by the name's ending: `.json` is JSON, any other ending TOML.
+    /// Returns the format for a file name: `.json` is JSON, any other ending is TOML.
     #[must_use]
     pub fn of(name: &str) -> Self {
         if name.to_ascii_lowercase().ends_with(".json") { Self::Json } else { Self::Toml }
     }
 
-    /// A document's own, by the endings `.json` and `.toml` of its name, else by the text itself.
+    /// Returns the format of a document: by its name if that ends in `.json` or `.toml`, else by its text.
     #[must_use]
     pub fn of_document(name: &str, bytes: &[u8]) -> Self {
         let reported = [".json", ".toml"].iter().any(|ending| name.to_ascii_lowercase().ends_with(ending));
         if reported { Self::of(name) } else { Self::of_text(bytes) }
     }
 
-    /// The format by the text itself: no TOML begins with a brace, and a scene in JSON does.
+    /// Returns the format of a text: JSON if it begins with a brace, which TOML never does.
     #[must_use]
     pub fn of_text(bytes: &[u8]) -> Self {
         let text = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
@@ -41,16 +41,16 @@ impl Format {
     }
 }
 
-/// The byte order mark that some editors write first.
+/// The byte order mark that some editors write at the beginning of a file.
 pub(super) const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
 
-/// Where a document comes from.
+/// The name and the folder of a document.
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::exhaustive_structs, reason = "a name and a place")]
 pub struct Source<'a> {
-    /// The name that errors use: its file's name.
+    /// The name in error messages: the file name.
     pub name: &'a str,
-    /// The folder that files named in it are relative to; without one they are refused.
+    /// The folder for relative file names in the document. Without it, a document may not name files.
     pub folder: Option<&'a Path>,
 }
 
@@ -61,7 +61,7 @@ impl Default for Source<'_> {
 }
 
 impl Source<'_> {
-    /// A fault of the document, at an offset of its text where that is known.
+    /// Returns an error about the document, with line and column if `at` gives the text and an offset.
     pub(super) fn fault(self, at: Option<(&str, usize)>, reason: &str) -> Error {
         let mut place = self.name.to_string();
         if let Some((text, offset)) = at {
@@ -72,7 +72,7 @@ impl Source<'_> {
     }
 }
 
-/// Line and column, counted from 1.
+/// Line and column of an offset, both counted from 1.
 fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
     let before = text.get(..offset.min(text.len())).unwrap_or(text);
     let line = before.rsplit('\n').next().unwrap_or_default();

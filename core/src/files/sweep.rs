@@ -1,4 +1,4 @@
-//! Sweep files: the keys of a document of many scenes, beside those of an array, a medium and a solver.
+//! Sweep files: the keys of a document that describes many scenes.
 
 use alloc::vec::Vec;
 
@@ -46,13 +46,13 @@ const POINTS: &[Key] = &[
     Key::new("shift", "[0.02, 0.0, 0.0]", "dx, dy, dz in m, added to every point."),
 ];
 
-/// The tables of a sweep file that are its own, by path, and their keys.
+/// The tables of a sweep file with other keys than a scene file, by path, and their keys.
 #[must_use]
 pub fn sweep_tables() -> [(&'static str, &'static [Key]); 2] {
     [("", FILE), ("points", POINTS)]
 }
 
-/// Refuses a key that no sweep has.
+/// Checks that all keys of a sweep are known.
 pub(super) fn check(document: &Node) -> Result<(), Fault> {
     let names = |keys: &[Key]| keys.iter().map(|key| key.name).collect::<Vec<_>>();
     let root = Item::root(document).table_of(&names(FILE))?;

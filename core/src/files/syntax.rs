@@ -1,4 +1,4 @@
-//! Syntax errors of TOML and JSON, in words for users of scene files.
+//! Syntax errors of TOML and JSON, with messages for users of scene files.
 
 use alloc::format;
 use alloc::string::String;
@@ -9,10 +9,10 @@ use crate::files::node::Node;
 use crate::files::schema;
 use crate::files::source::{Format, Source};
 
-/// More keys than any table has; comparing each with each stays cheap.
+/// The most keys of a table, far more than any table has. Each key is compared with all others, which must stay fast.
 const MOST_KEYS: usize = 256;
 
-/// The fault in a text, and its place if known.
+/// A syntax error, and its offset in the text if known.
 pub(super) struct Flaw {
     at: Option<usize>,
     reason: String,
@@ -23,7 +23,7 @@ impl Flaw {
         Self { at: at.into(), reason: reason.into() }
     }
 
-    /// The parsers stop at some such depth.
+    /// The error for a document that exceeds the depth limit of a parser.
     pub(super) fn nested(at: impl Into<Option<usize>>) -> Self {
         Self::new(at, "nested too deep: a scene file needs four levels of brackets at most")
     }
@@ -36,7 +36,7 @@ impl Flaw {
         Self::new(at, format!("the key \"{key}\" is written twice: keep one of them"))
     }
 
-    /// Refuses a key that a table has already, or one too many.
+    /// Checks that a table does not have the key already, and that it has not too many keys.
     pub(super) fn check_key(at: usize, key: &str, entries: &[(String, Node)]) -> Result<(), Self> {
         if entries.iter().any(|(known, _)| known == key) {
             return Err(Self::twice(at, key));
@@ -48,17 +48,17 @@ impl Flaw {
         Ok(())
     }
 
-    /// The same of a text that may be of the other format.
+    /// Replaces the reason if the text seems to be in the other format.
     pub(super) fn or_foreign(self, foreign: bool, reason: &str) -> Self {
         if foreign { Self::new(self.at, reason) } else { self }
     }
 
-    /// The fault with a line as it would be correct, of the key where the text goes wrong, where it is known.
+    /// Returns the complete error. If the key near the error is known, the example is a correct line for it.
     pub(super) fn reported(self, text: &str, format: Format, source: Source<'_>) -> Error {
         let before = self.at.and_then(|at| text.get(..at));
         let key = |word: &str| schema::example_of_key(word, format);
         let example = before.and_then(|before| match format {
-            // A line of TOML begins with its key.
+            // In TOML, a line begins with its key.
             Format::Toml => {
                 let line = text.get(before.rfind('\n').map_or(0, |end| end + 1)..)?.lines().next()?;
                 let line = line.trim_start_matches(['[', ' ', '\t']);

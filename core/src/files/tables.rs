@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::files::node::Node;
 use crate::scene::{Array, Axis, Bead, Key, Obstacle, Origin, PartValue, Plane, Scene, Signature, Surface, Value};
 
-/// The settings of a solve, written beside the scene so that a result can be replayed.
+/// Information about a solve, written beside the scene so that a result can be reproduced.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[allow(clippy::exhaustive_structs, reason = "two remarks")]
 pub struct Provenance {
@@ -17,7 +17,7 @@ pub struct Provenance {
     pub status: Option<String>,
 }
 
-/// The document of a scene.
+/// Returns the document of a scene as a tree of values.
 pub(super) fn document(scene: &Scene, provenance: &Provenance) -> Result<Node, Error> {
     let (medium, request) = (scene.medium(), scene.request());
     let points = scene.points().iter().enumerate().map(|(j, position)| {
@@ -129,7 +129,7 @@ fn plane(plane: Plane) -> Node {
     ])
 }
 
-/// An option's value.
+/// Converts the value of an option.
 fn option(value: &Value) -> Result<Node, Error> {
     Ok(match value {
         Value::Bool(value) => Node::Bool(*value),
@@ -144,9 +144,9 @@ fn option(value: &Value) -> Result<Node, Error> {
     })
 }
 
-/// A table; null values are not written.
+/// Returns a table. Entries that are null will not be written.
 fn table<'a>(entries: impl IntoIterator<Item = (&'a str, Node)>) -> Node {
-    // A loop, because it would take kilobytes if it were unrolled for each table.
+    // The loop is separate, because it takes kilobytes of code if it is compiled once for each table.
     let entries: Vec<_> = entries.into_iter().collect();
     Node::Table(entries.into_iter().map(|(key, node)| (key.to_string(), node)).collect())
 }

@@ -1,4 +1,4 @@
-//! TOML, read as a tree of values; and the place of a value in the text.
+//! TOML, parsed into a tree of values; and the place of a value in the text.
 
 use alloc::format;
 use alloc::string::ToString;
@@ -12,16 +12,16 @@ use crate::files::node::Node;
 use crate::files::step::{Place, Step};
 use crate::files::syntax::Flaw;
 
-/// Whole numbers from here on are too large for any computer.
+/// Whole numbers from here on are rejected as too large.
 const MOST: f64 = 1e38;
 
-/// The table of a text.
+/// Parses a text.
 pub(super) fn read(text: &str) -> Result<Node, Flaw> {
     let root = DeTable::parse(text).map_err(|error| refused(&error, text))?;
     table(root.into_inner())
 }
 
-/// The depth to which some steps lead into a text that was read.
+/// Follows `steps` into a text that has been parsed, as far as they lead.
 pub(super) fn find(text: &str, steps: &[Step<'_>]) -> Place {
     let mut place = Place { value: 0, key: 0, steps: 0 };
     let Ok(root) = DeTable::parse(text) else { return place };
@@ -43,7 +43,7 @@ pub(super) fn find(text: &str, steps: &[Step<'_>]) -> Place {
 }
 
 fn table(table: DeTable<'_>) -> Result<Node, Flaw> {
-    // The parser sorts keys by name; a document's own order counts.
+    // The parser sorts keys by name; this restores the order of the document.
     let mut given: Vec<_> = table.into_iter().collect();
     given.sort_by_key(|(key, _)| key.span().start);
     let mut entries = Vec::new();
@@ -74,7 +74,7 @@ fn node(value: Spanned<DeValue<'_>>) -> Result<Node, Flaw> {
     })
 }
 
-/// A whole number where 64 bits hold it, else the nearest f64.
+/// A whole number if it fits into 64 bits, else the nearest f64.
 fn integer(value: &DeInteger<'_>) -> Option<Node> {
     let (digits, radix) = (value.as_str(), value.radix());
     let large = |_| u64::from_str_radix(digits, radix).map(Node::Large);
@@ -82,7 +82,7 @@ fn integer(value: &DeInteger<'_>) -> Option<Node> {
     i64::from_str_radix(digits, radix).map(Node::Integer).or_else(large).ok().or_else(real)
 }
 
-/// The parser's message in plain words.
+/// Converts an error of the parser to plain words.
 fn refused(error: &Error, text: &str) -> Flaw {
     let span = error.span();
     let at = span.as_ref().map(|span| span.start);

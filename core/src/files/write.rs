@@ -1,4 +1,4 @@
-//! Tree of values, written as TOML or JSON.
+//! Writes a tree of values as TOML or JSON.
 
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -8,7 +8,7 @@ use core::slice;
 
 use crate::files::node::Node;
 
-/// A value in JSON, each level two spaces further in; `line` begins a line of its own level.
+/// Writes a value as JSON, each level indented by two more spaces. `line` is a line break with the indentation of this level.
 pub(super) fn json(node: &Node, line: &str, text: &mut String) {
     let inner = format!("{line}  ");
     let mut before = "";
@@ -51,8 +51,8 @@ pub(super) fn json(node: &Node, line: &str, text: &mut String) {
     text.push_str(close);
 }
 
-/// The lines of a table in TOML, then the tables and lists of tables in it under their names; none where a list has a null
-/// in it, which TOML does not know.
+/// Writes the entries of a table as TOML: first plain values, then tables and lists of tables under their names. Returns `None`
+/// for a list with a null, which TOML cannot express.
 pub(super) fn toml(path: &str, table: &Node, text: &mut String) -> Option<()> {
     let Node::Table(entries) = table else { return None };
     let (sections, lines): (Vec<_>, Vec<_>) = given(entries).partition(|(_, node)| is_section(node));
@@ -80,7 +80,7 @@ pub(super) fn toml(path: &str, table: &Node, text: &mut String) -> Option<()> {
     Some(())
 }
 
-/// A value in TOML on one line.
+/// Writes a value as TOML on one line.
 fn inline(node: &Node, text: &mut String) -> Option<()> {
     let mut between = "";
     match node {
@@ -119,7 +119,7 @@ fn inline(node: &Node, text: &mut String) -> Option<()> {
     Some(())
 }
 
-/// Whether TOML gives a value lines under a name of its own.
+/// Whether TOML writes a value as a section, under a header with its name.
 fn is_section(node: &Node) -> bool {
     match node {
         Node::Table(_) => true,
@@ -128,18 +128,18 @@ fn is_section(node: &Node) -> bool {
     }
 }
 
-/// A null value is left out of a table.
+/// The entries of a table that are not null; null values are not written.
 fn given(entries: &[(String, Node)]) -> impl Iterator<Item = &(String, Node)> {
     entries.iter().filter(|(_, node)| *node != Node::Null)
 }
 
-/// A key of TOML.
+/// Writes a key in TOML, in quotes if necessary.
 fn name(key: &str, text: &mut String) {
     let plain = |letter: char| letter.is_ascii_alphanumeric() || letter == '_' || letter == '-';
     if !key.is_empty() && key.chars().all(plain) { text.push_str(key) } else { quoted(key, text) }
 }
 
-/// The parts that both formats write alike.
+/// Writes a value that both formats write alike.
 fn scalar(node: &Node, text: &mut String) {
     match node {
         Node::Text(words) => quoted(words, text),

@@ -1,4 +1,4 @@
-//! Targets and weights in pascals over all points, and the balanced level they are scaled to.
+//! ArrayRequest: targets and weights of all points in Pa, and the factor that scales targets to the balanced level.
 
 use alloc::format;
 use alloc::sync::Arc;
@@ -14,43 +14,43 @@ use crate::problem::setup::Setup;
 use crate::propagation::Propagation;
 use crate::scene::Request;
 
-/// Targets outside this range, in reference pressures, have a wrong unit and are near the limits of f32.
+/// Targets outside of this range, in units of the reference pressure, are near the limits of f32 and have a wrong unit.
 const MOST_TARGET: f64 = 1e15;
 const LEAST_TARGET: f64 = 1e-30;
 
-/// A point counts as not reached if all transducers together make less than this, in Pa: quotients would overflow.
+/// A point is not reached if all transducers together give less than this in Pa: quotients by it would overflow.
 const LEAST_REACH: f64 = 1e-200;
 
-/// The pressures that a request needs from an array, over all points, in Pa.
+/// The targets and weights of a request at all points of an array.
 #[derive(Clone, Debug)]
 pub(crate) struct ArrayRequest {
     /// G at all points.
     pub(crate) propagation: Propagation,
-    /// The array behind it.
+    /// The medium, quantization and channels of the array.
     pub(crate) setup: Arc<Setup>,
     /// Targets (M,) in Pa.
     pub(crate) pascals: Vec<f64>,
-    /// Phases of the targets (M,) in rad; none where they are free.
+    /// Phases of the targets (M,) in rad; empty if they are free.
     pub(crate) phases: Vec<f64>,
     /// Weights (M,).
     pub(crate) weights: Vec<f64>,
-    /// Weights of the points of weight above 0, the largest 1, padded with zeros.
+    /// Weights of the active points, divided by the largest weight, padded with zeros.
     pub(crate) relative_weights: Vec<f32>,
-    /// The points of weight above 0.
+    /// The active points: the indices of those with a weight above 0.
     pub(crate) active: Vec<usize>,
-    /// Whether the caller gave pressures, and weights.
+    /// Whether the caller gave pressures, and whether the caller gave weights.
     pub(crate) given: bool,
     pub(crate) weighted: bool,
-    /// Factor that brings the targets to the balanced level.
+    /// The factor that scales the targets to the balanced level.
     pub(crate) balance: f64,
-    /// The first point with a target above its own reach, and that reach in Pa.
+    /// The first point whose target exceeds the pressure of all transducers there, with that pressure in Pa.
     pub(crate) overasked: Option<(usize, f64)>,
-    /// Largest ratio of a target to its point's own reach, if it is above 1; else 0.
+    /// The largest ratio of a target to the pressure of all transducers at its point, if it is above 1; else 0.
     pub(crate) excess: f64,
 }
 
 impl ArrayRequest {
-    /// Without a request.
+    /// Returns the state before a request is read.
     pub(crate) fn new(propagation: Propagation, setup: Arc<Setup>) -> Self {
         Self {
             propagation,
@@ -68,8 +68,8 @@ impl ArrayRequest {
         }
     }
 
-    /// Reads and checks a request. Returns G at the points of weight above 0, unless all points have one. Only this G is
-    /// allocated in a second call.
+    /// Checks a request and stores it. Returns G at the active points, or `None` if all points are active. A second call
+    /// allocates memory only for that G.
     pub(crate) fn read(&mut self, request: &Request) -> Result<Option<Propagation>, Error> {
         let all = 0..self.propagation.points();
         request.check(all.end)?;
@@ -96,7 +96,7 @@ impl ArrayRequest {
         !self.phases.is_empty()
     }
 
-    /// The request as it was read.
+    /// Returns the request as it was given.
     pub(crate) fn request(&self) -> Request {
         Request {
             pressures: self.given.then(|| self.pascals.clone()),
@@ -105,11 +105,11 @@ impl ArrayRequest {
         }
     }
 
-    /// Computes the balanced level from p1_j of the points of weight above 0, in units of the reference, and sets the
-    /// targets to it where none were given.
+    /// Computes the balanced level. `reach` contains p1_j of the active points in units of the reference. If no pressures were
+    /// given, the targets are set to this level.
     ///
     /// # Errors
-    /// A target that no transducer reaches, or one in no unit of pressure.
+    /// A target at a point that no transducer reaches; a target so large or small that it must have a wrong unit.
     pub(crate) fn balance(&mut self, reach: &[f64]) -> Result<(), Error> {
         let reference = self.propagation.reference();
         (self.overasked, self.excess) = (None, 0.0);
@@ -124,13 +124,13 @@ impl ArrayRequest {
                 let cure = "no array comes near it: give the pressure in Pa, or 0 for a quiet point";
                 return Err(Error::invalid(format!("points[{j}].pressure"), format!("{target:e}"), cure));
             }
-            // Sums in f32 are exact to 1e-4 of the reach.
+            // The tolerance covers the sums of f32 values, which are exact to 1e-4 of the reach.
             if self.given && target > (1.0 + 1e-4) * alone {
                 self.overasked = self.overasked.or(Some((j, alone)));
                 self.excess = self.excess.max(target / alone);
             }
         }
-        // Loads relative to the heaviest, so that no square over- or underflows.
+        // Divided by the largest load, so that no square overflows or underflows.
         let pairs = self.active.iter().zip(reach);
         let loads = pairs.map(|(&j, &reach)| self.pascals[j] / (reach * reference)).filter(|load| *load > 0.0);
         let load = loads.clone().fold(0.0, f64::max);
@@ -148,7 +148,7 @@ impl ArrayRequest {
         Ok(())
     }
 
-    /// Targets of the points of weight above 0, times `factor`, in units of the reference.
+    /// Writes the targets of the active points times `factor`, in units of the reference, padded with zeros.
     pub(crate) fn scaled(&self, factor: f64, out: &mut [f32]) {
         for (out, &j) in out.iter_mut().zip(&self.active) {
             *out = (self.pascals[j] * factor / self.propagation.reference()) as f32;
@@ -156,7 +156,8 @@ impl ArrayRequest {
         out[self.active.len()..].fill(0.0);
     }
 
-    /// The relative error of complex pressures (M,) in Pa: the root of sum w |p - target|^2 / sum w |target|^2.
+    /// Returns the relative error of complex pressures (M,) in Pa, sqrt(sum w |p - target|^2 / sum w |target|^2); `None` if the
+    /// phases are free.
     pub(crate) fn complex_error(&self, pressures: &[Complex32]) -> Option<f64> {
         if !self.phased() {
             return None;
@@ -165,7 +166,7 @@ impl ArrayRequest {
         let heaviest = self.weights.iter().copied().fold(0.0, f64::max);
         let (mut miss, mut all) = (0.0, 0.0);
         for &j in &self.active {
-            // Relative to the largest, so that no square of a finite number overflows.
+            // Divided by the largest target, so that no square of a finite number overflows.
             let (weight, target) = (self.weights[j] / heaviest, self.pascals[j] / largest);
             let pressure = Complex64::new(f64::from(pressures[j].re), f64::from(pressures[j].im)) / largest;
             miss += weight * (pressure - target * math::phasor(self.phases[j])).norm_sqr();
@@ -174,7 +175,7 @@ impl ArrayRequest {
         Some(math::sqrt(miss / all))
     }
 
-    /// Metrics of pressures |p| (M,) in Pa.
+    /// Returns the metrics of pressures |p| (M,) in Pa.
     pub(crate) fn metrics(&self, pressures: impl Iterator<Item = f64> + Clone) -> Metrics {
         let requested = self.pascals.iter().zip(&self.weights);
         Metrics::of(pressures.zip(requested).map(|(pressure, (&target, &weight))| (pressure, target, weight)))

@@ -1,4 +1,4 @@
-//! Complex targets: those of a problem that also requests phases.
+//! Complex targets: the targets of a problem that requests pressures with phases.
 
 use num_complex::Complex64;
 
@@ -7,23 +7,22 @@ use crate::problem::Problem;
 use crate::problem::array_request::ArrayRequest;
 
 impl Problem {
-    /// The phases of the targets in rad, where they have any: over the points of weight above 0.
+    /// The phases in rad of the targets at the points of weight above 0; `None` if they are free.
     #[must_use]
     pub fn target_phases(&self) -> Option<impl Iterator<Item = f64> + '_> {
         let ArrayRequest { phases, active, .. } = &*self.targets;
         self.targets.phased().then(|| active.iter().map(|&j| phases[j]))
     }
 
-    /// Targets as complex numbers in units of the reference, over the points of weight above 0: of phase 0 where their
-    /// phases are free.
+    /// The complex targets at the points of weight above 0, in units of the reference; with phase 0 if their phases are free.
     pub(crate) fn complex_targets(&self) -> impl Iterator<Item = Complex64> + '_ {
         let ArrayRequest { phases, active, .. } = &*self.targets;
         let phasor = |j: usize| phases.get(j).map_or(Complex64::ONE, |&phase| math::phasor(phase));
         self.scaled.iter().zip(active).map(move |(&target, &j)| f64::from(target) * phasor(j))
     }
 
-    /// Targets in Pa as complex numbers, over the points of weight above 0 and balanced if that was requested; `None` where
-    /// their phases are free.
+    /// The complex targets in Pa at the points of weight above 0, at the balanced level if that was requested; `None` if their
+    /// phases are free.
     #[must_use]
     pub fn complex_targets_in_pascals(&self) -> Option<impl Iterator<Item = Complex64> + '_> {
         let phases = self.target_phases()?;

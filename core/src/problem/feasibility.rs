@@ -1,4 +1,4 @@
-//! Feasibility: the reach of an array at the points, and requests provably beyond it.
+//! Feasibility: the pressures that an array can reach at the points, and requests that are proven to exceed them.
 
 use alloc::format;
 use alloc::string::String;
@@ -12,26 +12,28 @@ use crate::problem::Problem;
 use crate::problem::upper_bound::{FEW_POINTS, rough_bound};
 use crate::scene::Aim;
 
-/// The paper's own p1/sqrt(M) is out of reach by 14 % in the mean and by a quarter in single scenes of few points. What is
-/// proven to be further away is a slip.
+/// The part of the targets below which a bound counts as a mistake. The balanced level of Suzuki et al. 2021, p1/sqrt(M),
+/// exceeds the true limit by 14 % on average, and by a quarter in some scenes of few points. A request that exceeds it by more
+/// is a mistake.
 const EVERYDAY: f64 = 0.75;
 
-/// Capabilities of an array.
+/// The pressures that an array can give at the points of a problem.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Reach {
-    /// The strongest pressure at each point alone (M,) in Pa: `sum_i |G_ji|`.
+    /// The highest pressure at each point alone (M,) in Pa: `sum_i |G_ji|`.
     pub alone: Vec<f64>,
-    /// The pressures (M,) in Pa, in the ratios of the targets, that the array can make at all points together if they are
-    /// a focal width apart: the balanced level, `sum_j (s target_j/alone_j)^2 = 1`. Closer points can have more.
+    /// The balanced level (M,) in Pa: the pressures, in the ratios of the targets, that the array can give at all points
+    /// together if they are at least a focal width apart. They are s target_j with `sum_j (s target_j/alone_j)^2 = 1`. Closer
+    /// points can have more.
     pub level: Vec<f64>,
 }
 
-/// A request that no drive can fulfil.
+/// The proof that no drive can fulfil a request.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::exhaustive_enums, reason = "the two ways to ask for too much")]
 pub enum Beyond {
-    /// A target above the pressure of all transducers together at that point.
+    /// A target exceeds the pressure of all transducers together at its point.
     Alone {
         /// Index of the point.
         point: usize,
@@ -40,9 +42,9 @@ pub enum Beyond {
         /// The strongest pressure there in Pa.
         alone: f64,
     },
-    /// Targets that no drive gives at the same time.
+    /// No drive gives all targets at the same time.
     Together {
-        /// No drive reaches more than this part of every target, proven as [`crate::bound()`] proves it.
+        /// The proven bound on min |p_j|/target_j over the points, see [`crate::bound()`].
         most: f64,
     },
 }
@@ -64,7 +66,7 @@ impl fmt::Display for Beyond {
     }
 }
 
-/// About four digits of a pressure, whatever its unit.
+/// Writes a pressure with about four digits.
 fn pascals(pressure: f64) -> String {
     match pressure {
         1e3..1e9 => format!("{pressure:.0}"),
@@ -74,7 +76,7 @@ fn pascals(pressure: f64) -> String {
 }
 
 impl Problem {
-    /// The pressures that the array can make at the points, in double precision.
+    /// Returns the pressures that the array can give at the points, computed in double precision.
     ///
     /// # Errors
     /// A stop.
@@ -87,13 +89,15 @@ impl Problem {
                 *alone += propagation.exact(j, i).norm();
             }
         }
-        // A point of weight 0 may have any target.
+        // The target of a point of weight 0 is arbitrary, so the product may overflow.
         let level = |target: &f64| (self.balance() * target).min(f64::MAX);
         Ok(Reach { alone, level: self.targets_in_pascals().iter().map(level).collect() })
     }
 
-    /// The provably impossible part of a request, for [`Aim::Target`]: a target above its point's own reach, or targets of which no
-    /// drive gives more than three quarters at the same time, as the quick form of [`crate::bound()`] proves (up to 64 points; from
+    /// Returns a proof that the request is impossible, if there is one, for [`Aim::Target`]. Either a target exceeds the
+    /// pressure of all transducers at its point, or no drive gives more than three quarters of all targets at once. The second
+    /// is proven by the quick form of [`crate::bound()`], for up to 64 points. It finds targets from about 1.4 times the
+    /// balanced level at a few points, from 2 to 2.5 times at 64.
     /// about 1.4 times the balanced level on at a few points, from 2 to 2.5 times at 64).
     ///
     /// # Errors
@@ -109,20 +113,23 @@ impl Problem {
         Ok((most < EVERYDAY).then_some(Beyond::Together { most }))
     }
 
-    /// The first target above its point's own reach, of [`Aim::Target`]: known as soon as the problem is, at no cost.
+    /// Returns the first target that exceeds the pressure of all transducers at its point, for [`Aim::Target`]. It is already
+    /// known when the problem is made.
     #[must_use]
     pub fn beyond_alone(&self) -> Option<Beyond> {
         let (point, alone) = self.targets.overasked.filter(|_| self.aim() == Aim::Target)?;
         Some(Beyond::Alone { point, target: self.targets_in_pascals()[point], alone })
     }
 
-    /// Largest ratio of a target to its point's own reach, for [`Aim::Target`]; 0 if no target is above it.
+    /// The largest ratio of a target to the pressure of all transducers at its point, for [`Aim::Target`]; 0 if no target
+    /// exceeds it.
     #[must_use]
     pub fn excess(&self) -> f64 {
         if self.aim() == Aim::Target { self.targets.excess } else { 0.0 }
     }
 
-    /// Whether [`Problem::beyond`] has to examine more than the reach of single points.
+    /// Whether [`Problem::beyond`] must compute a bound, because the targets are so high that the points together may not reach
+    /// them.
     #[must_use]
     pub fn is_doubtful(&self) -> bool {
         self.aim() == Aim::Target && self.balance() < EVERYDAY

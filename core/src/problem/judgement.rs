@@ -1,4 +1,4 @@
-//! Judgement: the metrics of fields and drives for the targets of a problem.
+//! Judgement: computes the metrics of fields and drives for the targets of a problem.
 
 use alloc::vec;
 
@@ -16,29 +16,30 @@ use crate::propagation::field_of;
 use crate::scene::{Aim, words};
 use crate::workspace::Workspace;
 
-/// Quiet points that leak more times what was allowed are reported: crowded ones, of which a few speak for all, leak up to three
-/// times as much between these.
+/// Quiet points are reported if their leak exceeds the allowed leak by this factor. A solver checks only some points of a crowd
+/// of quiet ones; between these the leak is up to three times as large.
 const LOUD: f64 = 4.0;
 
-/// The error from which targets count as missed.
+/// Targets count as missed from this relative error on.
 pub(crate) const MISS: f64 = 0.01;
 
-/// The precision of a judgement.
+/// The precision in which metrics are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[allow(clippy::exhaustive_enums, reason = "the two kinds of numbers that machines have")]
 pub enum Precision {
-    /// The rows of the solvers: |p| to 1e-4 of the array's reach at a point.
+    /// Single precision, the rows of the solvers: |p| is accurate to 1e-4 of the pressure of all transducers at a point.
     #[default]
     Single,
-    /// Eq. (5) in double precision, as the drive is: a hundred times as slow.
+    /// Double precision, by eq. (5): a hundred times as slow.
     Double,
 }
 
 words!(Precision: "single" = Self::Single, "double" = Self::Double);
 
 impl Problem {
-    /// By how much an answer misses the targets where that is more than 1 %: of a method that `meets` targets, which were
-    /// given and are what it aims at, and that was not stopped. Quiet points may leak the part `quiet` of the largest.
+    /// Returns the relative error of a solution if it exceeds 1 %. Returns `None` if the method does not meet targets
+    /// (`meets`), if targets were not given or are not the aim, or if the solve was stopped. Quiet points may leak the part
+    /// `quiet` of the largest target.
     pub(crate) fn missed(&self, meets: bool, quiet: Option<f64>, solution: &Solution) -> Option<f64> {
         let requested =
             meets && self.asks_pressures() && self.aim() == Aim::Target && solution.status != Status::Stopped;
@@ -46,17 +47,17 @@ impl Problem {
         (miss > MISS).then_some(miss)
     }
 
-    /// The leak at quiet points, as [`Problem::weighted_leak`], where it is much more than the allowed part `quiet`.
+    /// Returns the leak at quiet points, see [`Problem::weighted_leak`], if it is much larger than the allowed part `quiet`.
     pub(crate) fn leaks(&self, quiet: f64, solution: &Solution) -> Option<f64> {
         let leak = self.weighted_leak(&solution.pressures);
         (solution.status != Status::Stopped && leak >= LOUD * quiet && leak > 0.0).then_some(leak)
     }
 
-    /// The error of an answer, sqrt(sum w (target - |p|)^2 / sum w target^2) over all points of weight above 0; of a quiet
-    /// point what it leaks above the part `quiet` of the largest target.
+    /// Returns the relative error of a solution, sqrt(sum w (target - |p|)^2 / sum w target^2) over the points of weight above
+    /// 0. At a quiet point only the leak above `quiet` times the largest target counts.
     pub(crate) fn miss(&self, solution: &Solution, quiet: f64) -> f64 {
         let ArrayRequest { active, pascals, weights, .. } = &*self.targets;
-        // Relative to the largest, so that no square of a finite number overflows.
+        // Divided by the largest target, so that no square of a finite number overflows.
         let largest = active.iter().fold(0.0, |most: f64, &j| most.max(pascals[j]));
         let heaviest = active.iter().fold(0.0, |most: f64, &j| most.max(weights[j]));
         let (mut miss, mut all) = (0.0, 0.0);
@@ -70,8 +71,8 @@ impl Problem {
         if all > 0.0 { math::sqrt(miss / all) } else { 0.0 }
     }
 
-    /// The most that a quiet point leaks, times its weight over the targets' largest, relative to the loudest targeted one;
-    /// `pressures` are those of the caller's points.
+    /// Returns the largest leak of a quiet point, times its weight over the largest weight of a target, relative to the loudest
+    /// point with a target. `pressures` are those at all points of the caller.
     pub(crate) fn weighted_leak(&self, pressures: &[Complex32]) -> f64 {
         let ArrayRequest { active, pascals, weights, .. } = &*self.targets;
         let modulus = |j: &&usize| math::modulus(pressures[**j]);
@@ -84,22 +85,22 @@ impl Problem {
         if leak == 0.0 { 0.0 } else { leak / heaviest / loudest }
     }
 
-    /// The residual of a field given by its moduli in units of the reference, against this problem's targets.
+    /// Returns the residual of a field against this problem's targets. `moduli` are |p| in units of the reference.
     #[must_use]
     pub fn residual(&self, moduli: &[f32]) -> f64 {
         self.residual_of(moduli.iter().map(|&modulus| f64::from(modulus)))
     }
 
-    /// The residual of moduli in double precision.
+    /// Does the same as [`Problem::residual`] for moduli in double precision.
     pub(crate) fn residual_of(&self, moduli: impl Iterator<Item = f64> + Clone) -> f64 {
         let requested = self.scaled.iter().zip(self.weights());
         Metrics::of(moduli.zip(requested).map(|(p, (&t, &w))| (p, f64::from(t), f64::from(w)))).residual
     }
 
-    /// The metrics of a drive (N,) over the caller's points.
+    /// Returns the metrics of a drive (N,) over the caller's points.
     ///
     /// # Errors
-    /// A drive of another length, a value that is not finite, |q| above 1 + 1e-6, two of one channel that differ; a stop.
+    /// A drive of another length, a value that is not finite, |q| above 1 + 1e-6, two different drives on one channel; a stop.
     pub fn judge(&self, drive: &[Complex32], precision: Precision, control: &mut Control) -> Result<Metrics, Error> {
         let drive = self.setup().columns(drive, self.propagation().transducers())?;
         match precision {
@@ -112,7 +113,7 @@ impl Problem {
         }
     }
 
-    /// The metrics of a field in units of the reference at the points of weight above 0.
+    /// Returns the metrics of a field at the points of weight above 0, in units of the reference.
     pub(crate) fn metrics_of<'a>(&self, field: impl Iterator<Item = (&'a f32, &'a f32)> + Clone) -> Metrics {
         let ArrayRequest { active, pascals, weights, propagation, .. } = &*self.targets;
         let unit = propagation.reference();
@@ -122,7 +123,7 @@ impl Problem {
         Metrics::of(field.zip(active).map(point))
     }
 
-    /// The metrics of the drives of the columns of G, wholly in double precision.
+    /// Returns the metrics of a drive, one value for each column of G, in double precision.
     fn judge_exactly(&self, drive: &[Complex32], control: &mut Control) -> Result<Metrics, Error> {
         let all = &self.targets.propagation;
         let wide = |q: Complex32| Complex64::new(f64::from(q.re), f64::from(q.im));

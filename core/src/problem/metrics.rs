@@ -2,7 +2,7 @@
 
 use crate::math;
 
-/// Passes the name of each metric and its text to a macro, so that all bindings have the same text.
+/// Passes the name and the description of each metric to a macro, so that all bindings have the same texts.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! metrics {
@@ -34,16 +34,16 @@ macro_rules! define {
         }
 
         impl Metrics {
-            /// Their names.
+            /// The names of the metrics.
             pub const NAMES: [&'static str; 6] = [$(stringify!($name)),*];
 
-            /// The numbers in the order of the names.
+            /// The values, in the order of the names.
             #[must_use]
             pub fn values(self) -> [f64; 6] {
                 [$(self.$name),*]
             }
 
-            /// The metrics of numbers in the order of the names.
+            /// Returns metrics with these values, in the order of the names.
             #[must_use]
             pub fn from_values([$($name),*]: [f64; 6]) -> Self {
                 Self { $($name),* }
@@ -53,7 +53,7 @@ macro_rules! define {
 }
 metrics!(define);
 
-/// Uses double precision and no memory: it goes through the points more than once instead.
+/// Computed in double precision without allocating memory: the points are read more than once instead.
 ///
 /// Each item of `points` is (|p|, target, weight) in any one unit.
 ///
@@ -63,7 +63,7 @@ metrics!(define);
 /// assert!((metrics.uniformity - 2.0 / 3.0).abs() < 1e-12);
 /// ```
 impl Metrics {
-    /// The metrics of some points.
+    /// Returns the metrics of some points.
     #[must_use]
     pub fn of(points: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Self {
         let targeted = points.clone().filter(|&(_, target, weight)| target > 0.0 && weight > 0.0);
@@ -74,7 +74,7 @@ impl Metrics {
         let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
         for (pressure, target, weight) in targeted.clone() {
             let x = pressure / target;
-            // Relative to the largest, so that no square of a finite number overflows.
+            // Divided by the largest target, so that no square of a finite number overflows.
             let (gap, target) = ((target - pressure) / largest, target / largest);
             count += 1.0;
             reached += pressure / largest;

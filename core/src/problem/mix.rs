@@ -1,13 +1,16 @@
-//! Mix: a level between two amplitudes of a board, from drives at both.
+//! Mix: a level between two amplitudes of a board, made by driving some transducers at the lower and some at the higher one.
+//!
+//! With the drives q_i, the field P_j = sum_i G_ji q_i and the amplitude a_i of each transducer:
 //!
 //! ```text
-//! c_ij = G_ij q_i / P_j             the part of a point's pressure that a transducer makes, of its component along P_j
+//! c_ij = G_ji q_i / P_j             what transducer i adds at point j, along P_j and relative to it
 //! e_j  = sum_i a_i c_ij - level     the error; at quiet points the pressure itself, relative to the loudest point's
 //! ```
-//! Where there are many transducers a point, amplitudes are drawn at random, which leaves errors of about `step / (2 sqrt(N))`:
-//! small enough, or so after some choices. Else every transducer chooses, one after another, the amplitude that leaves the
-//! smaller sum of e^2; the next ones take back the errors of those before ([`dither`]). Later rounds choose again, until the
-//! errors are small enough. Time O(N M) a round.
+//!
+//! If there are many transducers for each point, the amplitudes are drawn at random. This leaves errors of about
+//! `step / (2 sqrt(N))`: small enough, or nearly so. Otherwise the transducers choose one after another the amplitude with the
+//! smaller sum of e^2, so later ones correct the errors of earlier ones ([`dither`]). More rounds follow until the errors are
+//! small enough. Time O(N M) for each round.
 
 use num_complex::Complex32;
 
@@ -20,32 +23,34 @@ use crate::propagation::field_of;
 use crate::rng::Rng;
 use crate::workspace::{Buffer, Workspace};
 
-/// Rounds of choices at most, and after how many choices of a later round the errors are looked at.
+/// The most rounds of choices.
 const ROUNDS: usize = 6;
+/// In later rounds, the errors are checked after so many choices.
 const CHUNK: usize = 64;
 
-/// The aim is lower than the level by this part, and the root mean square of errors about it that is small enough.
+/// The aim is below the level by this part, and errors with this root mean square are small enough.
 const NEAR: f32 = 5e-4;
 
-/// Half of the errors that choices leave, in steps between the amplitudes times points a transducer: at 64 points and 996
-/// transducers they are .012 to .02 of a step.
+/// Half of the errors that remain after the choices, in units of (step between the amplitudes) times (points per transducer).
+/// For 64 points and 996 transducers they are 0.012 to 0.02 of a step.
 const LEFT: f32 = 0.15;
 
-/// Transducers a point from which on a draw comes first.
+/// With at least this many transducers for each point, amplitudes are drawn at random first.
 const DRAWN: usize = 32;
 
-/// A point may be louder than its target by this part, which is rounding.
+/// A point may exceed its target by this part because of rounding.
 const SLACK: f32 = 5e-5;
 
-/// Moduli that differ by a smaller part are one amplitude.
+/// Moduli that differ by less than this part count as one amplitude.
 pub(crate) const ALIKE: f32 = 1e-5;
 
 /// The root mean square of the additional leak allowed at quiet points, relative to the loudest point.
 const QUIET: f32 = 2e-3;
 
-/// Brings drives of the amplitude `own` down to `level`, and no targeted point above it, where pressures are requested and one
-/// amplitude of the board loses more of them. `field` is that of the drives, computed where it is not known. Returns the field
-/// of a mix that meets them; if none does, or after a stop, the drives have their one amplitude.
+/// Lowers drives of the amplitude `own` to `level` by a mix of two amplitudes, so that no point exceeds its target. Does so
+/// only if pressures were requested and if a single amplitude of the board would be less accurate. `field` is the field of the
+/// drives, computed here if it is `None`. Returns the field of the mix; `None` if no mix is good enough or after a stop, and
+/// the drives then keep their one amplitude.
 pub(crate) fn mix<'w>(
     request: &ArrayRequest,
     drive: &mut [Complex32],
@@ -56,7 +61,7 @@ pub(crate) fn mix<'w>(
 ) -> Option<Planar<'w>> {
     let quantization = request.setup.quantization.as_deref().filter(|_| request.given);
     let pair = quantization?.between(level)?;
-    // Half way between two amplitudes, rounding took either.
+    // The caller's rounding may have put a drive on either of two amplitudes; all get back the amplitude `own`.
     let square = (own * own) as f32;
     for q in drive.iter_mut().filter(|q| (q.norm_sqr() - square).abs() > 2.0 * ALIKE * square && **q != Complex32::ZERO)
     {
@@ -78,12 +83,12 @@ pub(crate) fn mix<'w>(
             && quiet - leak <= QUIET * QUIET * level * level
     };
     let (count, chunks) = (request.active.len(), drive.len().div_ceil(CHUNK));
-    // The errors that choices leave, for as many points.
+    // The errors that the choices will leave, for this number of points and transducers.
     let left = LEFT * (above - below) * count as f32 / drive.len() as f32;
     let near = (NEAR * level).max(1.5 * left);
     let mut aim = level * (1.0 - NEAR) - 2.0 * left;
     let mut parts = work.floats.take(drive.len());
-    // A draw for so few points is near enough, or some choices away; for more each transducer chooses anyway.
+    // With few points, a random draw is accurate enough or nearly so. With more points, the transducers choose anyway.
     let drawn = drive.len() >= DRAWN * count;
     let mut met = false;
     if drawn {
@@ -124,21 +129,22 @@ pub(crate) fn mix<'w>(
     field_of(propagation, drive, work, control).ok()
 }
 
-/// The errors e of the points.
+/// The errors e of the points, see the module's head.
 struct Points<'w> {
-    /// Real and imaginary parts; the imaginary part is 0 at a point with a target, where only the component along P counts.
+    /// Real and imaginary part. The imaginary part is 0 at a point with a target, where only the component along P counts.
     error: Planar<'w>,
-    /// 1 / P; 0 where there is no point.
+    /// 1 / P at each point, 0 in the padding.
     inverse: Planar<'w>,
-    /// 1 at points with a target, else 0; and 1 at quiet ones.
+    /// 1 at points with a target, else 0.
     loud: Buffer<'w, f32>,
+    /// 1 at quiet points, else 0.
     quiet: Buffer<'w, f32>,
-    /// Memory for a row.
+    /// Scratch memory for a row of G.
     row: Planar<'w>,
 }
 
 impl<'w> Points<'w> {
-    /// The points of the `field` of full drives.
+    /// Prepares the points of the `field` that the drives give at full amplitude.
     fn new(request: &ArrayRequest, field: &Planar, work: &'w Workspace) -> Self {
         let lanes = request.propagation.lanes();
         let [error, inverse, row] = [(); 3].map(|()| Planar::zeros(1, lanes, work));
@@ -159,7 +165,7 @@ impl<'w> Points<'w> {
         points
     }
 
-    /// The errors of a `field` times `part`, where points with a target should have `level`.
+    /// Sets the errors to those of `field` times `part`, for points with a target that should have `level`.
     fn read(&mut self, field: &Planar, part: f32, level: f32) {
         for j in 0..field.re.len() {
             let [re, im] = [part * field.re[j], part * field.im[j]];
@@ -168,7 +174,7 @@ impl<'w> Points<'w> {
         }
     }
 
-    /// The drives that [`dither`] changes.
+    /// The arguments of [`dither`], which changes the errors.
     fn own(&mut self) -> dither::Points<'_> {
         let Self { error, inverse, quiet, row, .. } = self;
         dither::Points {
@@ -184,13 +190,13 @@ impl<'w> Points<'w> {
         self.error.re.iter_mut().zip(&*self.loud).for_each(|(error, loud)| *error += by * loud);
     }
 
-    /// The largest error of a point with a target.
+    /// The largest error of a point with a target; a positive error is too loud.
     fn loudest(&self) -> f32 {
         let errors = self.error.re.iter().zip(&*self.loud).filter(|(_, loud)| **loud > 0.0);
         errors.fold(f32::NEG_INFINITY, |most, (error, _)| most.max(*error))
     }
 
-    /// Mean squares of the errors of the points with a target, and of the quiet ones.
+    /// The mean square error of the points with a target, and that of the quiet points.
     fn wrong(&self) -> [f32; 2] {
         [&self.loud, &self.quiet].map(|kind| {
             let errors = self.error.re.iter().zip(&*self.error.im).zip(&**kind);

@@ -1,4 +1,4 @@
-//! Problem: G, targets and weights of the points with a weight above 0, in units of the reference.
+//! Problem: G, targets and weights of the points with a weight above 0, in units of the reference pressure.
 
 pub(crate) mod array_request;
 pub(crate) mod complex_targets;
@@ -39,31 +39,31 @@ use crate::propagation::{Model, Propagation};
 use crate::scene::{Aim, Request, Scene, Start};
 use crate::workspace::Workspace;
 
-/// A checked problem: it can be solved.
+/// A checked problem, which can be solved.
 ///
-/// Cloning is cheap but for the targets: all else is shared.
+/// A clone copies only the targets; all other data are shared.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// G at the points of weight above 0, unless those are all and it is as it was.
+    /// G at the points of weight above 0. `None` if all points have such a weight and no row of G is rescaled.
     selected: Option<Propagation>,
-    /// The same as the caller gave it, where rows of it were brought into f32's range.
+    /// The same G before rows were rescaled to the range of f32; `None` if none were.
     plain: Option<Propagation>,
-    /// The request of all points, in Pa.
+    /// Targets and weights of all points, in Pa.
     targets: Arc<ArrayRequest>,
     start: Option<Arc<Start>>,
     pub(crate) aim: Option<Aim>,
-    /// The factor of the caller's targets: 1 unless this is the balanced problem.
+    /// The factor that this problem's targets have relative to the caller's: 1 except for the balanced problem.
     factor: f64,
-    /// Targets of the points of weight above 0 in units of the reference, padded with zeros.
+    /// Targets of the points of weight above 0, in units of the reference, padded with zeros.
     scaled: Vec<f32>,
-    /// p1_j of the points of weight above 0 in units of the reference.
+    /// p1_j, the sum of |G_ji| over all transducers, for the points of weight above 0, in units of the reference.
     pub(crate) reach: Vec<f64>,
-    /// The rows of G that these sums have computed, if they are stored.
+    /// The amplitudes of G from the computation of these sums, if they are stored.
     amplitudes: Amplitudes,
 }
 
 impl Problem {
-    /// The problem of a scene.
+    /// Returns the problem of a scene.
     ///
     /// # Errors
     /// A point on a transducer, or one with a pressure above 0 that no transducer reaches.
@@ -71,7 +71,7 @@ impl Problem {
         Self::with_instruction_set(scene, InstructionSet::best())
     }
 
-    /// The problem of a scene, by the kernels of another instruction set than the machine's best.
+    /// Returns the problem of a scene, whose kernels use this instruction set instead of the machine's best.
     ///
     /// # Errors
     /// As [`Problem::new`].
@@ -79,7 +79,8 @@ impl Problem {
         Self::of_scene(scene, set, &mut Control::none())
     }
 
-    /// Like [`Problem::with_instruction_set`], with a control for long computations: the sums of |G| are O(N M).
+    /// Does the same as [`Problem::with_instruction_set`], with a control for long computations: the sums of |G| take time O(N
+    /// M).
     ///
     /// # Errors
     /// The same, and a stop.
@@ -87,10 +88,10 @@ impl Problem {
         Self::of_model(&Model::of(scene, set), scene.points(), scene.request(), control)
     }
 
-    /// Like [`Problem::of_scene`], for a prepared array and medium.
+    /// Does the same as [`Problem::of_scene`] for a prepared model and other points.
     ///
     /// # Errors
-    /// The same, and what [`Scene::new`] refuses of points and request.
+    /// The same, and the errors of [`Scene::new`] for points and request.
     pub fn of_model(
         model: &Model,
         points: &[[f64; 3]],
@@ -101,7 +102,7 @@ impl Problem {
         Self::read(model.driven(points)?, setup.into(), request, control)
     }
 
-    /// The problem of any G, computed or given, and the array behind it.
+    /// Returns the problem of any G, computed or given by the user, and the setup of its array.
     ///
     /// # Errors
     /// As [`Problem::new`] and [`Request::check`]; another number of positions than transducers, a medium out of range.
@@ -113,7 +114,7 @@ impl Problem {
         Self::watched(propagation, setup, request, &mut Control::none())
     }
 
-    /// Like [`Problem::with_propagation`], with a control.
+    /// Does the same as [`Problem::with_propagation`], with a control.
     ///
     /// # Errors
     /// The same, and a stop.
@@ -129,7 +130,7 @@ impl Problem {
         Self::read(propagation, setup, request, control)
     }
 
-    /// A request of checked parts.
+    /// Makes a problem from parts that have been checked.
     fn read(
         propagation: Propagation,
         setup: Arc<Setup>,
@@ -142,25 +143,25 @@ impl Problem {
         Ok(problem)
     }
 
-    /// The problem of other points and requests with the same array, in the memory of this one: if no solution of it
-    /// is left, the number of points is the same and all have a weight, nothing is allocated. Without points G stays
-    /// as it is.
+    /// Returns the problem with other points and another request, in the memory of this one. Nothing is allocated if no
+    /// solution of this problem exists any more, the number of points is the same and all have a weight. Without points, G
+    /// stays the same.
     ///
     /// # Errors
-    /// As [`crate::Model::propagation`] and [`Problem::with_propagation`], and points for a given G; the problem is then
-    /// lost.
+    /// As [`crate::Model::propagation`] and [`Problem::with_propagation`], and points for a G that the user gave. After an
+    /// error the problem is lost.
     pub fn renewed(mut self, points: Option<&[[f64; 3]]>, request: &Request) -> Result<Self, Error> {
         self.replace(points, request)?;
         self.measure(&mut Control::none())?;
         Ok(self)
     }
 
-    /// A problem without a request.
+    /// Returns a problem without a request.
     pub(crate) fn unasked(propagation: Propagation, setup: Arc<Setup>) -> Self {
         Self::of(Arc::new(ArrayRequest::new(propagation, setup)))
     }
 
-    /// A problem of which only this is known.
+    /// Returns a problem with this request; all other fields are empty.
     fn of(targets: Arc<ArrayRequest>) -> Self {
         Self {
             selected: None,
@@ -175,7 +176,7 @@ impl Problem {
         }
     }
 
-    /// Reads other points and another request: [`Problem::measure`] comes next.
+    /// Reads other points and another request. [`Problem::measure`] must follow.
     pub(crate) fn replace(&mut self, points: Option<&[[f64; 3]]>, request: &Request) -> Result<(), Error> {
         let targets = Arc::make_mut(&mut self.targets);
         if let Some(points) = points {
@@ -186,17 +187,17 @@ impl Problem {
         Ok(())
     }
 
-    /// Sums |G| at the points and computes the targets.
+    /// Computes the sums of |G| at the points, and then the targets.
     pub(crate) fn measure(&mut self, control: &mut Control) -> Result<(), Error> {
         self.sum_moduli(control)?;
         self.balance_targets()
     }
 
-    /// Sums |G| at the points of weight above 0.
+    /// Computes the sums of |G| at the points of weight above 0.
     pub(crate) fn sum_moduli(&mut self, control: &mut Control) -> Result<(), Error> {
         let propagation = self.selected.as_ref().unwrap_or(&self.targets.propagation);
         propagation.reach(&mut self.reach, Some(&mut self.amplitudes), control).map_err(|error| match error {
-            // The selection renumbered the points.
+            // The error names a point among the selected ones; callers know it by its index among all.
             Error::TooNear { point, transducer, distance, least } => {
                 Error::TooNear { point: self.targets.active[point], transducer, distance, least }
             }
@@ -220,7 +221,7 @@ impl Problem {
         Ok(())
     }
 
-    /// The same problem with a start for the methods that use one.
+    /// The same problem with a start, for the methods that use one.
     ///
     /// # Errors
     /// A drive or phases of another length, a value that is not finite, |q| above 1 + 1e-6.
@@ -229,7 +230,7 @@ impl Problem {
         Ok(self)
     }
 
-    /// Like [`Problem::with_start`].
+    /// Sets the start, as [`Problem::with_start`] does.
     pub(crate) fn begin(&mut self, mut start: Start) -> Result<(), Error> {
         match &mut start {
             Start::Drive(drive) => {
@@ -248,26 +249,25 @@ impl Problem {
         Ok(())
     }
 
-    /// The same problem with another aim for the methods that use one.
+    /// The same problem with another aim, for the methods that use one.
     #[must_use]
     pub fn with_aim(mut self, aim: Aim) -> Self {
         self.aim = Some(aim);
         self
     }
 
-    /// Level of the points: by default the targets if pressures were given, else as loud as
-    /// the array can make them.
+    /// The aim: by default the targets if pressures were given, else the highest level of the array.
     #[must_use]
     pub fn aim(&self) -> Aim {
         self.aim.unwrap_or(if self.targets.given { Aim::Target } else { Aim::Max })
     }
 
-    /// Whether there is a start, a drive or point phases.
+    /// Whether a start was given, as a drive or as phases at the points.
     pub(crate) fn has_start(&self) -> bool {
         self.start.is_some()
     }
 
-    /// The drive to start from, if one was given: one of each column of G.
+    /// The drive to start from, one value for each column of G; `None` if none was given.
     #[must_use]
     pub fn start_drive(&self) -> Option<&[Complex32]> {
         match self.start.as_deref() {
@@ -276,7 +276,7 @@ impl Problem {
         }
     }
 
-    /// The point phases in rad to start from, if they were given: over the points of weight above 0.
+    /// The phases in rad to start from, at the points of weight above 0; `None` if none were given.
     #[must_use]
     pub fn start_phases(&self) -> Option<impl Iterator<Item = f64> + '_> {
         match self.start.as_deref() {
@@ -290,52 +290,52 @@ impl Problem {
         self.targets.given
     }
 
-    /// Gives the memory of a prepared problem back.
+    /// Returns the memory of a prepared problem to the workspace.
     pub(crate) fn recycle(self, work: &Workspace) {
         work.floats.give(self.scaled);
     }
 
-    /// Rows of G over the points of weight above 0.
+    /// G at the points of weight above 0.
     #[must_use]
     pub fn propagation(&self) -> &Propagation {
         self.selected.as_ref().unwrap_or(&self.targets.propagation)
     }
 
-    /// The same as the kernels of a sweep read them.
+    /// The rows of G in the form that the kernels of a sweep read.
     pub(crate) fn rows(&self) -> Rows<'_> {
         self.propagation().rows_of(&self.amplitudes)
     }
 
-    /// Rows of G over the points of weight above 0, none of them multiplied by a power of two for f32's sake.
+    /// G at the points of weight above 0, before any row was multiplied by a power of two for the range of f32.
     #[must_use]
     pub fn plain_propagation(&self) -> &Propagation {
         self.plain.as_ref().unwrap_or_else(|| self.propagation())
     }
 
-    /// Targets |p_j| in units of the reference, padded with zeros.
+    /// Targets |p_j| of the points of weight above 0, in units of the reference, padded with zeros.
     #[must_use]
     pub fn targets(&self) -> &[f32] {
         &self.scaled
     }
 
-    /// The same in Pa, without padding: targets |p_j| of the points of weight above 0, balanced if that was requested.
+    /// Targets |p_j| of the points of weight above 0 in Pa, at the balanced level if that was requested.
     pub fn active_targets_in_pascals(&self) -> impl Iterator<Item = f64> + '_ {
         self.targets.active.iter().map(|&j| self.targets.pascals[j] * self.factor)
     }
 
-    /// Weights, the largest 1, padded with zeros.
+    /// Weights of the points of weight above 0, divided by the largest, padded with zeros.
     #[must_use]
     pub fn weights(&self) -> &[f32] {
         &self.targets.relative_weights
     }
 
-    /// The array behind G: medium, quantization, positions, channels.
+    /// The setup of the array: medium, quantization, positions, channels.
     #[must_use]
     pub fn setup(&self) -> &Setup {
         &self.targets.setup
     }
 
-    /// The board's grid; `None` for any drive.
+    /// The phases and amplitudes that the board can play; `None` for any drive.
     #[must_use]
     pub fn quantization(&self) -> Option<&Quantization> {
         self.targets.setup.quantization.as_deref()
@@ -353,20 +353,21 @@ impl Problem {
         &self.targets.weights
     }
 
-    /// The factor s that brings the targets to the balanced level: `sum_j (s target_j / p1_j)^2 = 1` with
-    /// `p1_j = sum_i |G_ji|`. 1 where pressures were left out.
+    /// The factor s that scales the targets to the balanced level: `sum_j (s target_j / p1_j)^2 = 1` with
+    /// `p1_j = sum_i |G_ji|`. It is 1 if no pressures were given.
+    /// |G_ji|`. It is 1 if no pressures were given.
     #[must_use]
     pub fn balance(&self) -> f64 {
         self.targets.balance
     }
 
-    /// The points with a pressure and a weight above 0.
+    /// The indices of the points with a pressure and a weight above 0.
     pub(crate) fn targeted(&self) -> Vec<usize> {
         self.targets.active.iter().copied().filter(|&j| self.targets.pascals[j] > 0.0).collect()
     }
 
-    /// Whether every given target is below half the balanced level: solved without balancing, greedy drives
-    /// every transducer all the same and smears such foci (the paper's section V).
+    /// Whether every given target is below half the balanced level. Without balancing, greedy then gives all transducers the
+    /// same drive, which smears such weak foci (Suzuki et al. 2021, section V).
     #[must_use]
     pub fn is_weak(&self) -> bool {
         self.targets.given && self.targets.balance > 2.0

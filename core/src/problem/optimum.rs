@@ -1,7 +1,7 @@
-//! Optimum: the highest level of few points, reached from below and bounded from above, by branching over their phases.
+//! Optimum: the highest level that a drive can give at a few points, by branch and bound over the phases of the points.
 //!
-//! With h_i = (G_ji/t_j)_j and the points' phases v_j given, the level is a concave function of the drives, and its maximum
-//! over |q_i| <= 1 the minimum of the dual over weights w_j >= 0 of sum 1:
+//! With G_ji, targets t_j and h_ji = G_ji/t_j, and for given phases of the points v_j = e^{j phase_j}, the level is a concave
+//! function of the drives. Its maximum over |q_i| <= 1 is the minimum of the dual problem over weights w_j >= 0 of sum 1:
 //!
 //! ```text
 //! s(v) = min_w sum_i |x_i|                                     x_i = sum_j w_j conj(v_j) h_ji
@@ -9,9 +9,10 @@
 //!      = (sum_j w_j^2 M_jj + sum_i d_i)/2 + sum_{j<k} w_j w_k Re(conj(v_j) v_k M_jk)      M_jk = sum_i h_ji conj(h_ki)/d_i
 //! ```
 //!
-//! a sum of cosines of phase differences, which is bounded over a box of phases: the certificate. With d_i >= |x_i| the drive
-//! conj(x_i)/d_i is one that can be played: the level that is reached. A box whose certificate is above the best level is
-//! halved. Good w come from iteratively reweighted least squares, that is the minimum of the certificate at the box's middle.
+//! The bound is a sum of cosines of phase differences, which is bounded over a box of phases: the certificate. For d_i >= |x_i|
+//! the drive conj(x_i)/d_i has |q_i| <= 1, and its level is the level reached. A box whose certificate exceeds the best level
+//! is halved. Good weights w come from iteratively reweighted least squares, which minimises the certificate in the middle of
+//! the box.
 
 use core::cmp::Ordering;
 use core::f64::consts::PI;
@@ -25,57 +26,57 @@ use crate::kernels::double::{self, MOST_ROWS};
 use crate::math::{cos, sin, sqrt};
 use crate::workspace::{Buffer, Workspace};
 
-/// Points at most: the phases of more have too many boxes.
+/// The most points: for more points, there are too many boxes of phases.
 pub(crate) const MOST: usize = 5;
 
-/// Rounding of sums in double precision, generously.
+/// A generous bound on the rounding of sums in double precision.
 pub(crate) const ROUNDING: f64 = 1e-9;
 
-/// Intervals that each phase is cut into at first.
+/// The number of intervals into which each phase is cut first.
 const CUT: usize = 4;
 
-/// Weights tried for a box, each set from the one before.
+/// How often the weights of a box are computed, each time from the previous ones.
 const TRIES: usize = 4;
 
-/// Other weights are searched while the present ones cost more than this part of the cost of the box's width.
+/// New weights are computed if those at hand cost more than this part of the cost of the box's width.
 const WORTH: f64 = 0.1;
 
-/// The shortest step of a phase, in rad: the level is flat where it is highest.
+/// The shortest step of a phase in rad: near its maximum the level hardly changes.
 const SETTLED: f64 = 3e-3;
 
-/// Numbers of a box: its certificate, the phases of its middle, weights.
+/// The length of the list that describes a box: its certificate, the phases of its middle, and weights.
 const BOX: usize = 1 + 2 * MOST;
 
-/// The term added to the diagonal of the weights' equations, relative to its mean: coincident points make them
-/// singular.
+/// The term added to the diagonal of the equations for the weights, relative to the mean of the diagonal. Without it, points at
+/// the same place make them singular.
 const RIDGE: f64 = 1e-12;
 
-/// Rows of the matrix of the weights' equations.
+/// The number of rows of the matrix in the equations for the weights.
 const SIDE: usize = 8;
 
-/// The result.
+/// The result of the search.
 #[derive(Clone, Copy)]
 pub(crate) struct Optimum {
-    /// No drive's level is higher.
+    /// No drive has a higher level than this.
     pub(crate) bound: f64,
-    /// A drive has this level.
+    /// The level of the best drive that was found.
     pub(crate) level: f64,
-    /// The phases of the points in rad, and their weights: that drive is the phase of the transducers' `sum_j w_j v_j
-    /// conj(h_ji)`.
+    /// The phases of the points in rad, and their weights, for that drive. Its phases are those of `sum_j w_j v_j conj(h_ji)`.
     pub(crate) phases: [f64; MOST],
     pub(crate) weights: [f64; MOST],
 }
 
-/// The length of the search.
+/// When the search ends.
 #[derive(Clone, Copy)]
 pub(crate) struct Effort {
-    /// Until the bound is above the level by no more than this part of it, ...
+    /// It ends if the bound exceeds the level by no more than this part of it, ...
     pub(crate) gap: f64,
-    /// ... or this many boxes have been looked at.
+    /// ... or after this many boxes.
     pub(crate) boxes: usize,
 }
 
-/// Finds the optimum of `points` (at most [`MOST`]), the planes of h over `lanes` transducers.
+/// Finds the highest level for `points` points, at most [`MOST`]. `re` and `im` contain h, point by point, padded over the
+/// transducers.
 ///
 /// # Errors
 /// More memory than allowed, a stop.
@@ -108,23 +109,24 @@ pub(crate) fn search(
     Ok(torus.best)
 }
 
-/// The points of each row of products and whether it is the imaginary part: |h_j|^2, then re and im of h_j conj(h_k), j < k.
+/// The terms [j, k, part] of each row of products: first |h_j|^2 for each j, then the real (0) and imaginary (1) part of h_j
+/// conj(h_k) for each j < k.
 fn terms(points: usize) -> impl Iterator<Item = [usize; 3]> {
     let pairs = (0..points).flat_map(move |j| (j + 1..points).flat_map(move |k| [[j, k, 0], [j, k, 1]]));
     (0..points).map(|j| [j, j, 0]).chain(pairs)
 }
 
-/// The boxes of phases under way.
+/// The boxes of phases in the search; phases live on a torus.
 struct Torus<'w> {
     set: InstructionSet,
     points: usize,
     products: Buffer<'w, f64>,
-    /// Half the width of a box along each phase; the first phase is 0.
+    /// Half the width of a box along each phase. The first phase is fixed at 0.
     half: [f64; MOST],
-    /// The least d.
+    /// The least value of d.
     least: f64,
     best: Optimum,
-    /// The highest certificate of the boxes that are done with.
+    /// The highest certificate among the boxes that need no more work.
     left_out: f64,
     gap: f64,
 }
@@ -145,7 +147,7 @@ impl Torus<'_> {
         let mut spent = 0;
         for axis in (1..points.max(2)).cycle() {
             let all = &mut boxes.as_chunks_mut::<BOX>().0[..count];
-            // The most promising ones first.
+            // The boxes with the highest certificates come first, because they may have the best level.
             all.sort_unstable_by(|a, b| compare(b, a));
             for own in all.iter_mut() {
                 control.pulse()?;
@@ -173,7 +175,7 @@ impl Torus<'_> {
         Ok(())
     }
 
-    /// Turns the phases of the highest level on as long as that raises it, by shorter and shorter steps.
+    /// Improves the phases of the best level by steps that become shorter, as long as the level rises.
     fn settle(&mut self, control: &mut Control) -> Result<(), Error> {
         let mut step = PI / 32.0;
         (self.half, self.gap) = ([0.0; MOST], 0.0);
@@ -194,7 +196,7 @@ impl Torus<'_> {
         Ok(())
     }
 
-    /// Lowers the certificate of a box, and keeps its middle if that has the highest level.
+    /// Lowers the certificate of a box by better weights. Stores its middle as the best if it has the highest level.
     fn measure(&mut self, own: &mut [f64; BOX], control: &mut Control) -> Result<(), Error> {
         let points = self.points;
         let phases: [f64; MOST] = own[1..=MOST].try_into().expect("a phase each");
@@ -205,7 +207,7 @@ impl Torus<'_> {
             for (factor, [j, k, part]) in factors.iter_mut().zip(terms(points)) {
                 let both = weights[j] * weights[k];
                 *factor = match part {
-                    // |x| at the middle, widened by its range over the box.
+                    // |x|^2 in the middle, with a term for its range over the box.
                     0 if j == k => both * (1.0 + self.half[j] * self.half[j] / 3.0),
                     0 => 2.0 * both * turned(j, k).re,
                     _ => -2.0 * both * turned(j, k).im,
@@ -214,7 +216,7 @@ impl Torus<'_> {
             let mut sums = [0.0; MOST_ROWS];
             let count = points * points;
             let whole = double::divided(self.set, &self.products, &factors[..count], self.least, &mut sums[..count]);
-            // Re(conj(v_j) v_k M_jk) of all pairs.
+            // The matrix of Re(conj(v_j) v_k M_jk) for all pairs.
             let mut matrix = [0.0; SIDE * SIDE];
             let mut swing = Swing::default();
             let mut certificate = 0.5 * whole;
@@ -248,7 +250,8 @@ impl Torus<'_> {
         Ok(())
     }
 
-    /// The weights at which the certificate at the middle is least: A w = 1 over those that are not below 0, of sum 1.
+    /// Returns the weights that minimise the certificate in the middle: A w = 1 over the weights that are not negative, scaled
+    /// to the sum 1. Returns `None` if the equations are singular.
     fn reweighted(&self, matrix: &[f64; SIDE * SIDE], control: &mut Control) -> Result<Option<[f64; MOST]>, Error> {
         let (points, mut among) = (self.points, [true; MOST]);
         let mean = (0..points).map(|j| matrix[j * SIDE + j]).sum::<f64>() / points as f64;
@@ -277,21 +280,22 @@ impl Torus<'_> {
     }
 }
 
-/// The share of a sum of cosines of phase differences in a certificate: at the middle, and at most over the box.
+/// The part of a certificate that is a sum of cosines of phase differences: its value in the middle, and its maximum over the
+/// box.
 #[derive(Default)]
 struct Swing {
     middle: f64,
-    /// Its slope along each phase.
+    /// The derivative along each phase.
     slopes: [f64; MOST],
-    /// The second and third order of all cosines.
+    /// Bounds on the terms of second and third order of all cosines.
     bent: f64,
-    /// The sum of the maxima of all cosines.
+    /// The sum of the maxima of the single cosines.
     apart: f64,
 }
 
 impl Swing {
-    /// Adds `|product| cos(c + t)`, c the phase of the product and |t| at most the sum of two half widths:
-    /// cos(c + t) <= cos c - t sin c + max(0, -cos c) t^2/2 + |t|^3/6.
+    /// Adds the term `|product| cos(c + t)`, where c is the phase of the product, and |t| is at most the sum of two half
+    /// widths. It is bounded by cos(c + t) <= cos c - t sin c + max(0, -cos c) t^2/2 + |t|^3/6.
     fn add(&mut self, [j, k]: [usize; 2], product: Complex64, half: [f64; MOST]) {
         let (size, width) = (product.norm(), half[j] + half[k]);
         self.middle += product.re;
@@ -308,7 +312,7 @@ impl Swing {
     }
 }
 
-/// Ordered by the certificate, then by the phases: no two boxes are alike.
+/// Orders boxes by the certificate, then by the phases, so that no two boxes are equal.
 fn compare(a: &[f64; BOX], b: &[f64; BOX]) -> Ordering {
     a.iter().zip(b).map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
 }

@@ -1,7 +1,7 @@
-//! Range: rescales rows of G too weak or too strong for squares in f32, and targets far beyond reach.
+//! Range: rescales rows of G that are too weak or too strong for squares in f32, and targets far beyond reach.
 //!
-//! A solver gets these rows and their targets times a power of two, which changes no digit: the drive that meets them is
-//! the same one. Their terms of eq. (7) then count as those of the other points do, among which f32 would have lost them.
+//! These rows and their targets are multiplied by a power of two, which changes no digit, so the drive that meets the targets
+//! stays the same. In eq. (7) their terms then have a size similar to those of other points, and are not lost in f32.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -10,15 +10,16 @@ use core::ops::RangeInclusive;
 use crate::problem::Problem;
 use crate::workspace::Workspace;
 
-/// p1_j in units of the reference, 2^-30 to 2^30: squares of sums and of their inverses stay within f32.
+/// The allowed range of p1_j, the sum of |G_ji|, in units of the reference: 2^-30 to 2^30. Squares of sums and of their
+/// inverses then stay within f32.
 const MIDDLE: RangeInclusive<f64> = 1.0 / (1 << 30) as f64..=(1 << 30) as f64;
 
-/// Largest ratio of a target to its reach: a larger target would change nothing.
+/// The largest allowed ratio of a target to its reach: a higher target would give the same drive.
 const MOST_EXCESS: f64 = (1 << 20) as f64;
 
 impl Problem {
-    /// The problem as a solver gets it: this problem at `factor` times the caller's targets and within f32's range.
-    /// `None` where it is that as it stands; [`Problem::recycle`] gives the memory back.
+    /// Returns the problem that a solver gets: with `factor` times the caller's targets, and within the range of f32. Returns
+    /// `None` if this problem can be used unchanged. [`Problem::recycle`] returns the memory.
     pub(crate) fn prepared(&self, factor: f64, work: &Workspace) -> Option<Self> {
         let within = self.is_within(factor);
         if within && factor <= 1.0 {
@@ -31,7 +32,7 @@ impl Problem {
         Some(prepared)
     }
 
-    /// Whether rows of G and `factor` times the targets are within f32's range.
+    /// Whether the rows of G, and `factor` times the targets, are within the range of f32.
     pub(crate) fn is_within(&self, factor: f64) -> bool {
         let mut points = self.reach.iter().zip(&self.scaled);
         points.all(|(&reach, &target)| {
@@ -40,17 +41,17 @@ impl Problem {
         })
     }
 
-    /// Whether rows of G differ from the caller's.
+    /// Whether rows of G have been rescaled.
     pub(crate) fn is_stretched(&self) -> bool {
         self.plain.is_some()
     }
 
-    /// The factor of the caller's targets.
+    /// The factor between this problem's targets and the caller's.
     pub(crate) fn factor(&self) -> f64 {
         self.factor
     }
 
-    /// The same problem at `factor` times the caller's targets.
+    /// The same problem with `factor` times the caller's targets.
     pub(crate) fn rescaled(&self, factor: f64, work: &Workspace) -> Self {
         let mut scaled = work.floats.take(self.propagation().lanes()).into_vec();
         self.targets.scaled(factor, &mut scaled);
@@ -64,13 +65,13 @@ impl Problem {
         }
     }
 
-    /// Multiplies rows out of range and their targets by powers of two, and lowers targets far beyond reach.
+    /// Multiplies rows that are out of range, and their targets, by powers of two. Lowers targets that are far beyond reach.
     fn stretch(&mut self, reach: &[f64]) {
         let reference = self.propagation().reference();
         let mut powers = Vec::with_capacity(reach.len());
         for (k, (&j, &reach)) in self.targets.active.iter().zip(reach).enumerate() {
             let target = (self.targets.pascals[j] * self.factor / reference).min(MOST_EXCESS * reach);
-            // A quiet point may stay too weak.
+            // A quiet point may keep a row that is too weak.
             let outside = reach > *MIDDLE.end() || (reach < *MIDDLE.start() && target > 0.0);
             let power = if outside { inverse_power(reach) } else { 1.0 };
             self.scaled[k] = (target * power) as f32;
@@ -81,7 +82,7 @@ impl Problem {
     }
 }
 
-/// The power of two that brings a positive normal number to 1 or above, below 2.
+/// The power of two whose product with a positive normal number is at least 1 and below 2.
 fn inverse_power(x: f64) -> f64 {
     let exponent = x.to_bits() >> 52;
     f64::from_bits((2046 - exponent).clamp(1, 2046) << 52)

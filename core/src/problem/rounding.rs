@@ -1,4 +1,4 @@
-//! Rounding: a solution reduced to its targets and rounded to its board's grid.
+//! Rounding: lowers a solution to its targets, and rounds its drives to what the board can play.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -17,8 +17,9 @@ use crate::propagation::field_of;
 use crate::workspace::Workspace;
 
 impl Solution {
-    /// The full drives of a problem brought down to `factor`, by two amplitudes of its board where that meets the targets better
-    /// than one. `field` is that of the drives at the problem's points, where it is known.
+    /// Lowers the full drives of a problem to the part `factor` by a mix of two amplitudes of its board, if that is more
+    /// accurate than one amplitude; else returns `None`. `field` is the field of the drives at the problem's points, if it is
+    /// known.
     pub(crate) fn mixed<'w>(
         problem: &Problem,
         drive: &mut Vec<Complex32>,
@@ -33,14 +34,15 @@ impl Solution {
         Some(Self::with_pressures(request, core::mem::take(drive), &field, status, steps, work))
     }
 
-    /// Every drive lies on the board's grid already; pulses of uneven ticks are found at the end.
+    /// Marks all drives as ones that the board can play. The exception are boards with ticks of unequal length, whose pulses
+    /// are still rounded at the end.
     pub(crate) fn on_grid(self) -> Self {
         let on_grid = self.request.setup.quantization.as_deref().is_none_or(|board| board.uneven().is_none());
         Self { on_grid, ..self }
     }
 
-    /// Divides drives and pressures by `factor`, at least 1, and rounds every drive to the board's grid. Returns
-    /// whether that changed a drive.
+    /// Divides drives and pressures by `factor`, which is at least 1, and rounds each drive to one that the board can play.
+    /// Returns whether a drive changed.
     ///
     /// # Errors
     /// A stop, if it is the first.
@@ -63,7 +65,7 @@ impl Solution {
         let of_one = self.request.given && least > largest * (1.0 - ALIKE);
         let largest = f64::from(largest) / factor;
         let scale = quantization.scale(largest);
-        // Where drives are brought down, even pulses keep to the phases that go with every amplitude.
+        // If drives are lowered, equal pulses keep to the phases that are possible at every amplitude.
         let lowered = self.on_grid || of_one && quantization.between(largest).is_some();
         if let Some(pulses) = if lowered { quantization.uneven() } else { quantization.pulses() } {
             let stayed = pulses.round((factor * scale) as f32, &mut self.drive);
@@ -73,7 +75,8 @@ impl Solution {
             }
             return Ok(!stayed);
         }
-        // Drives at full amplitude and the board's phases become others at one amplitude: the field keeps its shape.
+        // If all drives had full amplitude and phases of the board, they now have one common amplitude: the field is only
+        // scaled.
         let most = (largest / scale) as f32;
         let common = quantization.nearest(Complex32::new(most, 0.0)).re;
         let alike = quantization.grid().round(set, (factor * scale) as f32, [most, common], &mut self.drive);
@@ -92,7 +95,7 @@ impl Solution {
         Ok(mixed.is_some() || !alike || common != 1.0)
     }
 
-    /// The field `times` that of the pressures, in units of the reference: one padded row.
+    /// Returns `times` the field of the solution's pressures, in units of the reference: one padded row.
     fn field<'w>(&self, times: f64, work: &'w Workspace) -> Planar<'w> {
         let propagation = &self.request.propagation;
         let mut field = Planar::zeros(1, propagation.lanes(), work);

@@ -1,4 +1,4 @@
-//! Setup: the parts of the array that a problem needs (medium, quantization, positions, channels).
+//! Setup: the properties of an array that a problem needs: medium, quantization, positions and channels.
 
 use alloc::borrow::Cow;
 use alloc::sync::Arc;
@@ -11,8 +11,8 @@ use crate::error::{Error, one_each};
 use crate::propagation::Propagation;
 use crate::scene::{Array, Medium, check_drive, check_positions};
 
-/// Inputs of a problem beside G and the request. Whatever array G was computed or measured from, it can have a
-/// board's quantization, positions for an order of its transducers, and a medium for radiation pressures.
+/// The inputs of a problem besides G and the request. They are useful with any G, also a measured one: the quantization of a
+/// board, positions for methods that order the transducers, and a medium for radiation pressures.
 ///
 /// ```
 /// use midair::{Complex64, Control, Problem, Propagation, Quantization, Request, Setup, Workspace, solvers::Greedy};
@@ -29,19 +29,19 @@ use crate::scene::{Array, Medium, check_drive, check_positions};
 #[derive(Clone, Debug, Default, PartialEq)]
 #[allow(clippy::exhaustive_structs, reason = "checked where a problem is made of it")]
 pub struct Setup {
-    /// The air: density and sound speed give radiation pressures.
+    /// The air; its density and sound speed give radiation pressures.
     pub medium: Medium,
-    /// The board's grid; `None` for any drive.
+    /// The phases and amplitudes that the board can play; `None` for any drive.
     pub quantization: Option<Arc<Quantization>>,
-    /// The positions in m of the columns of G, if they are known: for an order of columns. A channel's is the middle
-    /// of its transducers.
+    /// The position in m of each column of G, if known, for methods that order the columns. For a channel it is the middle of
+    /// its transducers.
     pub positions: Option<Arc<[[f64; 3]]>>,
-    /// Which transducers one channel drives, where G has a column a channel; `None` where it has one a transducer.
+    /// The channels, if each column of G is a channel; `None` if each column is a transducer.
     pub channels: Option<Channels>,
 }
 
 impl Setup {
-    /// The setup of an array in a medium.
+    /// Returns the setup of an array in a medium.
     #[must_use]
     pub fn of(array: &Array, medium: Medium) -> Self {
         let (positions, quantization) = array.shared();
@@ -50,7 +50,7 @@ impl Setup {
         Self { medium, quantization, positions: middles.or(Some(positions)), channels }
     }
 
-    /// Rejects parts that do not fit G.
+    /// Checks that the parts fit G.
     pub(crate) fn check(&self, propagation: &Propagation) -> Result<(), Error> {
         self.medium.check()?;
         let columns = propagation.transducers();
@@ -60,15 +60,15 @@ impl Setup {
         self.positions.as_ref().map_or(Ok(()), |positions| check_positions(positions, columns))
     }
 
-    /// Number of transducers N behind a G of this many columns.
+    /// The number of transducers N, for a G with this many columns.
     pub(crate) fn transducers(&self, columns: usize) -> usize {
         self.channels.as_ref().map_or(columns, |channels| channels.of().len())
     }
 
-    /// The values that the columns of G get from drives (N,), checked.
+    /// Checks a drive (N,), and returns the value of each column of G.
     ///
     /// # Errors
-    /// Drives that the array cannot be given.
+    /// A drive that the array cannot play.
     pub(crate) fn columns<'a>(&self, drive: &'a [Complex32], columns: usize) -> Result<Cow<'a, [Complex32]>, Error> {
         match &self.channels {
             None => check_drive(drive, columns).map(|()| Cow::Borrowed(drive)),

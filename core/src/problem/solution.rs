@@ -1,4 +1,4 @@
-//! Solution: the drive rounded to the board, its pressures, status and metrics.
+//! Solution: a drive that the board can play, its pressures, status and metrics.
 
 use alloc::format;
 use alloc::sync::Arc;
@@ -20,7 +20,7 @@ use crate::propagation::{Propagation, field_of};
 use crate::scene::{Bead, Request, Scene, check_drive};
 use crate::workspace::Workspace;
 
-/// z / factor, by its reciprocal in double precision.
+/// Returns z / factor. Multiplies by the reciprocal in double precision.
 pub(super) fn divided(z: Complex32, factor: f64) -> Complex32 {
     let reciprocal = 1.0 / factor;
     let part = |x: f32| (f64::from(x) * reciprocal) as f32;
@@ -31,30 +31,30 @@ pub(super) fn divided(z: Complex32, factor: f64) -> Complex32 {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Solution {
-    /// Drives q (N,), |q| <= 1, of [`crate::solve`]; within a solver one of each column of G.
+    /// Drives q (N,), |q| <= 1, after [`crate::solve`]. Within a solver there is one for each column of G.
     pub drive: Vec<Complex32>,
-    /// Complex pressures (M,) in Pa (peak) at all of the caller's points, by one f32 pass over the rows. Under a signature
-    /// those of the foci that it turned into traps, sum G s q; [`crate::field()`] tells the real ones.
+    /// Complex pressures (M,) in Pa (peak) at all of the caller's points, computed in f32. With a signature they are the
+    /// pressures sum G s q of the foci before they become traps; [`crate::field()`] computes the real ones.
     pub pressures: Vec<Complex32>,
     /// The status at the end of the solve.
     pub status: Status,
-    /// Steps taken.
+    /// The number of steps taken.
     pub steps: usize,
-    /// The factor, at most 1, that supply or modulation must apply to all drives: below 1 where the device has no
-    /// amplitude for the answer. The pressures count it in, the drives do not.
+    /// The factor, at most 1, that the supply voltage or a modulation must apply to all drives. It is below 1 if the device has
+    /// no amplitude for the solution. The pressures include it, the drives do not.
     pub scale: f64,
-    /// Whether every drive is known to lie on the board's grid.
+    /// Whether all drives are known to be ones that the board can play.
     pub(super) on_grid: bool,
     pub(super) request: Arc<ArrayRequest>,
 }
 
 impl Solution {
-    /// A solution restored from a file, another process or a batch; `targets` (M,) in Pa where the stored ones count,
-    /// and not those that this machine computes.
+    /// Restores a solution from a file, another process or a batch. `targets` (M,) in Pa replace the targets that this machine
+    /// computes.
     ///
     /// # Errors
-    /// Another length, a value that is not finite, |q| above 1 + 1e-6, a scale that is not in 0 to 1; pressures that are
-    /// not those of the drive; a stop.
+    /// Lists of another length, a value that is not finite, |q| above 1 + 1e-6, a scale outside of 0 to 1; pressures that the
+    /// drive does not give; a stop.
     pub fn restored(
         problem: &Problem,
         drive: Vec<Complex32>,
@@ -82,7 +82,7 @@ impl Solution {
         request.active.iter().zip(&problem.reach).for_each(|(&j, &own)| reach[j] = own * unit);
         for (j, &pressure) in pressures.iter().enumerate() {
             let gap = math::modulus(pressure - pascals(field.re[j], field.im[j], unit * scale));
-            // Sums of other orders, kernels and instruction sets differ by far less.
+            // The tolerance is far above the differences between orders of summation, kernels and instruction sets.
             if !gap.is_finite() || gap > 1e-3 * reach[j] {
                 return Err(Error::invalid(format!("pressures[{j}]"), pressure, "the drive gives another one"));
             }
@@ -90,11 +90,11 @@ impl Solution {
         Ok(Self { drive, pressures, status, steps, scale, on_grid: false, request })
     }
 
-    /// The solution that `drive` is: a solver's last line. How the steps ended and how many they were, of `steps`. Its
-    /// pressures are computed here, and the last step is reported.
+    /// Returns the solution with this drive; this is the last line of a solver. Given are also the status, the number of the
+    /// last step, and the number of `steps`. Computes the pressures and reports the last step.
     ///
     /// # Errors
-    /// A stop, if it is the first.
+    /// A stop, before anything else stopped.
     pub fn new(
         problem: &Problem,
         drive: Vec<Complex32>,
@@ -110,8 +110,8 @@ impl Solution {
         Ok(solution)
     }
 
-    /// As [`Solution::new`], in one step, of an unchecked drive. Transducers without effect get drive 0,
-    /// whatever it says of them.
+    /// Does the same as [`Solution::new`] for a drive that has not been checked, as one step. Transducers without effect get
+    /// drive 0.
     ///
     /// # Errors
     /// A drive of another length, a value that is not finite, |q| above 1 + 1e-6; a stop.
@@ -142,7 +142,7 @@ impl Solution {
         Self::with_pressures(request, drive, &field, Status::Stopped, 0, work)
     }
 
-    /// As [`Solution::new`], from the field that a solver has kept: P (one padded row) at the problem's points.
+    /// Does the same as [`Solution::new`] with a known field at the problem's points, one padded row.
     pub(crate) fn of_field(
         problem: &Problem,
         drive: Vec<Complex32>,
@@ -154,14 +154,14 @@ impl Solution {
     ) -> Result<Self, Error> {
         let request = Arc::clone(&problem.targets);
         if problem.is_stretched() {
-            // The field is that of other rows.
+            // The field belongs to rescaled rows of G.
             let field = field_of(&request.propagation, &drive, work, control)?;
             return Ok(Self::with_pressures(request, drive, &field, status, steps, work));
         }
         if request.active.len() == request.pascals.len() {
             return Ok(Self::with_pressures(request, drive, field, status, steps, work));
         }
-        // The points of weight 0 were not in it.
+        // The field does not contain the points of weight 0.
         let all = field_of(&request.propagation, &drive, work, control)?;
         let mut solution = Self::with_pressures(request, drive, &all, status, steps, work);
         let reference = problem.propagation().reference();
@@ -185,7 +185,7 @@ impl Solution {
         solution
     }
 
-    /// Takes the pressures of a field in units of the reference.
+    /// Sets the pressures to a field in units of the reference.
     pub(super) fn set_pressures(&mut self, field: &Planar) {
         let reference = self.request.propagation.reference() * self.scale;
         for ((pressure, re), im) in self.pressures.iter_mut().zip(&field.re).zip(&field.im) {
@@ -193,7 +193,7 @@ impl Solution {
         }
     }
 
-    /// The same with the drives of channels as those of their transducers (N,).
+    /// Returns the solution with one drive for each transducer (N,) instead of each channel.
     pub(crate) fn spread(mut self) -> Self {
         if let Some(channels) = &self.request.setup.channels {
             self.drive = channels.spread(&self.drive);
@@ -201,28 +201,29 @@ impl Solution {
         self
     }
 
-    /// The same with `scale` of it left to supply or modulation.
+    /// Returns the solution with a further factor `scale`, which supply or modulation must apply.
     pub(crate) fn scaled(mut self, scale: f64) -> Self {
         self.scale *= scale;
         self.pressures.iter_mut().for_each(|p| *p = divided(*p, 1.0 / scale));
         self
     }
 
-    /// Metrics of the pressures against the caller's targets; f64 arithmetic over the M values.
+    /// Returns the metrics of the pressures for the caller's targets, computed in f64.
     #[must_use]
     pub fn metrics(&self) -> Metrics {
         self.request.metrics(self.pressures.iter().map(|&p| math::modulus(p)))
     }
 
     /// The relative error of the complex pressures, sqrt(sum w |p_j - target_j|^2 / sum w |target_j|^2) over the points of
-    /// weight above 0, where the targets have phases; `None` where these are free.
+    /// weight above 0; `None` if the phases of the targets are free.
     #[must_use]
     pub fn complex_error(&self) -> Option<f64> {
         self.request.complex_error(&self.pressures)
     }
 
-    /// Reports the last of `steps` steps to `control`, with the answer's own residual, for a solver whose steps (if it
-    /// has any) know only an estimate of it. A stop request now still counts as one. No steps, nothing to report.
+    /// Reports the last of `steps` steps to `control`, with the residual of the solution itself: the steps of a solver may have
+    /// reported only estimates. A request to stop that arrives now still changes the status. Without steps, nothing is
+    /// reported.
     pub(crate) fn tell(&mut self, problem: &Problem, steps: usize, control: &mut Control) {
         if self.status == Status::Stopped {
             control.correct(|| self.residual_for(problem));
@@ -231,7 +232,7 @@ impl Solution {
         }
     }
 
-    /// Reports the answer's own residual in place of that of the last step.
+    /// Replaces the residual of the last reported step by that of the solution itself.
     pub(crate) fn correct(&self, problem: &Problem, control: &mut Control) {
         control.correct(|| self.residual_for(problem));
     }
@@ -242,13 +243,13 @@ impl Solution {
         self.drive.iter().map(|&q| divided(q, 1.0 / self.scale)).collect()
     }
 
-    /// Gives the vectors back to the workspace for the next solve.
+    /// Returns the memory to the workspace for the next solve.
     pub fn recycle(self, work: &Workspace) {
         work.complexes.give(self.drive);
         work.complexes.give(self.pressures);
     }
 
-    /// The residual against the targets of `problem`, before balancing is undone.
+    /// The residual against the targets of `problem`, which may be balanced.
     fn residual_for(&self, problem: &Problem) -> f64 {
         if problem.is_stretched() {
             return self.request.metrics(self.pressures.iter().map(|&p| math::modulus(p) / problem.factor())).residual;
@@ -257,13 +258,13 @@ impl Solution {
         problem.residual_of(self.request.active.iter().map(|&j| math::modulus(self.pressures[j]) / unit))
     }
 
-    /// G, the array behind it and the request that it answers.
+    /// Returns G, the setup of its array, and the request.
     #[must_use]
     pub fn requested(&self) -> (&Propagation, &Setup, Request) {
         (&self.request.propagation, &self.request.setup, self.request.request())
     }
 
-    /// The scene of the solution: array, medium, points and their request. `None` for a given G.
+    /// Returns the scene of the solution: array, medium, points and request. `None` if the user gave G.
     #[must_use]
     pub fn scene(&self) -> Option<Scene> {
         let ArrayRequest { propagation, setup, .. } = &*self.request;
@@ -291,7 +292,7 @@ impl Solution {
         self.request.setup.medium.radiation(math::modulus(self.pressures[j]))
     }
 
-    /// |q_i|, 0 to 1.
+    /// The amplitude |q_i|, 0 to 1.
     ///
     /// # Panics
     /// If there is no such transducer.
@@ -310,7 +311,7 @@ impl Solution {
     }
 }
 
-/// Compared by value: the request, and the answer.
+/// Compares the values of requests and results.
 impl PartialEq for Solution {
     fn eq(&self, other: &Self) -> bool {
         let reported = |solution: &Self| (solution.status, solution.steps, solution.scale);
@@ -326,7 +327,7 @@ impl PartialEq for Solution {
     }
 }
 
-/// A pressure in units of the reference, in Pa.
+/// Converts a pressure from units of the reference to Pa.
 fn pascals(re: f32, im: f32, reference: f64) -> Complex32 {
     Complex32::new((f64::from(re) * reference) as f32, (f64::from(im) * reference) as f32)
 }

@@ -1,11 +1,11 @@
-//! Status: end of a solve.
+//! Status: how a solve ended.
 
 use alloc::format;
 use core::fmt;
 
 use crate::error::Error;
 
-/// The status at the end of a solve. Outcome is data, never an error.
+/// How a solve ended. It is part of the result, never an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Status {

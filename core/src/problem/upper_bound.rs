@@ -1,20 +1,21 @@
 //! Upper bound on the level that any drive can reach, from convex duality.
 //!
-//! With h_i = (G_ji/t_j)_j the level of a drive is s = `min_j |sum_i h_ji q_i|`, |q_i| <= 1. For any weights w_j >= 0 of
-//! sum 1 and any d_i > 0 with diag(d) >= `sum_j w_j h_j h_j^H` (as matrices over the transducers),
+//! With G_ji, targets t_j and h_ji = G_ji/t_j, the level of a drive q with |q_i| <= 1 is s = `min_j |sum_i h_ji q_i|`. Let h_j
+//! be the vector of all h_ji, P_j the pressure at point j. For any weights w_j >= 0 of sum 1 and any d_i > 0 with diag(d) >=
+//! `sum_j w_j h_j h_j^H` (as matrices over the transducers),
 //!
 //! ```text
 //! s^2 <= sum_j w_j |P_j|^2 <= q^H diag(d) q <= sum_i d_i
 //! ```
 //!
-//! and by Schur's complement that condition is one on an M x M matrix: `W^{1/2} (sum_i h_i h_i^H/d_i) W^{1/2} <= 1`.
-//! Any w and d thus give a bound, `s^2 <= lambda sum_i d_i` with lambda the largest eigenvalue of that matrix: the
-//! certificate. The best one is the value of the semidefinite relaxation of the problem (the dual of "max s^2 such that
-//! Q >= 0, Q_ii <= 1, `h_j^H Q h_j >= s^2`").
+//! By Schur's complement, that condition is the same as one on an M x M matrix, where h_i is now the vector over the points and
+//! W = diag(w): `W^{1/2} (sum_i h_i h_i^H/d_i) W^{1/2} <= 1`. So any w and d give a bound, `s^2 <= lambda sum_i d_i`, with
+//! lambda the largest eigenvalue of that matrix: the certificate. The best certificate is the value of the semidefinite
+//! relaxation of the problem (the dual of "max s^2 such that Q >= 0, Q_ii <= 1, `h_j^H Q h_j >= s^2`").
 //!
-//! Good w and d come from the relaxation solved as weighted Gerchberg-Saxton is: instead of one number each transducer
-//! has a unit vector of [`RANK`] (Burer and Monteiro 2003), each point a vector of pressures, and points that lag behind
-//! gain weight. Then d_i is what the normalisation of transducer i divides by.
+//! Good w and d come from solving the relaxation like weighted Gerchberg-Saxton. Each transducer has a unit vector of [`RANK`]
+//! components instead of one number (Burer and Monteiro 2003), and each point a vector of pressures. Points with too low a
+//! level gain weight. d_i is the length by which the vector of transducer i is normalised.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -30,36 +31,38 @@ use crate::problem::optimum::{self, Effort, ROUNDING};
 use crate::rng::Rng;
 use crate::workspace::Workspace;
 
-/// The certificate takes time O(N M^2 + M^3), the search for it a hundred times O(N M): of more points, this many are looked
-/// at.
+/// The most points that the bound uses. The certificate takes time O(N M^2 + M^3), the search for it a hundred times O(N M).
 const MOST_POINTS: usize = 400;
 
-/// The quick bound is looked at up to that many points.
+/// The most points for which the quick bound is computed.
 pub(crate) const FEW_POINTS: usize = 64;
 
-/// Components a transducer: beyond 12 nothing was gained at M = 64, N = 400.
+/// The number of components for each transducer: beyond 12 nothing was gained at M = 64, N = 400.
 const RANK: usize = 12;
 
-/// Steps at most, up to [`FEW_POINTS`] and of more, and steps from one certificate to the next.
+/// The most steps for up to [`FEW_POINTS`] points.
 const STEPS: usize = 2000;
+/// The most steps for more points.
 const STEPS_OF_MANY: usize = 40;
+/// The number of steps from one certificate to the next.
 const CHECK: usize = 20;
 
-/// Ends when the certificate is this near to the relaxation's own level.
+/// The search ends if the certificate exceeds the relaxation's own level by less than this part.
 const NEAR: f64 = 3e-4;
 
-/// The length of the search for the phases of few points: half a second at 1000 transducers.
+/// When the search over the phases of few points ends: half a second at 1000 transducers.
 const EFFORT: Effort = Effort { gap: 5e-5, boxes: 20_000 };
 
 type Lanes = [Complex64; RANK];
 
-/// An upper bound on the level x = min |p_j| / target_j over the points with a pressure and a weight above 0: no drive
+/// Returns an upper bound on the level x = min |p_j| / target_j over the points with a pressure and a weight above 0. No drive
 /// with |q| <= 1, quantised or not, exceeds it.
 ///
-/// Up to three points it is the highest level itself, to 1e-4, and at four mostly to 1 %, by branching over the points'
-/// phases (`problem::optimum`). From five points on it is the value of a relaxation, to 0.1 % for most scenes: for
-/// the paper's random scenes 8 to 9 % above the best field known. Above 64 points the search for it is cut short; of more
-/// than 400, it is the bound on some of them. Of points that no transducer reaches it is 0. Deterministic; in double precision, time O(N M) a step and some hundred steps.
+/// For up to three points it is the highest possible level, to 1e-4, and for four mostly to 1 %, by branch and bound over the
+/// points' phases (`problem::optimum`). For five points and more it is the value of a relaxation, to 0.1 % for most scenes: in
+/// the random scenes of Suzuki et al. 2021 it is 8 to 9 % above the best known field. Above 64 points the search is shorter;
+/// above 400 it is the bound for 400 of them. It is 0 if no transducer reaches the points. Deterministic, in double precision;
+/// time O(N M) for each of some hundred steps.
 ///
 /// # Errors
 /// A stop.
@@ -89,7 +92,7 @@ pub fn bound(problem: &Problem, control: &mut Control) -> Result<f64, Error> {
         let levels: Vec<f64> = field.iter().map(norm).collect();
         reached = reached.max(levels.iter().copied().fold(f64::INFINITY, f64::min));
         let mean = levels.iter().sum::<f64>() / levels.len() as f64;
-        // A point that lags behind gains weight, the less the longer it has been going on.
+        // Points with too low a level gain weight. The gain becomes smaller from step to step.
         let pace = 1.0 / (1.0 + step as f64 / 10.0);
         for (weight, level) in weights.iter_mut().zip(&levels) {
             *weight *= crate::math::pow((mean / level.max(1e-6 * mean)).max(1e-6), pace);
@@ -111,7 +114,7 @@ pub fn bound(problem: &Problem, control: &mut Control) -> Result<f64, Error> {
     Ok(least)
 }
 
-/// A quick bound, up to half above the best one: equal weights, and each transducer's share that of its propagation.
+/// Returns a quick bound, up to 1.5 times the best one: with equal weights, and d_i the norm of each transducer's row of G.
 ///
 /// # Errors
 /// A stop.
@@ -121,7 +124,7 @@ pub(crate) fn rough_bound(problem: &Problem, control: &mut Control) -> Result<f6
     rows.certificate(&vec![1.0 / rows.points as f64; rows.points], &share, control)
 }
 
-/// Unit vectors in no particular direction.
+/// Returns random unit vectors.
 fn start(count: usize) -> Vec<Lanes> {
     let mut rng = Rng::new(0);
     let mut number = || 2.0 * rng.uniform() - 1.0;
@@ -143,15 +146,15 @@ fn add(sum: &mut Lanes, factor: Complex64, lanes: &Lanes) {
     }
 }
 
-/// h_i of the transducers that have any effect.
+/// The vectors h_i of the transducers that have an effect.
 struct Rows {
     entries: Vec<Complex64>,
     points: usize,
 }
 
 impl Rows {
-    /// The bound of at most this many points, evenly chosen in their order: some of them have no lower level than
-    /// all.
+    /// Returns the rows for at most `most` points, evenly chosen in their order. A bound for some of the points is a bound for
+    /// all, because their level is not lower.
     fn new(problem: &Problem, most: usize, control: &mut Control) -> Result<Self, Error> {
         let (propagation, mut targeted) = (&problem.targets.propagation, problem.targeted());
         let all = targeted.len();
@@ -173,7 +176,7 @@ impl Rows {
         self.entries.len() / self.points
     }
 
-    /// Re and im, point by point, padded with zeros.
+    /// The real and the imaginary part, point by point, padded with zeros.
     fn planes(&self) -> [Vec<f64>; 2] {
         let lanes = self.count().next_multiple_of(SPAN);
         let mut planes = [(); 2].map(|()| vec![0.0; self.points * lanes]);
@@ -189,7 +192,7 @@ impl Rows {
         self.entries.chunks_exact(self.points)
     }
 
-    /// P_j = `sum_i h_ji v_i`.
+    /// Returns P_j = `sum_i h_ji v_i` for the unit vectors v_i.
     fn field(&self, units: &[Lanes], control: &mut Control) -> Result<Vec<Lanes>, Error> {
         let mut field = vec![[Complex64::ZERO; RANK]; self.points];
         for (row, unit) in self.iter().zip(units) {
@@ -201,7 +204,7 @@ impl Rows {
         Ok(field)
     }
 
-    /// v_i = y_i/|y_i|, y_i = `sum_j conj(h_ji) w_j P_j`; |y_i| is transducer i's share.
+    /// Computes v_i = y_i/|y_i| with y_i = `sum_j conj(h_ji) w_j P_j`; |y_i| becomes the share of transducer i.
     fn back(
         &self,
         weighted: &[Lanes],
@@ -223,9 +226,9 @@ impl Rows {
         Ok(())
     }
 
-    /// The bound on s that weights and shares prove: sqrt(lambda `sum_i d_i`).
+    /// The bound on s that weights w and shares d prove: sqrt(lambda `sum_i d_i`).
     fn certificate(&self, weights: &[f64], share: &[f64], control: &mut Control) -> Result<f64, Error> {
-        // Any d_i > 0 is admitted; one that is nearly 0 would make lambda huge.
+        // Any d_i > 0 is allowed, but one near 0 would make lambda huge.
         let floor = 1e-6 * share.iter().copied().fold(0.0, f64::max);
         let roots: Vec<f64> = weights.iter().copied().map(sqrt).collect();
         let m = self.points;
@@ -243,17 +246,17 @@ impl Rows {
             }
         }
         let bound = sqrt(largest_eigenvalue(&matrix, m, control)? * total) * (1.0 + ROUNDING);
-        // Where shares underflow nothing is proven.
+        // If shares underflow, the result is NaN and proves nothing.
         Ok(if bound.is_nan() { f64::INFINITY } else { bound })
     }
 }
 
-/// An upper bound, to 1e-6, on the largest eigenvalue of a Hermitian positive semidefinite matrix of which the lower half
-/// is read: the least x found for which x - A has a Cholesky factor.
+/// Returns an upper bound, accurate to 1e-6, on the largest eigenvalue of a Hermitian positive semidefinite matrix A; only its
+/// lower half is read. It is the least x found for which x - A has a Cholesky factor.
 fn largest_eigenvalue(matrix: &[Complex64], size: usize, control: &mut Control) -> Result<f64, Error> {
     let entry = |j: usize, k: usize| if k <= j { matrix[j * size + k] } else { matrix[k * size + j] };
     let row = |j: usize| (0..size).map(|k| entry(j, k).norm()).sum::<f64>();
-    // NaN must stay NaN
+    // NaN must stay NaN.
     let more = |most: f64, row: f64| if row <= most || most.is_nan() { most } else { row };
     let mut high = (0..size).map(row).fold(0.0, more) * (1.0 + ROUNDING);
     let mut low = 0.0;

@@ -1,4 +1,4 @@
-//! Laws of the JSON reader: which texts it takes, which bits it reads, where it says that a value or a fault is.
+//! Tests of the JSON reader: which texts it accepts, which values it reads, and where it reports a value or an error.
 
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -11,7 +11,7 @@ use crate::files::node::Node;
 use crate::files::source::{Format, Source};
 use crate::files::step::Step;
 
-/// The refusal of a text, without its example.
+/// The error for a text, without its example.
 fn refusal(text: &str) -> String {
     let flaw = read(text).map_err(|flaw| flaw.reported(text, Format::Json, Source::default()));
     let reported = flaw.expect_err(text).to_string();
@@ -157,7 +157,7 @@ fn values_and_keys_are_found_by_their_steps() {
     let text = " {\"a\": [10, {\"b\" :\n \"x\"}, [1.5, -2]], \"\\u0063\": {\"d\\\"\": null}, \"a\\\\\": 3}\n";
     let (a, b) = (Step::Key("a"), Step::Key("b"));
     let at = |part: &str| text.find(part).expect("a part");
-    // The steps, how many of them lead somewhere, and the last value and its key there.
+    // For each path: how many steps lead to a value, and the offsets of the last value and of its key.
     let cases: [(&[Step<'_>], usize, usize, usize); 9] = [
         (&[], 0, 1, 1),
         (&[a], 1, at("[10"), at("\"a\"")),
@@ -175,7 +175,7 @@ fn values_and_keys_are_found_by_their_steps() {
     }
 }
 
-/// A number or a word as RFC 8259 has them, read letter by letter: the oracle of what is accepted.
+/// Reads a number or a string by the rules of RFC 8259, letter by letter: the reference for the reader.
 fn by_the_standard(text: &str) -> Option<Node> {
     if let Some(rest) = text.strip_prefix('"') {
         return word(rest.strip_suffix('"')?).map(Node::Text);
@@ -195,7 +195,7 @@ fn by_the_standard(text: &str) -> Option<Node> {
     good.then(|| integer().or_else(large).or_else(real)).flatten()
 }
 
-/// The letters between quotes; surrogates only in pairs.
+/// Reads a string without its quotes. Surrogates must occur in pairs.
 fn word(text: &str) -> Option<String> {
     let (mut units, mut letters) = (vec![], text.chars());
     while let Some(letter) = letters.next() {
@@ -221,7 +221,7 @@ fn word(text: &str) -> Option<String> {
     String::from_utf16(&units).ok()
 }
 
-/// The value of a text that is read as one number.
+/// The number that a text contains; `None` if it contains anything else.
 fn number(text: &str) -> Option<f64> {
     read(text).ok()?.real()
 }
@@ -234,7 +234,7 @@ proptest! {
             for text in [format!("{value:?}"), format!("{value:e}"), format!("{value:.17e}"), format!("{value:.30e}")] {
                 prop_assert_eq!(number(&text).map(f64::to_bits), Some(bits), "{}", text);
             }
-            // Halfway to the next number, and the digits on either side of that.
+            // Numbers with very many digits, also of values exactly halfway between two f64.
             let exact = format!("{value:.800e}");
             prop_assert_eq!(number(&exact).map(f64::to_bits), Some(bits), "{}", exact);
         }

@@ -1,4 +1,4 @@
-//! A written tree reads as the same tree, in both formats.
+//! Tests that a tree, written in either format, is read as the same tree.
 
 use alloc::string::String;
 
@@ -8,7 +8,7 @@ use serde_json::Value;
 use crate::files::node::Node;
 use crate::files::{json, toml, write};
 
-/// Every kind of value but null, which TOML does not know, in lists and tables.
+/// Generates every kind of value except null, which TOML does not have, in lists and tables.
 fn nodes() -> impl Strategy<Value = Node> {
     let leaf = prop_oneof![
         any::<bool>().prop_map(Node::Bool),
@@ -21,7 +21,7 @@ fn nodes() -> impl Strategy<Value = Node> {
     ];
     leaf.prop_recursive(3, 24, 4, |inner| {
         prop_oneof![
-            // The text at the end keeps these lists from being `Numbers`, which is the form of lists of numbers only.
+            // The text at the end keeps these lists from having the compact form `Numbers`, which contains only numbers.
             prop::collection::vec(inner.clone(), 1..4).prop_map(|mut list| {
                 list.push(Node::Text("end".into()));
                 Node::List(list)
@@ -32,12 +32,12 @@ fn nodes() -> impl Strategy<Value = Node> {
     })
 }
 
-/// A table, its keys in order.
+/// Generates a table with sorted keys.
 fn table(inner: impl Strategy<Value = Node>) -> impl Strategy<Value = Node> {
     prop::collection::btree_map(any::<String>(), inner, 0..4).prop_map(|table| Node::Table(table.into_iter().collect()))
 }
 
-/// The tree with the keys of every table in order: TOML has lines before tables.
+/// Sorts the keys of all tables, because TOML writes plain values before tables.
 fn sorted(node: Node) -> Node {
     match node {
         Node::List(list) => Node::List(list.into_iter().map(sorted).collect()),
@@ -63,7 +63,7 @@ fn reported(node: &Node) -> Value {
     }
 }
 
-/// The text in JSON.
+/// Writes a tree as JSON.
 fn in_json(node: &Node) -> String {
     let mut text = String::new();
     write::json(node, "\n", &mut text);
