@@ -1,17 +1,19 @@
-//! Backward pass: gradients of the waves from many transducers at a point, in double precision, eight transducers at a time.
+//! Backward pass in double precision: gradients of a point's pressure by transducers, point and wavenumber.
 //!
-//! With the ray d of length r from a transducer to the point, e = d/r and c = e . n, its wave is F = f g D(c), g = e^{ur}/r,
-//! u = jk - alpha, f its factor. The derivatives of Re(w* q F), of a cotangent w and a drive q, with S = w* q F and
-//! T = Re(w* q f g D'), are
+//! d is the ray of length r from a transducer with unit normal n to the point, e = d/r, c = e . n. The transducer's
+//! wave is F = f g D(c): f its complex factor, D the directivity, g = e^{ur}/r, u = jk - alpha (wavenumber k,
+//! absorption alpha). The pressure is the sum of q F over drives q. For a cotangent w, with S = w* q F and T = Re(w* q
+//! f g D'), the derivatives of Re(w* q F) are
 //!
 //! ```text
-//! by q     (as dL/dRe q + j dL/dIm q)   F* w
-//! by d     a e + (T/r)(n - c e),        a = -(alpha + 1/r) Re S - k Im S
-//! by n     T (e - c n),                 along the sphere of unit normals
-//! by k     -r Im S - T (1 - c^2)/(k c), the second term where D is a function of k sin(theta)
+//! with respect to q   F* w   (as dL/dRe q + j dL/dIm q)
+//! with respect to d   a e + (T/r)(n - c e),   a = -(alpha + 1/r) Re S - k Im S
+//! with respect to n   T (e - c n)             along the sphere of unit normals
+//! with respect to k   -r Im S - T (1 - c^2)/(k c)   the second term only where D is a function of k sin(theta)
 //! ```
 //!
-//! The way forward keeps 1/r, F and f g D' of each, so that the way back needs no phase and no root.
+//! The forward pass stores 1/r, F and f g D' of each transducer, so that the backward pass computes no phase and no
+//! root. Both passes take eight transducers at a time.
 //!
 //! Plain loops without fused products: every instruction set gives the same bits.
 #![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
@@ -23,17 +25,17 @@ use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, list, loaded,
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::waves::{Emitters, Slopes, Waves, against, decay, even};
 
-/// Blocks of eight between two pulses.
+/// Blocks of eight transducers between two checks for a stop.
 const RUN: usize = 32;
 
-/// The intermediate values of eight transducers and a point that the backward pass needs.
+/// Values of eight transducers at one point, stored by the forward pass for the backward pass.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sent {
-    /// 1/r.
+    /// 1/r, r the distance to the point.
     near: Eight,
-    /// F, real and imaginary part.
+    /// F, the wave at drive 1: real and imaginary part.
     wave: [Eight; 2],
-    /// f g D', likewise; 0 where D = 1.
+    /// f g D' (see the module's head): real and imaginary part; 0 where D = 1.
     bend: [Eight; 2],
 }
 
@@ -41,7 +43,7 @@ impl Sent {
     pub(crate) const ZERO: Self = Self { near: [0.0; EIGHT], wave: [[0.0; EIGHT]; 2], bend: [[0.0; EIGHT]; 2] };
 }
 
-/// Gradients by eight transducers, summed over points.
+/// Gradients with respect to eight transducers, summed over points.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pull {
     pub(crate) drive: [Eight; 2],
@@ -53,7 +55,7 @@ impl Pull {
     pub(crate) const ZERO: Self =
         Self { drive: [[0.0; EIGHT]; 2], position: [[0.0; EIGHT]; 3], normal: [[0.0; EIGHT]; 3] };
 
-    /// Adds those of other points.
+    /// Adds the gradients of other points.
     pub(crate) fn add(&mut self, other: &Self) {
         let own = self.drive.iter_mut().chain(&mut self.position).chain(&mut self.normal);
         let other = other.drive.iter().chain(&other.position).chain(&other.normal);
@@ -61,7 +63,8 @@ impl Pull {
     }
 }
 
-/// The pressure of some drives at a point and the largest 1/r; stores the values that [`back`] needs.
+/// Returns the pressure of some drives at a point, and the largest 1/r; stores in `kept` the values that [`back`]
+/// needs.
 pub(crate) fn forth(
     set: InstructionSet,
     waves: &Waves,
@@ -95,7 +98,7 @@ pub(crate) fn forth(
     Ok((sums.map(total), nearest.into_iter().fold(0.0, f64::max)))
 }
 
-/// F of eight transducers or fewer, kept with the rest.
+/// Returns F of at most eight transducers; stores it with 1/r and f g D' in `kept`.
 #[inline(always)]
 fn send<S: Doubles>(
     s: S,
@@ -106,7 +109,7 @@ fn send<S: Doubles>(
 ) -> [V<S>; 2] {
     let d = ray(s, point, (&block.position, at));
     let square = dot(d, d);
-    // The phase waits for r alone.
+    // The phase needs only r, so it can begin before `near` is computed.
     let (r, near) = (square.sqrt(), square.inverse_root());
     let (cos, sin) = close_phasor(s, r * (waves.wavenumber * (1.0 / core::f64::consts::TAU)));
     let amplitude = if waves.absorption > 0.0 { near * decay(s, r * waves.absorption) } else { near };
@@ -131,7 +134,8 @@ fn send<S: Doubles>(
     wave
 }
 
-/// The gradients of Re(w* p) of a cotangent w by a point and, the last, by k; adds those by the transducers.
+/// Returns the gradients of Re(w* p), w the cotangent, with respect to the point (3 numbers) and to k (the last one);
+/// adds those with respect to the transducers to `pulls`.
 pub(crate) fn back(
     set: InstructionSet,
     waves: &Waves,

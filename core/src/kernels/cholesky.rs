@@ -1,4 +1,4 @@
-//! Cholesky factor A = U^T U of padded rows, and solves with it.
+//! Cholesky factor U, A = U^T U, of a symmetric matrix A with padded rows, and the solution of A x = b.
 
 use crate::control::Control;
 use crate::error::Error;
@@ -7,10 +7,10 @@ use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::math::sqrtf;
 
-/// Groups of a row that stay in registers while the rows above are taken from it.
+/// Lane groups of a row that stay in registers while multiples of the rows above are subtracted.
 const WIDE: usize = 4;
 
-/// row -= `sum_k above_ki above_k` over the rows above, N groups from group `at` on.
+/// Subtracts `above_ki above_k` of each row k above from a row, in N lane groups from group `at` on.
 #[inline(always)]
 fn reduce<S: Simd, const N: usize>(s: S, above: &[f32], row: &mut [f32], i: usize, at: usize) {
     let lanes = row.len();
@@ -30,11 +30,11 @@ fn reduce<S: Simd, const N: usize>(s: S, above: &[f32], row: &mut [f32], i: usiz
     }
 }
 
-/// Replaces the upper half of a symmetric matrix of `size` rows by its factor U, with zeros in the lanes before a row's
-/// diagonal; `false` if it is not positive definite in f32.
+/// Replaces the upper half of a symmetric matrix of `size` padded rows by its factor U. The lanes between the start of
+/// the diagonal's lane group and the diagonal become 0. Returns `false` if the matrix is not positive definite in f32.
 ///
 /// # Errors
-/// A check for a stop once a row.
+/// A requested stop, which is checked once a row.
 pub(crate) fn factor(
     set: InstructionSet,
     matrix: &mut [f32],
@@ -70,7 +70,7 @@ pub(crate) fn factor(
     })
 }
 
-/// Replaces b (padded) by A^-1 b.
+/// Replaces the padded vector b by the solution x of A x = b, given the factor U of A.
 pub(crate) fn solve(set: InstructionSet, factor: &[f32], b: &mut [f32]) {
     dispatch!(set, s => {
         let lanes = b.len();

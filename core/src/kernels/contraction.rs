@@ -1,8 +1,10 @@
-//! Contraction: the way back from Taylor coefficients of a pressure at a point to transducers, eight of them at a time.
+//! Contraction: turns gradients by Taylor coefficients of a pressure into gradients by transducers, eight at a time.
 //!
-//! C_t are the coefficients of a transducer's wave F, W_t the cotangents of those of the pressure (`kernels::derivatives`). With
-//! Z = sum_t W_t* C_t, Z_a the same of dF/dx_a, Z' the same with C_t (1 + degree of t), and L the same of x times dF/dx, x from the
-//! point, the derivatives of Re(q Z) are
+//! C_t are the Taylor coefficients of a transducer's wave F around a point, W_t the cotangents of those of the pressure
+//! (`kernels::derivatives`). Let Z = sum_t W_t* C_t, and Z_a the same sum for dF/dx_a. Z' has C_t (1 + degree of t) in
+//! place of C_t, and L is the sum for x times dF/dx, x the vector from the point. The derivatives of Re(q Z), q the
+//! drive, with respect to the drive, the ray d, the unit normal n and the wavenumber k are (u and D as in
+//! `kernels::backward`)
 //!
 //! ```text
 //! by q   Z*                            by d   Re q Z_a
@@ -23,26 +25,27 @@ use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, list, loaded,
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::waves::{C, Emitters, Slopes, Waves};
 
-/// Blocks of eight between two pulses.
+/// Blocks of eight transducers between two checks for a stop.
 const RUN: usize = 8;
 
-/// A term, and the factor of its coefficient: real and imaginary part.
+/// The index of a Taylor term, and the factor of its coefficient: real and imaginary part.
 pub(crate) type Weight = (usize, [f64; 2]);
 
-/// The factors of the coefficients in each sum.
+/// The terms of each sum of the module's head, with their factors.
 #[derive(Default)]
 pub(crate) struct Weights {
-    /// Coefficients of Z.
+    /// Terms of Z.
     pub(crate) value: Vec<Weight>,
-    /// Coefficients of Z_a.
+    /// Terms of Z_a for each axis a.
     pub(crate) slopes: [Vec<Weight>; 3],
-    /// Coefficients of Z'.
+    /// Terms of Z'.
     pub(crate) grown: Vec<Weight>,
-    /// Coefficients of L.
+    /// Terms of L for each axis.
     pub(crate) turned: [Vec<Weight>; 3],
 }
 
-/// The gradients by a point and, the last, by k; adds those by the transducers. `COUNT` coefficients are used.
+/// Returns the gradients with respect to a point (3 numbers) and to k (the last one); adds those with respect to the
+/// transducers to `pulls`. The sums have the first `COUNT` Taylor coefficients.
 pub(crate) fn contract<const COUNT: usize>(
     set: InstructionSet,
     waves: &Waves,

@@ -1,8 +1,8 @@
-//! Derivatives of eq. (5) by the place, up to the third, in double precision: eight transducers at a time.
+//! Derivatives of eq. (5) by the place, up to the third or fourth, in double precision: eight transducers at a time.
 //!
-//! With the ray d of length r, s = |d|^2/2, h = d . n and c = h/r, eq. (5) is F(s, h) = g(s) D(c), g = e^{ur}/r,
-//! u = jk - alpha. A step x changes s by d . x + |x|^2/2 and h by n . x, so that with the derivatives f_ab of F by s and h, a and
-//! b times, times r^{2a+b}, and e = d/r:
+//! With the ray d of length r from a transducer of normal n, s = |d|^2/2, h = d . n and c = h/r, eq. (5) is F(s, h) =
+//! g(s) D(c), g = e^{ur}/r, u = jk - alpha. A step x changes s by d . x + |x|^2/2 and h by n . x. So with e = d/r and
+//! f_ab = r^{2a+b} times the derivative of F by s (a times) and h (b times), the Taylor terms of F in x are
 //!
 //! ```text
 //! degree 1: 1/r   [ f10 ex + f01 nx ],   ex = e . x, nx = n . x
@@ -23,13 +23,13 @@ use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::waves::{C, Emitters, Slopes, Waves, even};
 use crate::math::exp;
 
-/// Monomials x^a y^b z^c of degree up to 3, in the order of exponents that fall: 1; x, y, z; x^2, xy, xz, y^2, yz, z^2; ...
+/// Number of monomials x^a y^b z^c of degree up to 3, in this order: 1; x, y, z; x^2, xy, xz, y^2, yz, z^2; ...
 pub(crate) const TERMS: usize = 20;
 
-/// Derivatives of degree up to 4.
+/// Number of monomials of degree up to 4, in the same order.
 pub(crate) const MORE_TERMS: usize = 35;
 
-/// Calls `take` with each block's Taylor coefficients around a point, real and imaginary: no transducer lies there.
+/// Calls `take` with each block's Taylor coefficients around a point, real and imaginary. No transducer may lie there.
 pub(crate) fn each(
     set: InstructionSet,
     waves: &Waves,
@@ -56,7 +56,7 @@ pub(crate) fn each(
     Ok(())
 }
 
-/// The sum of all blocks' Taylor coefficients around a point.
+/// Returns the sum of the Taylor coefficients around a point over all transducers: real and imaginary parts.
 pub(crate) fn sum(
     set: InstructionSet,
     waves: &Waves,
@@ -84,7 +84,7 @@ pub(crate) fn sum(
     Ok(sums.map(|part| part.map(total)))
 }
 
-/// Writes each block's waves at a point, nearer than `least` as if at that distance: real and imaginary part.
+/// Writes each block's waves at a point, real and imaginary part. Distances below `least` count as `least`.
 pub(crate) fn values(
     set: InstructionSet,
     waves: &Waves,
@@ -119,7 +119,7 @@ fn value<S: Doubles>(s: S, waves: &Waves, (block, at): (&Emitters, usize), (poin
     }
 }
 
-/// e^{ur}/r of distances and their inverses.
+/// Returns e^{ur}/r of distances r and their inverses `near`.
 #[inline(always)]
 fn spread<S: Doubles>(s: S, waves: &Waves, r: V<S>, near: V<S>) -> C<S> {
     let (cos, sin) = phasor(s, r * (waves.wavenumber / core::f64::consts::TAU));
@@ -127,7 +127,8 @@ fn spread<S: Doubles>(s: S, waves: &Waves, r: V<S>, near: V<S>) -> C<S> {
     [amplitude * cos, amplitude * sin]
 }
 
-/// The first [`TERMS`] or [`MORE_TERMS`] coefficients, with the directivity of some slopes.
+/// Returns the first [`TERMS`] or [`MORE_TERMS`] Taylor coefficients of a block, with the directivity given by
+/// `slopes`.
 #[inline(always)]
 pub(super) fn expand<S: Doubles, const COUNT: usize>(
     s: S,
@@ -168,7 +169,7 @@ pub(super) fn expand<S: Doubles, const COUNT: usize>(
         Slopes::Even { square, terms } => even(s, *square, terms, c),
         Slopes::Each(of) => c.each(of),
     };
-    // Derivatives of D by s and h, times r^{2a+b}.
+    // Derivatives of D by s (first digit) and h (second digit), times r^{2a+b}.
     let [d, d1, d2, d3, d4] = [slopes[0], slopes[1], slopes[2] * 2.0, slopes[3] * 6.0, slopes[4] * 24.0];
     let (c2, d3c) = (c * c, d3 * c);
     let (d01, d10, d02) = (d1, d1 * c * -1.0, d2);
@@ -212,7 +213,7 @@ fn constant<S: Doubles, const COUNT: usize>(out: &mut [[V<S>; COUNT]; 2], f: C<S
     }
 }
 
-/// Degree 1.
+/// Writes the coefficients of degree 1.
 #[inline(always)]
 fn first<S: Doubles, const COUNT: usize>(
     out: &mut [[V<S>; COUNT]; 2],
@@ -229,7 +230,7 @@ fn first<S: Doubles, const COUNT: usize>(
     }
 }
 
-/// Degrees 2 and 3, of f10, f20, f30, and of f11, f02, f21, f12, f03 where there is a directivity.
+/// Writes the coefficients of degrees 2 and 3. `directed` has f11, f02, f21, f12, f03 where there is a directivity.
 #[inline(always)]
 fn second_third<S: Doubles, const COUNT: usize>(
     out: &mut [[V<S>; COUNT]; 2],
@@ -275,7 +276,7 @@ fn second_third<S: Doubles, const COUNT: usize>(
     }
 }
 
-/// Degree 4, of f20, f30, f40, and of f21, f31, f12, f22, f13, f04 where there is a directivity.
+/// Writes the coefficients of degree 4. `directed` has f21, f31, f12, f22, f13, f04 where there is a directivity.
 #[inline(always)]
 fn fourth<S: Doubles, const COUNT: usize>(
     s: S,
@@ -322,14 +323,14 @@ fn fourth<S: Doubles, const COUNT: usize>(
     }
 }
 
-/// The quadratic form (a . x)(b . x): its coefficients of x^2, xy, xz, y^2, yz, z^2.
+/// Returns the coefficients of x^2, xy, xz, y^2, yz, z^2 in the quadratic form (a . x)(b . x).
 #[inline(always)]
 fn product<S: Doubles>(a: [V<S>; 3], b: [V<S>; 3]) -> [V<S>; 6] {
     let mixed = |i: usize, j: usize| a[i] * b[j] + a[j] * b[i];
     [a[0] * b[0], mixed(0, 1), mixed(0, 2), a[1] * b[1], mixed(1, 2), a[2] * b[2]]
 }
 
-/// A linear form times a quadratic one, in the order of [`TERMS`].
+/// Returns the product of a linear and a quadratic form, in the order of [`TERMS`].
 #[inline(always)]
 fn cubic<S: Doubles>(l: [V<S>; 3], [xx, xy, xz, yy, yz, zz]: [V<S>; 6]) -> [V<S>; 10] {
     let [x, y, z] = l;
@@ -347,7 +348,7 @@ fn cubic<S: Doubles>(l: [V<S>; 3], [xx, xy, xz, yy, yz, zz]: [V<S>; 6]) -> [V<S>
     ]
 }
 
-/// The product of two quadratic forms, in the order of [`MORE_TERMS`].
+/// Returns the product of two quadratic forms, in the order of [`MORE_TERMS`].
 #[inline(always)]
 fn quartic<S: Doubles>(a: [V<S>; 6], b: [V<S>; 6]) -> [V<S>; 15] {
     let pair = |i: usize, j: usize| a[i] * b[j] + a[j] * b[i];

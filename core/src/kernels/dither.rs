@@ -1,14 +1,15 @@
 //! Dither between two amplitudes: each transducer in turn takes the one that leaves the smaller errors at the points.
 //!
 //! ```text
-//! for each driven transducer i:
-//!     c_j = G_ij q_i / P_j                           the part of a point's pressure that it makes; across counts at quiet points
-//!     a   = the one of two parts with the least sum_j |e_j + (a - a_i) c_j|^2
-//!     e_j += (a - a_i) c_j;   a_i = a
+//! for each driven transducer i with row G_i, drive q_i and part a_i of its amplitude:
+//!     c_j = G_ij q_i / P_j                the share of the transducer in the pressure P_j of point j; only its real part
+//!                                         counts, except at quiet points
+//!     a   = the value of the pair with the least sum_j |e_j + (a - a_i) c_j|^2
+//!     e_j += (a - a_i) c_j;   a_i = a     e_j is the error at point j relative to P_j
 //! ```
 //!
-//! A transducer that has not chosen yet counts with the requested part, between the two: its choice leaves an error,
-//! which the next ones correct (Floyd and Steinberg, Proc. SID 17(2), 1976).
+//! Before its turn a transducer counts with its requested part, between the two values. Its choice leaves an error,
+//! which the later transducers correct (Floyd and Steinberg, Proc. SID 17(2), 1976).
 
 use core::ops::Range;
 
@@ -21,22 +22,22 @@ use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 
-/// Values at the points, all lists padded alike.
+/// Values at the points; all lists have the same padded length.
 pub(crate) struct Points<'a> {
-    /// e, re and im: im is 0 but at quiet points.
+    /// The errors e, real and imaginary parts; the imaginary part is 0 except at quiet points.
     pub(crate) error: [&'a mut [f32]; 2],
-    /// 1 / P; 0 where there is no point.
+    /// 1/P; 0 in the padding.
     pub(crate) inverse: [&'a [f32]; 2],
-    /// 1 at quiet points.
+    /// 1 at quiet points, 0 elsewhere.
     pub(crate) quiet: &'a [f32],
-    /// Memory for a row.
+    /// Working memory for one row of G.
     pub(crate) row: [&'a mut [f32]; 2],
 }
 
-/// Gives each transducer of a `range` one part of a `pair`, in place of the one that it has.
+/// Sets the part of each driven transducer of a `range` to one value of `pair`.
 ///
 /// # Errors
-/// A stop, polled once a transducer: those before have chosen.
+/// A requested stop, which is checked once a transducer. The parts of the transducers before it are set.
 pub(crate) fn choose(
     set: InstructionSet,
     rows: Rows<'_>,
@@ -67,7 +68,7 @@ pub(crate) fn choose(
     })
 }
 
-/// Turns a row into the parts c of a transducer of drive q; the sums of e c and of c^2.
+/// Replaces a row of G by the shares c of a transducer of drive q. Returns the sums of e c and of c^2.
 #[inline(always)]
 fn along<S: Simd>(
     s: S,

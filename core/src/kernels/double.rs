@@ -1,7 +1,8 @@
 //! Dense linear algebra in double precision: complex matrix times vector, products of columns, a Cholesky factor.
 //!
-//! For systems whose condition is beyond f32. Plain loops over [`WIDE`] lanes without fused products: every instruction
-//! set gives the same bits. The loops are counted: of iterators over small arrays the compiler keeps no sums in registers.
+//! It is for systems that are too ill-conditioned for f32. Plain loops over [`WIDE`] lanes without fused products:
+//! every instruction set gives the same bits. The loops count, because the compiler keeps no sums of iterators in
+//! registers.
 #![allow(clippy::needless_range_loop, reason = "counted loops keep their sums in registers")]
 
 use crate::control::Control;
@@ -9,16 +10,16 @@ use crate::error::Error;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::math::sqrt;
 
-/// Lanes: rows are padded to a multiple of them.
+/// Number of lanes; rows are padded to a multiple of it.
 pub(crate) const WIDE: usize = 4;
 
-/// Groups of a row that stay in registers while others are added to it.
+/// Lane groups of a row that stay in registers while other rows are added to it.
 const BLOCK: usize = 8;
 
-/// Lanes that [`divided`] takes at once.
+/// Lanes that [`divided`] computes at once.
 pub(crate) const SPAN: usize = 16;
 
-/// Rows that [`divided`] takes at most.
+/// Largest number of rows that [`divided`] accepts.
 pub(crate) const MOST_ROWS: usize = 25;
 
 type Group = [f64; WIDE];
@@ -38,7 +39,7 @@ fn total([a, b, c, d]: Group) -> f64 {
     (a + b) + (c + d)
 }
 
-/// out = G q, G the planar rows over as many lanes as q has.
+/// out = G q. `rows` has the real and the imaginary rows of G, each as long as q.
 pub(crate) fn times(set: InstructionSet, rows: [&[f64]; 2], vector: [&[f64]; 2], out: [&mut [f64]; 2]) {
     dispatch!(set, _s => {
         let lanes = vector[0].len();
@@ -58,7 +59,7 @@ pub(crate) fn times(set: InstructionSet, rows: [&[f64]; 2], vector: [&[f64]; 2],
     });
 }
 
-/// out = G^H p, likewise.
+/// out = G^H p, with `rows` as in [`times`].
 pub(crate) fn times_adjoint(set: InstructionSet, rows: [&[f64]; 2], vector: [&[f64]; 2], out: [&mut [f64]; 2]) {
     dispatch!(set, _s => {
         let [out_re, out_im] = out;
@@ -77,8 +78,8 @@ pub(crate) fn times_adjoint(set: InstructionSet, rows: [&[f64]; 2], vector: [&[f
     });
 }
 
-/// d_i = sqrt(`sum_r c_r row_ri`), no less than `least`, and the sums of `row_ri/d_i` of each row (over a multiple of
-/// [`SPAN`] lanes); the sum of d.
+/// Computes d_i = sqrt(`sum_r c_r row_ri`), no less than `least`, with the factors c. Writes the sum over i of
+/// `row_ri/d_i` for each row r to `sums`, and returns the sum of d. The rows have a multiple of [`SPAN`] lanes.
 pub(crate) fn divided(set: InstructionSet, rows: &[f64], factors: &[f64], least: f64, sums: &mut [f64]) -> f64 {
     dispatch!(set, _s => {
         let lanes = rows.len() / factors.len();
@@ -113,7 +114,7 @@ pub(crate) fn divided(set: InstructionSet, rows: &[f64], factors: &[f64], least:
     })
 }
 
-/// sum_r row_ri row_r over rows of `size`, N groups from group `at` on.
+/// Returns N lane groups, from group `at` on, of `sum_r row_ri row_r` over rows of `size` numbers.
 #[inline(always)]
 fn combined<const N: usize>(rows: &[f64], size: usize, i: usize, at: usize) -> [Group; N] {
     let mut sums = [[0.0; WIDE]; N];
@@ -129,7 +130,7 @@ fn combined<const N: usize>(rows: &[f64], size: usize, i: usize, at: usize) -> [
     sums
 }
 
-/// Adds `sign sum_r row_ri row_r` to a row, from the group of entry `i` on.
+/// Adds `sign sum_r row_ri row_r` to a row, from the lane group of entry `i` on.
 #[inline(always)]
 fn add_combined(rows: &[f64], i: usize, sign: f64, to: &mut [f64]) {
     let size = to.len();
@@ -152,10 +153,11 @@ fn add_combined(rows: &[f64], i: usize, sign: f64, to: &mut [f64]) {
     }
 }
 
-/// Adds the upper half of C^T C, C the rows of `size` numbers (a multiple of [`WIDE`]), to a matrix of that size.
+/// Adds the upper half of C^T C to a matrix of `size` rows. `rows` are the rows of C, each of `size` numbers, a
+/// multiple of [`WIDE`].
 ///
 /// # Errors
-/// A check for a stop once a row.
+/// A requested stop, which is checked once a row.
 pub(crate) fn add_products(
     set: InstructionSet,
     rows: &[f64],
@@ -172,11 +174,11 @@ pub(crate) fn add_products(
     })
 }
 
-/// Replaces the upper half of a symmetric matrix of `size` rows (a multiple of [`WIDE`]) by its factor U, A = U^T U, with
-/// zeros in the lanes before a row's diagonal; `false` if it is not positive definite.
+/// Replaces the upper half of a symmetric matrix A of `size` rows (a multiple of [`WIDE`]) by its factor U, A = U^T U.
+/// The lanes before the diagonal in its lane group become 0. Returns `false` if A is not positive definite.
 ///
 /// # Errors
-/// A check for a stop once a row.
+/// A requested stop, which is checked once a row.
 pub(crate) fn factor(
     set: InstructionSet,
     matrix: &mut [f64],
@@ -202,7 +204,7 @@ pub(crate) fn factor(
     })
 }
 
-/// Replaces b by A^-1 b.
+/// Replaces b by the solution x of A x = b, given the factor U of A.
 pub(crate) fn solve(set: InstructionSet, factor: &[f64], b: &mut [f64]) {
     dispatch!(set, _s => {
         let size = b.len();

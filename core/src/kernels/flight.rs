@@ -1,14 +1,16 @@
-//! Flight: eight beads step by step, in forces that are polynomials around places that move.
+//! Flight: motion of eight beads step by step, in forces that are polynomials around moving centres.
 //!
-//! Adams' method of order 4 for x'' = a(t, x, x'), with one acceleration a step of length h: places and speeds are
-//! predicted from the last four accelerations, and corrected by the one that the bead then has.
+//! Adams' method of order 4 for x'' = a(t, x, x'), with one evaluation of the acceleration in each step of length h. It
+//! predicts the place x1 and the velocity v1 from the last four accelerations a, a', a'', a''', the newest first. Then
+//! it corrects them to x+ and v+ with the acceleration a1 at the predicted place.
 //!
 //! ```text
 //! x1 = x + h v + h^2/360 (323 a - 264 a' + 159 a'' - 38 a''')   v1 = v + h/24 (55 a - 59 a' + 37 a'' - 9 a''')
-//! x+ = x + h v + h^2/360 (38 a1 + 171 a - 36 a' + 7 a'')        v+ = v + h/24 (9 a1 + 19 a - 5 a' + a''),   a1 = a(t + h, x1, v1)
+//! a1 = a(t + h, x1, v1)
+//! x+ = x + h v + h^2/360 (38 a1 + 171 a - 36 a' + 7 a'')        v+ = v + h/24 (9 a1 + 19 a - 5 a' + a'')
 //! ```
 //!
-//! Near its centre a bead needs few terms of a force: those of a degree are left out where all that follow are too small there.
+//! Near the centre few terms of a force suffice: the terms above some degree are left out where they are small enough.
 #![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
 
 use alloc::vec::Vec;
@@ -16,58 +18,62 @@ use alloc::vec::Vec;
 use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 
-/// Monomials x^a y^b z^c of degree up to 6, in the order of [`super::derivatives::TERMS`].
+/// Number of monomials x^a y^b z^c of degree up to 6, in the order of [`super::derivatives::TERMS`].
 pub(crate) const TERMS: usize = 84;
 
-/// The degree of the last ones.
+/// The highest degree of the monomials.
 const DEGREE: usize = 6;
 
-/// Degrees at which a force may end: the last one has all terms.
+/// Degrees at which the polynomial of a force may be cut off; the last one keeps all terms.
 const ENDS: [usize; 5] = [2, 3, 4, 5, DEGREE];
 
-/// Terms that are left out change a force by no more than this part of what its linear terms are in one unit.
+/// Largest change of a force by terms that are left out, relative to its linear terms one unit from the centre.
 const LEAST: f64 = 1e-5;
 
-/// Steps to those radii: to a thousandth of a unit.
+/// Bisection steps in the search of [`Radii`]: they give a thousandth of a unit.
 const BISECTIONS: usize = 10;
 
-/// Forces on eight beads in N: of each monomial its coefficient along x, y and z.
+/// Forces on eight beads in N: the coefficients of each monomial along x, y and z.
 pub(crate) type Forces = [[Eight; 3]; TERMS];
 
-/// Coordinates from the centre, in units, up to which terms of the first degree of [`ENDS`] suffice, of the second and so on.
+/// Largest coordinates from the centre, in units, at which the terms up to each degree of [`ENDS`] but the last
+/// suffice.
 pub(crate) type Radii = [f64; ENDS.len() - 1];
 
-/// Vectors of eight beads.
+/// Vectors of eight beads: x, y and z.
 pub(crate) type Vectors = [Eight; 3];
 
-/// The other accelerations of beads: all but the forces.
+/// Constants of the motion of a bead, besides the forces of the sound.
 #[derive(Clone, Debug)]
 pub(crate) struct Laws {
-    /// 1/m in 1/kg.
+    /// 1/m of the bead's mass m, in 1/kg.
     pub(crate) lightness: f64,
     /// Weight less buoyancy, over the mass, in m/s^2.
     pub(crate) gravity: [f64; 3],
-    /// Drag over mass and speed in 1/s, by speed; above the last it stays.
+    /// Drag force over mass and speed in 1/s, at equal steps of speed from 0 on. The last value holds for higher
+    /// speeds.
     pub(crate) drag: Vec<f64>,
-    /// Number of steps in 1 m/s.
+    /// Number of steps of `drag` in 1 m/s.
     pub(crate) finest: f64,
     /// The unit of length of the monomials, in m.
     pub(crate) unit: f64,
-    /// h in s.
+    /// The time step h in s.
     pub(crate) step: f64,
 }
 
-/// Eight beads: `place`, `speed` and the last four accelerations, the newest first.
+/// State of eight beads: places, velocities and the last four accelerations, the newest first.
 pub(crate) struct Beads<'a> {
     pub(crate) place: &'a mut Vectors,
     pub(crate) speed: &'a mut Vectors,
     pub(crate) pulls: &'a mut [Vectors; 4],
-    /// Squares of the distances in m^2 from the centres at which a step is the last; NaN in a lane without a bead.
+    /// Square of each bead's largest distance from its centre, in m^2, at which the flight goes on; NaN in a lane
+    /// without a bead.
     pub(crate) reach: Eight,
 }
 
-/// Goes from step `first` on over the `centres` of polynomials, one a step and one to begin with, while forces go straight from
-/// the first ones to the others. Returns the step that was the last: all, or the first after which a bead is out of reach.
+/// Moves the beads from step `first` on along the `centres` of the polynomials, one for each step and one for the
+/// start. The forces change linearly from the first to the second ones. Returns the last step: that of the last centre,
+/// or the first one after which a bead is out of reach.
 pub(crate) fn advance(
     set: InstructionSet,
     laws: &Laws,
@@ -97,7 +103,7 @@ pub(crate) fn advance(
     })
 }
 
-/// Up to which coordinates few terms of each of some forces suffice.
+/// Returns, for each force, the coordinates up to which short polynomials are accurate enough.
 pub(crate) fn radii(set: InstructionSet, forces: &[Forces]) -> Vec<Radii> {
     dispatch!(set, s => {
         let _ = s;
@@ -107,7 +113,7 @@ pub(crate) fn radii(set: InstructionSet, forces: &[Forces]) -> Vec<Radii> {
 
 #[inline(always)]
 fn enough(forces: &Forces) -> Radii {
-    // Of each degree what all terms are in one unit at most.
+    // For each degree, a bound of its terms one unit from the centre.
     let mut sums = [0.0_f64; DEGREE + 1];
     let mut first = 0;
     for (degree, sum) in sums.iter_mut().enumerate() {
@@ -136,12 +142,12 @@ fn enough(forces: &Forces) -> Radii {
     })
 }
 
-/// Monomials of a degree.
+/// Returns the number of monomials of a degree.
 const fn count(degree: usize) -> usize {
     (degree + 1) * (degree + 2) / 2
 }
 
-/// Sets all accelerations to those of the first step's forces: before it, beads moved as they do then.
+/// Sets all accelerations of the beads to those that the first step's forces give, as if the past had been the same.
 pub(crate) fn begin(set: InstructionSet, laws: &Laws, forces: &Forces, centre: &Vectors, beads: &mut Beads<'_>) {
     dispatch!(set, s => {
         for at in (0..EIGHT).step_by(width(s)) {
@@ -165,7 +171,7 @@ impl Beads<'_> {
         (0..EIGHT).any(|i| square(i) > self.reach[i])
     }
 
-    /// The largest coordinate of beads at places, from a centre, in units.
+    /// Returns the largest coordinate of the beads at these places, relative to a centre, in units.
     #[inline(always)]
     fn apart(&self, places: &Vectors, centre: &Vectors, unit: f64) -> f64 {
         let mut most = 0.0_f64;
@@ -184,13 +190,13 @@ fn width<S: Doubles>(_: S) -> usize {
     S::WIDTH
 }
 
-/// Places and speeds after a step, of all beads.
+/// Returns the predicted places and velocities of all beads after a step.
 #[inline(always)]
 fn predicted<S: Doubles>(s: S, laws: &Laws, beads: &Beads<'_>) -> [Vectors; 2] {
     let mut ahead = [[[0.0; EIGHT]; 3]; 2];
     let (h, half) = (laws.step / 24.0, laws.step * laws.step / 360.0);
     for at in (0..EIGHT).step_by(width(s)) {
-        // The compiler then knows the bound, and omits the checks of the loads.
+        // With this bound known, the compiler omits the bounds checks of the loads.
         let at = at.min(EIGHT - S::WIDTH);
         for i in 0..3 {
             let [place, speed] = [&beads.place, &beads.speed].map(|all| V::of(s, &all[i][at..]));
@@ -203,7 +209,7 @@ fn predicted<S: Doubles>(s: S, laws: &Laws, beads: &Beads<'_>) -> [Vectors; 2] {
     ahead
 }
 
-/// A step by the terms up to degree D of the forces at places and speeds `ahead`.
+/// Completes a step with the terms up to degree D of the forces, at the predicted places and velocities `ahead`.
 #[inline(always)]
 fn correct<S: Doubles, const D: usize>(
     s: S,
@@ -231,7 +237,7 @@ fn correct<S: Doubles, const D: usize>(
     }
 }
 
-/// The acceleration of beads by the terms of a force up to degree D.
+/// Returns the acceleration of beads: the terms of a force up to degree D over the mass, gravity and drag.
 #[inline(always)]
 fn pull<S: Doubles, const D: usize>(
     s: S,
@@ -267,7 +273,8 @@ fn pull<S: Doubles, const D: usize>(
     sum
 }
 
-/// Monomials up to degree D, and 1 for the others: those of a degree are those of the one before times x, the last of these times y, and the very last times z.
+/// Returns the monomials up to degree D, and 1 for the others. A degree has those of the degree before times x, then
+/// the last ones of that degree times y, then the very last one times z.
 #[inline(always)]
 fn monomials<S: Doubles, const D: usize>(one: V<S>, [x, y, z]: [V<S>; 3]) -> [V<S>; TERMS] {
     let mut all = [one; TERMS];
@@ -288,7 +295,7 @@ fn monomials<S: Doubles, const D: usize>(one: V<S>, [x, y, z]: [V<S>; 3]) -> [V<
 }
 
 impl Laws {
-    /// Drag over mass and speed at a speed, interpolated linearly between stored values.
+    /// Returns the drag over mass and speed at a speed, interpolated linearly between stored values.
     #[inline(always)]
     fn dragged(&self, speed: f64) -> f64 {
         let last = self.drag.len() - 1;

@@ -1,14 +1,14 @@
-//! A board's grid: 16 drives at a time rounded to the nearest of its phases and amplitudes.
+//! A board's grid: rounds drives, 16 at a time, to the nearest of its phases and amplitudes.
 //!
 //! ```text
 //! ratio = small/large of |re|, |im|;   |q| = large sqrt(1 + ratio^2)
-//! turns = ratio poly(ratio^2), brought to its octant                  within 3e-8 turns
+//! turns = ratio poly(ratio^2), moved to its octant                    within 3e-8 turns
 //! phase code = floor(L turns + 1/2);   direction = table of phasors for the codes -L to L
-//! amplitude: 256 buckets tell where in the table to begin, comparisons with the values' middles go on from there
+//! amplitude: one of 256 buckets gives the first index of the table; the middles between values give the final one
 //! ```
 //!
-//! Quotients, roots, products and sums only, each rounded once and none fused: a drive has the same code by every
-//! instruction set. Of two as near, the later phase and the larger amplitude win.
+//! All quotients, roots, products and sums are rounded once and none is fused: every instruction set gives a drive the
+//! same code. If two are equally near, the later phase and the larger amplitude are chosen.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -20,16 +20,16 @@ use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Apart, Elementwise, Simd, WHOLE};
 use crate::math;
 
-/// Above this modulus a drive is at full power but for its rounding.
+/// A drive above this modulus is at full power; the difference is rounding.
 const FULL: f32 = 1.0 - 1e-6;
 
-/// Parts of 0 to 1 that know where in a table their amplitudes begin.
+/// Equal parts of 0 to 1; each has a first index into a table of amplitudes.
 const BUCKETS: usize = 256;
 
-/// Where phase or amplitude can be anything, a drive that rounding moves by less than this part of it stays as it is.
+/// Where phase or amplitude is continuous, a drive that rounding changes by less than this part of it keeps its value.
 const SAME: f32 = 4e-7;
 
-/// The phases and amplitudes of a board, each of which may be left out if it is continuous.
+/// The phases and amplitudes of a board; each is `None` if it is continuous.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Grid {
     pub(crate) phases: Option<Phases>,
@@ -39,25 +39,25 @@ pub(crate) struct Grid {
 /// The phases 2 pi l/L.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Phases {
-    /// cos and sin of each code l = -L to L: no code that rounding finds has to be brought into 0 to L - 1. Then 0, for what has
-    /// no phase.
+    /// cos and sin of each code l = -L to L, so that no code from rounding has to be moved into 0 to L - 1. Then 0, for
+    /// a drive without a phase.
     phasors: Vec<f32>,
     count: f32,
-    /// cos - 1 and sin of the first.
+    /// cos(2 pi/L) - 1 and sin(2 pi/L).
     step: [f32; 2],
 }
 
-/// Amplitudes in ascending order, the last 1.
+/// A board's amplitudes in ascending order; the last is 1.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Amplitudes {
     values: Vec<f32>,
-    /// The middle between each and the next; infinite after the last.
+    /// The middle between each amplitude and the next; infinite after the last.
     middles: Vec<f32>,
-    /// The least code that any amplitude of a bucket may have.
+    /// For each bucket, the smallest code of the amplitudes in it.
     first: Vec<f32>,
 }
 
-/// The phasors of codes so few, up and down, that they are looked up without leaving the lanes.
+/// Phasors of the codes below 16 in both directions, so few that they are looked up in registers.
 #[derive(Clone, Copy)]
 pub(crate) struct Few {
     up: [Lanes; 2],
@@ -65,7 +65,7 @@ pub(crate) struct Few {
 }
 
 impl Few {
-    /// Like [`Phases::phasors`].
+    /// Returns the result of [`Phases::phasors`] for these codes.
     #[inline(always)]
     pub(crate) fn phasors<S: Elementwise>(&self, s: S, codes: S::V, q: [S::V; 2]) -> [S::V; 2] {
         let (large, zero, place) = (sides(s, q)[0], s.splat(0.0), s.add(s.abs(codes), s.splat(WHOLE)));
@@ -76,7 +76,7 @@ impl Few {
 }
 
 impl Phases {
-    /// L = `count` phases.
+    /// Creates L = `count` phases.
     pub(crate) fn new(count: u32) -> Self {
         let angle = |l: u32| core::f64::consts::TAU * (f64::from(l) / f64::from(count));
         let once: Vec<f32> = (0..count).flat_map(|l| [math::cos, math::sin].map(|of| of(angle(l)) as f32)).collect();
@@ -85,22 +85,22 @@ impl Phases {
         Self { phasors: [&once[..], &once, &once[..2], &[0.0; 2]].concat(), count: count as f32, step }
     }
 
-    /// L.
+    /// Returns the number L of phases.
     pub(crate) fn count(&self) -> f32 {
         self.count
     }
 
-    /// Half a code later than the phases of q lie among the codes, -L/2 to L/2: its floor is the nearest code, of two as near
-    /// the later one. Anything where q is 0.
+    /// Returns the phase of q in codes, -L/2 to L/2, plus half a code. Its floor is the nearest code, or the later one
+    /// if two are equally near. The result has no meaning where q is 0.
     #[inline(always)]
     pub(crate) fn later<S: Elementwise>(&self, s: S, q: [S::V; 2]) -> S::V {
         let [quarters, ratio, factor] = turns(s, q);
-        // Only the factor was missing.
+        // The arc tangent is not complete yet: its factor is applied here.
         let count = s.splat(self.count);
         joined(s, [joined(s, [s.splat(0.5), count], quarters), s.mul(count, ratio)], factor)
     }
 
-    /// The phasors of some codes, 0 where q is 0.
+    /// Returns the phasors of codes; 0 where q is 0.
     #[inline(always)]
     pub(crate) fn phasors<S: Elementwise>(&self, s: S, codes: S::V, q: [S::V; 2]) -> [S::V; 2] {
         let (large, zero) = (sides(s, q)[0], s.splat(0.0));
@@ -109,26 +109,26 @@ impl Phases {
         [s.select_less(zero, large, re, zero), s.select_less(zero, large, im, zero)]
     }
 
-    /// Where in the table the phasors of some codes begin.
+    /// Returns the index in the table where the phasor of a code begins.
     #[inline(always)]
     fn at<S: Elementwise>(&self, s: S, codes: S::V) -> S::V {
         let index = s.add(codes, s.splat(self.count));
         s.add(index, index)
     }
 
-    /// Like [`Phases::nearest`] for eight q, re and im side by side.
+    /// Returns the result of [`Phases::nearest`] for eight q, whose real and imaginary parts are side by side.
     #[inline(always)]
     pub(crate) fn nearest_pairs<S: Simd>(&self, s: S, pairs: S::V) -> S::V {
         s.gather_pairs(&self.phasors, self.count as i32, self.later(s, [pairs, s.swap::<1>(pairs)]))
     }
 
-    /// The phasors of the phases nearest to those of q, 0 where q is 0.
+    /// Returns the phasors of the phases nearest to those of q; 0 where q is 0.
     #[inline(always)]
     pub(crate) fn nearest<S: Elementwise>(&self, s: S, q: [S::V; 2]) -> [S::V; 2] {
         self.phasors(s, s.floor(self.later(s, q)), q)
     }
 
-    /// The phasors of codes up to `most` if that is below 16, up or down.
+    /// Returns the phasors of codes up to `most` in both directions, if `most` is below 16.
     pub(crate) fn few(&self, most: f32) -> Option<Few> {
         let none = self.count as usize;
         let phasor = |code: usize, part: usize| self.phasors[2 * code + part];
@@ -137,12 +137,12 @@ impl Phases {
         (most < LANES as f32).then(|| Few { up: [up(0), up(1)], down: [down(0), down(1)] })
     }
 
-    /// cos - 1 and sin of 2 pi/L.
+    /// Returns cos - 1 and sin of 2 pi/L.
     pub(crate) fn step(&self) -> [f32; 2] {
         self.step
     }
 
-    /// Moves a code to the next one or to the one before, and returns its phasor.
+    /// Changes a code to the next one or to the one before, and returns its phasor.
     pub(crate) fn stepped(&self, code: &mut f32, up: bool) -> [f32; 2] {
         *code += if up { 1.0 } else { -1.0 };
         *code -= if code.abs() < self.count { 0.0 } else { *code };
@@ -152,7 +152,7 @@ impl Phases {
 }
 
 impl Amplitudes {
-    /// The amplitudes of an ascending table that ends in 1.
+    /// Creates the amplitudes from an ascending table that ends in 1.
     pub(crate) fn new(table: &[f64]) -> Self {
         let values: Vec<f32> = table.iter().map(|&amplitude| amplitude as f32).collect();
         let between = table.windows(2).map(|pair| (0.5 * (pair[0] + pair[1])) as f32);
@@ -164,7 +164,7 @@ impl Amplitudes {
         Self { values, middles, first }
     }
 
-    /// The amplitudes nearest to some moduli.
+    /// Returns the amplitude nearest to each modulus.
     #[inline(always)]
     fn nearest<S: Elementwise>(&self, s: S, moduli: S::V) -> S::V {
         let moduli = s.min(moduli, s.splat(1.0));
@@ -180,14 +180,14 @@ impl Amplitudes {
     }
 }
 
-/// |re| and |im|, the larger first.
+/// Returns |re| and |im|, the larger first.
 #[inline(always)]
 fn sides<S: Elementwise>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
     let (along, across) = (s.abs(re), s.abs(im));
     [s.max(along, across), s.min(along, across)]
 }
 
-/// |q|, whose square may underflow.
+/// Returns |q|, also where its square would underflow.
 #[inline(always)]
 fn modulus<S: Elementwise>(s: S, q: [S::V; 2]) -> S::V {
     let [large, small] = sides(s, q);
@@ -195,14 +195,15 @@ fn modulus<S: Elementwise>(s: S, q: [S::V; 2]) -> S::V {
     s.mul(large, s.sqrt(s.add(s.splat(1.0), s.mul(ratio, ratio))))
 }
 
-/// a + b x, each rounded.
+/// Returns a + b x; product and sum are rounded separately.
 #[inline(always)]
 fn joined<S: Elementwise>(s: S, [a, b]: [S::V; 2], x: S::V) -> S::V {
     s.add(a, s.mul(b, x))
 }
 
-/// The phase of q in turns, from -1/2 to 1/2: a whole number of quarters; and the ratio, no number where q is 0, with its sign
-/// and the factor that makes it up to an eighth. They are an odd minimax polynomial for the arc tangent, made to end in 1/8 at 1.
+/// Returns the phase of q in turns, -1/2 to 1/2, as three numbers: quarters of a turn, a signed ratio and its factor;
+/// the phase is quarters + ratio times factor. The ratio is NaN where q is 0. The factor is an odd minimax polynomial
+/// for the arc tangent, with 1/8 at ratio 1.
 #[inline(always)]
 fn turns<S: Elementwise>(s: S, [re, im]: [S::V; 2]) -> [S::V; 3] {
     const C: [f32; 8] = [
@@ -219,7 +220,7 @@ fn turns<S: Elementwise>(s: S, [re, im]: [S::V; 2]) -> [S::V; 3] {
     let ratio = s.div(small, large);
     let square = s.mul(ratio, ratio);
     let fourth = s.mul(square, square);
-    // Pairs of independent sums, which the processor adds at once.
+    // These sums are independent, so the processor adds them at once.
     let mut pairs = [s.splat(0.0); 4];
     for (pair, [low, high]) in pairs.iter_mut().zip(C.as_chunks().0) {
         *pair = joined(s, [s.splat(*low), s.splat(*high)], square);
@@ -237,7 +238,7 @@ fn turns<S: Elementwise>(s: S, [re, im]: [S::V; 2]) -> [S::V; 3] {
 }
 
 impl Grid {
-    /// The amplitudes nearest to those of q.
+    /// Returns the amplitudes nearest to those of q.
     #[inline(always)]
     fn amplitude<S: Elementwise>(&self, s: S, q: [S::V; 2]) -> S::V {
         let (one, full, modulus) = (s.splat(1.0), s.splat(FULL), modulus(s, q));
@@ -245,7 +246,7 @@ impl Grid {
         s.select_less(full, modulus, one, amplitude)
     }
 
-    /// The directions of the phases nearest to those of q.
+    /// Returns the phasors of the phases nearest to those of q.
     #[inline(always)]
     fn direction<S: Elementwise>(&self, s: S, q: [S::V; 2]) -> [S::V; 2] {
         if let Some(phases) = &self.phases {
@@ -255,7 +256,7 @@ impl Grid {
         [s.div(q[0], clamped), s.div(q[1], clamped)]
     }
 
-    /// The nearest drives of the grid, of the amplitude `known` if it is; 0 stays 0.
+    /// Returns the nearest drives of the grid, with the amplitude `known` if it is given; 0 stays 0.
     #[inline(always)]
     fn nearest<S: Elementwise>(&self, s: S, q: [S::V; 2], known: Option<f32>) -> [S::V; 2] {
         let (zero, large) = (s.splat(0.0), sides(s, q)[0]);
@@ -269,7 +270,7 @@ impl Grid {
         for (new, old) in new.iter_mut().zip(q) {
             *new = s.mul(amplitude, *new);
             if self.phases.is_none() || self.amplitudes.is_none() {
-                // A value that has been rounded before keeps its bits.
+                // A value that was rounded before keeps its bits.
                 *new = s.select_less(s.abs(s.sub(*new, old)), s.mul(large, s.splat(SAME)), old, *new);
             }
             *new = s.select_less(zero, large, *new, zero);
@@ -277,8 +278,8 @@ impl Grid {
         new
     }
 
-    /// Divides every drive by `factor` and rounds it, moduli that are then `most` to the amplitude `common`; whether each is
-    /// what it was times `common`, to the bit.
+    /// Divides every drive by `factor` and rounds it. A modulus that is then `most` becomes the amplitude `common`.
+    /// Returns whether every result equals its drive times `common`, bit for bit.
     pub(crate) fn round(
         &self,
         set: InstructionSet,
@@ -294,7 +295,7 @@ impl Grid {
                 let part = s.splat(some.part);
                 let (re, im) = (s.mul(re, part), s.mul(im, part));
                 let square = s.add(s.mul(re, re), s.mul(im, im));
-                // Most answers have one modulus.
+                // In most solutions all drives have the same modulus.
                 let least = FULL * most;
                 let least = least * least;
                 some.known = (least > f32::MIN_POSITIVE && s.less(square, s.splat(least)) == 0).then_some(common);
@@ -318,7 +319,8 @@ impl Grid {
     }
 }
 
-/// Rounds eight drives to the nearest phases at a known amplitude; the bits of what then differs, as [`Grid::round`] tells.
+/// Rounds eight drives to the nearest phases at a known amplitude; returns the bits of the numbers that differ from the
+/// drive times `common`.
 #[inline(always)]
 fn round_pairs<S: Simd>(s: S, phases: &Phases, (part, common): (f32, f32), eight: &mut [Complex32]) -> u32 {
     let mut pairs: Lanes = [0.0; LANES];
@@ -334,16 +336,16 @@ fn round_pairs<S: Simd>(s: S, phases: &Phases, (part, common): (f32, f32), eight
     s.less(s.splat(0.0), s.abs(s.sub(new, s.mul(q, common))))
 }
 
-/// Drives being rounded.
+/// Kernel that rounds 16 drives `q` to the grid.
 struct Rounding<'a> {
     grid: &'a Grid,
-    /// The factor that was applied before, and the expected factor in total.
+    /// The factor that is applied first, and the expected factor in total.
     part: f32,
     common: f32,
-    /// The amplitude of all, where it is known.
+    /// The amplitude of all drives, where it is known.
     known: Option<f32>,
     q: [Lanes; 2],
-    /// Bits of those that are not.
+    /// Bits of the drives that differ from the old ones times `common`.
     differ: u32,
 }
 
@@ -360,9 +362,9 @@ impl Apart for Rounding<'_> {
     }
 }
 
-/// The least |q| above 0 and the largest; 1 and 0 of silence.
+/// Returns the least |q| above 0 and the largest |q|; 1 and 0 if all drives are 0.
 pub(crate) fn range(set: InstructionSet, drive: &[Complex32]) -> [f32; 2] {
-    // The squares of q up to 1 neither overflow nor, down to 1e-37, underflow.
+    // With this factor the squares of q from 1e-37 to 1 neither underflow nor overflow.
     const UP: f32 = (1_u64 << 60) as f32;
     let squares = dispatch!(set, s => {
         let (up, zero, full) = (s.splat(UP), s.splat(0.0), s.splat(UP * UP));
@@ -379,7 +381,7 @@ pub(crate) fn range(set: InstructionSet, drive: &[Complex32]) -> [f32; 2] {
     squares.map(|square| math::sqrtf(square) / UP)
 }
 
-/// Real and imaginary parts of sixteen drives or fewer.
+/// Returns the real and imaginary parts of at most sixteen drives.
 #[inline(always)]
 fn planar(drives: &[Complex32]) -> [Lanes; 2] {
     if let Some(sixteen) = drives.first_chunk::<LANES>() {

@@ -1,31 +1,31 @@
 //! Lane groups: padded slices, sixteen f32 at a time.
 
-/// Numbers worked on at once: one AVX-512 register, four of SSE2, NEON or wasm.
+/// Numbers in a lane group: one AVX-512 register, four registers of SSE2, NEON or wasm.
 pub(crate) const LANES: usize = 16;
 
-/// One lane group.
+/// A lane group: sixteen numbers that a kernel processes at once.
 pub(crate) type Lanes = [f32; LANES];
 
-/// One that begins on a cache line.
+/// A lane group that begins on a cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(crate) struct Line(pub(crate) Lanes);
 
-/// Rows of tiles that lie together.
+/// Number of rows of a tile that are stored together.
 pub(crate) const BLOCK: usize = 4;
 
-/// Four rows of a tile.
+/// Lane groups of four rows of a tile.
 pub(crate) type Block = [Lanes; BLOCK];
 
-/// A lane group of each of eight rows, re and im.
+/// One lane group of each of eight rows, real and imaginary parts.
 pub(crate) type Octet = [[Lanes; 2]; 8];
 
-/// The least multiple of [`LANES`] that holds `count`.
+/// Returns the least multiple of [`LANES`] that is at least `count`.
 pub(crate) const fn padded(count: usize) -> usize {
     count.next_multiple_of(LANES)
 }
 
-/// The lane groups of a padded slice.
+/// Returns the lane groups of a padded slice.
 #[inline(always)]
 pub(crate) fn groups(slice: &[f32]) -> &[Lanes] {
     let (groups, rest) = slice.as_chunks();
@@ -33,7 +33,7 @@ pub(crate) fn groups(slice: &[f32]) -> &[Lanes] {
     groups
 }
 
-/// The lane groups of a padded slice, to write.
+/// Returns the lane groups of a padded slice, for writing.
 #[inline(always)]
 pub(crate) fn groups_mut(slice: &mut [f32]) -> &mut [Lanes] {
     let (groups, rest) = slice.as_chunks_mut();

@@ -1,23 +1,23 @@
-//! Amplitude limits: drives of any modulus, planar over the transducers, brought to |q| <= 1.
+//! Amplitude limits: drives of any modulus, planar over the transducers, are changed to |q| <= 1.
 //!
-//! A modulus is taken of the drive over its larger part: its square neither over- nor underflows.
+//! Moduli are computed of the drive divided by its larger part: its square neither over- nor underflows.
 
 use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Apart, Elementwise};
 use crate::math::sqrtf;
 
-/// |q| above 1 becomes 1, the rest stays.
+/// Reduces every |q| above 1 to 1; other drives stay.
 pub(crate) fn clamp(set: InstructionSet, drive: [&mut [f32]; 2]) {
     dispatch!(set, s => s.apart(LANES, &mut Limited::<false> { drive }));
 }
 
-/// Every |q| becomes 1; 0 stays 0.
+/// Changes every |q| to 1; 0 stays 0.
 pub(crate) fn fill(set: InstructionSet, drive: [&mut [f32]; 2]) {
     dispatch!(set, s => s.apart(LANES, &mut Limited::<true> { drive }));
 }
 
-/// All are divided by the largest |q|.
+/// Divides all drives by the largest |q|.
 pub(crate) fn normalize(set: InstructionSet, [re, im]: [&mut [f32]; 2]) {
     let largest = re.iter().chain(&*im).fold(0.0, |most: f32, part| most.max(part.abs()));
     if largest == 0.0 {
@@ -29,14 +29,14 @@ pub(crate) fn normalize(set: InstructionSet, [re, im]: [&mut [f32]; 2]) {
     re.iter_mut().chain(im).for_each(|part| *part = *part / largest / greatest);
 }
 
-/// q over `larger`, which is at least its larger part, and the square of that.
+/// Returns q / `larger`, and the square of its modulus. `larger` is at least the larger part of q.
 #[inline(always)]
 fn scaled<S: Elementwise>(s: S, [re, im]: [S::V; 2], larger: S::V) -> ([S::V; 2], S::V) {
     let [re, im] = [s.div(re, larger), s.div(im, larger)];
     ([re, im], s.fma(re, re, s.mul(im, im)))
 }
 
-/// Drives brought to modulus 1: all that are not 0 where `FULL`, else those above it.
+/// Kernel that changes the modulus of drives to 1: of all but 0 where `FULL`, else of those above 1.
 struct Limited<'a, const FULL: bool> {
     drive: [&'a mut [f32]; 2],
 }
@@ -64,7 +64,7 @@ impl<const FULL: bool> Apart for Limited<'_, FULL> {
     }
 }
 
-/// The largest |q / largest|^2, lanes apart.
+/// Kernel of the largest |q / largest|^2 in each lane.
 struct Squares<'a> {
     drive: [&'a [f32]; 2],
     largest: f32,

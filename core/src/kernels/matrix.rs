@@ -10,13 +10,13 @@ use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::vector::{add_row, correlation};
 
-/// Rows met together by one pass over a vector: their sums fill a register.
+/// Rows that one pass over a vector multiplies: their sums fill a lane group.
 const TOGETHER: usize = LANES / 2;
 
 /// out_k = `sum_j conj(row_kj) vector_j` for every row of a planar matrix.
 ///
 /// # Errors
-/// A check for a stop once every few rows.
+/// A requested stop, which is checked once every few rows.
 pub(crate) fn correlate_rows(
     set: InstructionSet,
     rows: [&[f32]; 2],
@@ -46,10 +46,10 @@ pub(crate) fn correlate_rows(
     })
 }
 
-/// P += G q for every transducer that is driven.
+/// P += G q for every transducer whose drive is not 0.
 ///
 /// # Errors
-/// A check for a stop once a transducer or oftener.
+/// A requested stop, which is checked at least once a transducer.
 pub(crate) fn add_waves(
     set: InstructionSet,
     rows: Rows<'_>,

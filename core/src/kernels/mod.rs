@@ -1,7 +1,8 @@
 //! Kernels: every loop worth vectorising, behind safe functions of slices.
 //!
-//! Numbers are f32, complex ones planar (re and im apart), slices padded to a multiple of [`LANES`]. Each loop
-//! is written once over [`simd::Simd`], 16 lanes and a fixed order of sums, and compiled for every [`InstructionSet`].
+//! Numbers are f32, complex ones planar (real and imaginary parts in separate slices), slices padded to a multiple of
+//! [`LANES`]. Each loop is written once over [`simd::Simd`], with 16 lanes and a fixed order of sums, and compiled for
+//! every [`InstructionSet`].
 
 #[forbid(unsafe_code)]
 pub(crate) mod backward;

@@ -1,12 +1,13 @@
-//! Panels: the waves of flat elements of surfaces at a point, eight at a time, and sums of them all.
+//! Panels: waves of flat elements of surfaces at a point, eight elements at a time, and their sums.
 //!
 //! ```text
 //! h_e  = sum over the nodes of w e^{jkr - alpha r}/r (beside + along (jk - alpha - 1/r) (-ray . n)/r)
-//! out += sum_e h_e S_e                                  S_e: what each transducer makes of element e
+//! out += sum_e h_e S_e                                  S_e: the response of element e to each transducer
 //! ```
 //!
-//! The rows of S are long and many: eight of them stay in the nearest cache while all points take their part. No products are
-//! fused: every instruction set gives the same bits.
+//! r is the distance from a node of weight w to the point, n the element's normal, k the wavenumber, alpha the
+//! absorption. The rows of S are long and many: eight of them stay in the nearest cache while the sums of all points
+//! are computed. No products are fused: every instruction set gives the same bits.
 
 use core::f64::consts::TAU;
 
@@ -16,26 +17,26 @@ use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, loaded, ray, 
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::math::exp;
 
-/// Nodes of an element.
+/// Number of nodes of an element.
 pub(crate) const NODES: usize = 6;
 
-/// Rows of S that are met together.
+/// Number of rows of S that stay in the cache.
 const TOGETHER: usize = 8;
 
-/// Eight elements.
+/// Geometry and factors of eight elements.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Panels {
     pub(crate) center: [Eight; 3],
     pub(crate) normal: [Eight; 3],
     pub(crate) nodes: [[Eight; 3]; NODES],
     pub(crate) weights: [Eight; NODES],
-    /// The factors of g itself and of its slope along the normal.
+    /// The factors of the wave g itself and of its derivative along the normal.
     pub(crate) beside: Eight,
     pub(crate) along: Eight,
 }
 
 impl Panels {
-    /// No element yet.
+    /// Eight lanes without elements.
     pub(crate) const NONE: Self = Self {
         center: [[0.0; EIGHT]; 3],
         normal: [[0.0; EIGHT]; 3],
@@ -46,8 +47,8 @@ impl Panels {
     };
 }
 
-/// Gives h of each eight elements, real and imaginary part, at a point that none is near: of a wavenumber in rad/m and an
-/// absorption in 1/m.
+/// Calls `take` with h of each eight elements at a point, real and imaginary parts. No element may be near the point.
+/// `wave` is a wavenumber in rad/m and an absorption in 1/m.
 pub(crate) fn each(
     set: InstructionSet,
     wave: [f64; 2],
@@ -90,7 +91,7 @@ fn eight<S: Doubles>(
         let near = r.inverse();
         let mut g = V::of(s, &weight[at..]) * near;
         if let Some((away, grown)) = absorbed {
-            // Within an element absorption is small: four terms of its series.
+            // Within an element absorption is small, so four terms of its series suffice.
             let x = (r - away) * -absorption;
             g = g * grown * (x * (x * (x * (x * (1.0 / 24.0) + 1.0 / 6.0) + 0.5) + 1.0) + 1.0);
         }
@@ -103,8 +104,8 @@ fn eight<S: Doubles>(
     sums
 }
 
-/// Adds to each point's sums over the transducers what h, a number of `received` an element, makes of the rows of S, all padded to
-/// whole lane groups: real and imaginary parts apart.
+/// Adds to each point's sums over the transducers h times the rows of S. `answers` are the rows of S, `received` the h
+/// of each point, one number for each element. All are real and imaginary parts, padded to whole lane groups.
 pub(crate) fn add_answers(
     set: InstructionSet,
     answers: [&[f32]; 2],

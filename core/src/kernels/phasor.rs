@@ -5,24 +5,24 @@ use core::f64::consts::{PI, SQRT_2};
 use crate::kernels::simd::Elementwise;
 use crate::kernels::simd::doubles::{Doubles, V};
 
-/// sqrt(2) sin(pi x)/x in powers of x^2, least maximal error on |x| <= 1/2 (2e-8 before rounding).
+/// sqrt(2) sin(pi x)/x in powers of x^2, with the least maximal error on |x| <= 1/2 (2e-8 before rounding).
 #[allow(clippy::approx_constant, reason = "fitted coefficients that lie near a constant")]
 const SINE: [f32; 5] = [4.442_883, -7.308_245_7, 3.606_354_5, -0.846_112_9, 0.109_826_99];
 
-/// sqrt(2) cos(pi x) in powers of x^2, least maximal error on |x| <= 1/2 (7e-8).
+/// sqrt(2) cos(pi x) in powers of x^2, with the least maximal error on |x| <= 1/2 (7e-8).
 #[allow(clippy::approx_constant, reason = "fitted coefficients that lie near a constant")]
 const COSINE: [f32; 5] = [1.414_213_5, -6.978_851, 5.739_461, -1.883_563, 0.310_698_18];
 
-/// 2^x in powers of x, least relative error on |x| <= 1/2 (2e-9).
+/// 2^x in powers of x, with the least relative error on |x| <= 1/2 (2e-9).
 #[allow(clippy::approx_constant, reason = "fitted coefficients that lie near a constant")]
 const POWER: [f32; 7] =
     [1.0, 0.693_147_2, 0.240_226_47, 0.055_503_29, 0.009_618_489, 0.001_339_993_1, 0.000_153_458_12];
 
-/// log2(1 + x)/x in powers of x, least relative error on -1/4 <= x <= 1/2 (2e-7).
+/// log2(1 + x)/x in powers of x, with the least relative error on -1/4 <= x <= 1/2 (2e-7).
 const LOGARITHM: [f32; 8] =
     [1.442_695_3, -0.721_350_9, 0.480_852_43, -0.360_319_4, 0.289_925_58, -0.250_733_46, 0.205_497_65, -0.097_788_125];
 
-/// The polynomial at x by Horner's rule.
+/// Evaluates a polynomial at x by Horner's rule.
 #[inline(always)]
 fn polynomial<S: Elementwise, const N: usize>(s: S, coefficients: &[f32; N], x: S::V) -> S::V {
     let mut sum = s.splat(coefficients[N - 1]);
@@ -32,10 +32,10 @@ fn polynomial<S: Elementwise, const N: usize>(s: S, coefficients: &[f32; N], x: 
     sum
 }
 
-/// `amplitude` times (cos 2 pi x, sin 2 pi x) of |x| < 2^22 turns; absolute error below 7e-7 of the amplitude
-/// (sigma^2 is up to 2, and rounded three times where products are not fused).
+/// Returns `amplitude` times (cos 2 pi x, sin 2 pi x) for |x| < 2^22 turns. The absolute error is below 7e-7 of the
+/// amplitude (sigma^2 is up to 2, and rounded three times where products are not fused).
 ///
-/// By the half angle: with sigma = sqrt(2) sin(pi x) and gamma = sqrt(2) cos(pi x) the two are 1 - sigma^2 and
+/// It uses the half angle: with sigma = sqrt(2) sin(pi x) and gamma = sqrt(2) cos(pi x) the two are 1 - sigma^2 and
 /// sigma gamma, and |x| <= 1/2 needs no quadrants.
 #[inline(always)]
 pub(crate) fn wave<S: Elementwise>(s: S, turns: S::V, amplitude: S::V) -> [S::V; 2] {
@@ -47,7 +47,7 @@ pub(crate) fn wave<S: Elementwise>(s: S, turns: S::V, amplitude: S::V) -> [S::V;
     [s.fnma(part, sine, amplitude), s.mul(part, cosine)]
 }
 
-/// 2^x for x <= 0; values below 2^-126 are 2^-126 times a number near 1.
+/// Returns 2^x for x <= 0; results below 2^-126 are replaced by 2^-126 times a number near 1.
 #[inline(always)]
 pub(crate) fn power_of_two<S: Elementwise>(s: S, x: S::V) -> S::V {
     let x = s.max(x, s.splat(-126.0));
@@ -55,24 +55,25 @@ pub(crate) fn power_of_two<S: Elementwise>(s: S, x: S::V) -> S::V {
     s.mul(polynomial(s, &POWER, s.sub(x, whole)), s.exp2(whole))
 }
 
-/// log2 of normal x, relative error below 4e-7.
+/// Returns log2 of normal x, with a relative error below 4e-7.
 #[inline(always)]
 pub(crate) fn log2<S: Elementwise>(s: S, x: S::V) -> S::V {
-    // The remainder is 3/4 to 3/2: near 1 the logarithm is that of the remainder alone.
+    // The remainder is between 3/4 and 3/2: near 1 the logarithm is that of the remainder alone.
     let whole = s.exponent(s.mul(x, s.splat(4.0 / 3.0)));
     let rest = s.sub(s.mul(x, s.exp2(s.sub(s.splat(0.0), whole))), s.splat(1.0));
     s.fma(polynomial(s, &LOGARITHM, rest), rest, whole)
 }
 
-/// Terms of [`phasor`].
+/// Number of Taylor terms in [`phasor`].
 const TERMS: usize = 11;
 
-/// Cosine and sine of an angle in turns below 2^40, by Taylor's polynomials within a quarter turn of half turns: to 3e-16.
+/// Returns cosine and sine of an angle in turns below 2^40, within 3e-16. It uses Taylor polynomials of the angle from
+/// the nearest half turn.
 #[inline(always)]
 pub(crate) fn phasor<S: Doubles>(s: S, turns: V<S>) -> (V<S>, V<S>) {
     let halves = turns * 2.0;
     let whole = halves.round();
-    // 1 for an even number of half turns, else -1.
+    // The sign is 1 for an even number of half turns, else -1.
     let odd = whole - (whole * 0.5).round() * 2.0;
     let sign = V::all(s, 1.0) - odd * odd * 2.0;
     let angle = (halves - whole) * PI;
@@ -85,7 +86,7 @@ pub(crate) fn phasor<S: Doubles>(s: S, turns: V<S>) -> (V<S>, V<S>) {
     (cos * sign, sin * angle * sign)
 }
 
-/// The same to 2e-10, in half the time: by the half angle as [`wave`], of eight terms.
+/// Returns the same as [`phasor`] within 2e-10, in half the time: by the half angle as [`wave`], with eight terms.
 #[inline(always)]
 pub(crate) fn close_phasor<S: Doubles>(s: S, turns: V<S>) -> (V<S>, V<S>) {
     let half = (turns - turns.round()) * PI;
@@ -95,8 +96,8 @@ pub(crate) fn close_phasor<S: Doubles>(s: S, turns: V<S>) -> (V<S>, V<S>) {
     (V::all(s, 1.0) - sin * sin, sin * cos)
 }
 
-/// Eight of [`TAYLOR`]'s terms, every second from the first on, times powers of a square; pairs of them first: half as long to
-/// wait for.
+/// Sums eight of [`TAYLOR`]'s terms, every second one from `first` on, times powers of a square. It adds pairs of terms
+/// first, which halves the latency.
 #[inline(always)]
 fn eight_terms<S: Doubles>(square: V<S>, first: usize) -> V<S> {
     let pair = |n: usize| square * TAYLOR[2 * n + 2 + first] + TAYLOR[2 * n + first];
@@ -107,7 +108,7 @@ fn eight_terms<S: Doubles>(square: V<S>, first: usize) -> V<S> {
     sum
 }
 
-/// 1/n! with the signs of cosine and, between them, of sine.
+/// 1/n! with the signs of the cosine's terms (even n) and of the sine's (odd n).
 pub(crate) const TAYLOR: [f64; 22] = {
     let mut terms = [1.0; 22];
     let mut n = 1;

@@ -1,13 +1,14 @@
-//! Pulses: drives that go up at one edge of a period and down at another, and the one nearest to a drive.
+//! Pulses: drives that switch on at one edge of a period and off at another, and the pulse nearest to a drive.
 //!
 //! ```text
-//! E_k = e^{2 pi j t_k}            edge k of L lies t_k turns into the period, w = 1 to L/2 ticks before edge k + w
-//! q   = (E_s - E_{s+w})/2         a pulse from edge s over w ticks: its first harmonic, and 1 of half a period
-//! q   = (A - B)/2,  A, B = j h u +- q,  h = sqrt(1 - |q|^2),  u = q/|q|         the edges that would make q itself
+//! E_k = e^{2 pi j t_k}            edge k of L, at t_k turns of the period
+//! q   = (E_s - E_{s+w})/2         a pulse from edge s over w = 1 to L/2 ticks: its first harmonic; 1 at half a period
+//! A, B = j h u +- q,  h = sqrt(1 - |q|^2),  u = q/|q|         the exact edges of a pulse with q = (A - B)/2
 //! ```
 //!
-//! The nearest pulse begins and ends beside A and B. At full power an edge that is late makes up for one that is early, so
-//! two to either side are compared, of many ticks, which are nearly equal. Edges are counted from where they differ least from equal ones on the whole.
+//! The nearest pulse begins and ends near A and B. At full power a late edge compensates an early one. So if there are
+//! many ticks, which are nearly equal, two edges on either side are compared. The origin of the phases is where the
+//! edges differ least from equally spaced ones.
 
 use alloc::vec::Vec;
 use core::f32::consts::TAU;
@@ -17,24 +18,25 @@ use num_complex::{Complex32, Complex64};
 use crate::math;
 use crate::math::sqrtf;
 
-/// Edges that are compared: the one before a place, the one before that, and two after it; all of few, which may be uneven.
+/// Number of edges that are compared: two before a place and two after it. All edges are compared if there are at most
+/// [`FEW`], which may be uneven.
 const BESIDE: usize = 4;
 const FEW: usize = 16;
 
 /// The edges of a period.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Pulses {
-    /// Turns from the first edge to each.
+    /// Turns from the first edge to each edge.
     begins: Vec<f32>,
-    /// Turns of the first.
+    /// Phase of the first edge in turns.
     first: f32,
-    /// E, and the same to be searched.
+    /// E of each edge in f64, and the same in f32 for the search.
     edges: Vec<Complex64>,
     short: Vec<Complex32>,
 }
 
 impl Pulses {
-    /// Pulses of an even number of ticks, of any lengths in any unit.
+    /// Creates the pulses of a period from the lengths of its ticks in any unit; their number is even.
     pub(crate) fn new(ticks: &[f64]) -> Self {
         let (count, period) = (ticks.len() as f64, ticks.iter().sum::<f64>());
         let begins = ticks.iter().scan(0.0, |end, tick| {
@@ -53,17 +55,18 @@ impl Pulses {
         }
     }
 
-    /// L.
+    /// Returns the number L of ticks.
     pub(crate) fn ticks(&self) -> usize {
         self.edges.len()
     }
 
-    /// The drive of a pulse of `width` ticks from an edge on; 0 for no pulse.
+    /// Returns the drive of a pulse of `width` ticks from edge `start` on; 0 for width 0.
     pub(crate) fn drive(&self, start: usize, width: usize) -> Complex32 {
         rounded(0.5 * (self.edges[start] - self.edges[(start + width) % self.ticks()]))
     }
 
-    /// Start and width of the pulse nearest to q, a width of 0 where that is off; of two as near that of the later start.
+    /// Returns start and width of the pulse nearest to q; width 0 if no pulse is nearer. If two are equally near, the
+    /// later start is chosen.
     pub(crate) fn nearest(&self, q: Complex32) -> [usize; 2] {
         let (count, modulus) = (self.ticks(), sqrtf(q.norm_sqr()));
         if modulus == 0.0 {
@@ -86,13 +89,13 @@ impl Pulses {
         found
     }
 
-    /// The drive of the nearest pulse.
+    /// Returns the drive of the pulse nearest to q.
     pub(crate) fn rounded(&self, q: Complex32) -> Complex32 {
         let [start, width] = self.nearest(q);
         self.drive(start, width)
     }
 
-    /// Divides every drive by `factor` and rounds it; returns whether no drive has changed.
+    /// Divides every drive by `factor` and rounds it to a pulse; returns whether no drive has changed.
     pub(crate) fn round(&self, factor: f32, drive: &mut [Complex32]) -> bool {
         let mut stayed = true;
         for q in drive {
@@ -103,7 +106,7 @@ impl Pulses {
         stayed
     }
 
-    /// The last edge before a place on the circle.
+    /// Returns the last edge before a place on the unit circle.
     fn before(&self, place: Complex32) -> usize {
         let turns = math::atan2f(place.im, place.re) / TAU - self.first;
         let turns = turns - math::floorf(turns);

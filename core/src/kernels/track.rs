@@ -1,15 +1,16 @@
-//! One step of the best track over a circle of phases: the best that can be behind each of them, and what each adds.
+//! One step of the best track over a circle of phases: for each phase the best sum of gains on a path that ends there.
 
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 
-/// Numbers of memory that [`advance`] needs.
+/// Returns the length of the working memory of [`advance`].
 pub(crate) const fn advance_floats(levels: usize, reach: usize) -> usize {
     2 * (levels + 2 * reach)
 }
 
-/// out_l = max over |d| <= `reach` of from_{l+d}, indices modulo their number, less `base`, plus re cos_l + im sin_l of the
-/// `circle`. The same bits by every set. Time O(L log reach): a window's maximum is that of two of half its width.
+/// out_l = max over |d| <= `reach` of from_{l+d} (indices on a circle), less `base`, plus re cos_l + im sin_l of the
+/// `circle`. Every instruction set gives the same bits. The time is O(L log reach): the maximum of a window is that of
+/// two windows of half its width.
 pub(crate) fn advance(
     set: InstructionSet,
     from: &[f32],

@@ -1,10 +1,10 @@
-//! Vectors over the points: moduli, inner products, sums of squares, adding one source's field.
+//! Vectors over the points: moduli, inner products, sums of squares, and adding the field of one source.
 
 use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Apart, Elementwise, Simd, TINY};
 
-/// P + G q.
+/// Returns P + G q.
 #[inline(always)]
 pub(crate) fn add_wave<S: Elementwise>(
     s: S,
@@ -27,12 +27,12 @@ pub(crate) fn add_row<S: Simd>(s: S, row: [&[f32]; 2], drive: [f32; 2], re: &mut
     }
 }
 
-/// P += G q, q = (re, im).
+/// P += G q over all points, q = (re, im).
 pub(crate) fn accumulate(set: InstructionSet, row: [&[f32]; 2], drive: [f32; 2], re: &mut [f32], im: &mut [f32]) {
     dispatch!(set, s => add_row(s, row, drive, re, im));
 }
 
-/// out = |P|; 0 where |P|^2 is below the smallest normal number.
+/// out = |P|; 0 where |P|^2 is below [`TINY`].
 pub(crate) fn modulus(set: InstructionSet, re: &[f32], im: &[f32], out: &mut [f32]) {
     dispatch!(set, s => {
         for ((re, im), out) in groups(re).iter().zip(groups(im)).zip(groups_mut(out)) {
@@ -42,14 +42,14 @@ pub(crate) fn modulus(set: InstructionSet, re: &[f32], im: &[f32], out: &mut [f3
     });
 }
 
-/// sqrt(a) of a >= 0; 0 below the smallest normal number.
+/// Returns sqrt(a) of a >= 0; 0 below [`TINY`].
 #[inline(always)]
 pub(crate) fn root<S: Elementwise>(s: S, a: S::V) -> S::V {
     let least = s.splat(TINY);
     s.select_less(a, least, s.splat(0.0), s.sqrt_rsqrt(s.max(a, least)).0)
 }
 
-/// sum_j conj(G_j) p_j for complex p: (re, im), lanes apart.
+/// Returns sum_j conj(G_j) p_j of complex p as partial sums in the lanes: (re, im).
 #[inline(always)]
 pub(crate) fn correlation<S: Elementwise>(s: S, row: [&[f32]; 2], pressure: [&[f32]; 2]) -> [S::V; 2] {
     let (mut re, mut im) = (s.splat(0.0), s.splat(0.0));
@@ -62,7 +62,7 @@ pub(crate) fn correlation<S: Elementwise>(s: S, row: [&[f32]; 2], pressure: [&[f
     [re, im]
 }
 
-/// sum_j conj(G_j) p_j for complex p: (re, im), of `count` numbers and padding.
+/// Returns sum_j conj(G_j) p_j of complex p: (re, im), of `count` numbers and padding.
 pub(crate) fn correlate(set: InstructionSet, row: [&[f32]; 2], pressure: [&[f32]; 2], count: usize) -> [f32; 2] {
     dispatch!(set, s => {
         let mut sum = Correlation { row, pressure, out: [[0.0; LANES]; 2] };
@@ -86,7 +86,7 @@ impl Apart for Correlation<'_> {
     }
 }
 
-/// sum_j a_j b_j.
+/// Returns sum_j a_j b_j.
 pub(crate) fn dot(set: InstructionSet, a: &[f32], b: &[f32]) -> f32 {
     dispatch!(set, s => {
         let mut total = s.splat(0.0);

@@ -1,5 +1,4 @@
 //! Waves: eq. (5) in double precision, eight transducers at a time: parameters, ray, phase, decay and directivity.
-//! (5) in double precision, eight transducers at a time: what they are, ray, phase, decay and directivity.
 //!
 //! Plain loops without fused products: every instruction set gives the same bits.
 #![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
@@ -9,16 +8,16 @@ use alloc::vec::Vec;
 
 use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, list};
 
-/// Taylor coefficients of D that are used: D, D', D''/2, D'''/6, D''''/24 by c = cos(theta).
+/// Number of Taylor coefficients of D by c = cos(theta): D, D', D''/2, D'''/6, D''''/24.
 pub(crate) const SLOPES: usize = 5;
 
-/// exp(-x) is found of x/2^HALVINGS.
+/// exp(-x) is computed as exp(-x/2^HALVINGS), squared as many times.
 const HALVINGS: usize = 7;
 
-/// A complex number of each of the eight.
+/// Complex vectors: real and imaginary parts.
 pub(super) type C<S> = [V<S>; 2];
 
-/// Position, normal and factor of eight transducers: surplus ones have factor 0.
+/// Position, normal and factor of eight transducers; surplus ones have factor 0.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Emitters {
     /// Positions in m.
@@ -30,7 +29,7 @@ pub(crate) struct Emitters {
 }
 
 impl Emitters {
-    /// All waves of transducers, one by one: position, normal, factor.
+    /// Creates blocks of eight from transducers: position, normal, factor.
     pub(crate) fn all(of: impl ExactSizeIterator<Item = ([f64; 3], [f64; 3], [f64; 2])>) -> Vec<Self> {
         let mut blocks: Vec<Self> = Vec::with_capacity(of.len().div_ceil(EIGHT));
         for (i, (position, normal, factor)) in of.enumerate() {
@@ -55,30 +54,30 @@ impl Emitters {
 pub(crate) enum Slopes {
     /// D = 1.
     One,
-    /// D is a polynomial in y = `square` (1 - c^2), 0 behind.
+    /// D is a polynomial in y = `square` (1 - c^2) with coefficients `terms`; 0 behind the transducer.
     Even { square: f64, terms: Vec<f64> },
-    /// The Taylor coefficients at c.
+    /// A function returns the Taylor coefficients at c.
     Each(Box<dyn Fn(f64) -> [f64; SLOPES] + Send + Sync>),
 }
 
-/// Air and directivity of all transducers.
+/// Properties of the air and the directivity of all transducers.
 pub(crate) struct Waves {
     /// k in rad/m.
     pub(crate) wavenumber: f64,
     /// alpha in 1/m.
     pub(crate) absorption: f64,
     pub(crate) slopes: Slopes,
-    /// dD/dk and its derivatives by c, where D is a function of k sin(theta); else it is one of theta alone.
+    /// dD/dk and its derivatives by c, where D is a function of k sin(theta); `None` where D depends only on theta.
     pub(crate) widening: Option<Slopes>,
 }
 
-/// w* z.
+/// Returns w* z.
 #[inline(always)]
 pub(super) fn against<S: Doubles>(w: C<S>, z: C<S>) -> C<S> {
     [w[0] * z[0] + w[1] * z[1], w[0] * z[1] - w[1] * z[0]]
 }
 
-/// exp(-x) of x from 0 on, to 1e-13; below 1e-55 anything as small.
+/// Returns exp(-x) of x >= 0 within 1e-13 of itself; a result below 1e-55 may be any number as small.
 #[inline(always)]
 pub(super) fn decay<S: Doubles>(s: S, x: V<S>) -> V<S> {
     let most = V::all(s, 128.0);
@@ -93,7 +92,7 @@ pub(super) fn decay<S: Doubles>(s: S, x: V<S>) -> V<S> {
     sum
 }
 
-/// D and its Taylor coefficients by c, of a polynomial in y = `square` (1 - c^2); 0 behind.
+/// Returns D and its Taylor coefficients by c, for a polynomial in y = `square` (1 - c^2); 0 behind the transducer.
 #[inline(always)]
 pub(super) fn even<S: Doubles>(s: S, square: f64, terms: &[f64], c: V<S>) -> [V<S>; SLOPES] {
     let [zero, one] = [V::all(s, 0.0), V::all(s, 1.0)];
@@ -103,7 +102,7 @@ pub(super) fn even<S: Doubles>(s: S, square: f64, terms: &[f64], c: V<S>) -> [V<
     for &term in terms.iter().rev() {
         f = [f[0] * y + term, f[1] * y + f[0], f[2] * y + f[1], f[3] * y + f[2], f[4] * y + f[3]];
     }
-    // y moves by -square (2 c h + h^2).
+    // If c changes by h, y changes by -square (2 c h + h^2).
     let (a, b) = (c * (-2.0 * square), -square);
     let third = f[2] * a * (2.0 * b) + f[3] * a * a * a;
     let fourth = f[2] * (b * b) + f[3] * a * a * (3.0 * b) + f[4] * a * a * a * a;

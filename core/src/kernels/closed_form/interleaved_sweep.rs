@@ -1,13 +1,14 @@
 //! Closed-form greedy sweep over an interleaved batch: up to 16 problems of at most 16 points, problem b in lane b.
 //!
-//! The loop is that of [`crate::kernels::closed_form`]; a list of points here has a group of lanes a point, a lane a problem. Each lane
-//! repeats the operations of its single problem in their order, and points are added in the tree of [`Simd::reduce_add`], so
-//! that every problem has the bits of its single sweep. Points that a problem lacks have target and weight 0 and add +0.
+//! The loop is that of [`crate::kernels::closed_form`]. Here a list of points has one lane group for each point, and
+//! each lane belongs to one problem. Each lane repeats the operations of the sweep of its single problem in their
+//! order, and adds the points in the tree of [`Simd::reduce_add`]. So every problem gets the bits of its single sweep.
+//! Points that a problem lacks have target and weight 0 and add +0.
 //!
-//! 1. No lane is wasted on padding and nothing is summed across lanes: at M = 4 a problem takes half of the time
+//! 1. No lane is padding and nothing is summed across lanes: with M = 4 points a problem takes half of the time
 //!    that it takes alone.
-//! 2. Two transducers' sums are taken at a time, so that each residual is loaded once for both.
-//! 3. The tree is written out, deepest terms first: at most five partial sums are alive.
+//! 2. The sums of two transducers are computed together, so that each residual is loaded once for both.
+//! 3. The summation tree is written out, deepest terms first: at most five partial sums exist at a time.
 
 use alloc::vec::Vec;
 use core::array;
@@ -20,8 +21,8 @@ use crate::kernels::lanes::{LANES, Lanes, Octet, groups, groups_mut};
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 
-/// Like [`crate::kernels::closed_form::sweep`] for up to 16 points in each lane; `drive` has two groups of lanes a
-/// transducer, re and im.
+/// Runs [`crate::kernels::closed_form::sweep`] for the problems of all lanes, each of up to 16 points. `drive` has two
+/// lane groups for each transducer: the real and the imaginary parts.
 pub(crate) fn sweep(
     set: InstructionSet,
     sweep: Sweep<'_>,
@@ -32,10 +33,11 @@ pub(crate) fn sweep(
     dispatch!(set, s => closed_form::run(s, sweep, order, ProblemsInLanes { drive }, pressures, |_| true));
 }
 
-/// Transducers whose drives are dealt out at a time: re and im of them are a group of lanes.
+/// Transducers whose real and imaginary parts fill one lane group.
 pub(crate) const EIGHT: usize = LANES / 2;
 
-/// Deals drives, two groups of lanes a transducer, out to their problems, [`EIGHT`] at a time.
+/// Appends the drives, given as two lane groups for each transducer, to the lists of their problems, [`EIGHT`]
+/// transducers at a time.
 pub(crate) fn deal_out(set: InstructionSet, drive: &[f32], out: &mut [Vec<Complex32>; LANES]) {
     dispatch!(set, s => {
         for eight in groups(drive).as_chunks::<LANES>().0 {
@@ -53,7 +55,8 @@ pub(crate) fn deal_out(set: InstructionSet, drive: &[f32], out: &mut [Vec<Comple
     });
 }
 
-/// Writes the drives of up to 16 problems, one after another, as [`deal_out`] reads them; 0 in lanes without a problem.
+/// Writes the drives of up to 16 problems, given one problem after another, in the order that [`deal_out`] reads. Lanes
+/// without a problem get 0.
 pub(crate) fn deal_in(set: InstructionSet, drives: &[Complex32], transducers: usize, out: &mut [f32]) {
     dispatch!(set, s => {
         for (k, eight) in groups_mut(out).as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
@@ -73,13 +76,13 @@ pub(crate) fn deal_in(set: InstructionSet, drives: &[Complex32], transducers: us
     });
 }
 
-/// Up to 16 problems, one in each lane.
+/// Drives of up to 16 problems, one problem in each lane.
 struct ProblemsInLanes<'a> {
     drive: &'a mut [f32],
 }
 
 impl ProblemsInLanes<'_> {
-    /// `factor` q of a transducer.
+    /// Returns `factor` times the drive of transducer `i` in each lane.
     #[inline(always)]
     fn drive<S: Simd>(&self, s: S, i: usize, factor: f32) -> [S::V; 2] {
         let (drive, factor) = (groups(self.drive), s.splat(factor));
@@ -97,7 +100,7 @@ impl<S: Simd> Layout<S> for ProblemsInLanes<'_> {
             let own = (look.own > 0.0).then(|| [at(0), at(1)]);
             *z = Terms::new(s, (block.rows, 2 * pair), look, own).sum();
         }
-        // The other half of an odd pair.
+        // An odd number of members leaves a result without a transducer in the last pair.
         moved[members.len()..].fill([s.splat(0.0); 2]);
         for (z, &i) in moved.iter_mut().zip(members) {
             let (q, old) = (direction(s, look.phases, *z), self.drive(s, i, 1.0));
@@ -111,15 +114,15 @@ impl<S: Simd> Layout<S> for ProblemsInLanes<'_> {
     }
 }
 
-/// The terms of the sums of two transducers, a group of lanes a point.
+/// The terms of the sums z of two transducers, one lane group for each point.
 struct Terms<'a, S: Simd> {
     s: S,
     rows: &'a [Octet],
-    /// The first of the two.
+    /// Index of the first of the two transducers in the block.
     first: usize,
     residual: [&'a [Lanes]; 2],
     weight: &'a [Lanes],
-    /// The part of each wave that remains.
+    /// The old drives of both transducers times `own`; `None` where `own` is 0.
     own: Option<[[S::V; 2]; 2]>,
 }
 
@@ -131,7 +134,7 @@ impl<'a, S: Simd> Terms<'a, S> {
         Self { s, rows, first, residual, weight: &groups(look.weight)[..count], own }
     }
 
-    /// conj(G) d, and w |G|^2 q of the old drive.
+    /// Returns the terms of point `l` in both sums: conj(G) d + w |G|^2 `own`.
     #[inline(always)]
     fn term(&self, l: usize) -> [[S::V; 2]; 2] {
         let (s, zero) = (self.s, self.s.splat(0.0));
@@ -148,11 +151,11 @@ impl<'a, S: Simd> Terms<'a, S> {
         terms
     }
 
-    /// The sum in the tree of [`Simd::reduce_add`], as if +0 stood in the places of the points that are not there.
+    /// Adds the terms of all points in the tree of [`Simd::reduce_add`], as if missing points had the term +0.
     #[inline(always)]
     fn sum(&self) -> [[S::V; 2]; 2] {
         let (s, count) = (self.s, self.weight.len());
-        // Every other point and the rest, and so on down to the term of point l.
+        // Splits the points into every second one and the others, again and again down to the term of point l.
         macro_rules! tree {
             ($l:expr;) => {
                 self.term($l)
@@ -163,7 +166,7 @@ impl<'a, S: Simd> Terms<'a, S> {
             }};
         }
         let sum = tree!(0; 1 2 4 8);
-        // One +0 among the summands and the sum is not -0.
+        // With +0 among the terms, the sum is never -0.
         if count < LANES { add(s, sum, [[s.splat(0.0); 2]; 2]) } else { sum }
     }
 }

@@ -1,26 +1,30 @@
-//! Closed-form greedy sweep: the best phase of one transducer after another, in blocks that share one residual.
+//! Closed-form greedy sweep: gives one transducer after another its best phase, in blocks that share one residual.
+//!
+//! Point j has the pressure P, the target t and the weight w; q_k is the drive of transducer k and G_kj its pressure at
+//! point j at drive 1.
 //!
 //! ```text
 //! d = w (t P/|P| - P)                              the residual: P against the nearest pressure of modulus t
 //! for each block of up to 8 transducers k:
-//!     z_k = sum_j conj(G_kj) d_j                   in a further sweep + own q_k sum_j w_j |G_kj|^2
+//!     z_k = sum_j conj(G_kj) d_j                   in further sweeps + own q_k sum_j w_j |G_kj|^2
 //!     new_k = z_k/|z_k|
 //!     P += sum_k G_k (new_k - q_k);  q_k = new_k
 //!     d = w (t P/|P| - P)
 //! ```
 //!
-//! The loop is written once over [`Layout`]: a lane group holds 16 points ([`points`]), 4 or 8 points of 4 or 2 transducers
-//! ([`segments`]) or one point of 16 problems ([`interleaved`]); sets of narrow registers have a loop of their own
-//! ([`short`]). A block's sums follow one tree in all of them. What makes it fast:
+//! The loop is written once over [`Layout`]: a lane group contains 16 points ([`points`]), 4 or 8 points of 4 or 2
+//! transducers ([`segments`]) or one point of 16 problems ([`interleaved_sweep`]). Instruction sets of narrow registers
+//! have a loop of their own ([`short`]). All of them add the terms of a sum in the same order. What makes the sweep
+//! fast:
 //!
-//! 1. A block shares d, so that its 16 sums over lanes (re and im of 8 transducers) are one reduction, one inverse
-//!    root and one wait for P. With blocks of 1 a solve takes 1.6 times as long at
-//!    N = 996, M = 16, and 1.3 times at M = 64.
-//! 2. The rows of the next block depend on nothing here. They are written in two halves, where the loop waits for its
-//!    sums and for its pressures.
-//! 3. A block's eight rows lie side by side, lane group by lane group: d and P are loaded and stored once a block, and its
-//!    eight waves are added in registers in four chains.
-//! 4. Memory that begins on a cache line: .59 ns a transducer and point instead of .63 at M = 64.
+//! 1. A block shares d, so that its 16 sums over lanes (re and im of 8 transducers) need one reduction, one inverse
+//!    root and one wait for P. With blocks of 1 a solve takes 1.6 times as long at N = 996 transducers and M = 16
+//!    points, and 1.3 times at M = 64.
+//! 2. The rows of the next block do not depend on this block. The loop writes one half of them while it waits for its
+//!    sums, and the other half while it waits for its pressures.
+//! 3. A block's eight rows lie side by side, lane group by lane group: d and P are loaded and stored once a block, and
+//!    its eight waves are added in registers in four chains.
+//! 4. The memory begins on a cache line: .59 ns for each transducer and point instead of .63 at M = 64.
 
 pub(crate) mod interleaved_sweep;
 pub(crate) mod points;
@@ -36,25 +40,26 @@ use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::kernels::simd::{Elementwise, Simd, TINY};
 
-/// The largest block: the real and imaginary sums of its transducers fill a register.
+/// Transducers in the largest block: their real and imaginary sums fill a lane group.
 pub(crate) const MOST: usize = LANES / 2;
 
-/// Half a block: one chain of a block's waves has a transducer of each.
+/// Transducers in half a block. Each of the four chains of additions has one transducer of each half.
 pub(crate) const QUAD: usize = MOST / 2;
 
-/// The problem and the memory of a sweep; all lists of points are padded alike.
+/// The problem and the working memory of a sweep. All lists of points have the same padded length.
 pub(crate) struct Sweep<'a> {
     pub(crate) rows: Rows<'a>,
     pub(crate) target: &'a [f32],
     pub(crate) weight: &'a [f32],
-    /// The number of points in the lanes; the rest is padding.
+    /// The number of points; the other lanes are padding.
     pub(crate) count: usize,
     /// Transducers that share one residual, 1 to [`MOST`].
     pub(crate) block: usize,
-    /// The part of its own wave that a transducer leaves in P while it is updated; 0 in a first sweep, before which every
-    /// drive is 0.
+    /// Factor of a transducer's own wave in z, see the module's head. It is 0 in a first sweep, which begins with all
+    /// drives at 0.
     pub(crate) own: f32,
-    /// The phases of a board: drives are then the nearest of these, and those after know of it.
+    /// The phases of a board. If given, each new drive is rounded to the nearest of them before the next block is
+    /// updated.
     pub(crate) phases: Option<&'a Phases>,
     pub(crate) memory: Memory<'a>,
 }
@@ -63,28 +68,28 @@ pub(crate) struct Sweep<'a> {
 pub(crate) struct Memory<'a> {
     /// Space for the rows of two blocks.
     rows: &'a mut [f32],
-    /// Space for d, re and im.
+    /// Space for the real and imaginary parts of d.
     residual: [&'a mut [f32]; 2],
 }
 
 impl<'a> Memory<'a> {
-    /// Space for [`floats`] numbers, with any content.
+    /// Divides a list of [`floats`] numbers, with any content, into the working memory.
     pub(crate) fn of(numbers: &'a mut [f32]) -> Self {
         let (rows, rest) = numbers.split_at_mut(numbers.len() / floats(1) * ROWS);
         Self { rows, residual: rest.split_at_mut(rest.len() / 2).into() }
     }
 }
 
-/// Rows of two blocks, re and im.
+/// Numbers a lane in the rows of two blocks: real and imaginary parts of [`MOST`] transducers each.
 const ROWS: usize = 2 * 2 * MOST;
 
-/// Numbers of working memory for rows of `lanes`.
+/// Returns the length of the working memory for rows of `lanes` numbers.
 pub(crate) const fn floats(lanes: usize) -> usize {
     lanes * (ROWS + 2)
 }
 
-/// Gives every transducer of `order` the phase arg sum w conj(G) (t P/|P| - P + `own` G q). `report` is given the points'
-/// pressures after each block; where it answers false the sweep ends and returns false.
+/// Gives every transducer of `order` the phase arg sum w conj(G) (t P/|P| - P + `own` G q). Calls `report` with the
+/// points' pressures after each block. If `report` returns false, the sweep ends and returns false.
 pub(crate) fn sweep(
     set: InstructionSet,
     sweep: Sweep<'_>,
@@ -101,36 +106,36 @@ pub(crate) fn sweep(
     }
 }
 
-/// The layout of a lane group: its lanes are points, segments of the rows of several transducers, or problems.
+/// The layout of a lane group: its lanes are points, or segments with the rows of several transducers, or problems.
 pub(crate) trait Layout<S: Simd> {
-    /// Transducers whose rows share a lane group.
+    /// Number of transducers whose rows share a lane group.
     const SHARED: usize = 1;
 
-    /// Writes the rows of some transducers from list `first` of a block on.
+    /// Writes the rows of `members` to a block, from its list `first` on.
     #[inline(always)]
     fn write(s: S, rows: Rows<'_>, members: &[usize], first: usize, to: &mut [Octet]) {
         write_rows(s, rows, members, first, to);
     }
 
-    /// Gives each transducer of a block its new drive z/|z| and returns by how much the drives changed, list by list.
-    /// `meanwhile` is called once, while the sums are waited for.
+    /// Gives each transducer of a block its new drive z/|z| and returns the change of each drive, list by list. Calls
+    /// `meanwhile` once, while the processor waits for the sums.
     fn update(&mut self, s: S, block: &Block<'_>, look: Look<'_>, meanwhile: impl FnOnce()) -> [[S::V; 2]; MOST];
 
-    /// The start of one chain of waves, P; the others start from 0.
+    /// Returns P, with which the first chain of additions starts; the others start from 0.
     #[inline(always)]
     fn start(_: S, pressure: S::V) -> S::V {
         pressure
     }
 
-    /// P, from the chains of a block's waves, as many as lists a quad: chain c, of transducers c and c + 4, and chain c + 2
-    /// first.
+    /// Adds the chains of a block's waves to the new P. Chain c contains transducers c and c + 4; chains c and c + 2
+    /// are added first.
     #[inline(always)]
     fn sum(s: S, [a, b, c, d]: [S::V; QUAD]) -> S::V {
         s.add(s.add(a, c), s.add(b, d))
     }
 }
 
-/// The terms of z beside rows and drives.
+/// The values that z depends on, besides rows and drives.
 #[derive(Clone, Copy)]
 pub(crate) struct Look<'a> {
     pub(crate) residual: [&'a [f32]; 2],
@@ -139,7 +144,7 @@ pub(crate) struct Look<'a> {
     pub(crate) phases: Option<&'a Phases>,
 }
 
-/// Some transducers and their rows.
+/// The indices of up to [`MOST`] transducers, and their rows.
 pub(crate) struct Block<'a> {
     members: [usize; MOST],
     count: usize,
@@ -152,19 +157,19 @@ impl<'a> Block<'a> {
         Self { members: [0; MOST], count: 0, rows: pairs.as_chunks_mut().0 }
     }
 
-    /// The indices of its transducers.
+    /// Returns the indices of the block's transducers.
     #[inline(always)]
     pub(crate) fn members(&self) -> &[usize] {
         &self.members[..self.count]
     }
 
-    /// Whether it has any of four transducers; missing ones are silent.
+    /// Returns whether the block has transducers in half `quad`, 0 or 1.
     #[inline(always)]
     pub(crate) fn has(&self, quad: usize) -> bool {
         quad * QUAD < self.count
     }
 
-    /// Takes the next members.
+    /// Replaces the transducers by the next ones of `order`, at most `most`.
     fn take(&mut self, most: usize, order: &mut impl Iterator<Item = usize>) {
         self.count = 0;
         while self.count < most
@@ -175,7 +180,7 @@ impl<'a> Block<'a> {
         }
     }
 
-    /// Writes the rows of four members.
+    /// Writes the rows of the transducers in half `quad`, and zeros for those that a short block lacks.
     #[inline(always)]
     fn write<S: Simd, L: Layout<S>>(&mut self, s: S, rows: Rows<'_>, quad: usize) {
         if !self.has(quad) {
@@ -190,7 +195,7 @@ impl<'a> Block<'a> {
     }
 }
 
-/// The sweep; false if `report` ended it.
+/// Runs the sweep in a given layout; returns false if `report` ended it.
 #[inline(always)]
 pub(crate) fn run<S: Simd, L: Layout<S>>(
     s: S,
@@ -203,7 +208,7 @@ pub(crate) fn run<S: Simd, L: Layout<S>>(
     let Sweep { rows, target, weight, count, block: most, own, phases, memory } = sweep;
     let Memory { rows: kept, residual: [rest_re, rest_im] } = memory;
     let (first, second) = kept.split_at_mut(kept.len() / 2);
-    // The first block is empty: its turn computes d and writes the rows of the second.
+    // The first block is empty: the first pass computes d and writes the rows of the second block.
     let mut block = Block::new(first);
     let mut next = Block::new(second);
     loop {
@@ -228,7 +233,7 @@ pub(crate) fn run<S: Simd, L: Layout<S>>(
         let goes_on = !block.has(0) || report([&re[..count], &im[..count]]);
         core::mem::swap(&mut block, &mut next);
         if !goes_on || !block.has(0) {
-            // The sum over the padding.
+            // Removes the sums that the padding collected.
             re[count..].fill(0.0);
             im[count..].fill(0.0);
             return goes_on;
@@ -236,10 +241,10 @@ pub(crate) fn run<S: Simd, L: Layout<S>>(
     }
 }
 
-/// The least modulus of a sum that has a direction.
+/// Smallest sum whose direction is used.
 const LEAST: f32 = 1e-37;
 
-/// The new drives of eight z, re and im side by side.
+/// Returns the new drives of eight sums z; real and imaginary parts are side by side.
 #[inline(always)]
 pub(crate) fn directions<S: Simd>(s: S, phases: Option<&Phases>, z: S::V) -> S::V {
     match phases {
@@ -248,7 +253,7 @@ pub(crate) fn directions<S: Simd>(s: S, phases: Option<&Phases>, z: S::V) -> S::
     }
 }
 
-/// The new drive: the board's phase nearest to that of z, or z/|z|; 0 where z is 0.
+/// Returns the new drive: the board's phase nearest to that of z, or z/|z|; 0 where z is 0.
 #[inline(always)]
 pub(crate) fn direction<S: Simd>(s: S, phases: Option<&Phases>, z: [S::V; 2]) -> [S::V; 2] {
     match phases {
@@ -257,24 +262,25 @@ pub(crate) fn direction<S: Simd>(s: S, phases: Option<&Phases>, z: [S::V; 2]) ->
     }
 }
 
-/// z/|z|; 0 where z is 0.
+/// Returns z/|z|; 0 where z is 0.
 #[inline(always)]
 fn unit<S: Elementwise>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
-    // Over about the root of its larger part first: the square then is about that part, and neither under- nor overflows.
+    // First divide by the root of the larger part: the square then is about that part, and neither under- nor
+    // overflows.
     let larger = s.max(s.abs(re), s.abs(im));
     let root = s.rsqrt_estimate(larger);
     let (x, y) = (s.mul(re, root), s.mul(im, root));
     let (guess, miss) = s.rsqrt_guess(s.add(s.mul(x, x), s.mul(y, y)));
     let (x, y) = (s.mul(x, guess), s.mul(y, guess));
     let (zero, half, least) = (s.splat(0.0), s.splat(0.5), s.splat(LEAST));
-    // A sum below this may have lost all digits.
+    // A smaller sum may have lost all digits.
     [
         s.select_less(larger, least, zero, s.fma(s.mul(x, half), miss, x)),
         s.select_less(larger, least, zero, s.fma(s.mul(y, half), miss, y)),
     ]
 }
 
-/// P += `sum_k G_k q_k` for the first `QUADS` of a block.
+/// P += `sum_k G_k q_k` over the first `QUADS` halves of a block, q_k the changes of the drives.
 #[inline(always)]
 fn add_block<S: Simd, L: Layout<S>, const QUADS: usize>(
     s: S,
@@ -297,7 +303,7 @@ fn add_block<S: Simd, L: Layout<S>, const QUADS: usize>(
     }
 }
 
-/// d = w (t P/|P| - P); the phase of a silent point is 0.
+/// Writes d = w (t P/|P| - P); a pressure of 0 counts with phase 0.
 #[inline(always)]
 fn residual<S: Elementwise>(s: S, target: &[f32], weight: &[f32], pressure: [&[f32]; 2], out: [&mut [f32]; 2]) {
     let [out_re, out_im] = out;
@@ -311,14 +317,14 @@ fn residual<S: Elementwise>(s: S, target: &[f32], weight: &[f32], pressure: [&[f
         let (guess, miss) = s.rsqrt_guess(square);
         let silent = s.mul(w, t);
         let near = s.mul(silent, guess);
-        // w t/|P| - w; of silence anything may have become.
+        // w t/|P| - w. Where P is 0 it may be anything, and the selections below ignore it.
         let factor = s.fma(s.mul(near, s.splat(0.5)), miss, s.sub(near, w));
         s.store(s.select_less(square, least, silent, s.mul(re, factor)), out_re);
         s.store(s.select_less(square, least, zero, s.mul(im, factor)), out_im);
     }
 }
 
-/// `sum_j w |G|^2` of list `k`, lanes apart.
+/// Returns `sum_j w |G|^2` of list `k`, as one partial sum in each lane.
 #[inline(always)]
 pub(crate) fn own_power<S: Elementwise>(s: S, rows: &[Octet], k: usize, weight: &[f32]) -> S::V {
     let mut sum = s.splat(0.0);

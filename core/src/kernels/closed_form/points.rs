@@ -1,4 +1,4 @@
-//! Closed-form greedy sweep of one problem, 16 of its points in a lane group.
+//! Closed-form greedy sweep of one problem: a lane group contains 16 of its points.
 
 use num_complex::Complex32;
 
@@ -8,7 +8,7 @@ use crate::kernels::lanes::{LANES, Lanes, Octet, groups};
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 
-/// See [`closed_form::sweep`].
+/// Runs [`closed_form::sweep`] with 16 points in a lane group.
 pub(super) fn sweep(
     set: InstructionSet,
     sweep: Sweep<'_>,
@@ -20,13 +20,14 @@ pub(super) fn sweep(
     dispatch!(set, s => !s.is_short() && closed_form::run(s, sweep, order, PointsInLanes { drive }, pressures, report))
 }
 
-/// One problem, its points in the lanes.
+/// The drives of one problem whose points are in the lanes.
 struct PointsInLanes<'a> {
     drive: &'a mut [Complex32],
 }
 
 impl PointsInLanes<'_> {
-    /// Adds the remaining part of the waves of old drives to the sums; and these drives, re and im side by side.
+    /// Adds `own` times the waves of the old drives to the sums z. Returns the sums and the old drives, real and
+    /// imaginary parts side by side.
     #[inline(always)]
     fn with_own<S: Simd>(
         &self,
@@ -82,7 +83,8 @@ impl<S: Simd> Layout<S> for PointsInLanes<'_> {
     }
 }
 
-/// sum_j conj(G_j) d_j of the first `QUADS` of a block, lanes apart; re and im side by side.
+/// Returns sum_j conj(G_j) d_j of the first `QUADS` halves of a block as one partial sum in each lane; the real and
+/// imaginary parts are side by side.
 #[inline(always)]
 fn correlations<S: Simd, const QUADS: usize>(s: S, rows: &[Octet], residual: [&[f32]; 2]) -> [S::V; LANES] {
     let mut sums = [s.splat(0.0); LANES];

@@ -1,15 +1,17 @@
-//! Closed-form greedy sweep of few points: a lane group holds those of 2 or 4 transducers, a segment each.
+//! Closed-form greedy sweep of few points: a lane group has a segment for each of 2 or 4 transducers.
 //!
 //! ```text
-//! coordinates, targets, weights, P and d are repeated in every segment; row k of a block is that of N transducers
-//! z    = conj(G) d, summed within each segment: all eight of a block fold into one lane group, q = z/|z| is taken once
-//! P    = the lists' waves added up, each q spread over its segment, then across the segments: it is repeated in each
+//! coordinates, targets, weights, P and d are repeated in every segment; a lane group of rows is that of N transducers
+//! z    = conj(G) d, summed within each segment: the sums of all eight transducers fold into one lane group
+//! q    = z/|z|, computed once for all eight
+//! P    = the waves, each q copied to all lanes of its segment, added over the lists and then over the segments
 //! ```
 //!
 //! 1. Four points fill the lanes: a block of 8 transducers is 2 rows, not 8.
-//! 2. Nothing leaves the lanes between one block's P and the next one's. Drives are read and stored beside it.
+//! 2. Between one block's P and the next block's, all values stay in registers. Drives are read and stored meanwhile.
 //!
-//! At N = 996 a solve takes half of the time that it takes with 16 points in the lanes at M = 4, and .65 at M = 8 (AVX2).
+//! At N = 996 transducers a solve takes half of the time that it takes with 16 points in a lane group at M = 4 points,
+//! and .65 of it at M = 8 (AVX2).
 
 use core::array;
 
@@ -24,11 +26,11 @@ use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 
-/// The rows of a sweep over one lane group, likewise.
+/// The rows of two blocks over one lane group, aligned to a cache line.
 #[repr(align(64))]
 struct Kept([f32; ROWS * LANES]);
 
-/// See [`closed_form::sweep`]: N transducers a lane group, at most 16/N points.
+/// Runs [`closed_form::sweep`] with N transducers in a lane group, for at most 16/N points.
 pub(super) fn sweep<const N: usize>(
     set: InstructionSet,
     sweep: &Sweep<'_>,
@@ -53,7 +55,7 @@ pub(super) fn sweep<const N: usize>(
     };
     let mut kept = Kept([0.0; ROWS * LANES]);
     let [mut rest_re, mut rest_im] = [(); 2].map(|()| Line([0.0; LANES]));
-    // Apart, so that d stays in registers.
+    // Separate arrays, so that d stays in registers.
     let memory = Memory { rows: &mut kept.0, residual: [&mut rest_re.0, &mut rest_im.0] };
     let few = Sweep { rows, target: &target.0, weight: &weight.0, memory, ..*sweep };
     let pressures = [&mut real.0[..], &mut imag.0[..]];
@@ -64,8 +66,9 @@ pub(super) fn sweep<const N: usize>(
     goes_on
 }
 
-/// The sums of 8/N lists within each of N segments, in the tree of [`Simd::reduce_add`] where zeros stand for the others:
-/// lane l of a segment has that of `sums[l]`, a list's re and im side by side.
+/// Adds the lanes of each of N segments of 8/N lists, in the tree of [`Simd::reduce_add`] with zeros for missing
+/// points. Lane l of a segment of the result is the sum of that segment of `sums[l]`; a list's re and im are side by
+/// side.
 #[inline(always)]
 fn folded<S: Simd, const N: usize>(s: S, sums: [S::V; LANES]) -> S::V {
     let mut v = sums;
@@ -77,7 +80,7 @@ fn folded<S: Simd, const N: usize>(s: S, sums: [S::V; LANES]) -> S::V {
     s.fold::<1>(s.fold::<2>(v[0], v[2]), s.fold::<2>(v[1], v[3]))
 }
 
-/// Lane `lane` of each of N segments, in all its lanes.
+/// Copies lane `lane` of each of N segments to all lanes of that segment.
 #[inline(always)]
 fn spread<S: Simd, const N: usize>(s: S, v: S::V, lane: usize) -> S::V {
     macro_rules! both {
@@ -90,18 +93,19 @@ fn spread<S: Simd, const N: usize>(s: S, v: S::V, lane: usize) -> S::V {
     if N == 2 { both!(v, 4) } else { v }
 }
 
-/// One problem of few points: N transducers in a lane group.
+/// The drives of one problem of few points, with N transducers in a lane group.
 struct Segments<'a, const N: usize> {
     drive: &'a mut [Complex32],
 }
 
 impl<const N: usize> Segments<'_, N> {
-    /// Where the drive of transducer `k` of a block is among eight, re and im side by side.
+    /// Returns the lane of the real part of the drive of transducer `k` of a block; the imaginary part is in the next
+    /// lane.
     const fn lane(k: usize) -> usize {
         LANES / N * (k % N) + 2 * (k / N)
     }
 
-    /// The drives of a block.
+    /// Returns the drives of a block's transducers, in the lanes that [`Self::lane`] gives.
     #[inline(always)]
     fn old(&self, block: &Block<'_>) -> Lanes {
         let mut lanes = [0.0; LANES];
@@ -172,7 +176,7 @@ impl<S: Simd, const N: usize> Layout<S> for Segments<'_, N> {
             let both = s.add(a, b);
             return s.add(both, s.swap::<8>(both));
         }
-        // One step less to wait for than in sums of sums, and the same tree.
+        // This waits for one addition less than sums of sums, and adds in the same tree.
         let quarters = s.swap::<4>(a);
         s.add(s.add(a, s.swap::<8>(a)), s.add(quarters, s.swap::<8>(quarters)))
     }

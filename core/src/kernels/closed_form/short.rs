@@ -1,7 +1,8 @@
-//! Closed-form greedy sweep for sets whose code must be short: four points in the lanes at a time.
+//! Closed-form greedy sweep for instruction sets whose code must be short: four points at a time.
 //!
-//! The steps and their bits are those of [`crate::kernels::closed_form`]. Each is a kernel in which no lane sees another, so
-//! that four points cost a quarter of sixteen; between them there are sums over the lanes alone.
+//! The steps and their bits are those of [`crate::kernels::closed_form`]. In each kernel here no lane depends on
+//! another, so that four points take a quarter of the time of sixteen. Sums over the lanes are taken between the
+//! kernels.
 
 use num_complex::Complex32;
 
@@ -12,7 +13,7 @@ use crate::kernels::propagate::octets::write_rows;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Apart, Elementwise, Simd};
 
-/// See [`crate::kernels::closed_form::sweep`].
+/// Runs [`crate::kernels::closed_form::sweep`] on an instruction set of narrow registers.
 pub(super) fn sweep(
     set: InstructionSet,
     sweep: Sweep<'_>,
@@ -24,7 +25,7 @@ pub(super) fn sweep(
     dispatch!(set, s => s.is_short() && run(s, sweep, order, drive, pressures, report))
 }
 
-/// The loop.
+/// Runs the loop of the sweep; returns false if `report` ended it.
 fn run<S: Simd>(
     s: S,
     sweep: Sweep<'_>,
@@ -71,20 +72,20 @@ fn run<S: Simd>(
         s.apart(count, &mut Added { field: &mut field, rows: octets, change: &change, members: some });
         goes_on = report([&field.pressure[0][..count], &field.pressure[1][..count]]);
     }
-    // The sum over the padding.
+    // Removes the sums that the padding collected.
     field.pressure.into_iter().for_each(|part| part[count..].fill(0.0));
     goes_on
 }
 
-/// The points: targets and weights, P and d.
+/// Values at the points: targets and weights, pressures P and residuals d.
 struct Field<'a> {
     requested: [&'a [f32]; 2],
     pressure: [&'a mut [f32]; 2],
     residual: [&'a mut [f32]; 2],
 }
 
-/// `sum_j conj(G_j) d_j` of a block's transducers, and the remaining part of the waves of old drives: lanes apart, re
-/// and im side by side.
+/// Kernel of `sum_j conj(G_j) d_j + own q sum_j w |G_j|^2` for a block's transducers with old drives q, as partial sums
+/// in the lanes; real and imaginary parts are side by side.
 struct Correlations<'a> {
     field: &'a Field<'a>,
     rows: &'a [Octet],
@@ -116,7 +117,7 @@ impl Apart for Correlations<'_> {
     }
 }
 
-/// P += `sum_k G_k q_k` of a block whose drives change by q, and d.
+/// Kernel that adds `sum_k G_k q_k` to P for a block whose drives change by q_k, and computes d again.
 struct Added<'a, 'b> {
     field: &'a mut Field<'b>,
     rows: &'a [Octet],
@@ -147,7 +148,7 @@ impl Apart for Added<'_, '_> {
     }
 }
 
-/// The new drives of eight z, re and im side by side.
+/// Returns the new drives of eight sums z; real and imaginary parts are side by side.
 fn directions<S: Simd>(s: S, phases: Option<&Phases>, z: S::V) -> Lanes {
     let mut all = Directions { phases, own: [0.0; LANES], other: [0.0; LANES] };
     s.store(z, &mut all.own);
@@ -156,14 +157,14 @@ fn directions<S: Simd>(s: S, phases: Option<&Phases>, z: S::V) -> Lanes {
     all.own
 }
 
-/// Re or im of each z, and the other of the two.
+/// Kernel of the new drives: `own` has the real or the imaginary part of each z, `other` the other part.
 struct Directions<'a> {
     phases: Option<&'a Phases>,
     own: Lanes,
     other: Lanes,
 }
 
-/// 1 in the lanes of im.
+/// 1 in the lanes of imaginary parts.
 const ODD: Lanes = [0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0];
 
 impl Apart for Directions<'_> {

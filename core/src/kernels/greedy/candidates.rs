@@ -1,4 +1,4 @@
-//! Candidates: K amplitudes times L phases, as tables of cosines and sines.
+//! Candidate drives: K amplitudes times L phases, as tables of cosines and sines.
 
 use alloc::vec::Vec;
 
@@ -6,56 +6,57 @@ use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::simd::Elementwise;
 use crate::math::{cos, sin};
 
-/// Length of a table of phases: any 16 of them can be read, from any phase on.
+/// Returns the length of a table of phases, from which 16 can be read from any phase on.
 pub(crate) const fn table(phases: usize) -> usize {
     phases + LANES
 }
 
-/// Phases of a grid around one of them.
+/// A range of phases of a grid around one phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PhaseRange {
-    /// The phase l that is searched first,
+    /// Index of the phase that is searched first.
     pub(crate) from: usize,
-    /// and how many after it
+    /// Number of phases after it.
     pub(crate) above: usize,
-    /// and before it, all different.
+    /// Number of phases before it; no phase is counted twice.
     pub(crate) below: usize,
 }
 
 impl PhaseRange {
-    /// All of `phases`.
+    /// Returns the range of all `phases`.
     #[inline(always)]
     pub(crate) fn whole(phases: usize) -> Self {
         Self { from: 0, above: phases - 1, below: 0 }
     }
 }
 
-/// Candidate drives a e^{j phi}: amplitudes outer, phases inner.
+/// Candidate drives a e^{j phi}, ordered by amplitude, then by phase.
 pub(crate) struct Candidates {
-    /// cos and sin of the phases, and the first ones again up to [`table`]: a copy never wins against its original.
+    /// cos and sin of the phases, then the first ones again up to [`table`] entries. A copy never wins against its
+    /// original.
     cos: Vec<f32>,
     sin: Vec<f32>,
-    /// The same values for the even and the odd thirty-seconds of a turn.
+    /// cos and sin at the even and at the odd multiples of 1/32 of a turn.
     coarse: [[Lanes; 2]; 2],
-    /// The amplitudes.
     amplitude_table: Vec<f32>,
     pub(crate) phases: usize,
     pub(crate) amplitudes: usize,
 }
 
 impl Candidates {
-    /// K = `amplitudes` times L = `phases` candidates: a = (k+1)/K outer, phi = 2 pi l/L inner.
+    /// Creates K = `amplitudes` times L = `phases` candidates with a = (k+1)/K and phi = 2 pi l/L.
     #[cfg(test)]
     pub(crate) fn new(phases: usize, amplitudes: usize, buffers: [Vec<f32>; 3]) -> Self {
         Self::grid(phases, (0..amplitudes).map(|k| (k as f64 + 1.0) / amplitudes as f64), buffers)
     }
 
-    /// L = `phases` phases 2 pi l/L at each of some amplitudes, in buffers whose length is set here.
+    /// Creates L = `phases` phases 2 pi l/L for each of some amplitudes, in buffers whose length is set here.
     pub(crate) fn grid(phases: usize, amplitudes: impl Iterator<Item = f64>, buffers: [Vec<f32>; 3]) -> Self {
         Self::made(phases, |l| l as f64 / phases as f64, amplitudes, buffers)
     }
 
-    /// Rotations by up to `width` steps of 1/`phases`, at full amplitude: 0 first, then 1, -1, 2, -2 and so on.
+    /// Creates `width` rotations, at most `phases`, by steps of 1/`phases` turn at full amplitude: 0, then 1, -1, 2,
+    /// -2, ...
     pub(crate) fn rotations(phases: usize, width: usize, buffers: [Vec<f32>; 3]) -> Self {
         let rotation = |k: usize| {
             let step = k.div_ceil(2) as f64 * if k % 2 == 1 { 1.0 } else { -1.0 };
@@ -88,57 +89,57 @@ impl Candidates {
         Self { cos: cosines, sin: sines, coarse, amplitude_table, phases, amplitudes }
     }
 
-    /// The number of candidates.
+    /// Returns the number of candidates.
     pub(crate) fn count(&self) -> usize {
         self.phases * self.amplitudes
     }
 
-    /// Amplitude k.
+    /// Returns amplitude k.
     #[inline(always)]
     pub(crate) fn amplitude(&self, k: usize) -> f32 {
         self.amplitude_table[k]
     }
 
-    /// The drive (re, im) of candidate k L + l.
+    /// Returns the drive (re, im) of candidate k L + l.
     #[inline(always)]
     pub(crate) fn drive(&self, index: usize) -> [f32; 2] {
-        // Most grids have one amplitude, and a division takes as long as evaluating it.
+        // Most grids have one amplitude, and a division takes as long as evaluating a candidate.
         let k = if index < self.phases { 0 } else { index / self.phases };
         let (amplitude, l) = (self.amplitude(k), index - k * self.phases);
         [amplitude * self.cos[l], amplitude * self.sin[l]]
     }
 
-    /// cos and sin of phase l.
+    /// Returns cos and sin of phase l.
     #[inline(always)]
     pub(crate) fn phasor(&self, l: usize) -> [f32; 2] {
         [self.cos[l], self.sin[l]]
     }
 
-    /// cos and sin of 16 phases from l on.
+    /// Returns cos and sin of 16 phases from l on.
     #[inline(always)]
     pub(crate) fn sixteen(&self, l: usize) -> [&Lanes; 2] {
         [&self.cos, &self.sin].map(|part| part[l..].first_chunk().unwrap_or(&[0.0; LANES]))
     }
 
-    /// The drives of 16 phases from l on at amplitude a.
+    /// Returns the drives of 16 phases from l on at amplitude a.
     #[inline(always)]
     pub(crate) fn drives(&self, a: f32, l: usize) -> Sixteen<'_> {
         Sixteen { amplitude: a, phasors: self.sixteen(l) }
     }
 
-    /// The phase where the arc of some thirty-second of a turn begins.
+    /// Returns the index of the phase where an arc begins; an arc is 1/32 of a turn.
     #[inline(always)]
     pub(crate) fn start(&self, arc: usize) -> usize {
         arc * self.phases / (2 * LANES)
     }
 
-    /// The drives there at amplitude a, at the even and at the odd ones.
+    /// Returns the drives at amplitude a at the even and at the odd multiples of 1/32 of a turn.
     #[inline(always)]
     pub(crate) fn coarse(&self, a: f32) -> [Sixteen<'_>; 2] {
         self.coarse.each_ref().map(|phasors| Sixteen { amplitude: a, phasors: phasors.each_ref() })
     }
 
-    /// Gives the buffers back.
+    /// Returns the buffers, so that they can be used again.
     pub(crate) fn into_buffers(self) -> [Vec<f32>; 3] {
         [self.cos, self.sin, self.amplitude_table]
     }
@@ -152,7 +153,7 @@ pub(crate) struct Sixteen<'a> {
 }
 
 impl Sixteen<'_> {
-    /// Re and im.
+    /// Returns the real and imaginary parts.
     #[inline(always)]
     pub(crate) fn load<S: Elementwise>(&self, s: S) -> [S::V; 2] {
         let amplitude = s.splat(self.amplitude);

@@ -1,4 +1,4 @@
-//! Energies of candidates: the polynomial of the moments, and eq. (7) at the points that it leaves out.
+//! Change of the energy by each candidate: a polynomial of the moments, and eq. (7) at the points that it leaves out.
 
 use crate::kernels::greedy::candidates::{Candidates, Sixteen};
 use crate::kernels::greedy::moments::Moments;
@@ -6,7 +6,7 @@ use crate::kernels::greedy::search::Points;
 use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::simd::{Apart, Elementwise, Simd, TINY};
 
-/// The values that the energies of one update depend on.
+/// The values on which the energies in one transducer's update depend.
 pub(crate) struct Energies<'a, S: Simd> {
     pub(crate) s: S,
     pub(crate) points: Points<'a>,
@@ -17,13 +17,13 @@ pub(crate) struct Energies<'a, S: Simd> {
 }
 
 impl<S: Simd> Energies<'_, S> {
-    /// The changes of 16 drives, to the fourth order (of such moments).
+    /// Returns the changes of the energy by 16 drives, up to the fourth order if the moments have it.
     #[inline(always)]
     pub(crate) fn evaluate(&self, z: Sixteen<'_>) -> S::V {
         self.changes::<true>(z)
     }
 
-    /// The changes of 16 drives, to the third order.
+    /// Returns the changes of the energy by 16 drives, up to the third order.
     #[inline(always)]
     pub(crate) fn roughly(&self, z: Sixteen<'_>) -> S::V {
         self.changes::<false>(z)
@@ -37,8 +37,9 @@ impl<S: Simd> Energies<'_, S> {
         s.load(&changes.out)
     }
 
-    /// How far the tolerance of ties and the rounding of the changes leave a comparison open. At a point left out the
-    /// square of up to 5 |G| is rounded four times, and so is 2 t times its root, t being up to 4 |G| and the gap.
+    /// Returns the difference of two changes up to which rounding and the tolerance of ties leave their order open. At
+    /// a point that the moments leave out, the square of up to 5 |G| is rounded four times. So is 2 t times its root,
+    /// for t up to 4 |G| and the gap.
     #[inline(always)]
     pub(crate) fn rounding(&self) -> f32 {
         let moments = self.moments;
@@ -46,9 +47,9 @@ impl<S: Simd> Energies<'_, S> {
         moments.rounding(1.0) + left_out
     }
 
-    /// A bound on the second derivative over the phase of [`Self::roughly`]. A point left out has the term
-    /// |P + e|^2 - 2 t |P + e|: the first part's is at most 2 a |P| |G|; the second is concave in |P + e|, which on an
-    /// arc of length h is at most its chord plus a |G| h^2/8.
+    /// Returns a bound on the second derivative of [`Self::roughly`] over the phase. A point that the moments leave out
+    /// has the term |P + e|^2 - 2 t |P + e|. The first part contributes at most 2 a |P| |G|. The second is concave in
+    /// |P + e|, which on an arc of length h is at most its chord plus a |G| h^2/8.
     #[inline(always)]
     pub(crate) fn curvature(&self, a: f32) -> f32 {
         let left_out = |&j: &u32| {
@@ -59,7 +60,7 @@ impl<S: Simd> Energies<'_, S> {
         self.moments.curvature(a) + self.near.iter().map(left_out).sum::<f32>()
     }
 
-    /// Q: [`Self::roughly`] at amplitude a is at least a times that at 1 less a (1 - a) Q.
+    /// Returns Q: [`Self::roughly`] at amplitude a is at least a times its value at amplitude 1, less a (1 - a) Q.
     #[inline(always)]
     pub(crate) fn bow(&self) -> f32 {
         let left_out = |&j: &u32| {
@@ -70,7 +71,7 @@ impl<S: Simd> Energies<'_, S> {
     }
 }
 
-/// The changes of 16 drives.
+/// Kernel of the changes of the energy by 16 drives `z`.
 struct Changes<'a, const FOURTH: bool> {
     points: Points<'a>,
     moments: &'a Moments,
@@ -89,8 +90,9 @@ impl<const FOURTH: bool> Apart for Changes<'_, FOURTH> {
 }
 
 impl<const FOURTH: bool> Changes<'_, FOURTH> {
-    /// Adds to `total` the terms that the moments leave out, w (|P + G z|^2 - |P|^2 - 2 t (|P + G z| - |P|)): fewer
-    /// instructions than [`crate::kernels::greedy::search::changes`] and more rounding, see [`Energies::rounding`].
+    /// Adds to `total` the terms that the moments leave out, w (|P + G z|^2 - |P|^2 - 2 t (|P + G z| - |P|)). It has
+    /// fewer instructions than [`crate::kernels::greedy::search::changes`] and more rounding, see
+    /// [`Energies::rounding`].
     #[inline(always)]
     fn add_left_out<S: Elementwise>(&self, s: S, [re, im]: [S::V; 2], mut total: S::V) -> S::V {
         for &j in self.near {

@@ -1,23 +1,23 @@
 //! Greedy pass over an interleaved batch: up to 16 problems of at most 16 points, problem b in lane b.
 //!
-//! The loop is that of [`crate::kernels::greedy`]; a [`PointGroup`] is here one point of all problems.
+//! The loop is that of [`crate::kernels::greedy`]. Here a [`PointGroup`] contains one point of all problems.
 //!
 //! ```text
 //! m = moments of every lane, points added in the tree of Simd::reduce_add
-//! for each candidate z: f(z) of every lane; keep the least and the second least
-//! lanes where the second is not within the slack of the least are decided
-//! lanes of which the moments leave points out: all candidates by eq. (7), if there are many such lanes
-//! any other lane: its problem alone
+//! for each candidate z: f(z), the change of the energy, in every lane; keep the least and the second least
+//! lanes where the second least exceeds the least by more than the slack are decided
+//! lanes whose moments leave points out: all candidates by eq. (7), if there are many such lanes
+//! each other lane: the search of its problem alone
 //! ```
 //!
-//! Each lane repeats the operations of its single problem in their order, and an update that is not decided in the lanes
-//! is handed to the single pass's own search. So every problem has the bits of its single pass.
+//! Each lane repeats the operations of its single problem in their order. An update that the lanes do not decide is
+//! left to the search of the single pass. So every problem gets the bits of its single pass.
 //!
-//! 1. Nothing is summed across lanes, and 16 problems wait for one chain: at M = 4 a problem takes a fifth of the time
-//!    that it takes alone, at M = 16 half.
+//! 1. Nothing is summed across lanes, and 16 problems wait together for one chain of operations. A problem takes a
+//!    fifth of the time of its single pass at M = 4 points, and half of it at M = 16.
 //! 2. The powers of every candidate are computed once a pass and read as scalars.
-//! 3. Eq. (7) in every lane takes as long as some single updates, and saves 4, 7 and 10 % at M = 4, 8 and 16: early
-//!    updates have near points in most lanes.
+//! 3. Eq. (7) in every lane takes as long as a few single updates, and saves 4, 7 and 10 % at M = 4, 8 and 16: in early
+//!    updates most lanes have points that the moments leave out.
 
 use num_complex::Complex32;
 
@@ -35,18 +35,18 @@ use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 
-/// Whether this pass knows how to search K = `amplitudes` times L = `phases` candidates.
+/// Returns whether this pass can search K = `amplitudes` times L = `phases` candidates.
 pub(crate) fn fits(phases: usize, amplitudes: usize) -> bool {
     phases < large_grid::LARGE && phases * amplitudes <= shortlist::MOST
 }
 
-/// Numbers of working memory of a search for rows of `lanes`.
+/// Returns the length of a search's working memory for rows of `lanes` numbers.
 pub(crate) fn floats(lanes: usize, candidates: &Candidates) -> usize {
     lanes + 2 * LANES + POWERS * candidates.count() + greedy::floats(candidates.phases)
 }
 
-/// As [`crate::kernels::greedy::pass`] for a problem in each of `problems` lanes; `drive` has two groups of lanes a transducer,
-/// re and im. The indices of the search are those for rows of 16.
+/// Runs [`crate::kernels::greedy::pass`] for one problem in each of the first `problems` lanes. `drive` has two lane
+/// groups for each transducer: the real and the imaginary parts. The indices of the search are those for rows of 16.
 pub(crate) fn pass(
     set: InstructionSet,
     pass: Pass<'_>,
@@ -71,17 +71,17 @@ pub(crate) fn pass(
     });
 }
 
-/// Up to 16 problems, one in each lane.
+/// The state of up to 16 problems, one in each lane.
 struct ProblemsInLanes<'a, V> {
     drive: &'a mut [f32],
-    /// Values for every point and problem.
+    /// The term of the energy of every point and problem.
     energies: &'a mut [f32],
-    /// The powers of every candidate.
+    /// The powers of every candidate, see [`powers`].
     table: &'a [f32],
-    /// The lanes that have problems, and those of which some point is not silent.
+    /// Bits of the lanes that have a problem, and of those where some pressure is not 0.
     used: u32,
     sounding: u32,
-    /// The pass of one problem, and memory for its row.
+    /// The pass of a single problem, and memory for its row.
     alone: PointsInLanes<'a, V, L2>,
     row: &'a mut [f32],
 }
@@ -130,7 +130,7 @@ impl<S: Simd> Layout<S> for ProblemsInLanes<'_, S::V> {
         for ((group, energy), (gr, gi)) in points.iter_mut().zip(groups_mut(self.energies)).zip(rows) {
             let energies = group.add(s, [gr, gi], q);
             s.store(energies, energy);
-            // A point that a problem lacks weighs nothing.
+            // A point that a problem lacks has weight 0.
             let modulus = s.mul(s.load(&group.weight), s.load(&group.modulus));
             self.sounding |= s.less(s.splat(0.0), modulus);
         }
@@ -138,7 +138,8 @@ impl<S: Simd> Layout<S> for ProblemsInLanes<'_, S::V> {
 }
 
 impl<V: Copy> ProblemsInLanes<'_, V> {
-    /// Writes the drive that the problem of a lane chooses when alone, 0 for none, into the single pass's.
+    /// Writes to `self.alone.drive` the drive that the problem of a lane chooses in a single pass; 0 if it chooses
+    /// none.
     #[inline(always)]
     fn update_alone<S: Simd<V = V>>(&mut self, s: S, all: Points<'_>, lane: usize) {
         let count = all.groups.iter().rposition(|group| group.weight[lane] > 0.0).map_or(0, |last| last + 1);
@@ -155,7 +156,7 @@ impl<V: Copy> ProblemsInLanes<'_, V> {
         self.alone.energy = s.load(&energy);
         self.alone.silent = group.modulus == [0.0; LANES];
         if S::SHORT {
-            // The last one's points may have been more.
+            // The previous lane's problem may have had more points.
             self.alone.parts = [[0.0; LANES]; PARTS];
         }
         let groups = core::slice::from_ref(&group);
@@ -163,8 +164,8 @@ impl<V: Copy> ProblemsInLanes<'_, V> {
     }
 }
 
-/// The moments of each problem, and the lanes of which they leave points out. Points are added in the tree of
-/// [`Simd::reduce_add`], as if +0 stood in the places of those that are not there.
+/// Returns the moments of each problem, and the bits of the lanes whose moments leave points out. Points are added in
+/// the tree of [`Simd::reduce_add`], as if missing points had the term +0.
 #[inline(always)]
 fn moments<S: Simd>(s: S, points: Points<'_>, energies: &[f32]) -> ([S::V; THIRD], u32) {
     const HALF: usize = LANES / 2;
@@ -188,7 +189,7 @@ fn moments<S: Simd>(s: S, points: Points<'_>, energies: &[f32]) -> ([S::V; THIRD
     }
     let mut m = sums[0];
     if count < LANES {
-        // One +0 among the summands and the sum is not -0.
+        // With +0 among the terms, the sum is never -0.
         add(s, &mut m, &[zero; THIRD]);
     }
     for (m, factor) in m.iter_mut().zip(FACTORS) {
@@ -197,7 +198,7 @@ fn moments<S: Simd>(s: S, points: Points<'_>, energies: &[f32]) -> ([S::V; THIRD
     (m, near)
 }
 
-/// The share of point j in the moments, and in `near` the lanes that leave it out.
+/// Returns the terms of point `j` in the moments; sets in `near` the bits of the lanes that leave it out.
 #[inline(always)]
 fn parts<S: Simd>(s: S, points: Points<'_>, energies: &[f32], j: usize, near: &mut u32) -> [S::V; THIRD] {
     let gain = [s.load(&groups(points.row[0])[j]), s.load(&groups(points.row[1])[j])];
@@ -216,7 +217,8 @@ fn add<S: Simd>(s: S, sums: &mut [S::V; THIRD], others: &[S::V; THIRD]) {
     }
 }
 
-/// Each problem's best candidate by the moments, and the lanes where no other is as good within their slack.
+/// Returns each problem's best candidate by the moments, and the bits of lanes where no other is as good within the
+/// slack.
 #[inline(always)]
 fn winners<S: Simd>(s: S, m: &[S::V; THIRD], table: &[f32]) -> ([S::V; 2], u32) {
     let mut best = [s.splat(0.0); 2];
@@ -242,7 +244,7 @@ fn winners<S: Simd>(s: S, m: &[S::V; THIRD], table: &[f32]) -> ([S::V; 2], u32) 
     (best, s.less(s.add(least, s.load(&slacks)), second))
 }
 
-/// Writes the powers of every candidate.
+/// Writes the powers of every candidate to `table`.
 #[inline(always)]
 fn write_powers<S: Simd>(s: S, candidates: &Candidates, table: &mut [f32]) {
     for (index, numbers) in table.chunks_exact_mut(POWERS).enumerate() {
@@ -255,7 +257,8 @@ fn write_powers<S: Simd>(s: S, candidates: &Candidates, table: &mut [f32]) {
     }
 }
 
-/// The result of [`crate::kernels::greedy::search::best`] for each problem among up to 16 phases; 0 for no effect.
+/// Returns each problem's best of up to 16 phases as [`crate::kernels::greedy::search::best`] does; 0 if the transducer
+/// has no effect.
 #[inline(always)]
 fn search<S: Simd>(s: S, points: Points<'_>, table: &[f32]) -> [S::V; 2] {
     let zero = s.splat(0.0);
@@ -282,7 +285,7 @@ fn search<S: Simd>(s: S, points: Points<'_>, table: &[f32]) -> [S::V; 2] {
     [s.select_less(zero, tolerance, best[0], zero), s.select_less(zero, tolerance, best[1], zero)]
 }
 
-/// 1 in the lanes of some bits, 0 in the others.
+/// Returns 1 in the lanes whose bit is set, 0 in the others.
 #[inline(always)]
 fn lanes_of<S: Simd>(s: S, bits: u32) -> S::V {
     s.load(&core::array::from_fn(|lane| (bits >> lane & 1) as f32))

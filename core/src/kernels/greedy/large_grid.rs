@@ -1,35 +1,37 @@
-//! Search of a large grid, 64 or more phases and maybe many amplitudes: bounds pass over most candidates.
+//! Search of a large grid, of 64 or more phases and any number of amplitudes: bounds exclude most candidates.
 //!
 //! ```text
 //! f(z) = change of the energy under z, third order; fourth order where z is listed
 //! evaluate f at 32 phases of full amplitude, the ends of 32 arcs
-//! evaluate the 4 arcs around the phase where the first moment points (else around the best of the 32)
-//! if bounds on f over all other arcs and lower amplitudes lie above the least found + slack:
+//! evaluate the 4 arcs around the phase where the first moment is least (else around the best of the 32)
+//! if the bounds of f on all other arcs and lower amplitudes are above the least value found + slack:
 //!     list = the candidates of these arcs
 //! else:
-//!     list = the candidates of all arcs and amplitudes that the bounds do not pass over
-//! drop from the list what lies above the best by more than the remainder of their difference
+//!     list = the candidates of all arcs and amplitudes that the bounds do not exclude
+//! drop from the list what is above the best by more than the remainder of their difference
 //! best = the only one left, or the first of them by eq. (7)
 //! ```
 //!
-//! The bounds, on f_a(phi), the change under a e^{j phi}, amplitudes rising to 1:
+//! The bounds hold for f_a(phi), the change under a e^{j phi}, where the amplitudes a rise to 1:
 //!
-//! - Over the phase the second derivative is at most c, so on an arc of length h with v <= v' at its ends f stays above
-//!   v - c h^2/8 (1 - x)^2 with x = 2 (v' - v)/(c h^2), or above v where x > 1.
-//! - A lower amplitude is bounded by the full one at the same phase. The polynomial a g1 + a^2 g2 + a^3 g3 is
-//!   a f_1 - a (1 - a) (g2 + (1 + a) g3). At a point left out |P + a G z| <= (1 - a) |P| + a |P + G z| gives the same
-//!   with w |G|^2 for the last bracket. So f_a >= a f_1 - a (1 - a) Q, [`Energies::bow`].
+//! - The second derivative over the phase is at most c. Let v <= v' be the values at the ends of an arc of length h. On
+//!   the arc f is at least v - c h^2/8 (1 - x)^2 with x = 2 (v' - v)/(c h^2), or at least v where x > 1.
+//! - A lower amplitude is bounded by the value at full amplitude and the same phase. The polynomial a g1 + a^2 g2 + a^3
+//!   g3 is a f_1 - a (1 - a) (g2 + (1 + a) g3). At a point that the moments leave out, |P + a G z| <= (1 - a) |P| + a
+//!   |P + G z| gives the same with w |G|^2 in place of the last bracket. So f_a >= a f_1 - a (1 - a) Q, see
+//!   [`Energies::bow`].
 //!
-//! Gain of each trick, in time of a pass (K = 16, L = 256, M from 1 to 256):
+//! Time of a pass that each idea saves (K = 16 amplitudes, L = 256 phases, M from 1 to 256 points):
 //!
-//! 1. To evaluate the arcs around one phase first, and others only where bounds fail: 32 % up to M = 16, 2 to 8 % at
-//!    M = 256.
-//! 2. To take that phase from the first moment, before the 32 changes are known: 10 % up to M = 16. The least lane of
-//!    the first order alone would be known 5 % later than the comparisons with tangents of [`direction`].
-//! 3. To know the least of all amplitudes at one phase before all arcs are evaluated: 16 % at N = 400, M = 256.
-//! 4. To list the window's candidates by vectors rather than one by one: 5 % up to M = 64.
-//! 5. To tell candidates apart by the remainder of their difference, which shrinks with their distance, and not to tell
-//!    apart what does not matter: eq. (7) decides 2 of 996 updates at M = 64.
+//! 1. Evaluate the arcs around one phase first, and others only where the bounds do not exclude them: 32 % up to M =
+//!    16, 2 to 8 % at M = 256.
+//! 2. Compute that phase from the first moment, before the 32 changes are known: 10 % up to M = 16. Comparisons with
+//!    the tangents of [`direction`] give it 5 % earlier than the least lane of the first order.
+//! 3. Compute the least of all amplitudes at one phase before all arcs are evaluated: 16 % at N = 400 transducers, M =
+//!    256.
+//! 4. List the candidates of the window by vectors rather than one by one: 5 % up to M = 64.
+//! 5. Compare candidates by the remainder of their difference, which is smaller the closer they are, and ignore
+//!    differences that do not matter: eq. (7) decides 2 of 996 updates at M = 64.
 
 use crate::kernels::greedy::candidates::{Candidates, Sixteen};
 use crate::kernels::greedy::energies::Energies;
@@ -38,37 +40,38 @@ use crate::kernels::greedy::shortlist::List;
 use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::simd::Simd;
 
-/// Phases evaluated first, and arcs between them.
+/// Number of phases that are evaluated first, and of arcs between them.
 const ARCS: usize = 2 * LANES;
 
-/// Arcs on each side of the chosen phase that are evaluated whole.
+/// Arcs on each side of the chosen phase of which every candidate is evaluated.
 const REACH: usize = 2;
 
-/// From this number of phases on this module searches the grid.
+/// Smallest number of phases of a grid that this module searches.
 pub(crate) const LARGE: usize = 64;
 
-/// Whether this module searches a grid.
+/// Returns whether this module searches a grid.
 #[inline(always)]
 pub(crate) fn large(candidates: &Candidates) -> bool {
     candidates.phases >= LARGE
 }
 
-/// The most phases in the arcs that are evaluated first.
+/// Returns the largest number of phases in the arcs that are evaluated first.
 const fn window(phases: usize) -> usize {
     (2 * REACH * phases.div_ceil(ARCS)).next_multiple_of(LANES)
 }
 
-/// The length of a list for a grid of `phases`.
+/// Returns the length of a list for a grid of `phases`.
 pub(crate) fn list(phases: usize) -> usize {
     shortlist::MOST.max(window(phases))
 }
 
-/// Numbers of working memory: the values of a list, and the changes of the window.
+/// Returns the length of the working memory: the values of a list, and the changes of the window.
 pub(crate) fn floats(phases: usize) -> usize {
     list(phases) + window(phases)
 }
 
-/// The best candidate, but for differences of the energy below `matters`; none if the transducer has no effect.
+/// Returns the index of the best candidate; differences of the energy below `matters` are ignored. Returns `None` if
+/// the transducer has no effect.
 #[inline(always)]
 pub(crate) fn best<S: Simd>(
     energies: &Energies<'_, S>,
@@ -98,7 +101,7 @@ pub(crate) fn best<S: Simd>(
     if list.count <= 1 {
         return Some(best);
     }
-    // The window may run past the last phase.
+    // The window may go past the last phase and on from the first.
     list.sort();
     list.best(energies)
 }
@@ -107,9 +110,9 @@ pub(crate) fn best<S: Simd>(
 struct Arcs<V> {
     /// The least change at their ends.
     least: f32,
-    /// The end about where the least change of all is.
+    /// Index of the end near which the least change is expected.
     center: usize,
-    /// Lower bounds of the changes: on the arcs that begin at an even end, and at an odd one.
+    /// Lower bounds of the changes on the arcs that begin at an even end, and on those that begin at an odd end.
     lower: [V; 2],
 }
 
@@ -138,7 +141,8 @@ impl<V: Copy> Arcs<V> {
         Self { least, center, lower }
     }
 
-    /// The phases of the arcs around the center: the first of each sixteen, and how many of these belong there.
+    /// Iterates over the phases of the arcs around the center, up to sixteen at a time: the first phase, and how many
+    /// belong to the arcs.
     #[inline(always)]
     fn window(&self, candidates: &Candidates) -> impl Iterator<Item = (usize, usize)> + use<V> {
         let phases = candidates.phases;
@@ -149,7 +153,8 @@ impl<V: Copy> Arcs<V> {
         (0..count.div_ceil(LANES)).map(move |k| (wrap(first + k * LANES), LANES.min(count - k * LANES)))
     }
 
-    /// Evaluates the arcs around the center: whether nothing beyond them can be less than their least change by `slack`.
+    /// Evaluates the arcs around the center. Returns whether no other candidate can be below their least change plus
+    /// `slack`.
     #[inline(always)]
     fn evaluate_window<S: Simd<V = V>>(
         &self,
@@ -179,7 +184,7 @@ impl<V: Copy> Arcs<V> {
         even | odd == 0 && full_only
     }
 
-    /// The least change of all amplitudes at the phase of the center.
+    /// Returns the least change of all amplitudes at the phase of the center.
     #[inline(always)]
     fn least_inward<S: Simd<V = V>>(&self, energies: &Energies<'_, S>) -> f32 {
         let (s, candidates) = (energies.s, energies.candidates);
@@ -198,7 +203,7 @@ impl<V: Copy> Arcs<V> {
         s.least(lowest)
     }
 
-    /// Evaluates and lists whatever may be best at any amplitude.
+    /// Evaluates and lists all candidates, of any amplitude, that may be the best.
     #[inline(always)]
     fn list_all<S: Simd<V = V>>(&self, energies: &Energies<'_, S>, slack: f32, list: &mut List<'_>) {
         let (s, candidates) = (energies.s, energies.candidates);
@@ -223,7 +228,8 @@ impl<V: Copy> Arcs<V> {
     }
 }
 
-/// A lower bound of a function with values v and w at both ends of an arc; `dip` is c h^2/8.
+/// Returns a lower bound of a function with values v and w at the ends of an arc; `dip` is c h^2/8 (see the module's
+/// head).
 #[inline(always)]
 fn below<S: Simd>(s: S, v: S::V, w: S::V, dip: f32) -> S::V {
     let apart = s.mul(s.splat(0.25 / dip), s.abs(s.sub(v, w)));
@@ -231,10 +237,11 @@ fn below<S: Simd>(s: S, v: S::V, w: S::V, dip: f32) -> S::V {
     s.fnma(s.mul(s.splat(dip), rest), rest, s.min(v, w))
 }
 
-/// The thirty-second of a turn nearest to the phase where Re(z m) is least.
+/// Returns the index of the multiple of 1/32 turn that is nearest to the phase of z where Re(z m) is least, m = (re,
+/// im).
 #[inline(always)]
 fn direction([re, im]: [f32; 2]) -> usize {
-    // Tangents of odd sixty-fourths of a turn.
+    // Tangents of the odd multiples of 1/64 turn.
     const BETWEEN: [f32; ARCS / 4] =
         [0.098_491_4, 0.303_346_7, 0.534_511_1, 0.820_678_8, 1.218_503_5, 1.870_868_4, 3.296_558_2, 10.153_17];
     let (x, y) = (re.abs(), im.abs());
@@ -243,18 +250,18 @@ fn direction([re, im]: [f32; 2]) -> usize {
     if im < 0.0 { (ARCS - half) % ARCS } else { half }
 }
 
-/// Which candidates the moments cannot tell from the best.
+/// Bounds that say which candidates may be as good as the best one.
 struct Rivals {
-    /// How far the changes' rounding leaves a comparison open,
+    /// Difference of two changes up to which rounding leaves their order open.
     rounding: f32,
-    /// which differences need no decision,
+    /// Difference of two changes that is ignored.
     matters: f32,
-    /// and the remainder of a difference for each unit that two drives are apart.
+    /// Remainder of the difference of two changes for each unit of distance between the drives.
     steep: f32,
 }
 
 impl Rivals {
-    /// Lists the best of the window, which is returned, and its rivals.
+    /// Lists the best candidate of the window and its rivals; returns the index of the best.
     #[inline(always)]
     fn list_window<S: Simd>(
         &self,
@@ -273,7 +280,7 @@ impl Rivals {
             let bits = !s.less(limit, s.load(changes)) & (0xffff >> (LANES - used));
             best = if best == usize::MAX && bits != 0 { l + bits.trailing_zeros() as usize } else { best };
         }
-        // None is found where nothing can be compared.
+        // The window has no best one if its values are not numbers.
         let best = if best == usize::MAX { 0 } else { best % phases };
         let [cos, sin] = candidates.phasor(best);
         let (cos, sin, steep) = (s.splat(cos), s.splat(sin), s.splat(self.steep * self.steep));
@@ -298,7 +305,7 @@ impl Rivals {
         first + best
     }
 
-    /// Keeps the best of a list, which is returned, and its rivals.
+    /// Removes all but the best candidate and its rivals from a list; returns the index of the best.
     #[inline(always)]
     fn keep(&self, candidates: &Candidates, list: &mut List<'_>) -> usize {
         let near = list.least + self.rounding;

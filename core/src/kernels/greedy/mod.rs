@@ -2,23 +2,23 @@
 //!
 //! ```text
 //! for each transducer i in order:
-//!     G = row of i
+//!     G = row of i, its pressures at the points at drive 1
 //!     m = moments of P, targets, weights and G        O(M), see `moments`
 //!     q_i = argmin over the candidates z of the energy's change, by m alone where its remainder allows
 //!     P += G q_i
 //! ```
 //!
-//! The loop is written once over [`Layout`]: the lanes hold 16 points of one problem ([`PointsInLanes`]) or one point
-//! of 16 problems ([`crate::kernels::greedy::interleaved_pass`]). Each update waits for the one before, so that the pass is bound by
-//! latency; what shortens it:
+//! The loop is written once over [`Layout`]: the lanes contain 16 points of one problem ([`PointsInLanes`]) or one
+//! point of 16 problems ([`crate::kernels::greedy::interleaved_pass`]). Each update waits for the one before, so that
+//! latency limits the pass. These points shorten it:
 //!
-//! 1. A candidate costs a polynomial and nothing of M: 4096 candidates take 1.8 to 2.8 times as long as 16. Only
-//!    candidates closer than the remainder are decided by eq. (7) itself ([`shortlist`], [`large_grid`]).
-//! 2. The next row depends on nothing here and is written while the loop waits for the sums over lanes.
-//! 3. What the moments need of a point (1/|P|^2, w (1 - t/|P|), w t |P|) is computed when its pressure is, see
-//!    [`PointGroup`].
-//! 4. Where no transducer has been driven yet, for absolute errors, and for up to 16 phases at up to 16 points of which
-//!    the moments leave some out, eq. (7) is evaluated for all candidates at once.
+//! 1. A candidate costs one polynomial, whatever the number M of points: 4096 candidates take 1.8 to 2.8 times as long
+//!    as 16. Only candidates closer than the remainder are decided by eq. (7) itself ([`shortlist`], [`large_grid`]).
+//! 2. The next row does not depend on this update. It is written while the loop waits for the sums over lanes.
+//! 3. The values of a point that the moments need (1/|P|^2, w (1 - t/|P|), w t |P|) are computed when its pressure is,
+//!    see [`PointGroup`].
+//! 4. Eq. (7) is evaluated for all candidates at once in three cases: before any transducer is driven, for absolute
+//!    errors, and for up to 16 phases at up to 16 points of which the moments leave some out.
 
 pub(crate) mod candidates;
 pub(crate) mod energies;
@@ -48,46 +48,47 @@ use crate::kernels::greedy::point_group::PointGroup;
 use crate::kernels::lanes::{LANES, groups, groups_mut};
 use crate::kernels::simd::Simd;
 
-/// Differences of the energy that do not matter, beside the energy of silence: a fifth of the regret that
-/// docs/reproducibility.md allows, which leaves the rest to the rounding of G.
+/// Largest difference of two energies that is ignored, relative to the energy of silence. It is a fifth of the loss
+/// that docs/reproducibility.md allows; the rest is for the rounding of G.
 const MATTERS: f32 = 2e-7;
 
-/// The problem and the memory of a pass; all lists of points are padded alike.
+/// The problem and the working memory of a pass. All lists of points have the same padded length.
 pub(crate) struct Pass<'a> {
     pub(crate) rows: Rows<'a>,
     pub(crate) target: &'a [f32],
     pub(crate) weight: &'a [f32],
-    /// The number of points in the lanes; the rest is padding.
+    /// The number of points; the other lanes are padding.
     pub(crate) count: usize,
     /// The transducers in the order of their updates.
     pub(crate) order: &'a [u32],
-    /// Working memory: a group for each 16 floats of a list of points,
+    /// Working memory: one group for each 16 numbers of a list of points.
     pub(crate) groups: &'a mut [PointGroup],
-    /// and this and the next row, re and im.
+    /// Working memory: this row and the next one, real and imaginary parts.
     pub(crate) memory: &'a mut [f32],
 }
 
 /// The candidates of a pass, and the memory of a search.
 pub(crate) struct Search<'a> {
     pub(crate) candidates: &'a Candidates,
-    /// [`large_grid::floats`] numbers and, in an interleaved batch, [`crate::kernels::greedy::interleaved_pass::floats`] before them.
+    /// Working memory: [`large_grid::floats`] numbers. An interleaved batch has those of
+    /// [`crate::kernels::greedy::interleaved_pass::floats`] before them.
     pub(crate) floats: &'a mut [f32],
-    /// [`indices`] indices.
+    /// Working memory: [`indices`] indices.
     pub(crate) indices: &'a mut [u32],
 }
 
-/// Numbers that a search of a grid of `phases` needs.
+/// Returns how many numbers a search of a grid of `phases` needs as working memory.
 pub(crate) fn floats(phases: usize) -> usize {
     large_grid::floats(phases)
 }
 
-/// Indices that a search needs for rows of `lanes` and a grid of `phases`.
+/// Returns how many indices a search needs for rows of `lanes` and a grid of `phases`.
 pub(crate) fn indices(lanes: usize, phases: usize) -> usize {
     lanes + large_grid::list(phases)
 }
 
-/// Gives every transducer in order its best candidate. `report` is given the number of updates and the points after
-/// each and answers whether to go on; returns that number. A transducer without effect keeps its drive of 0.
+/// Gives every transducer in order its best candidate, and returns the number of updates. Calls `report` after each
+/// with that number and the points, and ends if it returns false. A transducer without effect keeps its drive of 0.
 pub(crate) fn pass<T: Term>(
     set: InstructionSet,
     pass: Pass<'_>,
@@ -102,20 +103,20 @@ pub(crate) fn pass<T: Term>(
     })
 }
 
-/// The content of the lanes: points or problems.
+/// The layout of the lanes: points of one problem, or problems.
 pub(crate) trait Layout<S: Simd> {
-    /// The drive of a transducer: of one problem or of each.
+    /// The drive of a transducer: in one problem, or in each of 16.
     type Drive;
 
-    /// Chooses and stores the drive of transducer `i`; none if it has no effect. `meanwhile` is called once, while the
-    /// sums over the points are waited for.
+    /// Chooses and stores the drive of transducer `i`; returns `None` if it has no effect. Calls `meanwhile` once,
+    /// while the processor waits for the sums over the points.
     fn update(&mut self, s: S, points: Points<'_>, i: usize, meanwhile: impl FnOnce()) -> Option<Self::Drive>;
 
     /// P += G q at `count` points.
     fn add(&mut self, s: S, groups: &mut [PointGroup], count: usize, row: [&[f32]; 2], q: Self::Drive);
 }
 
-/// The pass; returns the number of updates.
+/// Runs the pass in a given layout; returns the number of updates.
 #[inline(always)]
 pub(crate) fn run<S: Simd>(
     s: S,
@@ -166,27 +167,27 @@ fn write<S: Simd>(s: S, rows: Rows<'_>, i: Option<&u32>, row: &mut [f32]) {
     }
 }
 
-/// One problem, its points in the lanes.
+/// The state of one problem whose points are in the lanes.
 pub(crate) struct PointsInLanes<'a, V, T> {
     pub(crate) candidates: &'a Candidates,
     pub(crate) drive: &'a mut [Complex32],
-    /// The energy, lanes apart; not yet summed while all points are silent.
+    /// The energy as one partial sum in each lane; not computed while all pressures are 0.
     pub(crate) energy: V,
     pub(crate) silent: bool,
-    /// Differences of the energy that do not matter.
+    /// Difference of two energies that is ignored.
     matters: f32,
-    /// Memory of the moments, of one number of points.
+    /// Working memory of the moments; it belongs to one number of points.
     parts: Parts,
     floats: &'a mut [f32],
-    /// The points that the moments leave out,
+    /// Working memory: the points that the moments leave out.
     near: &'a mut [u32],
-    /// and candidates.
+    /// Working memory: candidates that may be the best.
     close: &'a mut [u32],
     term: PhantomData<T>,
 }
 
 impl<'a, V: Copy, T: Term> PointsInLanes<'a, V, T> {
-    /// Before any transducer is driven. `requested` are targets and weights.
+    /// Creates the state before any transducer is driven. `requested` are targets and weights.
     #[inline(always)]
     pub(crate) fn new<S: Simd<V = V>>(
         s: S,

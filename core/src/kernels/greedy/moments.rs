@@ -1,17 +1,18 @@
 //! Moments: eq. (7) as a polynomial of one transducer's drive, with a bound on the remainder.
 //!
 //! ```text
-//! for each group of 16 points: add its terms of A1, A2, A3, C, B, the power and R, lanes apart;
-//!                              name the points with |u| > 1/4, which add their power alone
+//! for each group of 16 points: add its terms of A1, A2, A3, C, B, the power and R in each lane;
+//!                              list the points with |u| > 1/4, which add only their power
 //! sums over the lanes of all 16 at once, times the polynomial's factors
 //! change(z) = B |z|^2 + ... for 16 candidates at a time
 //! ```
 //!
-//! 1. Up to 16 moments are one register: their sums over the lanes are one reduction.
-//! 2. The factors and signs of the polynomial are multiplied into the moments once ([`FACTORS`]), and it is summed in two
-//!    chains: with moments read as they were stored that was worth 15 % of a pass.
-//! 3. w (1 - t/|P|), w t |P| and 1/|P|^2 are kept with the points: 30 instructions a group are left.
+//! 1. Up to 16 moments fill one lane group: their sums over the lanes are one reduction.
+//! 2. The factors and signs of the polynomial are multiplied into the moments once ([`FACTORS`]), and it is summed in
+//!    two chains. This and reading the moments in the order of storage saved 15 % of a pass.
+//! 3. w (1 - t/|P|), w t |P| and 1/|P|^2 are stored with the points: a group then takes 30 instructions.
 //!
+//! Point j has the pressure P_j, the target t, the weight w, and G_j is the transducer's pressure there at drive 1.
 //! With u_j = G_j / P_j and z = a e^{j phi}, |P_j + G_j z| = |P_j| |1 + u_j z|, and
 //!
 //! ```text
@@ -26,21 +27,22 @@
 //! A2 = sum w t |P| u^2                A3 = sum w t |P| u^3             C = sum w t |P| |u|^2 u
 //! ```
 //!
-//! within R = sum w t |P| |u|^4 / (4 (1 - |u|)): moments that cost O(M) once, and then nothing of M for any
-//! number of candidates. Points with |u| above [`FAR`] (at the first transducers) are left out and named: their terms are
-//! evaluated as they stand.
+//! within R = sum w t |P| |u|^4 / (4 (1 - |u|)). The moments cost O(M) once; each candidate then costs the same for any
+//! M. Points with |u| above [`FAR`], frequent at the first transducers, are left out and listed: their terms are
+//! evaluated by eq. (7).
 //!
-//! A large grid, whose candidates lie close together, takes the terms of the fourth order too,
+//! A large grid has candidates close together. It also uses the terms of the fourth order,
 //!
 //! ```text
 //! 5 Re(z^4 A4)/32 - a^2 Re(z^2 D)/8 - a^4 F/32,
 //! A4 = sum w t |P| u^4                D  = sum w t |P| |u|^2 u^2       F = sum w t |P| |u|^4
 //! ```
 //!
-//! and is within FAR R. Of a difference less is left. |1 + w| = sum b_p b_q w^p conj(w)^q with sqrt(1 + x) =
-//! sum b_n x^n, and sum |b_n| x^n = 2 - sqrt(1 - x) has the square 5 - x - 4 sqrt(1 - x). So the terms of degree n have
-//! a slope of at most 4 n |b_n| |w|^(n-1), which from n = 5 on is at most 35/64 |w|^(n-1), and two drives d apart differ
-//! by the polynomial's difference within 35/32 d sum w t |P| |u|^5/(1 - |u|) < 35/8 FAR R d.
+//! and the change is then known within FAR R. The difference of two changes is known better. |1 + w| = sum b_p b_q w^p
+//! conj(w)^q with sqrt(1 + x) = sum b_n x^n, and sum |b_n| x^n = 2 - sqrt(1 - x) has the square 5 - x - 4 sqrt(1 - x).
+//! So the terms of degree n have a slope of at most 4 n |b_n| |w|^(n-1), which from n = 5 on is at most 35/64
+//! |w|^(n-1). For two drives at a distance d the polynomial gives the difference within 35/32 d sum w t |P| |u|^5/(1 -
+//! |u|) < 35/8 FAR R d.
 
 use crate::kernels::greedy::point_group::PointGroup;
 use crate::kernels::greedy::search::Points;
@@ -48,20 +50,19 @@ use crate::kernels::lanes::{LANES, Lanes, groups};
 use crate::kernels::simd::{Apart, Elementwise, Simd};
 use crate::math::sqrtf;
 
-/// The largest |u| that the polynomial is used for.
+/// The largest |u| for which the polynomial is used.
 pub(crate) const FAR: f32 = 0.25;
 
-/// The share of a lane in the moments, in this order: A1, A2, A3 and C (re before im), 2 B, the power, 4 R (1 - [`FAR`]), the
-/// energy, A4 and D.
+/// Number of moments. Their order: A1, A2, A3 and C (re before im), 2 B, the power, 4 R (1 - [`FAR`]), the energy, A4
+/// and D.
 pub(crate) const PARTS: usize = LANES;
 
-/// The number of moments that the third order needs, and the places of the power (the remainder follows) and of the
-/// energy.
+/// Number of moments up to the third order, then the index of the power (the remainder follows it) and of the energy.
 pub(crate) const THIRD: usize = 12;
 pub(crate) const POWER: usize = 9;
 pub(crate) const ENERGY: usize = 11;
 
-/// The factors of the sums of the parts: the terms of the polynomial become fused products without signs.
+/// Factors of the moments' sums: the terms of the polynomial become fused products without signs.
 pub(crate) const FACTORS: [f32; PARTS] = [
     2.0,
     -2.0,
@@ -81,8 +82,8 @@ pub(crate) const FACTORS: [f32; PARTS] = [
     1.0 / 8.0,
 ];
 
-/// Adds the parts of 16 points, energies apart, and A4 and D if `FOURTH`. Bit l is set where the polynomial does not
-/// hold: such points add their power alone.
+/// Adds the terms of 16 points to the moments, without the energy; adds those of A4 and D if `FOURTH`. Returns the bits
+/// of the points where the polynomial is not accurate: they add only their power.
 #[inline(always)]
 pub(crate) fn add_parts<S: Elementwise, const FOURTH: bool>(
     s: S,
@@ -113,7 +114,7 @@ pub(crate) fn add_parts<S: Elementwise, const FOURTH: bool>(
     *bow = s.fma(s.add(weight, pull), square, *bow);
     let (ur, ui) = (s.mul(er, inverse), s.mul(ei, inverse));
     let (tr, ti) = (s.mul(product, ur), s.mul(product, ui));
-    // w t |P| u^2, and from it u^3 and |u|^2 u.
+    // w t |P| u^2, from which u^3 and |u|^2 u follow.
     let (sr, si) = (s.fnma(ti, ui, s.mul(tr, ur)), s.fma(ti, ur, s.mul(tr, ui)));
     *a2r = s.add(*a2r, sr);
     *a2i = s.add(*a2i, si);
@@ -132,11 +133,11 @@ pub(crate) fn add_parts<S: Elementwise, const FOURTH: bool>(
     beyond
 }
 
-/// How many numbers the polynomial takes of a drive z: re and im of z, z^2, z^3 and |z|^2 z, and |z|^2. Each meets the
-/// moment of its place in [`PARTS`].
+/// Number of values of a drive z in the polynomial: re and im of z, z^2, z^3 and |z|^2 z, and |z|^2. Value k is
+/// multiplied by the moment of index k in [`PARTS`].
 pub(crate) const POWERS: usize = 9;
 
-/// These numbers of the drives (re, im).
+/// Returns the [`POWERS`] values of drives (re, im).
 #[inline(always)]
 pub(crate) fn powers<S: Elementwise>(s: S, re: S::V, im: S::V) -> [S::V; POWERS] {
     let (re_re, re_im) = (s.mul(re, re), s.mul(re, im));
@@ -146,23 +147,24 @@ pub(crate) fn powers<S: Elementwise>(s: S, re: S::V, im: S::V) -> [S::V; POWERS]
     [re, im, re2, im2, re3, im3, s.mul(square, re), s.mul(square, im), square]
 }
 
-/// The change of the energy to the third order, from [`POWERS`] moments and numbers of the drives.
+/// Returns the change of the energy to the third order from moments `m` and values `z` of the drives, [`POWERS`] of
+/// each.
 #[inline(always)]
 pub(crate) fn change<S: Elementwise>(s: S, m: impl Fn(usize) -> S::V, z: impl Fn(usize) -> S::V) -> S::V {
-    // Two sums, that neither waits long.
+    // Two independent sums, so that neither waits long.
     let low = s.fma(m(2), z(2), s.fma(m(3), z(3), s.mul(m(8), z(8))));
     let low = s.fma(m(0), z(0), s.fma(m(1), z(1), low));
     let high = s.fma(m(5), z(5), s.mul(m(4), z(4)));
     s.add(low, s.fma(m(6), z(6), s.fma(m(7), z(7), high)))
 }
 
-/// The share of points in the moments, lanes apart; +0 in those quarters of the lanes that hold no point.
+/// The terms of points in the moments, one partial sum in each lane. A quarter of the lanes without points contains +0.
 pub(crate) type Parts = [Lanes; PARTS];
 
-/// Adds the share of a group of points, and returns which of them are left out.
+/// Kernel that adds the terms of a group of points to the moments and finds the points that are left out.
 struct OfGroup<'a, const FOURTH: bool> {
     parts: &'a mut Parts,
-    /// Whether there is nothing to add it to.
+    /// Whether `parts` has no terms yet.
     first: bool,
     point: &'a PointGroup,
     row: [&'a Lanes; 2],
@@ -185,13 +187,14 @@ impl<const FOURTH: bool> Apart for OfGroup<'_, FOURTH> {
     }
 }
 
-/// The moments of one transducer, times [`FACTORS`].
+/// The moments of one transducer, multiplied by [`FACTORS`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Moments(pub(crate) Lanes);
 
 impl Moments {
-    /// The moments of a row over the points where the polynomial holds, A4 and D if `FOURTH`; the others are put into
-    /// `near`, from its start, and counted. `energy` comes from [`PointGroup::add`].
+    /// Computes the moments of a row over the points where the polynomial is accurate, with A4 and D if `FOURTH`.
+    /// Writes the indices of the other points to the start of `near`, and returns their number. `energy` comes from
+    /// [`PointGroup::add`].
     #[inline(always)]
     pub(crate) fn new<S: Simd, const FOURTH: bool>(
         s: S,
@@ -201,7 +204,7 @@ impl Moments {
         parts: &mut Parts,
     ) -> (Self, usize) {
         let mut count = 0;
-        // The moments in registers, which hold them all, or in memory.
+        // The moments stay in registers if there are enough of them, else in memory.
         let mut kept = [s.splat(0.0); PARTS];
         let rows = groups(points.row[0]).iter().zip(groups(points.row[1]));
         for (group, (point, (re, im))) in points.groups.iter().zip(rows).enumerate() {
@@ -230,25 +233,25 @@ impl Moments {
         (moments, count)
     }
 
-    /// sum w |G|^2.
+    /// Returns the power, sum w |G|^2.
     #[inline(always)]
     pub(crate) fn power(&self) -> f32 {
         self.0[POWER]
     }
 
-    /// R, for drives of modulus 1.
+    /// Returns R for drives of modulus 1.
     #[inline(always)]
     pub(crate) fn remainder(&self) -> f32 {
         self.0[POWER + 1]
     }
 
-    /// 2 A1.
+    /// Returns 2 A1.
     #[inline(always)]
     pub(crate) fn first(&self) -> [f32; 2] {
         [self.0[0], -self.0[1]]
     }
 
-    /// The change of the energy under the drives z = (re, im).
+    /// Returns the change of the energy by the drives z = (re, im), to the third order.
     #[inline(always)]
     pub(crate) fn change<S: Elementwise>(&self, s: S, re: S::V, im: S::V) -> S::V {
         let z = powers(s, re, im);
@@ -261,21 +264,21 @@ impl Moments {
         )
     }
 
-    /// The change to the fourth order.
+    /// Returns the change of the energy by the drives z = (re, im), to the fourth order.
     #[inline(always)]
     pub(crate) fn fine_change<S: Elementwise>(&self, s: S, re: S::V, im: S::V) -> S::V {
         let square = s.fma(re, re, s.mul(im, im));
         let (re2, im2) = (s.fnma(im, im, s.mul(re, re)), s.mul(s.add(re, re), im));
         let (re4, im4) = (s.fnma(im2, im2, s.mul(re2, re2)), s.mul(s.add(re2, re2), im2));
         let [a4r, a4i, dr, di] = [s.splat(self.0[12]), s.splat(self.0[13]), s.splat(self.0[14]), s.splat(self.0[15])];
-        // F is in the remainder.
+        // F is computed from the remainder.
         let constant = s.splat(-(1.0 - FAR) / 8.0 * self.remainder());
         let even = s.fma(dr, re2, s.fma(di, im2, s.mul(square, constant)));
         let low = s.fma(square, even, self.change(s, re, im));
         s.fma(a4r, re4, s.fma(a4i, im4, low))
     }
 
-    /// A bound on the second derivative of the change over the phase, at amplitude a.
+    /// Returns a bound of the second derivative of the change over the phase, at amplitude a.
     #[inline(always)]
     pub(crate) fn curvature(&self, a: f32) -> f32 {
         let size = |k: usize| sqrtf(self.0[k] * self.0[k] + self.0[k + 1] * self.0[k + 1]);
@@ -283,49 +286,49 @@ impl Moments {
         a * (size(0) + a * (4.0 * size(2) + a * cubic))
     }
 
-    /// A bound on g2 + (1 + a) g3 for a up to 1, where the change is a g1 + a^2 g2 + a^3 g3 at any phase.
+    /// Returns a bound of g2 + (1 + a) g3 for a up to 1, where the change is a g1 + a^2 g2 + a^3 g3 at any phase.
     #[inline(always)]
     pub(crate) fn bow(&self) -> f32 {
         let size = |k: usize| sqrtf(self.0[k] * self.0[k] + self.0[k + 1] * self.0[k + 1]);
         self.0[8] + size(2) + 2.0 * (size(4) + size(6))
     }
 
-    /// See [`slack`].
+    /// Returns the [`slack`] of these moments.
     #[inline(always)]
     pub(crate) fn slack(&self, reach: f32) -> f32 {
         slack(self.power(), self.remainder(), self.0[ENERGY], reach)
     }
 
-    /// See [`rounding`].
+    /// Returns the [`rounding`] of these moments.
     #[inline(always)]
     pub(crate) fn rounding(&self, reach: f32) -> f32 {
         rounding(self.power(), self.0[ENERGY], reach)
     }
 
-    /// The remainder to the fourth order: |u| is below [`FAR`].
+    /// Returns the remainder of the fourth order: |u| is below [`FAR`].
     #[inline(always)]
     pub(crate) fn fine_remainder(&self) -> f32 {
         FAR * self.remainder()
     }
 
-    /// A bound on the fine remainder of the difference between two drives of modulus up to 1, for each unit that
-    /// they are apart.
+    /// Returns a bound of the fourth order's remainder in the difference of two changes, for each unit of distance
+    /// between the drives, whose modulus is at most 1.
     #[inline(always)]
     pub(crate) fn steepness(&self) -> f32 {
         35.0 / 8.0 * FAR * self.remainder()
     }
 }
 
-/// The uncertainty of the difference between two drives of modulus up to `reach`: remainder, tolerance of ties and
-/// rounding of the sums.
+/// Returns the uncertainty of the difference between two changes by drives of modulus up to `reach`: remainder,
+/// tolerance of ties and rounding of the sums.
 #[inline(always)]
 pub(crate) fn slack(power: f32, remainder: f32, energy: f32, reach: f32) -> f32 {
     let square = reach * reach;
     2.0 * square * square * remainder + rounding(power, energy, reach)
 }
 
-/// The uncertainty by the tolerance of ties and by the rounding of the sums. By Cauchy `sum w |G| |t - |P||` is at most the
-/// root of power times energy.
+/// Returns the part of the uncertainty that comes from the tolerance of ties and the rounding of the sums. By Cauchy
+/// `sum w |G| |t - |P||` is at most the root of power times energy.
 #[inline(always)]
 fn rounding(power: f32, energy: f32, reach: f32) -> f32 {
     4e-7 * (reach * reach * power + reach * sqrtf(power * energy))

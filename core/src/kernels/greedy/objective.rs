@@ -1,14 +1,14 @@
-//! Objective: a point's term of eq. (7), squared or absolute, and its change without cancellation.
+//! Objective: the term of one point in the energy, squared or absolute, and its change without cancellation.
 
 use crate::kernels::simd::{Elementwise, TINY};
 
-/// A point's term of the energy, by how it changes with |P|.
+/// The term of one point in the energy, as a function of |P|.
 pub(crate) trait Term {
-    /// Whether the objective is (t - |P|)^2, whose moments are known.
+    /// Whether the term is (t - |P|)^2, for which the moments are known.
     const SQUARE: bool;
-    /// The change of the term when |P| rises by `rise`, `gap` = target - |P| before.
+    /// Returns the change of the term when |P| grows by `rise`; `gap` = target - |P| before.
     fn change<S: Elementwise>(s: S, rise: S::V, gap: S::V) -> S::V;
-    /// A bound on it for a drive of modulus 1: `gain` bounds |G|, and so |rise|.
+    /// Returns a bound of that change for a drive of modulus 1: `gain` is a bound of |G|, and so of |rise|.
     fn bound<S: Elementwise>(s: S, gain: S::V, gap: S::V) -> S::V;
 }
 
@@ -47,20 +47,20 @@ impl Term for L1 {
     }
 }
 
-/// Squares of smaller numbers vanish in f32; added to |P| + |P + e| it keeps 0/0 away.
+/// Squares of smaller numbers are 0 in f32. It is added to |P| + |P + e|, which prevents 0/0.
 const SMALLEST: f32 = 1e-20;
 
-/// |P + e| - |P|, from P (re, im, modulus) and e.
+/// Returns |P + e| - |P|, given P (re, im, modulus) and e.
 #[inline(always)]
 pub(crate) fn rise<S: Elementwise>(s: S, [pr, pi, old]: [S::V; 3], [er, ei]: [S::V; 2]) -> S::V {
     let (x, y) = (s.add(pr, er), s.add(pi, ei));
-    // |P + e|^2 - |P|^2 without the cancellation of its two large parts.
+    // This is |P + e|^2 - |P|^2 without the cancellation of two large terms.
     let square = s.fma(er, s.add(pr, x), s.mul(ei, s.add(pi, y)));
     let new = s.sqrt_rsqrt(s.max(s.fma(x, x, s.mul(y, y)), s.splat(TINY))).0;
     s.mul(square, reciprocal(s, s.add(new, s.add(old, s.splat(SMALLEST)))))
 }
 
-/// 1/a of normal a > 0, by the inverse root and one step of Newton.
+/// Returns 1/a of normal a > 0, from the inverse root and one step of Newton's method.
 #[inline(always)]
 fn reciprocal<S: Elementwise>(s: S, a: S::V) -> S::V {
     let guess = s.rsqrt_estimate(a);

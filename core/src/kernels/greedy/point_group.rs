@@ -1,22 +1,22 @@
-//! Point group: pressures, targets and weights of 16 points, and the values that the greedy search derives from them.
+//! Point group: pressures, targets and weights of 16 points, and the values that the greedy search computes from them.
 
 use crate::kernels::greedy::objective::{L2, Term, rise};
 use crate::kernels::lanes::{LANES, Lanes, groups};
 use crate::kernels::simd::{Apart, Elementwise, Simd, TINY};
 
-/// 16 points of one problem, or one point of 16 problems; refreshed when the pressures change.
+/// 16 points of one problem, or one point of 16 problems; computed again when the pressures change.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
 pub(crate) struct PointGroup {
-    /// The pressures P.
+    /// Real and imaginary parts of the pressures P.
     pub(crate) re: Lanes,
     pub(crate) im: Lanes,
     /// |P|.
     pub(crate) modulus: Lanes,
-    /// 1/|P|^2, so large for silence that |u| is above [`crate::kernels::greedy::moments::FAR`]; 0 for a quiet point, whose term has no
-    /// remainder.
+    /// 1/|P|^2, limited so that P = 0 gives a |u| above [`crate::kernels::greedy::moments::FAR`]; 0 at a quiet point,
+    /// whose term has no remainder.
     pub(crate) inverse: Lanes,
-    /// w (1 - t/|P|).
+    /// w (1 - t/|P|), w the weight and t the target.
     pub(crate) pull: Lanes,
     /// w t |P|.
     pub(crate) product: Lanes,
@@ -25,7 +25,7 @@ pub(crate) struct PointGroup {
 }
 
 impl PointGroup {
-    /// Silence where pressures t are wanted, with weights w.
+    /// Creates a group with all pressures 0, targets t and weights w.
     #[inline(always)]
     pub(crate) fn silent<S: Elementwise>(s: S, target: &Lanes, weight: &Lanes) -> Self {
         let mut group = Self { target: *target, weight: *weight, ..Self::default() };
@@ -33,7 +33,7 @@ impl PointGroup {
         group
     }
 
-    /// The points of the problem in one lane of an interleaved batch.
+    /// Gathers the points of the problem in one lane of an interleaved batch.
     #[inline(always)]
     pub(crate) fn of_lane<S: Elementwise>(s: S, points: &[Self], lane: usize) -> Self {
         let mut group = Self::silent(s, &[0.0; LANES], &[0.0; LANES]);
@@ -65,7 +65,7 @@ impl PointGroup {
         s.mul(s.mul(weight, gap), gap)
     }
 
-    /// P += G q; returns the energies.
+    /// P += G q; returns the energies w (t - |P|)^2.
     #[inline(always)]
     pub(crate) fn add<S: Elementwise>(&mut self, s: S, [gr, gi]: [&Lanes; 2], [qr, qi]: [S::V; 2]) -> S::V {
         let (gr, gi) = (s.load(gr), s.load(gi));
@@ -74,7 +74,8 @@ impl PointGroup {
         self.refresh(s, re, im)
     }
 
-    /// Adds the changes of the terms under the drive q to `total`, as [`crate::kernels::greedy::search::changes`] does.
+    /// Adds the changes of the points' terms by the drive q to `total`, as [`crate::kernels::greedy::search::changes`]
+    /// does.
     #[inline(always)]
     pub(crate) fn add_change<S: Elementwise>(
         &self,
@@ -92,7 +93,7 @@ impl PointGroup {
     }
 }
 
-/// P += G q at `count` points; the energies, lanes apart.
+/// P += G q at `count` points; returns the energy as one partial sum in each lane.
 #[inline(always)]
 pub(crate) fn add<S: Simd>(s: S, points: &mut [PointGroup], count: usize, row: [&[f32]; 2], q: [f32; 2]) -> S::V {
     let mut added = Added { points, row, q, energy: [0.0; LANES] };

@@ -1,8 +1,8 @@
-//! Replacement: one transducer's wave is taken out of the field and put back by the drive that serves the points best.
+//! Replacement: removes one transducer's wave from the field and adds it again with the best drive.
 //!
 //! ```text
-//! P -= G q                                  the others alone
-//! q = argmin of eq. (7)'s change over the candidates of a range of phases, by eq. (7) itself
+//! P -= G q                                  the pressures without this transducer
+//! q = the candidate of a range of phases with the least change of eq. (7), computed exactly
 //! P += G q
 //! ```
 
@@ -16,7 +16,7 @@ use crate::kernels::lanes::{groups, groups_mut};
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 
-/// Writes the state of a field's points: targets and weights, pressures, all padded alike.
+/// Writes point groups from targets and weights (`requested`) and pressures (`field`), lists of the same padded length.
 pub(crate) fn keep(set: InstructionSet, requested: [&[f32]; 2], field: [&[f32]; 2], points: &mut [PointGroup]) {
     dispatch!(set, s => {
         for (group, (target, weight)) in points.iter_mut().zip(groups(requested[0]).iter().zip(groups(requested[1]))) {
@@ -26,9 +26,10 @@ pub(crate) fn keep(set: InstructionSet, requested: [&[f32]; 2], field: [&[f32]; 
     });
 }
 
-/// Replaces the drive of the transducer with this `row` of G in the field of `count` points and returns the new drive.
+/// Replaces the drive of one transducer, given its `row` of G, in the field of `count` points. Returns the new drive.
 ///
-/// This is the best candidate of the `range`. Without a range the present drive stays; a transducer without effect gets 0.
+/// The new drive is the best candidate of `range`; without a range it is the present drive. A transducer without effect
+/// gets 0.
 pub(crate) fn replace<T: Term>(
     set: InstructionSet,
     row: [&[f32]; 2],
@@ -50,8 +51,8 @@ pub(crate) fn replace<T: Term>(
     })
 }
 
-/// Replaces a transducer's wave, its `row` times `drive`, by the wave times the best of some rotations, and returns the
-/// index of that one. `wave` is memory for a row.
+/// Replaces a transducer's wave, `row` times `drive`, by this wave times the best of some rotations. Returns the index
+/// of that rotation. The last argument is memory for a row.
 pub(crate) fn rotate(
     set: InstructionSet,
     row: [&[f32]; 2],
@@ -79,7 +80,7 @@ pub(crate) fn rotate(
     })
 }
 
-/// P -= G q, P += G q' with the q' that is chosen for the field of the others, and returned.
+/// P -= G q, then P += G q', where `choose` returns q' for the field without this transducer. Returns q'.
 #[inline(always)]
 fn replaced<S: Simd>(
     s: S,

@@ -1,7 +1,7 @@
-//! Exact search: all candidates, or some, compared by the change of eq. (7); the first best one wins.
+//! Exact search: compares all candidates, or some, by the change of eq. (7); the first best one is chosen.
 //!
-//! Sixteen candidates lie in the lanes and the points pass by one after another, so that nothing is padded in the points
-//! and no sum runs across lanes.
+//! The lanes contain sixteen candidates, and the loop goes over the points. So no point is padding and no sum runs
+//! across lanes.
 
 use core::marker::PhantomData;
 
@@ -11,25 +11,25 @@ use crate::kernels::greedy::point_group::PointGroup;
 use crate::kernels::lanes::{LANES, Lanes, groups};
 use crate::kernels::simd::{Apart, Elementwise, Simd};
 
-/// The points as the search sees them: their pressures and targets, and this transducer's row of G.
+/// The values at the points that the search needs: groups of pressures and targets, and the transducer's row of G.
 #[derive(Clone, Copy)]
 pub(crate) struct Points<'a> {
     pub(crate) groups: &'a [PointGroup],
     pub(crate) row: [&'a [f32]; 2],
-    /// The number of points among the lanes; the rest is padding.
+    /// The number of points; the other lanes are padding.
     pub(crate) count: usize,
 }
 
-/// Below this difference two energies are equal. 0 if the transducer cannot change any term.
+/// Returns the difference below which two energies count as equal; 0 if the transducer cannot change any term.
 #[inline(always)]
 pub(crate) fn tolerance<S: Simd, T: Term>(s: S, points: Points<'_>) -> f32 {
     EQUAL * s.reduce_max(largest::<S, T>(s, points, points.count))
 }
 
-/// The part of the largest term summed below which two energies are equal: the rounding of f32.
+/// Difference below which two energies count as equal, relative to the largest term: the rounding of f32.
 pub(crate) const EQUAL: f32 = 1e-7;
 
-/// A bound on the largest term summed in each of the first lanes, 0 or the same in the others.
+/// Returns a bound of the largest term in each of the first `used` lanes; the others contain 0 or such a bound.
 #[inline(always)]
 pub(crate) fn largest<S: Simd, T: Term>(s: S, points: Points<'_>, used: usize) -> S::V {
     let mut bound = Bound::<T> { points, most: [0.0; LANES], term: PhantomData };
@@ -57,7 +57,7 @@ impl<T: Term> Apart for Bound<'_, T> {
     }
 }
 
-/// The change of all points' terms under 16 candidates.
+/// Returns the change of all points' terms by each of 16 candidates.
 #[inline(always)]
 pub(crate) fn changes<S: Simd, T: Term>(s: S, points: Points<'_>, z: Sixteen<'_>) -> S::V {
     let mut changes = Changes::<T> { points, z, out: [0.0; LANES], term: PhantomData };
@@ -97,14 +97,14 @@ pub(crate) struct Winner {
 }
 
 impl Winner {
-    /// Before any candidate is known.
+    /// The start, before any candidate is known.
     pub(crate) const NONE: Self = Self { index: 0, change: f32::INFINITY };
 
-    /// This or the best of 16 further candidates: the first one that no other beats by more than `tolerance`.
+    /// Returns this candidate or the best of 16 further ones: the first that no other beats by more than `tolerance`.
     #[inline(always)]
     pub(crate) fn or<S: Simd>(self, s: S, changes: S::V, index: impl Fn(usize) -> usize, tolerance: f32) -> Self {
         let least = s.least(changes);
-        // Not "at most": an infinite change stands against the first.
+        // Written so that an infinite change does not replace the first candidate.
         if self.change - least <= tolerance {
             return self;
         }
@@ -116,8 +116,8 @@ impl Winner {
     }
 }
 
-/// The first of all candidates that no other one beats by more than `tolerance`; with `silent` the amplitudes
-/// alone are searched (phase 0).
+/// Returns the index of the first candidate that no other beats by more than `tolerance`. If the field is `silent`,
+/// only the amplitudes matter, and phase 0 is taken.
 #[inline(always)]
 pub(crate) fn best<S: Simd, T: Term>(
     s: S,
@@ -141,7 +141,7 @@ pub(crate) fn best<S: Simd, T: Term>(
     best_within::<S, T>(s, points, candidates, PhaseRange::whole(phases), tolerance)
 }
 
-/// Like [`best`], among the phases of a range at all amplitudes.
+/// Returns the result of [`best`] among the phases of a range, at all amplitudes.
 #[inline(always)]
 pub(crate) fn best_within<S: Simd, T: Term>(
     s: S,
@@ -161,7 +161,7 @@ pub(crate) fn best_within<S: Simd, T: Term>(
                 let drives = candidates.drives(candidates.amplitude(k), first);
                 let mut changes = changes::<S, T>(s, points, drives);
                 if count - step < LANES {
-                    // Later entries of the table are outside of the range.
+                    // The next entries of the table are outside of the range.
                     let used = s.splat((count - step) as f32);
                     changes = s.select_less(s.load(&LANE), used, changes, s.splat(f32::INFINITY));
                 }
@@ -172,10 +172,11 @@ pub(crate) fn best_within<S: Simd, T: Term>(
     winner.index
 }
 
-/// The number of each lane.
+/// The index of each lane.
 const LANE: Lanes = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
 
-/// Like [`best`], among candidates given by their index in rising order: here the points lie in the lanes.
+/// Returns the result of [`best`] among candidates given by their indices in ascending order. Here the lanes contain
+/// points.
 #[inline(always)]
 pub(crate) fn best_of<S: Simd>(
     s: S,
@@ -197,7 +198,7 @@ pub(crate) fn best_of<S: Simd>(
     winner.index
 }
 
-/// The changes of the points' terms under up to 16 candidates, the points in the lanes.
+/// Kernel of the changes of the points' terms by up to 16 candidates, with points in the lanes.
 struct Each<'a> {
     points: Points<'a>,
     candidates: &'a Candidates,

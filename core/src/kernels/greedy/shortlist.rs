@@ -1,17 +1,17 @@
-//! Shortlist: the candidates that the moments cannot tell from the best.
+//! Shortlist: the candidates that the moments cannot distinguish from the best one.
 //!
 //! ```text
 //! f(z) = change of the energy under z, third order          16 candidates in the lanes
-//! slack = 2 R + rounding                                    what f leaves open between two candidates
+//! slack = 2 R + rounding                                    uncertainty of the difference of two f
 //! list = all z with f(z) <= min f + slack
-//! best = the one in the list, or the first of it by eq. (7)
+//! best = the only one in the list, or the first of it by eq. (7)
 //! ```
 //!
-//! 1. Up to 16 phases are one vector: the least lane and a comparison tell whether it is alone ([`clear_winner`]: 8
-//!    to 14 % of a pass up to M = 16, and at N = 996, M = 64).
-//! 2. The candidates of a list are evaluated with the points in the lanes ([`search::best_of`]): most lists are short,
-//!    and with the candidates there a list of two took as long as one of 16 (5 to 15 % at N = 996, M = 64 and 256, a
-//!    third at N = 400, M = 256).
+//! 1. Up to 16 phases are one vector: the least lane and a comparison show whether another one is as good
+//!    ([`clear_winner`]). This saves 8 to 14 % of a pass up to M = 16 points, and at N = 996 transducers, M = 64.
+//! 2. The candidates of a list are evaluated with the points in the lanes ([`search::best_of`]), because most lists are
+//!    short. With candidates in the lanes a list of two took as long as one of 16. This saves 5 to 15 % at N = 996, M =
+//!    64 and 256, and a third at N = 400, M = 256.
 
 use crate::kernels::greedy::candidates::Candidates;
 use crate::kernels::greedy::energies::Energies;
@@ -21,16 +21,17 @@ use crate::kernels::lanes::LANES;
 use crate::kernels::lanes::Lanes;
 use crate::kernels::simd::Simd;
 
-/// The longest list kept.
+/// Largest length of a list.
 pub(crate) const MOST: usize = 256;
 
-/// Whether all candidates are up to 16 phases.
+/// Returns whether the candidates are at most 16 phases of one amplitude.
 #[inline(always)]
 pub(crate) fn few(candidates: &Candidates) -> bool {
     candidates.amplitudes == 1 && candidates.phases <= LANES
 }
 
-/// The best candidate; none if the transducer has no effect. `floats` and `indices` have room for [`MOST`].
+/// Returns the best candidate, or `None` if the transducer has no effect. `floats` and `indices` have room for
+/// [`MOST`].
 #[inline(always)]
 pub(crate) fn best<S: Simd>(energies: &Energies<'_, S>, floats: &mut [f32], indices: &mut [u32]) -> Option<usize> {
     if energies.moments.power() == 0.0 {
@@ -45,7 +46,8 @@ pub(crate) fn best<S: Simd>(energies: &Energies<'_, S>, floats: &mut [f32], indi
     shortlist(energies, floats, indices).best(energies)
 }
 
-/// The best of up to 16 phases, if the moments leave no point out and no other phase is as good within their slack.
+/// Returns the best of up to 16 phases if the moments leave no point out and no other phase is as good within their
+/// slack.
 #[inline(always)]
 fn clear_winner<S: Simd>(energies: &Energies<'_, S>) -> Option<usize> {
     let (s, moments, candidates) = (energies.s, energies.moments, energies.candidates);
@@ -55,7 +57,7 @@ fn clear_winner<S: Simd>(energies: &Energies<'_, S>) -> Option<usize> {
     bits.is_power_of_two().then(|| bits.trailing_zeros() as usize)
 }
 
-/// The candidates that may be the best.
+/// Lists the candidates that may be the best.
 #[inline(always)]
 pub(crate) fn shortlist<'a, S: Simd>(
     energies: &Energies<'_, S>,
@@ -76,14 +78,14 @@ pub(crate) fn shortlist<'a, S: Simd>(
     list
 }
 
-/// The candidates evaluated so far that may be the best, in rising order.
+/// The candidates evaluated so far that may be the best, in ascending order of their indices.
 pub(crate) struct List<'a> {
-    /// The excess over the least change with which a candidate may still be the best.
+    /// Largest excess over the least change with which a candidate may still be the best.
     pub(crate) slack: f32,
     pub(crate) least: f32,
     indices: &'a mut [u32],
     values: &'a mut [f32],
-    /// One candidate more than there is room for: some were dropped.
+    /// The number of candidates. One more than there is room for means that some were dropped.
     pub(crate) count: usize,
 }
 
@@ -92,8 +94,8 @@ impl<'a> List<'a> {
         Self { slack, least: f32::INFINITY, indices, values, count: 0 }
     }
 
-    /// Takes the changes of 16 candidates, of which the first `used` are listed, as numbers from `index` on. The others
-    /// are copies of candidates or belong to another arc.
+    /// Adds those of 16 candidates that may be the best, given their changes. The first `used` of them have the indices
+    /// from `index` on. The others are copies of candidates or belong to another arc.
     #[inline(always)]
     pub(crate) fn push<S: Simd>(&mut self, s: S, changes: S::V, index: usize, used: usize) {
         self.least = self.least.min(s.least(changes));
@@ -117,21 +119,21 @@ impl<'a> List<'a> {
         }
     }
 
-    /// Lists a candidate whose change does not matter any more.
+    /// Adds a candidate without its change, which is no longer needed.
     #[inline(always)]
     pub(crate) fn add(&mut self, index: usize) {
         self.indices[self.count] = index as u32;
         self.count += 1;
     }
 
-    /// Drops candidates that the least change found since has ruled out, unless some were dropped before.
+    /// Removes the candidates that the least change found since then excludes, unless some were dropped before.
     pub(crate) fn sift(&mut self) {
         let limit = self.least + self.slack;
-        // Whatever cannot be compared stays.
+        // Values that are not numbers stay.
         self.retain(|_, value| value.partial_cmp(&limit) != Some(core::cmp::Ordering::Greater));
     }
 
-    /// Keeps candidates by their index and change, unless some were dropped before.
+    /// Removes the candidates that `wanted` rejects by their index and change, unless some were dropped before.
     #[inline(always)]
     pub(crate) fn retain(&mut self, mut wanted: impl FnMut(usize, f32) -> bool) {
         if !self.overflows() {
@@ -146,12 +148,12 @@ impl<'a> List<'a> {
         }
     }
 
-    /// Whether there were more candidates than room.
+    /// Returns whether there were more candidates than room.
     pub(crate) fn overflows(&self) -> bool {
         self.count > self.indices.len()
     }
 
-    /// The only candidate, or the first of all by eq. (7); none if the transducer has no effect.
+    /// Returns the only candidate, or the first best one by eq. (7); `None` if the transducer has no effect.
     #[inline(always)]
     pub(crate) fn best<S: Simd>(&mut self, energies: &Energies<'_, S>) -> Option<usize> {
         if self.count == 1 {
@@ -172,21 +174,21 @@ impl<'a> List<'a> {
         }
     }
 
-    /// The first candidate whose change is at most `limit`, unless some were dropped.
+    /// Returns the first candidate whose change is at most `limit`, unless some were dropped.
     #[inline(always)]
     pub(crate) fn first_below(&self, limit: f32) -> Option<usize> {
         let at = self.values.get(..self.count)?.iter().position(|&value| value <= limit)?;
         Some(self.indices[at] as usize)
     }
 
-    /// Restores the rising order.
+    /// Sorts the indices in ascending order.
     pub(crate) fn sort(&mut self) {
         if !self.overflows() {
             self.indices().sort_unstable();
         }
     }
 
-    /// The indices listed.
+    /// Returns the indices of the list.
     pub(crate) fn indices(&mut self) -> &mut [u32] {
         &mut self.indices[..self.count]
     }

@@ -1,4 +1,4 @@
-//! Directivity D(theta) from its cosine, by polynomials.
+//! Directivity D(theta), computed from cos(theta) by polynomials.
 
 use alloc::vec::Vec;
 
@@ -6,7 +6,7 @@ use crate::kernels::lanes::Lanes;
 use crate::kernels::phasor::{log2, power_of_two};
 use crate::kernels::simd::{Elementwise, WHOLE};
 
-/// D over c = cos(theta) from 0 to 1. A type for each kind and length, so that a loop over points is compiled for it.
+/// D as a function of c = cos(theta) from 0 to 1. Each kind and length is a type, so that loops are compiled for it.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is one of them an array")]
 pub(crate) enum Pattern {
@@ -21,14 +21,14 @@ pub(crate) enum Pattern {
     Exponent(Exponent),
 }
 
-/// A kind of [`Pattern`].
+/// Evaluates one kind of [`Pattern`].
 pub(crate) trait Ahead {
-    /// D at an angle whose cosine is `along` times `inverse`; anything behind the transducer.
+    /// Returns D at an angle whose cosine is `along` times `inverse`. The result has no meaning behind the transducer.
     fn directivity<S: Elementwise>(&self, s: S, along: S::V, inverse: S::V) -> S::V;
 }
 
-/// Coefficients, the highest power first, of c^2 - 1/2 where D is an entire function of sin(theta)^2 or an even power of c,
-/// else of c - 1/2: from there to either end no f32 digits are lost.
+/// Polynomial coefficients, the highest power first. The variable is c^2 - 1/2 where D is an entire function of
+/// sin(theta)^2 or an even power of c, else c - 1/2. So no f32 digits are lost at either end.
 #[derive(Clone, Debug)]
 pub(crate) struct Polynomial<const EVEN: bool, const N: usize>(pub(crate) [f32; N]);
 
@@ -50,8 +50,8 @@ impl<const EVEN: bool, const N: usize> Ahead for Polynomial<EVEN, N> {
     }
 }
 
-/// Coefficients, the highest first, of Chebyshev polynomials of 2 c^2 - 1: for narrow beams, whose powers would lose
-/// digits.
+/// Coefficients of Chebyshev polynomials of 2 c^2 - 1, the highest first: for narrow beams, whose power series would
+/// lose digits.
 #[derive(Clone, Debug)]
 pub(crate) struct Chebyshev(pub(crate) Vec<f32>);
 
@@ -63,36 +63,37 @@ impl Ahead for Chebyshev {
         let x = s.fma(c, s.add(c, c), s.splat(-1.0));
         let (double, mut sum, mut last) = (s.add(x, x), s.splat(0.0), s.splat(0.0));
         for &coefficient in &self.0 {
-            // The difference waits for nothing: a step takes as long as one instruction.
+            // The difference is ready early: each step takes as long as one instruction.
             (sum, last) = (s.fma(sum, double, s.sub(s.splat(coefficient), last)), sum);
         }
-        // T_1 is x, where the recurrence has 2 x.
+        // T_1 is x, where the recurrence would have 2 x.
         s.fnma(last, x, sum)
     }
 }
 
-/// Quartics of x = c - 1/4 less its piece's lower bound, one lane group a coefficient: a piece is found without leaving the
-/// lanes.
+/// Quartics in pieces, one lane group for each coefficient. The variable is x = c - 1/4 less the piece's lower bound. A
+/// piece is found by a lookup in registers.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(crate) struct Pieces {
-    /// The k-th is the one whose [`PLACE`] is nearest to k.
+    /// Lower bounds of the pieces in x. Bound k is the one whose [`PLACE`] is nearest to k.
     pub(crate) bounds: Lanes,
-    /// The highest power first.
+    /// Coefficients of each piece, the highest power first.
     pub(crate) coefficients: [Lanes; 5],
 }
 
-/// x is c less this,
+/// Offset of the variable: x is c less this value.
 pub(crate) const MIDDLE: f32 = 0.25;
 
-/// and its place (a x + b) x + 1: a piece for ten degrees near 90, three for those near 20.
+/// Coefficients a and b: x has the place (a x + b) x + 1. There is a piece for ten degrees near 90 degrees, and three
+/// near 20.
 const PLACE: [f32; 2] = [16.9, 6.55];
 
 impl Ahead for Pieces {
     #[inline(always)]
     fn directivity<S: Elementwise>(&self, s: S, along: S::V, inverse: S::V) -> S::V {
         let x = s.fma(along, inverse, s.splat(-MIDDLE));
-        // x may lie on either side of the bound that it is nearest to.
+        // x may be on either side of the nearest bound.
         let near = s.fma(s.fma(x, s.splat(PLACE[0]), s.splat(PLACE[1])), x, s.splat(WHOLE + 1.0));
         let piece = s.select_less(x, s.gather(&self.bounds, near), s.sub(near, s.splat(1.0)), near);
         let x = s.sub(x, s.gather(&self.bounds, piece));
@@ -105,7 +106,7 @@ impl Ahead for Pieces {
     }
 }
 
-/// c^n for an n that no short polynomial follows: broken and small, or large.
+/// c^n for exponents n that no short polynomial fits: small ones that are not whole, or large ones.
 #[derive(Clone, Debug)]
 pub(crate) struct Exponent(pub(crate) f32);
 

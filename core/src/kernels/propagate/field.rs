@@ -1,4 +1,4 @@
-//! Field of a drive, P += G q: elements of G go straight into sums in registers, and no row is written.
+//! Field of a drive, P += G q: elements of G are added in registers, and no row is written.
 //!
 //! ```text
 //! for each run of 512 transducers, each lane group of points:
@@ -6,10 +6,10 @@
 //! ```
 //!
 //! 1. P is loaded and stored once a run, so that an element costs its own instructions and four more.
-//! 2. Up to four points leave most lanes empty: then sixteen transducers are in the lanes, and their waves are added one
-//!    after another, so that the bits are the same. At M = 1 and 4 this takes half of the time.
-//! 3. The sources of a run, 16 KB, stay in the nearest cache. (Where code is to be short the stack is, too: a run is then of
-//!    64 transducers.)
+//! 2. Up to four points would leave most lanes empty. Then the lanes contain sixteen transducers, and their waves are
+//!    added one after another, so that the bits are the same. At M = 1 and 4 points this takes half of the time.
+//! 3. The sources of a run, 16 KB, stay in the nearest cache. (Where the code must be short, the stack must be small
+//!    too: a run then has 64 transducers.)
 
 use num_complex::Complex32;
 
@@ -23,19 +23,19 @@ use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Apart, Elementwise};
 use crate::kernels::vector::add_wave;
 
-/// Transducers that are added before the next points,
+/// Transducers in a run: their waves are added before the next points follow.
 const RUN: usize = 512;
 
-/// and where the stack is short.
+/// Transducers in a run where the stack is small.
 const SHORT_RUN: usize = 64;
 
-/// Points that fill fewer lanes than a transducer each does.
+/// Largest number of points for which the lanes contain transducers.
 const FEW: usize = 4;
 
-/// P += G q for every transducer that is driven.
+/// P += G q for every transducer whose drive is not 0.
 ///
 /// # Errors
-/// A check for a stop at least once every [`RUN`] elements.
+/// A requested stop, which is checked at least once every [`RUN`] elements.
 pub(crate) fn add_field(
     set: InstructionSet,
     radiation: &Radiation,
@@ -57,7 +57,7 @@ pub(crate) fn add_field(
     }))
 }
 
-/// Like [`add_field`] at up to [`FEW`] points.
+/// Does the same as [`add_field`] at up to [`FEW`] points.
 #[inline(always)]
 fn add_few<S: Elementwise, F: Form>(
     s: S,
@@ -100,7 +100,7 @@ fn add_few<S: Elementwise, F: Form>(
     Ok(())
 }
 
-/// P += G q over some lanes, unless others met an end.
+/// Kernel of P += G q over some lanes. It does nothing after a stop in other lanes, which `ended` keeps.
 struct Sum<'a, 'b, F> {
     form: F,
     radiation: &'a Radiation,
@@ -163,8 +163,8 @@ fn add_form<S: Elementwise, F: Form, const RUN: usize>(
     Ok(())
 }
 
-/// As [`add_field`] for the points of up to 16 problems, one problem a lane: each sum bit for bit what that adds. `drive` has
-/// two groups of lanes a transducer, re and im.
+/// Does the same as [`add_field`] for the points of up to 16 problems, one problem in each lane, with the same bits.
+/// `drive` has two lane groups for each transducer: the real and the imaginary parts.
 pub(crate) fn interleaved_field(
     set: InstructionSet,
     radiation: &Radiation,
@@ -178,7 +178,7 @@ pub(crate) fn interleaved_field(
     }));
 }
 
-/// See [`interleaved_field`].
+/// Kernel of [`interleaved_field`].
 struct InterleavedSum<'a, F> {
     form: F,
     radiation: &'a Radiation,
@@ -193,7 +193,7 @@ impl<F: Form> Apart for InterleavedSum<'_, F> {
     fn run<S: Elementwise>(&mut self, s: S) {
         let Self { form, radiation, sources, drive, points, field: [re, im] } = self;
         let drives = groups(drive).as_chunks::<2>().0;
-        // Drives of a run, 8 KB, stay in the nearest cache.
+        // The drives of a run, 8 KB, stay in the nearest cache.
         for first in (0..sources.len()).step_by(SHORT_RUN) {
             let run = first..sources.len().min(first + SHORT_RUN);
             let [x, y, z] = points.coordinates.map(groups);

@@ -1,12 +1,12 @@
-//! Form of an element: which factors it has beyond distance and gain.
+//! Form of an element of G: the factors that it has besides distance and gain.
 //!
-//! A form is a type, chosen before a loop over points, which is compiled for each. So an element pays for what it has:
-//! point sources without absorption in phase for nothing, a piston for 12 instructions.
+//! A form is a type, chosen before a loop over points, and the loop is compiled for each. So an element costs only the
+//! factors that it has: none for point sources in phase without absorption, 12 instructions for a piston.
 
 use crate::kernels::propagate::directivity::{Ahead, Pattern};
 use crate::kernels::simd::Elementwise;
 
-/// Properties that all transducers share: absorption as a power of two per wavelength (< 0) and the directivity.
+/// Properties that all transducers share: absorption as a power of two per wavelength (< 0), and the directivity.
 #[derive(Clone, Debug)]
 pub(crate) struct Radiation {
     pub(crate) decay: Option<f32>,
@@ -14,27 +14,27 @@ pub(crate) struct Radiation {
 }
 
 impl Radiation {
-    /// Whether its form is [`Plain`].
+    /// Returns whether the form of these transducers is [`Plain`].
     #[inline(always)]
     pub(crate) fn is_plain(&self, in_phase: bool) -> bool {
         self.decay.is_none() && self.pattern.is_none() && in_phase
     }
 }
 
-/// See above.
+/// The factors of an element of G besides distance and gain.
 pub(crate) trait Form: Copy {
-    /// A form without absorption and without a phase of its own.
+    /// Whether the form has no absorption and no phase of its own.
     const PLAIN: bool = false;
 
-    /// `amplitude` times D, where the cosine is `along` (the ray's part along the normal) times `inverse`.
+    /// Returns `amplitude` times D, where cos(theta) is `along` (the ray's part along the normal) times `inverse`.
     fn direct<S: Elementwise>(self, s: S, amplitude: S::V, along: impl FnOnce() -> S::V, inverse: S::V) -> S::V;
 }
 
-/// Point sources without absorption, in phase.
+/// Form of point sources in phase, without absorption.
 #[derive(Clone, Copy)]
 pub(crate) struct Plain;
 
-/// Point sources.
+/// Form of point sources.
 #[derive(Clone, Copy)]
 pub(crate) struct Everywhere;
 
@@ -54,18 +54,18 @@ impl Form for Everywhere {
     }
 }
 
-/// Transducers in a baffle.
+/// Form of transducers in a baffle: nothing is radiated backwards.
 impl<P: Ahead> Form for &P {
     #[inline(always)]
     fn direct<S: Elementwise>(self, s: S, amplitude: S::V, along: impl FnOnce() -> S::V, inverse: S::V) -> S::V {
         let along = along();
         let directed = s.mul(amplitude, self.directivity(s, along, inverse));
-        // 90 degrees are ahead. (With the sides swapped the selection would take AVX-512 an instruction more.)
+        // 90 degrees count as ahead. (With the sides swapped the selection would take one more instruction in AVX-512.)
         s.select_less(s.splat(-f32::MIN_POSITIVE), along, directed, s.splat(0.0))
     }
 }
 
-/// Any form of radiation, found at each element: for sets whose code must be short.
+/// The form of some radiation, found anew at each element: for instruction sets whose code must be short.
 #[derive(Clone, Copy)]
 pub(crate) struct AnyForm<'a>(pub(crate) &'a Radiation);
 
@@ -79,7 +79,7 @@ impl Form for AnyForm<'_> {
     }
 }
 
-/// Like [`Form::direct`]: one function of the program.
+/// Does the same as [`Form::direct`], as one function that is not inlined.
 #[inline(never)]
 fn directed<S: Elementwise>(s: S, pattern: &Pattern, amplitude: S::V, along: S::V, inverse: S::V) -> S::V {
     macro_rules! by {
@@ -106,7 +106,7 @@ fn directed<S: Elementwise>(s: S, pattern: &Pattern, amplitude: S::V, along: S::
     }
 }
 
-/// Runs an expression with the form that a radiation has: `formed!(s, radiation, in_phase, form => body)`.
+/// Evaluates an expression with the form of a radiation: `formed!(s, radiation, in_phase, form => body)`.
 macro_rules! formed {
     ($s:expr, $radiation:expr, $in_phase:expr, $form:ident => $body:expr) => {{
         use crate::kernels::propagate::directivity::Pattern;

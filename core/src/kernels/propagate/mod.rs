@@ -1,4 +1,4 @@
-//! Rows of G from positions, eq. (5).
+//! Rows of the propagation matrix G from positions, eq. (5).
 
 pub(crate) mod directivity;
 pub(crate) mod field;

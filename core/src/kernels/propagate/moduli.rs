@@ -1,15 +1,15 @@
-//! Sums of |G| over the transducers: sixteen of them in the lanes, or the points of 16 problems.
+//! Sums of |G| over the transducers: the lanes contain sixteen transducers, or points of up to 16 problems.
 //!
 //! ```text
 //! for each run of 32 source groups, each point:
 //!     lane l = |G| of source l of the first group, + of the second, and so on         # f32
 //!     sum    = the lanes in the tree of Simd::reduce_add                              # added up in f64
-//! an interleaved batch, or many points: the same sums, one lane's after another, the tree's deepest terms first
+//! an interleaved batch, or many points: the same sums, one lane after another, the tree's deepest terms first
 //! ```
 //!
-//! Sixteen transducers in the lanes leave none to padding, however few points there are: at M = 4 the sums take a
-//! quarter of the time that they take with the points in the lanes. Points that fill lane groups lie in the lanes where
-//! the amplitudes of all elements are kept for the rows that follow.
+//! With sixteen transducers in the lanes few lanes are padding, however few points there are: at M = 4 points the sums
+//! take a quarter of the time that they take with the points in the lanes. Points that fill lane groups are put into
+//! the lanes where the amplitudes of all elements are stored for the rows that follow.
 
 use core::ops::Range;
 
@@ -23,22 +23,23 @@ use crate::kernels::propagate::source::{SourceGroup, SourceLanes, SourceList};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Apart, Elementwise, Simd};
 
-/// Source groups whose moduli are summed in f32 before f64 takes over; they stay in the nearest cache meanwhile.
+/// Source groups whose moduli are summed in f32 before the sum continues in f64; they stay in the nearest cache
+/// meanwhile.
 const RUN: usize = 32;
 
-/// Points between two pulses: some 100 us.
+/// Points between two checks for a stop: some 100 us.
 const POINTS_A_PULSE: usize = 1 << 10;
 
-/// Consecutive groups of the sources.
+/// A run: consecutive groups of the sources.
 pub(crate) struct Run<'a> {
     radiation: &'a Radiation,
     groups: &'a [SourceGroup],
-    /// The indices of these sources.
+    /// The indices of the transducers in these groups.
     pub(crate) members: Range<usize>,
 }
 
 impl<'a> Run<'a> {
-    /// All sources, [`RUN`] groups at a time.
+    /// Divides all sources into runs of [`RUN`] groups.
     pub(crate) fn all(radiation: &'a Radiation, sources: &'a SourceList) -> impl Iterator<Item = Self> {
         let starts = (0..sources.len()).step_by(RUN * LANES);
         sources.groups.chunks(RUN).zip(starts).map(move |(groups, start)| {
@@ -47,7 +48,7 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// The least square distance so far, `sum` + |G|, and the amplitude, |G| but for the sign.
+    /// Returns the least square distance so far, `sum` + |G|, and the amplitude, which is |G| except for the sign.
     #[inline(always)]
     fn add<S: Elementwise, F: Form>(
         &self,
@@ -58,17 +59,17 @@ impl<'a> Run<'a> {
         [closest, sum, _]: [S::V; 3],
     ) -> [S::V; 3] {
         let [square, _, amplitude] = spread(s, form, self.radiation, from, point);
-        // A piston's side lobes have D < 0.
+        // D < 0 in the side lobes of a piston.
         let modulus = if F::PLAIN { amplitude } else { s.abs(amplitude) };
         [s.min(square, closest), s.add(sum, modulus), amplitude]
     }
 }
 
-/// Adds the moduli |G| of a run up, to one sum a point, and tells whether one of its transducers is nearer to a point
-/// than the square root of `nearest` (square wavelengths).
+/// Adds |G| of the transducers of a run, to one sum for each point. Returns whether a transducer of the run is nearer
+/// to a point than the square root of `nearest` (in square wavelengths).
 ///
 /// # Errors
-/// A check for a stop once every few points.
+/// A requested stop, which is checked once every few points.
 pub(crate) fn add_moduli(
     set: InstructionSet,
     run: &Run<'_>,
@@ -77,7 +78,7 @@ pub(crate) fn add_moduli(
     out: &mut [f64],
     control: &mut Control,
 ) -> Result<bool, Error> {
-    // A phase changes no modulus.
+    // Phases do not change |G|.
     dispatch!(set, s => formed!(s, run.radiation, true, form => add_form(s, form, run, points, nearest, out, control)))
 }
 
@@ -105,7 +106,7 @@ fn add_form<S: Simd>(
     Ok(near != 0)
 }
 
-/// Sums of |G| at a point, and the least square distance, lanes apart.
+/// Kernel of the sums of |G| at a point and of the least square distance, as partial results in the lanes.
 struct Sums<'a, F> {
     form: F,
     run: &'a Run<'a>,
@@ -128,8 +129,8 @@ impl<F: Form> Apart for Sums<'_, F> {
     }
 }
 
-/// As [`add_moduli`] for the points of up to 16 problems, one problem a lane: each sum bit for bit what that adds, written
-/// to `out`.
+/// Does the same as [`add_moduli`] for the points of up to 16 problems, one problem in each lane, with the same bits.
+/// It writes the sums to `out`.
 pub(crate) fn interleaved_moduli(
     set: InstructionSet,
     run: &Run<'_>,
@@ -142,8 +143,8 @@ pub(crate) fn interleaved_moduli(
     }))
 }
 
-/// As [`add_moduli`], the points in the lanes: each sum bit for bit what that adds, written to `out`, and the amplitudes of
-/// the run's rows to `kept`, row after row.
+/// Does the same as [`add_moduli`] with points in the lanes, with the same bits. It writes the sums to `out`, and the
+/// amplitudes of the run's rows to `kept`, row after row.
 pub(crate) fn keep_moduli(
     set: InstructionSet,
     run: &Run<'_>,
@@ -171,10 +172,10 @@ fn in_lanes<S: Simd, F: Form, const KEEP: bool>(
     let mut closest = s.splat(f32::INFINITY);
     for (g, (((x, y), z), out)) in x.iter().zip(y).zip(z).zip(groups_mut(out)).enumerate() {
         let place = [s.load(x), s.load(y), s.load(z)];
-        // Sums over 1, 2, 4 and 8 lanes that wait for as many others.
+        // Sums over 1, 2, 4 and 8 lanes, stored until the sum over as many other lanes is ready.
         let mut waiting = [s.splat(0.0); 5];
         for k in 0..LANES {
-            // Lanes in the order of their reversed bits: 0, 8, 4, 12 and so on.
+            // Lanes come in the order of their reversed bits: 0, 8, 4, 12 and so on.
             let lane = k.reverse_bits() >> (usize::BITS - LANES.ilog2());
             let mut state = [closest, s.splat(0.0), s.splat(0.0)];
             for (n, group) in run.groups.iter().enumerate() {

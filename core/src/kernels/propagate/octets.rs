@@ -1,7 +1,7 @@
-//! Rows of G side by side, up to eight: lane group by lane group, as a block of transducers reads them.
+//! Up to eight rows of G side by side: lane group by lane group, as a block of transducers reads them.
 //!
-//! A function of its own, with its form chosen before its loops: around it a kernel keeps its registers. Padding is not
-//! silenced.
+//! It is a function that is not inlined, and its form is chosen before its loops, so that the kernel around it keeps
+//! its values in registers. Padding is not set to 0.
 
 use crate::kernels::lanes::{LANES, Line, Octet, groups};
 use crate::kernels::propagate::form::{Form, Radiation, formed};
@@ -36,7 +36,7 @@ pub(crate) fn write_rows<S: Simd>(s: S, rows: Rows<'_>, members: &[usize], first
     }
 }
 
-/// The rows of `members` from column `first` on, computed.
+/// Kernel that computes the rows of `members` from column `first` on.
 struct Columns<'a, F> {
     form: F,
     radiation: &'a Radiation,
@@ -62,7 +62,7 @@ impl<F: Form> Apart for Columns<'_, F> {
     }
 }
 
-/// The same of known amplitudes.
+/// Kernel that computes the rows of `members` where the amplitudes are known.
 struct Known<'a> {
     sources: &'a SourceList,
     control_points: ControlPoints<'a>,
@@ -88,8 +88,8 @@ impl Apart for Known<'_> {
     }
 }
 
-/// Writes the rows of `members` over up to 16/N points, N of them to a column: the k-th in the lanes from 16 k/N on.
-/// Coordinates are repeated likewise. Lanes without a member are silent.
+/// Writes the rows of `members` over up to 16/N points, N of them to a column: member k in the lanes from 16 k/N on.
+/// The coordinates are repeated in the same way. Lanes without a member contain 0.
 #[inline(always)]
 pub(crate) fn write_segments<S: Simd, const N: usize>(
     s: S,

@@ -1,4 +1,4 @@
-//! Elements of G, eq. (5), in f32: one source against every control point, or 16 sources at a point.
+//! Elements of G, eq. (5), in f32: one source and all control points, or 16 sources and one point.
 
 use crate::kernels::lanes::{BLOCK, Block};
 use crate::kernels::lanes::{LANES, Lanes, Line, groups, groups_mut};
@@ -8,25 +8,25 @@ use crate::kernels::propagate::source::{SourceLanes, SourceList};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Apart, Elementwise, Simd};
 
-/// A hundredth of a wavelength: nearer than that r is limited, so that no field is infinite.
+/// Least distance in wavelengths: a shorter one is replaced by it, so that no field is infinite.
 pub(crate) const NEAREST: f32 = 0.01;
 
-/// Points in wavelengths from the array's middle, each coordinate padded with anything finite.
+/// Points in wavelengths from the array's middle. The padding of each coordinate has any finite values.
 #[derive(Clone, Copy)]
 pub(crate) struct ControlPoints<'a> {
-    /// x, y and z.
     pub(crate) coordinates: [&'a [f32]; 3],
-    /// The number of points among them; the rest is padding.
+    /// The number of points; the rest is padding.
     pub(crate) count: usize,
 }
 
-/// Where a row is written.
+/// Real and imaginary parts of a row of G, to be written.
 pub(crate) struct Row<'a> {
     pub(crate) re: &'a mut [f32],
     pub(crate) im: &'a mut [f32],
 }
 
-/// Square distance and, at least [`NEAREST`], distance and |c| D e^{-alpha r}/r; distances in wavelengths.
+/// Returns the square distance, the distance (at least [`NEAREST`]) and |c| D e^{-alpha r}/r; distances are in
+/// wavelengths.
 #[inline(always)]
 pub(crate) fn spread<S: Elementwise, F: Form>(
     s: S,
@@ -53,7 +53,7 @@ pub(crate) fn spread<S: Elementwise, F: Form>(
     [square, distance, directed]
 }
 
-/// Element of G: one source, or sixteen, at a point.
+/// Returns the element of G of one source, or sixteen, at a point.
 #[inline(always)]
 pub(crate) fn element<S: Elementwise, F: Form>(
     s: S,
@@ -66,7 +66,7 @@ pub(crate) fn element<S: Elementwise, F: Form>(
     wave(s, if F::PLAIN || from.in_phase { distance } else { s.add(distance, from.turns) }, amplitude)
 }
 
-/// The vector from a source to a point, and the square of the distance.
+/// Returns the vector from a source to a point, and the square of the distance.
 #[inline(always)]
 fn away<S: Elementwise>(s: S, from: &SourceLanes<S::V>, point: [S::V; 3]) -> ([S::V; 3], S::V) {
     let [x, y, z] = from.position;
@@ -74,21 +74,21 @@ fn away<S: Elementwise>(s: S, from: &SourceLanes<S::V>, point: [S::V; 3]) -> ([S
     ([dx, dy, dz], s.fma(dx, dx, s.fma(dy, dy, s.mul(dz, dz))))
 }
 
-/// A distance, at least [`NEAREST`], and its inverse.
+/// Returns the distance, at least [`NEAREST`], and its inverse.
 #[inline(always)]
 fn length<S: Elementwise>(s: S, square: S::V) -> (S::V, S::V) {
-    // The distance is the phase: an error in its last place is one of 2e-5 rad at a metre's tenth.
+    // The distance gives the phase: an error in its last bit is 2e-5 rad at .1 m.
     s.sqrt_rsqrt(s.max(square, s.splat(NEAREST * NEAREST)))
 }
 
-/// Element of G whose amplitude is known: bit for bit that of [`element`].
+/// Returns the element of G whose amplitude is known, with the same bits as [`element`].
 #[inline(always)]
 pub(crate) fn known<S: Elementwise>(s: S, from: &SourceLanes<S::V>, point: [S::V; 3], amplitude: S::V) -> [S::V; 2] {
     let (distance, _) = length(s, away(s, from, point).1);
     wave(s, if from.in_phase { distance } else { s.add(distance, from.turns) }, amplitude)
 }
 
-/// Writes a group of sources against the points of `order`: row k of [`crate::kernels::tiles`] in the blocks from `first`
+/// Writes a group of sources at the points of `order`: row k of [`crate::kernels::tiles`] in the blocks from `first`
 /// on, `stride` apart.
 #[inline(always)]
 pub(crate) fn write_tile<S: Simd>(
@@ -106,7 +106,7 @@ pub(crate) fn write_tile<S: Simd>(
     });
 }
 
-/// See [`write_tile`].
+/// Kernel of [`write_tile`].
 struct Tile<'a, F> {
     form: F,
     radiation: &'a Radiation,
@@ -135,7 +135,7 @@ impl<F: Form> Apart for Tile<'_, F> {
     }
 }
 
-/// Writes the row of source `i` over its target's whole length, zeros in the padding.
+/// Writes the row of source `i` to the whole of `re` and `im`, with zeros in the padding.
 #[inline(always)]
 pub(crate) fn write_row<S: Simd>(
     s: S,
@@ -145,7 +145,8 @@ pub(crate) fn write_row<S: Simd>(
     re: &mut [f32],
     im: &mut [f32],
 ) {
-    // All forms but the plain one are functions of their own: this is compiled into every kernel that writes rows.
+    // All forms but the plain one are separate functions, because this function is compiled into every kernel that
+    // writes rows.
     let (used, out) = (control_points.count, [&mut *re, &mut *im]);
     if radiation.is_plain(sources.in_phase) {
         s.apart(used, &mut Written { form: Plain, radiation, sources, i, control_points, out });
@@ -163,7 +164,7 @@ pub(crate) fn write_row<S: Simd>(
     silence(s, im, control_points.count);
 }
 
-/// See [`write_row`].
+/// Kernel of [`write_row`].
 struct Written<'a, F> {
     form: F,
     radiation: &'a Radiation,
@@ -188,7 +189,7 @@ impl<F: Form> Apart for Written<'_, F> {
     }
 }
 
-/// Like [`write_row`] where the row's amplitudes are known.
+/// Does the same as [`write_row`] where the row's amplitudes are known.
 #[inline(always)]
 pub(crate) fn write_known_row<S: Simd>(
     s: S,
@@ -204,7 +205,7 @@ pub(crate) fn write_known_row<S: Simd>(
     silence(s, im, control_points.count);
 }
 
-/// See [`write_known_row`].
+/// Kernel of [`write_known_row`].
 struct Known<'a> {
     sources: &'a SourceList,
     i: usize,
@@ -228,7 +229,7 @@ impl Apart for Known<'_> {
     }
 }
 
-/// The row of one transducer, see [`write_row`].
+/// Writes the row of one transducer, see [`write_row`].
 pub(crate) fn row(
     set: InstructionSet,
     radiation: &Radiation,
@@ -239,7 +240,7 @@ pub(crate) fn row(
     dispatch!(set, s => write_row(s, radiation, (sources, i), control_points, out.re, out.im));
 }
 
-/// Zeros in the padding.
+/// Writes zeros to the padding after `count` numbers.
 #[inline(always)]
 pub(crate) fn silence<S: Elementwise>(s: S, list: &mut [f32], count: usize) {
     const LANE: Lanes = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];

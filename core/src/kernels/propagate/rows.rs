@@ -9,23 +9,23 @@ use crate::kernels::propagate::row::{ControlPoints, write_known_row, write_row, 
 use crate::kernels::propagate::source::SourceList;
 use crate::kernels::simd::Simd;
 
-/// Rows of G, one a transducer, each a whole number of lane groups long.
+/// Rows of G, one for each transducer; a row is a whole number of lane groups.
 #[derive(Clone, Copy)]
 pub(crate) enum Rows<'a> {
-    /// Rows that are made from positions on request; `amplitudes` |c| D e^{-alpha r}/r where they are known, row
-    /// after row, else none.
+    /// Rows that are computed from positions when they are needed. `amplitudes` are |c| D e^{-alpha r}/r, row after
+    /// row, or empty if they are not known.
     Computed {
         radiation: &'a Radiation,
         sources: &'a SourceList,
         control_points: ControlPoints<'a>,
         amplitudes: &'a [Line],
     },
-    /// Stored rows: re and im, row after row.
+    /// Stored rows, one after another: real and imaginary parts.
     Stored { re: &'a [f32], im: &'a [f32] },
 }
 
 impl Rows<'_> {
-    /// Writes row `i` over the whole of `re` and `im`.
+    /// Writes row `i` to the whole of `re` and `im`.
     #[inline(always)]
     pub(crate) fn write<S: Simd>(&self, s: S, i: usize, re: &mut [f32], im: &mut [f32]) {
         match *self {
@@ -45,9 +45,9 @@ impl Rows<'_> {
         }
     }
 
-    /// Writes a tile of [`crate::kernels::tiles`]: 16 transducers in the lanes, the first a multiple of 16 and fewer only
-    /// where there are no more; row after row all the points in their `order`, zeros in the lanes of transducers that there
-    /// are not.
+    /// Writes a tile of [`crate::kernels::tiles`], with 16 transducers in the lanes. The first of `members` is a
+    /// multiple of 16; there are fewer than 16 only at the end of the array. Each point has a row, in the order of
+    /// `order`. Lanes without a transducer get 0.
     #[inline(always)]
     pub(crate) fn write_tile<S: Simd>(
         &self,

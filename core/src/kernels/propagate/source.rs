@@ -1,22 +1,22 @@
-//! Sources: the transducers as the kernels read them, sixteen to a group, list by list.
+//! Sources: the transducers in the layout that the kernels read, sixteen to a group, one list for each property.
 
 use alloc::vec::Vec;
 
 use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::simd::Elementwise;
 
-/// One transducer, in wavelengths from the array's middle.
+/// One transducer. Lengths are in wavelengths, from the array's middle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Source {
     pub(crate) position: [f32; 3],
     pub(crate) normal: [f32; 3],
-    /// |c_i| times P0 over the reference, per wavelength.
+    /// |c_i| times P0 over the reference pressure, per wavelength.
     pub(crate) amplitude: f32,
     /// The phase of c_i in turns.
     pub(crate) turns: f32,
 }
 
-/// Sixteen transducers, one a lane.
+/// Sixteen transducers, one in each lane.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
 pub(crate) struct SourceGroup {
@@ -26,16 +26,16 @@ pub(crate) struct SourceGroup {
     upright: bool,
     amplitude: Lanes,
     turns: Lanes,
-    /// Whether all of these numbers are 0.
+    /// Whether all of `turns` are 0.
     in_phase: bool,
 }
 
-/// All transducers, group by group. The lanes beyond the last one are silent and lie where it is.
+/// All transducers in groups of sixteen. Lanes after the last transducer have its position and amplitude 0.
 #[derive(Clone, Debug)]
 pub(crate) struct SourceList {
     pub(crate) groups: Vec<SourceGroup>,
     count: usize,
-    /// Whether no transducer's phase is shifted.
+    /// Whether all transducers have c_i with phase 0.
     pub(crate) in_phase: bool,
 }
 
@@ -45,18 +45,19 @@ impl SourceList {
         Self { groups, count: sources.len(), in_phase: sources.iter().all(|source| source.turns == 0.0) }
     }
 
-    /// The number of transducers.
+    /// Returns the number of transducers.
     pub(crate) fn len(&self) -> usize {
         self.count
     }
 
-    /// Transducer `i` in all lanes.
+    /// Returns transducer `i` in all lanes.
     #[inline(always)]
     pub(crate) fn one<S: Elementwise>(&self, s: S, i: usize) -> SourceLanes<S::V> {
         self.groups[i / LANES].one(s, i % LANES)
     }
 
-    /// N transducers side by side, the k-th of `members` in the lanes from 16 k/N on, the last one in those that are left.
+    /// Returns N transducers side by side: member k in the lanes from 16 k/N on. The last of `members` fills the lanes
+    /// left.
     #[inline(always)]
     pub(crate) fn segments<S: Elementwise, const N: usize>(&self, s: S, members: &[usize]) -> SourceLanes<S::V> {
         let at = core::array::from_fn(|quarter| {
@@ -82,7 +83,7 @@ impl SourceList {
     }
 }
 
-/// A number of each of four transducers, in four lanes each.
+/// Returns one number of each of four transducers, each number in four lanes.
 #[inline(always)]
 fn quarters<S: Elementwise>(s: S, at: &[(&SourceGroup, usize); 4], list: impl Fn(&SourceGroup) -> &Lanes) -> S::V {
     let [a, b, c, d] = at;
@@ -90,7 +91,7 @@ fn quarters<S: Elementwise>(s: S, at: &[(&SourceGroup, usize); 4], list: impl Fn
 }
 
 impl SourceGroup {
-    /// At least one and at most sixteen.
+    /// Creates a group of one to sixteen sources.
     fn of(sources: &[Source]) -> Self {
         let upright = sources.iter().all(|source| source.normal == [0.0, 0.0, 1.0]);
         let in_phase = sources.iter().all(|source| source.turns == 0.0);
@@ -107,7 +108,7 @@ impl SourceGroup {
         group
     }
 
-    /// One of them in all lanes.
+    /// Returns the transducer of one lane in all lanes.
     #[inline(always)]
     pub(crate) fn one<S: Elementwise>(&self, s: S, lane: usize) -> SourceLanes<S::V> {
         let [[x, y, z], [nx, ny, nz]] = [&self.position, &self.normal];
@@ -121,7 +122,7 @@ impl SourceGroup {
         }
     }
 
-    /// Each in its lane.
+    /// Returns each transducer in its lane.
     #[inline(always)]
     pub(crate) fn all<S: Elementwise>(&self, s: S) -> SourceLanes<S::V> {
         let [[x, y, z], [nx, ny, nz]] = [&self.position, &self.normal];
@@ -136,7 +137,7 @@ impl SourceGroup {
     }
 }
 
-/// A transducer in all lanes, or sixteen of them.
+/// The numbers of one transducer in all lanes, or of sixteen transducers.
 pub(crate) struct SourceLanes<V> {
     pub(crate) position: [V; 3],
     pub(crate) normal: [V; 3],
@@ -147,7 +148,7 @@ pub(crate) struct SourceLanes<V> {
 }
 
 impl<V: Copy> SourceLanes<V> {
-    /// The part of a ray along the normal.
+    /// Returns the component of a ray along the normal.
     #[inline(always)]
     pub(crate) fn along<S: Elementwise<V = V>>(&self, s: S, [dx, dy, dz]: [V; 3]) -> V {
         let [nx, ny, nz] = self.normal;

@@ -1,4 +1,4 @@
-//! AVX2 and FMA: two registers (Haswell and Zen, and later).
+//! AVX2 and FMA: two registers for 16 lanes (Haswell and Zen, and later).
 
 use core::arch::x86_64::{
     __m256, __m256d, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _mm_add_ps, _mm_add_ss, _mm_cvtss_f32,
@@ -17,7 +17,7 @@ use crate::kernels::lanes::Lanes;
 use crate::kernels::simd::doubles::{Doubles, EIGHT, ROOT};
 use crate::kernels::simd::{Elementwise, Simd};
 
-/// AVX2 and FMA are there.
+/// Token of a CPU with AVX2 and FMA.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Avx2(());
 
@@ -31,7 +31,7 @@ impl Avx2 {
 
 type Pair = [__m256; 2];
 
-/// A method that does the same to both registers. (Closures would not be compiled for AVX2.)
+/// Defines methods that apply one expression to both registers. (Closures would not be compiled for AVX2.)
 macro_rules! operations {
     ($($name:ident($($argument:ident),*) = $body:expr;)*) => { operations! { Pair; $($name($($argument),*) = $body;)* } };
     ($pair:ty; $($name:ident($($argument:ident),*) = $body:expr;)*) => {$(
@@ -42,7 +42,7 @@ macro_rules! operations {
                 $(let $argument = $argument[0];)*
                 $body
             };
-            // SAFETY: the same.
+            // SAFETY: the token proves that the CPU has AVX2 and FMA.
             let second = unsafe {
                 $(let $argument = $argument[1];)*
                 $body
@@ -66,14 +66,14 @@ impl Doubles for Avx2 {
     #[inline(always)]
     fn load_doubles(self, from: &[f64]) -> Self::D {
         let eight = from.first_chunk::<EIGHT>().expect("eight numbers");
-        // SAFETY: 8 numbers are two registers.
+        // SAFETY: 8 numbers fill two registers.
         unsafe { [_mm256_loadu_pd(eight.as_ptr()), _mm256_loadu_pd(eight.as_ptr().add(4))] }
     }
 
     #[inline(always)]
     fn store_doubles(self, d: Self::D, to: &mut [f64]) {
         let eight = to.first_chunk_mut::<EIGHT>().expect("eight numbers");
-        // SAFETY: 8 numbers are two registers.
+        // SAFETY: 8 numbers fill two registers.
         unsafe {
             _mm256_storeu_pd(eight.as_mut_ptr(), d[0]);
             _mm256_storeu_pd(eight.as_mut_ptr().add(4), d[1]);
@@ -103,7 +103,7 @@ impl Elementwise for Avx2 {
         fn inner<R>(f: impl FnOnce() -> R) -> R {
             f()
         }
-        // SAFETY: the token proves that the CPU has them.
+        // SAFETY: the token proves that the CPU has AVX2 and FMA.
         unsafe { inner(f) }
     }
 
@@ -115,13 +115,13 @@ impl Elementwise for Avx2 {
 
     #[inline(always)]
     fn load(self, lanes: &Lanes) -> Pair {
-        // SAFETY: 16 numbers are two registers.
+        // SAFETY: 16 numbers fill two registers.
         unsafe { [_mm256_loadu_ps(lanes.as_ptr()), _mm256_loadu_ps(lanes.as_ptr().add(8))] }
     }
 
     #[inline(always)]
     fn store(self, v: Pair, lanes: &mut Lanes) {
-        // SAFETY: 16 numbers are two registers.
+        // SAFETY: 16 numbers fill two registers.
         unsafe {
             _mm256_storeu_ps(lanes.as_mut_ptr(), v[0]);
             _mm256_storeu_ps(lanes.as_mut_ptr().add(8), v[1]);
@@ -149,8 +149,8 @@ impl Elementwise for Avx2 {
             let biased = _mm256_srli_epi32::<23>(_mm256_castps_si256(a));
             _mm256_cvtepi32_ps(_mm256_sub_epi32(biased, _mm256_set1_epi32(127)))
         };
-        // The estimate of AVX differs between makers; root and quotient do not, and measure faster than the
-        // exponent's bits with steps of Newton.
+        // The estimate of AVX differs between manufacturers; root and quotient do not. In measurements they were faster
+        // than the exponent's bits with steps of Newton's method.
         rsqrt_estimate(a) = _mm256_div_ps(_mm256_set1_ps(1.0), _mm256_sqrt_ps(a));
         select_less(a, b, x, y) =
             _mm256_blendv_ps(y, x, _mm256_cmp_ps::<_CMP_LT_OQ>(a, b));
@@ -202,7 +202,7 @@ impl Elementwise for Avx2 {
                     let place = _mm256_castps_si256($index);
                     let a = _mm256_permutevar8x32_ps(first, place);
                     let b = _mm256_permutevar8x32_ps(second, place);
-                    // Bit 3 of the index, where a sign is.
+                    // Bit 3 of the index selects the half of the table; it is moved to the sign bit.
                     _mm256_blendv_ps(a, b, _mm256_castsi256_ps(_mm256_slli_epi32::<28>(place)))
                 }
             }};
@@ -215,7 +215,8 @@ impl Elementwise for Avx2 {
         let last = list.len().checked_sub(1).expect("a list is not empty") as i32;
         macro_rules! look {
             ($index:expr) => {{
-                // SAFETY: the token proves that the CPU has AVX2, and no place is beyond the last: below 0 counts as large.
+                // SAFETY: the token proves that the CPU has AVX2. No index is beyond the last: one below 0 counts as a
+                // large one.
                 unsafe {
                     let place = _mm256_min_epu32(_mm256_cvtps_epi32($index), _mm256_set1_epi32(last));
                     _mm256_i32gather_ps::<4>(list.as_ptr(), place)

@@ -1,4 +1,4 @@
-//! AVX-512 F and DQ: one register (Skylake-X and later).
+//! AVX-512 F and DQ: one register for 16 lanes (Skylake-X and later).
 
 use core::arch::x86_64::{
     __m512, __m512d, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _MM_FROUND_TO_NEG_INF, _mm_set_ss,
@@ -18,7 +18,7 @@ use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::simd::doubles::{Doubles, EIGHT, ROOT};
 use crate::kernels::simd::{Elementwise, Simd};
 
-/// AVX-512F and DQ are there.
+/// Token of a CPU with AVX-512F and AVX-512DQ.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Avx512(());
 
@@ -30,7 +30,7 @@ impl Avx512 {
     }
 }
 
-/// A method that is one expression of intrinsics.
+/// Defines methods that are one expression of intrinsics.
 macro_rules! operations {
     ($($name:ident($($argument:ident: $kind:ty),*) -> $result:ty = $body:expr;)*) => {$(
         #[inline(always)]
@@ -85,7 +85,7 @@ impl Elementwise for Avx512 {
         fn inner<R>(f: impl FnOnce() -> R) -> R {
             f()
         }
-        // SAFETY: the token proves that the CPU has them.
+        // SAFETY: the token proves that the CPU has these instruction sets.
         unsafe { inner(f) }
     }
 
@@ -119,7 +119,8 @@ impl Elementwise for Avx512 {
     #[inline(always)]
     fn gather_list(self, list: &[f32], index: __m512) -> __m512 {
         let last = list.len().checked_sub(1).expect("a list is not empty") as i32;
-        // SAFETY: the token proves that the CPU has AVX-512F, and no place is beyond the last: below 0 counts as large.
+        // SAFETY: the token proves that the CPU has AVX-512F. No index is beyond the last: one below 0 counts as a
+        // large one.
         unsafe {
             let place = _mm512_min_epu32(_mm512_cvtps_epi32(index), _mm512_set1_epi32(last));
             _mm512_i32gather_ps::<4>(place, list.as_ptr())
@@ -189,8 +190,8 @@ impl Simd for Avx512 {
     #[inline(always)]
     fn gather_pairs(self, list: &[f32], zero: i32, x: __m512) -> __m512 {
         let last = (list.len() / 2).checked_sub(1).expect("a list has a pair") as i32;
-        // SAFETY: the token proves that the CPU has AVX-512F. No place is beyond the last pair: below 0 counts as large,
-        // and what is no number becomes -2^31. What is in odd lanes is cleared, so that each even lane is a place of 64 bits.
+        // SAFETY: the token proves that the CPU has AVX-512F. No index is beyond the last pair: one below 0 counts as a
+        // large one, and NaN becomes -2^31. Odd lanes are set to 0, so that each even lane begins a 64-bit index.
         unsafe {
             let floor = _mm512_cvt_roundps_epi32::<{ _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC }>(x);
             let place = _mm512_min_epu32(_mm512_add_epi32(floor, _mm512_set1_epi32(zero)), _mm512_set1_epi32(last));
@@ -201,9 +202,9 @@ impl Simd for Avx512 {
 
     #[inline(always)]
     fn reduce_add_each(self, vectors: &[__m512; LANES]) -> __m512 {
-        // Each fold adds the halves of two vectors, then quarters, pairs and neighbours, until 16 vectors are one.
-        // The folds deal the vectors out, neighbouring bits of their number swapped. (Closures would not be
-        // compiled for AVX-512.)
+        // Each fold adds the halves of two vectors, then quarters, pairs and neighbours, until 16 vectors have become
+        // one. The order of the vectors is such that the sum of vector k is in lane k. (Closures would not be compiled
+        // for AVX-512.)
         macro_rules! fold {
             ($shuffle:ident, $low:expr, $high:expr, $a:expr, $b:expr) => {{
                 let (a, b) = ($a, $b);
@@ -231,7 +232,7 @@ impl Simd for Avx512 {
 
     #[inline(always)]
     fn transpose(self, v: [__m512; LANES]) -> [__m512; LANES] {
-        // Fours of vectors within quarters of a register, then quarters of four registers.
+        // First transposes four vectors within each quarter of a register, then the quarters of four registers.
         let (mut fours, mut out) = (v, v);
         // SAFETY: the token proves that the CPU has AVX-512F.
         unsafe {

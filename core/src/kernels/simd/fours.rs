@@ -1,7 +1,7 @@
-//! Fours: the 16 lanes as four registers, where registers hold four numbers or one; or one of the four alone.
+//! Fours: 16 lanes as four registers of four numbers, for machines with narrow registers; or one register alone.
 //!
-//! A kernel in which no lane sees another runs over one register's lanes after the other's ([`Simd::apart`]): its values
-//! then stay in registers, its code is a quarter as long, and lanes without use cost nothing.
+//! A kernel in which no lane depends on another runs over the lanes of one register after the other ([`Simd::apart`]).
+//! Its values then stay in registers, its code is a quarter as long, and unused lanes take no time.
 
 use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::simd::{Apart, Elementwise, Simd, reduce_add};
@@ -9,9 +9,9 @@ use crate::kernels::simd::{Apart, Elementwise, Simd, reduce_add};
 /// Lanes of a register.
 pub(crate) const FOUR: usize = 4;
 
-/// Operations on four numbers; each is that of [`Elementwise`].
+/// Operations on four numbers; each has the meaning that it has in [`Elementwise`].
 pub(crate) trait Register: Copy {
-    /// Four f32.
+    /// A register of four f32.
     type V: Copy;
 
     fn splat(self, x: f32) -> Self::V;
@@ -49,30 +49,30 @@ pub(crate) trait Register: Copy {
         self.load(&[look(four[0]), look(four[1]), look(four[2]), look(four[3])])
     }
 
-    /// Four bits.
+    /// Returns four bits: bit l is set where a < b.
     fn less(self, a: Self::V, b: Self::V) -> u32;
-    /// Lane l gets lane l xor 2,
+    /// Moves lane l xor 2 to lane l.
     fn swap_pairs(self, a: Self::V) -> Self::V;
-    /// or lane l xor 1.
+    /// Moves lane l xor 1 to lane l.
     fn swap_neighbours(self, a: Self::V) -> Self::V;
-    /// Lanes 0 and 1 of `low`, 2 and 3 of `high`,
+    /// Returns lanes 0 and 1 of `low` and lanes 2 and 3 of `high`.
     fn pick_pairs(self, low: Self::V, high: Self::V) -> Self::V;
-    /// or lanes 0 and 2, 1 and 3.
+    /// Returns lanes 0 and 2 of `low` and lanes 1 and 3 of `high`.
     fn pick_neighbours(self, low: Self::V, high: Self::V) -> Self::V;
 }
 
-/// All 16 lanes.
+/// Token for all 16 lanes in four registers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fours<R>(pub(crate) R);
 
-/// Lanes 4 k to 4 k + 3 of the 16; the others are neither read nor written.
+/// Token for lanes 4 k to 4 k + 3 of the 16; the other lanes are neither read nor written.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Quarter<R> {
     register: R,
     k: usize,
 }
 
-/// The operations of [`Elementwise`] that are one of [`Register`] each.
+/// Defines the operations of [`Elementwise`] that consist of one operation of [`Register`].
 macro_rules! operations {
     ($one:ident; $($name:ident($($argument:ident),*);)*) => {$(
         #[inline(always)]
@@ -101,7 +101,7 @@ macro_rules! operations {
     };
 }
 
-/// An operation of every register.
+/// Applies an operation to every register.
 macro_rules! each {
     ($s:ident, $name:ident, $($argument:ident),*) => {
         [
@@ -112,7 +112,7 @@ macro_rules! each {
         ]
     };
 }
-/// An operation of one.
+/// Applies an operation to the one register of a [`Quarter`].
 macro_rules! own {
     ($s:ident, $name:ident, $($argument:ident),*) => {
         $s.register.$name($($argument),*)
@@ -122,7 +122,7 @@ macro_rules! own {
 impl<R: Register> Elementwise for Fours<R> {
     type V = [R::V; FOUR];
 
-    // A vector takes four instructions or sixteen.
+    // A vector operation takes four instructions or sixteen.
     const SHORT: bool = true;
 
     #[inline(always)]
@@ -227,7 +227,7 @@ impl<R: Register> Elementwise for Quarter<R> {
 }
 
 impl<R: Register> Simd for Fours<R> {
-    // One function of the program for each kernel, for all callers.
+    // Not inlined: each kernel is compiled once, for all callers.
     #[inline(never)]
     fn apart(self, used: usize, kernel: &mut impl Apart) {
         for k in 0..used.min(LANES).div_ceil(FOUR) {
@@ -267,11 +267,11 @@ impl<R: Register> Simd for Fours<R> {
         (four[0] + four[2]) + (four[1] + four[3])
     }
 
-    // In a loop: folds of whole vectors would take thousands of instructions.
+    // A loop, because folds of whole vectors would take thousands of instructions.
     #[inline(never)]
     fn sums(self, lists: &[Lanes; LANES], used: usize) -> Self::V {
         let few = used <= FOUR;
-        // One +0 among the summands and the sum is not -0.
+        // With +0 among the terms, the sum is never -0.
         let first = |list: &Lanes| (list[0] + list[2]) + (list[1] + list[3]) + 0.0;
         let mut sums = [0.0; LANES];
         for (sum, list) in sums.iter_mut().zip(lists) {
@@ -295,7 +295,7 @@ impl<R: Register> Simd for Fours<R> {
     }
 }
 
-/// The greatest of some numbers.
+/// Returns the greatest of some numbers.
 #[inline(always)]
 fn greatest(numbers: impl Iterator<Item = f32>) -> f32 {
     numbers.fold(f32::NEG_INFINITY, |a, b| if a > b { a } else { b })

@@ -1,4 +1,4 @@
-//! The instruction set: chosen at run time, handed down as a value.
+//! The instruction set: chosen at run time and passed on as a value.
 
 use core::fmt;
 
@@ -20,9 +20,9 @@ use crate::kernels::simd::simd128::Vectors as Plain;
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
 use crate::kernels::simd::sse2::Vectors as Plain;
 
-/// The instructions that the kernels use: a value exists only for a set that this machine has.
+/// The instruction set that the kernels use. A value exists only for a set that this machine has.
 ///
-/// One set gives the same bits on every machine that has it. Between sets numbers agree to f32 rounding.
+/// One set gives the same bits on every machine that has it. Results of different sets agree within f32 rounding.
 ///
 /// ```
 /// use midair::InstructionSet;
@@ -34,7 +34,7 @@ use crate::kernels::simd::sse2::Vectors as Plain;
 #[derive(Clone, Copy)]
 pub struct InstructionSet(pub(crate) Kind);
 
-/// The tokens of the sets.
+/// The token of each set.
 #[derive(Clone, Copy)]
 pub(crate) enum Kind {
     Scalar(Fours<Plain>),
@@ -46,7 +46,7 @@ pub(crate) enum Kind {
     Neon(Neon),
 }
 
-/// Whether the machine has some instructions: checked at run time with `std`, known at compile time without.
+/// Returns whether the machine has some instructions: checked at run time with `std`, known at compile time without.
 #[cfg(target_arch = "x86_64")]
 macro_rules! has {
     ($($feature:tt),*) => {{
@@ -59,11 +59,11 @@ macro_rules! has {
 }
 
 impl InstructionSet {
-    /// No instructions but those that every machine of the kind has: numbers one by one; on 64-bit x86 SSE2, and where wasm is
-    /// compiled for simd128 that set, which give the same bits, so that no kernel is there twice.
+    /// The set that every machine has: one number at a time. On 64-bit x86 it is SSE2, and in wasm compiled for simd128
+    /// it is that set. Both give the same bits as single numbers, so that each kernel is compiled once.
     pub const SCALAR: Self = Self(Kind::Scalar(Fours(Plain)));
 
-    /// Every set this machine has, from the slowest.
+    /// Iterates over all sets that this machine has, from the slowest to the fastest.
     pub fn all() -> impl Iterator<Item = Self> {
         let sets = [
             Some(Self::SCALAR),
@@ -72,25 +72,25 @@ impl InstructionSet {
             #[cfg(target_arch = "x86_64")]
             Self::avx512(),
             #[cfg(target_arch = "aarch64")]
-            // Every 64-bit ARM has it.
+            // Every 64-bit ARM CPU has NEON.
             Some(Self(Kind::Neon(Fours(neon::Vectors)))),
         ];
         sets.into_iter().flatten()
     }
 
-    /// The fastest set of this machine.
+    /// Returns the fastest set of this machine.
     #[must_use]
     pub fn best() -> Self {
         Self::all().last().unwrap_or(Self::SCALAR)
     }
 
-    /// The set of that name, whatever its case, "-" and "_", if this machine has it.
+    /// Returns the set of this name if this machine has it. Upper and lower case, "-" and "_" make no difference.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::all().find(|set| same_name(set.name(), name))
     }
 
-    /// "scalar", "avx2", "avx512", "neon" or "simd128".
+    /// Returns the name: "scalar", "avx2", "avx512", "neon" or "simd128".
     #[must_use]
     pub fn name(self) -> &'static str {
         match self.0 {
@@ -105,7 +105,7 @@ impl InstructionSet {
         }
     }
 
-    /// Whether its code must be short: [`Elementwise::SHORT`] of its token.
+    /// Returns whether code for this set must be short, see [`Elementwise::SHORT`].
     #[inline]
     pub(crate) fn is_short(self) -> bool {
         dispatch!(self, s => s.is_short())
@@ -114,14 +114,14 @@ impl InstructionSet {
     #[cfg(target_arch = "x86_64")]
     #[allow(unsafe_code, reason = "the one place where a token comes into being")]
     fn avx2() -> Option<Self> {
-        // SAFETY: what the token promises has just been checked.
+        // SAFETY: `has!` checked the instructions whose presence the token proves.
         has!("avx2", "fma").then(|| Self(Kind::Avx2(unsafe { Avx2::assume() })))
     }
 
     #[cfg(target_arch = "x86_64")]
     #[allow(unsafe_code, reason = "the one place where a token comes into being")]
     fn avx512() -> Option<Self> {
-        // SAFETY: what the token promises has just been checked.
+        // SAFETY: `has!` checked the instructions whose presence the token proves.
         has!("avx512f", "avx512dq", "avx2", "fma").then(|| Self(Kind::Avx512(unsafe { Avx512::assume() })))
     }
 }
@@ -146,7 +146,7 @@ impl fmt::Display for InstructionSet {
     }
 }
 
-/// Runs an expression of a token compiled for a set: `dispatch!(set, simd => body)`.
+/// Evaluates an expression of a token, compiled for a set: `dispatch!(set, simd => body)`.
 macro_rules! dispatch {
     ($set:expr, $simd:ident => $body:expr) => {{
         use crate::kernels::simd::instruction_set::Kind;

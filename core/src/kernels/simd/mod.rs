@@ -1,10 +1,10 @@
-//! The vector trait: operations on 16 f32, whatever the machine's registers hold.
+//! The vector trait: operations on 16 f32, for registers of any size.
 //!
-//! [`Simd`] is the whole vocabulary of the kernels: each is written once over it. A value that implements it is a
-//! token: it exists only where its instructions do, which is what makes the `unsafe` blocks of these files sound.
-//! Its operations in which no lane sees another are those of [`Elementwise`]: some of the lanes can do them alone.
-//! Sums run over the lanes in one fixed tree, so that instruction sets differ by fused multiply-adds and the estimate of
-//! an inverse root alone.
+//! [`Simd`] has all operations of the kernels: each kernel is written once with it. A value that implements it is a
+//! token. It exists only where the CPU has its instructions, which makes the `unsafe` blocks of these files sound.
+//! [`Elementwise`] has the operations in which no lane depends on another: they can run on some of the lanes alone.
+//! Sums over the lanes follow one fixed tree. So the results of instruction sets differ only by fused multiply-adds and
+//! by the estimate of an inverse root.
 
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code, reason = "it names instructions: a token proves that the CPU has them")]
@@ -35,23 +35,23 @@ pub(crate) mod sse2;
 
 use crate::kernels::lanes::{LANES, Lanes};
 
-/// Squares below it count as 0: the remainders of their roots would be denormal, at a hundred cycles each on some
-/// machines.
+/// Smaller squares count as 0: the remainders of their roots would be denormal numbers, which take a hundred cycles on
+/// some machines.
 pub(crate) const TINY: f32 = 1e-28;
 
-/// Added to |x| < 2^22 it leaves the nearest integer, ties to even, in the lowest bits.
+/// Added to |x| < 2^22, this number leaves the nearest integer, ties to even, in the lowest bits.
 pub(crate) const WHOLE: f32 = 12_582_912.0;
 
-/// Operations on lanes in which none sees another.
+/// Operations on lanes in which no lane depends on another.
 pub(crate) trait Elementwise: Copy {
-    /// Sixteen f32, or those of some lanes.
+    /// Sixteen f32, or the f32 of some lanes.
     type V: Copy;
 
-    /// Whether 16 lanes are more registers than a kernel should hold. Code and stack are then to be short: what a kernel can
-    /// find out at each element it is not compiled for.
+    /// Whether 16 lanes are more registers than a kernel should use. Code and stack must then be short: a kernel checks
+    /// its options at each element instead of being compiled for each option.
     const SHORT: bool = false;
 
-    /// [`Elementwise::SHORT`] of a token.
+    /// Returns [`Elementwise::SHORT`] of a token.
     #[inline(always)]
     fn is_short(self) -> bool {
         Self::SHORT
@@ -66,55 +66,55 @@ pub(crate) trait Elementwise: Copy {
     fn add(self, a: Self::V, b: Self::V) -> Self::V;
     fn sub(self, a: Self::V, b: Self::V) -> Self::V;
     fn mul(self, a: Self::V, b: Self::V) -> Self::V;
-    /// a / b, rounded once: the same bits by every set.
+    /// Returns a / b, rounded once: every set gives the same bits.
     fn div(self, a: Self::V, b: Self::V) -> Self::V;
-    /// sqrt(a), rounded once: the same bits by every set.
+    /// Returns sqrt(a), rounded once: every set gives the same bits.
     fn sqrt(self, a: Self::V) -> Self::V;
-    /// a b + c, rounded once where the machine can.
+    /// Returns a b + c, rounded once where the machine has such an instruction.
     fn fma(self, a: Self::V, b: Self::V, c: Self::V) -> Self::V;
-    /// c - a b.
+    /// Returns c - a b.
     fn fnma(self, a: Self::V, b: Self::V, c: Self::V) -> Self::V;
-    /// The lesser; b if either is NaN.
+    /// Returns the smaller number; b if either is NaN.
     fn min(self, a: Self::V, b: Self::V) -> Self::V;
-    /// The greater; b if either is NaN.
+    /// Returns the larger number; b if either is NaN.
     fn max(self, a: Self::V, b: Self::V) -> Self::V;
     fn abs(self, a: Self::V) -> Self::V;
-    /// The nearest integer of |a| < 2^22, ties to even.
+    /// Returns the nearest integer of |a| < 2^22, ties to even.
     fn round(self, a: Self::V) -> Self::V;
-    /// The greatest integer up to |a| < 2^22.
+    /// Returns the largest integer that is at most a, |a| < 2^22.
     #[inline(always)]
     fn floor(self, a: Self::V) -> Self::V {
         let near = self.round(a);
         self.select_less(a, near, self.sub(near, self.splat(1.0)), near)
     }
-    /// a less its nearest integer, for |a| < 2^22.
+    /// Returns a less its nearest integer, for |a| < 2^22.
     #[inline(always)]
     fn fract(self, a: Self::V) -> Self::V {
         self.sub(a, self.round(a))
     }
-    /// 2^a of integers a in -126..=127.
+    /// Returns 2^a of integers a in -126..=127.
     fn exp2(self, a: Self::V) -> Self::V;
-    /// The greatest integer e with 2^e <= a, of normal a > 0.
+    /// Returns the largest integer e with 2^e <= a, of normal a > 0.
     fn exponent(self, a: Self::V) -> Self::V;
-    /// 1/sqrt(a) with a relative error below 7e-5, of normal a > 0.
+    /// Returns 1/sqrt(a) with a relative error below 7e-5, of normal a > 0.
     fn rsqrt_estimate(self, a: Self::V) -> Self::V;
-    /// x where a < b, else y.
+    /// Returns x where a < b, else y.
     fn select_less(self, a: Self::V, b: Self::V, x: Self::V, y: Self::V) -> Self::V;
-    /// Bit l is set where a < b.
+    /// Returns bits: bit l is set where a < b in lane l.
     fn less(self, a: Self::V, b: Self::V) -> u32;
-    /// The bits of all its lanes.
+    /// Returns the bits of all lanes.
     #[inline(always)]
     fn every(self) -> u32 {
         (1 << LANES) - 1
     }
 
-    /// Four lanes of each number.
+    /// Returns each of four numbers in four lanes.
     #[inline(always)]
     fn quarters(self, numbers: [f32; 4]) -> Self::V {
         self.load(&core::array::from_fn(|l| numbers[l / 4]))
     }
 
-    /// `table[index % 16]` of an integer added to [`WHOLE`].
+    /// Returns `table[index % 16]`; the index is an integer plus [`WHOLE`].
     #[inline(always)]
     fn gather(self, table: &Lanes, index: Self::V) -> Self::V {
         let mut lanes = [0.0; LANES];
@@ -122,7 +122,8 @@ pub(crate) trait Elementwise: Copy {
         self.load(&lanes.map(|index| table[index.to_bits() as usize % LANES]))
     }
 
-    /// `list[index]` of a list of any length but 0, for indices that are whole numbers; those beyond its end read its last.
+    /// Returns `list[index]` of a list that is not empty. Indices are whole numbers; an index beyond the end reads the
+    /// last.
     #[inline(always)]
     fn gather_list(self, list: &[f32], index: Self::V) -> Self::V {
         let mut lanes = [0.0; LANES];
@@ -130,8 +131,8 @@ pub(crate) trait Elementwise: Copy {
         self.load(&lanes.map(|index| list[(index as usize).min(list.len() - 1)]))
     }
 
-    /// sqrt(a) and 1/sqrt(a) of a >= [`TINY`], each within two roundings: one step of Newton from the guess for
-    /// each, with their own remainders.
+    /// Returns sqrt(a) and 1/sqrt(a) of a >= [`TINY`], each within two roundings: the estimate and one step of Newton's
+    /// method for each, with its own remainder.
     #[inline(always)]
     fn sqrt_rsqrt(self, a: Self::V) -> (Self::V, Self::V) {
         let guess = self.rsqrt_estimate(a);
@@ -141,14 +142,15 @@ pub(crate) trait Elementwise: Copy {
         (self.fma(half, miss, root), self.fma(half, other, guess))
     }
 
-    /// 1/sqrt(a) alone.
+    /// Returns 1/sqrt(a) alone.
     #[inline(always)]
     fn rsqrt(self, a: Self::V) -> Self::V {
         let (guess, miss) = self.rsqrt_guess(a);
         self.fma(self.mul(guess, self.splat(0.5)), miss, guess)
     }
 
-    /// g and m with 1/sqrt(a) = g (1 + m/2) within two roundings: a factor joins g while m is waited for.
+    /// Returns g and m with 1/sqrt(a) = g (1 + m/2) within two roundings. A caller can multiply a factor to g while m
+    /// is computed.
     #[inline(always)]
     fn rsqrt_guess(self, a: Self::V) -> (Self::V, Self::V) {
         let guess = self.rsqrt_estimate(a);
@@ -156,28 +158,29 @@ pub(crate) trait Elementwise: Copy {
     }
 }
 
-/// A kernel in which no lane sees another: it may run over some of the lanes after the others.
+/// A kernel in which no lane depends on another: it may run over some of the lanes after the others.
 pub(crate) trait Apart {
     fn run<S: Elementwise>(&mut self, s: S);
 }
 
 /// Operations on 16 lanes.
 pub(crate) trait Simd: Elementwise {
-    /// Runs a kernel of which the first `used` lanes matter, the others may or may not run: over all lanes at once, or over
-    /// those of one register after the other.
+    /// Runs a kernel over all lanes at once, or over the lanes of one register after the other. Only the first `used`
+    /// lanes matter; the others may be left out.
     #[inline(always)]
     fn apart(self, used: usize, kernel: &mut impl Apart) {
         let _ = used;
         kernel.run(self);
     }
 
-    /// Runs `f`, as a function of the program where code and stack must be short; it must be `#[inline(always)]`.
+    /// Runs `f`, as a function that is not inlined where code and stack must be short. `f` must be `#[inline(always)]`.
     #[inline(always)]
     fn aside<R>(self, f: impl FnOnce() -> R) -> R {
         f()
     }
 
-    /// Lane l gets lane l xor `DISTANCE`: 8 swaps the halves, 4 the quarters of each half, 2 and 1 so on.
+    /// Moves lane l xor `DISTANCE` to lane l: 8 swaps the halves, 4 the quarters of each half, 2 pairs and 1
+    /// neighbours.
     #[inline(always)]
     fn swap<const DISTANCE: usize>(self, a: Self::V) -> Self::V {
         let mut lanes = [0.0; LANES];
@@ -185,7 +188,7 @@ pub(crate) trait Simd: Elementwise {
         self.load(&core::array::from_fn(|l| lanes[(l ^ DISTANCE) % LANES]))
     }
 
-    /// Lane l of `low` where l lacks the bit `DISTANCE`, else lane l of `high`.
+    /// Returns lane l of `low` where bit `DISTANCE` of l is 0, else lane l of `high`.
     #[inline(always)]
     fn pick<const DISTANCE: usize>(self, low: Self::V, high: Self::V) -> Self::V {
         let mut lanes = [[0.0; LANES]; 2];
@@ -194,13 +197,13 @@ pub(crate) trait Simd: Elementwise {
         self.load(&core::array::from_fn(|l| lanes[usize::from(l & DISTANCE > 0)][l]))
     }
 
-    /// Lanes l and l xor `DISTANCE` added up: where l lacks the bit `DISTANCE` those of a, else those of b.
+    /// Returns the sums of lanes l and l xor `DISTANCE`: of a where bit `DISTANCE` of l is 0, else of b.
     #[inline(always)]
     fn fold<const DISTANCE: usize>(self, a: Self::V, b: Self::V) -> Self::V {
         self.add(self.pick::<DISTANCE>(a, b), self.swap::<DISTANCE>(self.pick::<DISTANCE>(b, a)))
     }
 
-    /// The sum over lanes: halves upon halves.
+    /// Returns the sum over lanes. It adds the halves, then the halves of the result, and so on.
     #[inline(always)]
     fn reduce_add(self, a: Self::V) -> f32 {
         let mut lanes = [0.0; LANES];
@@ -208,7 +211,7 @@ pub(crate) trait Simd: Elementwise {
         reduce_add(&lanes)
     }
 
-    /// The greatest lane, if none is NaN.
+    /// Returns the largest lane, if none is NaN.
     #[inline(always)]
     fn reduce_max(self, a: Self::V) -> f32 {
         let mut lanes = [0.0; LANES];
@@ -216,19 +219,19 @@ pub(crate) trait Simd: Elementwise {
         lanes.into_iter().fold(f32::NEG_INFINITY, |a, b| if a > b { a } else { b })
     }
 
-    /// The least lane, if none is NaN.
+    /// Returns the smallest lane, if none is NaN.
     #[inline(always)]
     fn least(self, a: Self::V) -> f32 {
         -self.reduce_max(self.sub(self.splat(0.0), a))
     }
 
-    /// The least lane, in all lanes, if none is NaN.
+    /// Returns the smallest lane in all lanes, if none is NaN.
     #[inline(always)]
     fn reduce_min(self, a: Self::V) -> Self::V {
         self.splat(self.least(a))
     }
 
-    /// Lane k is the sum over the lanes of vector k, the same tree as [`Simd::reduce_add`].
+    /// Returns in lane k the sum over the lanes of vector k, in the same tree as [`Simd::reduce_add`].
     #[inline(always)]
     fn reduce_add_each(self, vectors: &[Self::V; LANES]) -> Self::V {
         let mut v = *vectors;
@@ -244,7 +247,8 @@ pub(crate) trait Simd: Elementwise {
         self.fold::<1>(v[0], v[1])
     }
 
-    /// Lane k is the sum of list k, of which only the first `used` lanes are not +0: [`Simd::reduce_add_each`].
+    /// Returns in lane k the sum of list k, as [`Simd::reduce_add_each`]. After the first `used` lanes all lanes
+    /// contain +0.
     #[inline(always)]
     fn sums(self, lists: &[Lanes; LANES], used: usize) -> Self::V {
         let _ = used;
@@ -255,7 +259,7 @@ pub(crate) trait Simd: Elementwise {
         self.reduce_add_each(&vectors)
     }
 
-    /// Lane l of vector k becomes lane k of vector l.
+    /// Moves lane l of vector k to lane k of vector l.
     #[inline(always)]
     fn transpose(self, vectors: [Self::V; LANES]) -> [Self::V; LANES] {
         let mut lists = [[0.0; LANES]; LANES];
@@ -265,8 +269,8 @@ pub(crate) trait Simd: Elementwise {
         core::array::from_fn(|l| self.load(&lists.map(|list| list[l])))
     }
 
-    /// Lanes 2k and 2k + 1 are pair floor(x) + `zero` of a list of pairs, at least one, for the x in lane 2k; those beyond its
-    /// ends, and what is no number, read its last.
+    /// Reads pairs from a list of at least one pair. Lanes 2k and 2k + 1 of the result are pair floor(x) + `zero`, for
+    /// the x in lane 2k. Indices outside of the list and NaN read the last pair.
     #[inline(always)]
     fn gather_pairs(self, list: &[f32], zero: i32, x: Self::V) -> Self::V {
         let (pairs, mut lanes) = (list.as_chunks::<2>().0, [0.0; LANES]);
@@ -279,7 +283,7 @@ pub(crate) trait Simd: Elementwise {
     }
 }
 
-/// The sum over lanes, halves upon halves: a fixed tree, so that its rounding is part of the contract.
+/// Returns the sum over lanes in a fixed tree of halves. Callers rely on its rounding.
 #[inline(always)]
 pub(crate) fn reduce_add(lanes: &Lanes) -> f32 {
     let eight: [f32; 8] = core::array::from_fn(|l| lanes[l] + lanes[l + 8]);

@@ -1,4 +1,4 @@
-//! NEON: four registers, on every 64-bit ARM.
+//! NEON: four registers for 16 lanes, on every 64-bit ARM CPU.
 
 use core::arch::aarch64::{
     float32x4_t, vabsq_f32, vaddq_f32, vaddq_s32, vaddvq_u32, vandq_u32, vbslq_f32, vcltq_f32, vcombine_f32,
@@ -10,14 +10,14 @@ use core::arch::aarch64::{
 
 use crate::kernels::simd::fours::{FOUR, Fours, Register};
 
-/// The set where NEON is there.
+/// Token of NEON for 16 lanes.
 pub(crate) type Neon = Fours<Vectors>;
 
-/// NEON is there.
+/// Token of a CPU with NEON.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Vectors;
 
-/// A method that is one expression of intrinsics.
+/// Defines methods that are one expression of intrinsics.
 macro_rules! operations {
     ($($name:ident($($argument:ident),*) = $body:expr;)*) => {$(
         #[inline(always)]
@@ -41,13 +41,13 @@ impl Register for Vectors {
 
     #[inline(always)]
     fn load(self, four: &[f32; FOUR]) -> float32x4_t {
-        // SAFETY: four numbers are a register.
+        // SAFETY: four numbers fill a register.
         unsafe { vld1q_f32(four.as_ptr()) }
     }
 
     #[inline(always)]
     fn store(self, v: float32x4_t, four: &mut [f32; FOUR]) {
-        // SAFETY: four numbers are a register.
+        // SAFETY: four numbers fill a register.
         unsafe { vst1q_f32(four.as_mut_ptr(), v) }
     }
 
@@ -65,7 +65,7 @@ impl Register for Vectors {
         round(a) = vrndnq_f32(a);
         exp2(a) = vreinterpretq_f32_s32(vshlq_n_s32::<23>(vaddq_s32(vcvtq_s32_f32(a), vdupq_n_s32(127))));
         exponent(a) = vcvtq_f32_s32(vsubq_s32(vshrq_n_s32::<23>(vreinterpretq_s32_f32(a)), vdupq_n_s32(127)));
-        // Eight bits, whose rounding ARM prescribes, and a step of Newton.
+        // An estimate of eight bits, whose rounding ARM specifies, and a step of Newton's method.
         rsqrt_estimate(a) = {
             let y = vrsqrteq_f32(a);
             vmulq_f32(y, vrsqrtsq_f32(vmulq_f32(a, y), y))
@@ -79,7 +79,7 @@ impl Register for Vectors {
 
     #[inline(always)]
     fn less(self, a: float32x4_t, b: float32x4_t) -> u32 {
-        // SAFETY: four numbers are a register.
+        // SAFETY: every aarch64 CPU has NEON, and four numbers fill a register.
         unsafe { vaddvq_u32(vandq_u32(vcltq_f32(a, b), vld1q_u32([1, 2, 4, 8].as_ptr()))) }
     }
 }

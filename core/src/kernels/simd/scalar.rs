@@ -1,16 +1,16 @@
-//! Scalar: numbers one by one, which the compiler vectorises with the instructions that every such machine has.
+//! Scalar: single numbers, which the compiler vectorises with the instructions that every such machine has.
 
 use crate::kernels::simd::WHOLE;
 use crate::kernels::simd::fours::{FOUR, Register};
 use crate::math::sqrtf;
 
-/// Four numbers: always there. Products and sums are rounded apart.
+/// Token of single numbers, which every machine has. Products and sums are rounded separately.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Numbers;
 
 type Four = [f32; FOUR];
 
-/// A method that does the same to each number. (Written out: a loop over them would be one where code is to be short.)
+/// Defines methods that apply one expression to each number. (A loop would remain a loop where code is to be short.)
 macro_rules! operations {
     ($($name:ident($($argument:ident),*) = $body:expr;)*) => {$(
         #[inline(always)]
@@ -56,7 +56,7 @@ impl Register for Numbers {
         max(a, b) = if a > b { a } else { b };
         abs(a) = a.abs();
         round(a) = (a + WHOLE) - WHOLE;
-        // The exponent's bits.
+        // The exponent's bits are set and read.
         exp2(a) = f32::from_bits(((a as i32 + 127) as u32) << 23);
         exponent(a) = ((a.to_bits() >> 23) as i32 - 127) as f32;
         rsqrt_estimate(a) = rsqrt_estimate(a);
@@ -90,8 +90,8 @@ impl Register for Numbers {
     }
 }
 
-/// 1/sqrt(x) by the exponent's bits, relative error below 3.5e-2, made 5e-6 by two steps of Newton: the same bits
-/// on every machine, unlike the estimates of SSE. `x` and the subtraction of integers are all it needs.
+/// Returns 1/sqrt(x) from the exponent's bits, whose relative error below 3.5e-2 two steps of Newton's method reduce to
+/// 5e-6. Unlike the estimates of SSE it has the same bits on every machine.
 #[inline(always)]
 fn rsqrt_estimate(x: f32) -> f32 {
     let half = 0.5 * x;

@@ -1,6 +1,6 @@
-//! WebAssembly simd128: four registers, where the whole program is compiled for it.
+//! WebAssembly simd128: four registers for 16 lanes, where the whole program is compiled for it.
 //!
-//! Nothing is fused and the estimate is the scalar one, so the bits are those of the scalar set.
+//! No operation is fused and the estimate is that of the scalar set, so that both sets give the same bits.
 
 use core::arch::wasm32::{
     f32x4_abs, f32x4_add, f32x4_convert_i32x4, f32x4_div, f32x4_lt, f32x4_mul, f32x4_nearest, f32x4_pmax, f32x4_pmin,
@@ -10,11 +10,11 @@ use core::arch::wasm32::{
 
 use crate::kernels::simd::fours::{FOUR, Register};
 
-/// simd128 is there.
+/// Token of a program compiled for simd128.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Vectors;
 
-/// A method that is one expression of intrinsics.
+/// Defines methods that are one expression of intrinsics.
 macro_rules! operations {
     ($($name:ident($($argument:ident),*) = $body:expr;)*) => {$(
         #[inline(always)]
@@ -34,13 +34,13 @@ impl Register for Vectors {
 
     #[inline(always)]
     fn load(self, four: &[f32; FOUR]) -> v128 {
-        // SAFETY: four numbers are a register, and loads need no alignment.
+        // SAFETY: four numbers fill a register, and loads need no alignment.
         unsafe { v128_load(four.as_ptr().cast()) }
     }
 
     #[inline(always)]
     fn store(self, v: v128, four: &mut [f32; FOUR]) {
-        // SAFETY: four numbers are a register, and stores need no alignment.
+        // SAFETY: four numbers fill a register, and stores need no alignment.
         unsafe { v128_store(four.as_mut_ptr().cast(), v) }
     }
 

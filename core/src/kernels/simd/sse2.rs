@@ -1,6 +1,6 @@
-//! SSE2, which every 64-bit x86 has: registers of four in the place of scalar code, whose bits it gives.
+//! SSE2, which every 64-bit x86 CPU has: registers of four numbers instead of scalar code, with the same bits.
 //!
-//! Nothing is fused and the estimate is the scalar one.
+//! No operation is fused and the estimate is that of the scalar set.
 
 use core::arch::x86_64::{
     __m128, _mm_add_epi32, _mm_add_ps, _mm_and_ps, _mm_andnot_ps, _mm_castps_si128, _mm_castsi128_ps, _mm_cmplt_ps,
@@ -12,11 +12,11 @@ use core::arch::x86_64::{
 use crate::kernels::simd::WHOLE;
 use crate::kernels::simd::fours::{FOUR, Register};
 
-/// SSE2 is there.
+/// Token of a program compiled for SSE2.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Vectors;
 
-/// A method that is one expression of intrinsics.
+/// Defines methods that are one expression of intrinsics.
 macro_rules! operations {
     ($($name:ident($($argument:ident),*) = $body:expr;)*) => {$(
         #[inline(always)]
@@ -38,13 +38,13 @@ impl Register for Vectors {
 
     #[inline(always)]
     fn load(self, four: &[f32; FOUR]) -> __m128 {
-        // SAFETY: the program is compiled for SSE2; four numbers are a register, and loads need no alignment.
+        // SAFETY: the program is compiled for SSE2; four numbers fill a register, and loads need no alignment.
         unsafe { _mm_loadu_ps(four.as_ptr()) }
     }
 
     #[inline(always)]
     fn store(self, v: __m128, four: &mut [f32; FOUR]) {
-        // SAFETY: the program is compiled for SSE2; four numbers are a register, and stores need no alignment.
+        // SAFETY: the program is compiled for SSE2; four numbers fill a register, and stores need no alignment.
         unsafe { _mm_storeu_ps(four.as_mut_ptr(), v) }
     }
 
@@ -60,7 +60,7 @@ impl Register for Vectors {
         max(a, b) = _mm_max_ps(a, b);
         abs(a) = _mm_andnot_ps(_mm_set1_ps(-0.0), a);
         round(a) = _mm_sub_ps(_mm_add_ps(a, _mm_set1_ps(WHOLE)), _mm_set1_ps(WHOLE));
-        // The exponent's bits.
+        // The exponent's bits are set and read.
         exp2(a) = _mm_castsi128_ps(_mm_slli_epi32::<23>(_mm_add_epi32(_mm_cvttps_epi32(a), _mm_set1_epi32(127))));
         exponent(a) = _mm_cvtepi32_ps(_mm_sub_epi32(_mm_srli_epi32::<23>(_mm_castps_si128(a)), _mm_set1_epi32(127)));
         rsqrt_estimate(a) = {

@@ -1,4 +1,4 @@
-//! Drives within an arc around 1 against f64: sweeps, rotations, and the columns that make drives relative.
+//! Drives within an arc of phases around 1 compared with f64: sweeps, rotations, and columns of relative drives.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -13,17 +13,17 @@ use crate::kernels::tiles;
 use crate::kernels::tiles::unit::Arc;
 use crate::rng::Rng;
 
-/// Whole pairs of tiles: padding would be within the arc, too.
+/// Two whole pairs of tiles, because drives in the padding would be within the arc, too.
 const TRANSDUCERS: usize = 64;
 
-/// Arcs from no change at all to more than a quarter turn.
+/// Half widths of the arc in rad, from 0 to more than a quarter turn.
 const CHANGES: [f64; 4] = [0.0, 0.2, 1.3, 2.5];
 
 fn arc(change: f64) -> Arc {
     [libm::cos(change), libm::sin(change)].map(|x| x as f32)
 }
 
-/// The nearest phasor within the arc; `None` where both ends are as near.
+/// Returns the phasor within the arc that is nearest to q; `None` where both ends are equally near.
 fn clipped(q: Complex64, change: f64) -> Option<Complex64> {
     let angle = q.arg();
     (angle.abs() < PI - 1e-3).then(|| Complex64::from_polar(1.0, angle.clamp(-change, change)))
@@ -47,7 +47,7 @@ fn phasors(rng: &mut Rng) -> [Vec<f32>; 2] {
 fn near(found: &[Complex64], wanted: impl Fn(usize) -> Option<Complex64>, reported: &str) {
     let off = |i: usize| wanted(i).map_or(0.0, |wanted| (found[i] - wanted).norm());
     let most = (0..TRANSDUCERS).map(off).fold(0.0, f64::max);
-    // A few roundings of sums of 16 terms, beside sums that may be a tenth of one.
+    // Some roundings of sums of 16 terms, relative to sums that may be a tenth of one term.
     assert!(most < 1e-4, "{reported}: {most}");
 }
 
@@ -103,7 +103,7 @@ fn columns_are_rotated_one_by_one() {
         for row in &mut scene.matrix {
             row.iter_mut().enumerate().for_each(|(i, g)| *g *= times(i));
         }
-        // `play` holds the field of the drive to the matrix.
+        // `play` compares the field with the product of drive and matrix.
         scene.play(|wave| {
             wave.drive.into_iter().for_each(|plane| plane.fill(0.5));
             let [re, im] = [vec![0.5; TRANSDUCERS], vec![0.5; TRANSDUCERS]];

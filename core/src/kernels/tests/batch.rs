@@ -1,5 +1,4 @@
-//! Random problems with stored rows, each alone and all interleaved, and the expected results of sweeps and passes
-//! over them.
+//! Random problems with stored rows, each alone and all interleaved, and checks of the results of sweeps and passes.
 
 use alloc::vec::Vec;
 
@@ -11,7 +10,7 @@ use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::kernels::tests::{numbers, wide};
 use crate::rng::Rng;
 
-/// Rows of all transducers one after the other, targets and weights.
+/// Rows of G of all transducers, one after another, with targets and weights.
 pub(super) struct Lists {
     gain: [Vec<f32>; 2],
     pub(super) target: Vec<f32>,
@@ -24,18 +23,18 @@ impl Lists {
         Rows::Stored { re: &self.gain[0], im: &self.gain[1] }
     }
 
-    /// Length of a row.
+    /// Returns the length of a row.
     pub(super) fn lanes(&self) -> usize {
         self.target.len()
     }
 
-    /// G of a transducer at point j.
+    /// Returns G of transducer i at point j.
     pub(super) fn gain(&self, i: usize, j: usize) -> Complex64 {
         let at = i * self.lanes() + j;
         Complex64::new(wide(self.gain[0][at]), wide(self.gain[1][at]))
     }
 
-    /// The expected field: the f64 sum of the waves, within the rounding of `transducers` sums in f32.
+    /// Asserts that the field is the f64 sum of the waves, within the rounding of as many sums in f32.
     pub(super) fn assert_field(&self, drive: &[Complex64], re: &[f32], im: &[f32]) {
         for j in 0..self.points {
             let want: Complex64 = (0..drive.len()).map(|i| self.gain(i, j) * drive[i]).sum();
@@ -45,7 +44,7 @@ impl Lists {
     }
 }
 
-/// Up to 16 problems, some with a point fewer or a quiet point.
+/// Up to 16 problems, some with one point less or with a quiet point, and all of them interleaved.
 pub(super) struct Batch {
     pub(super) problems: Vec<Lists>,
     pub(super) all: Lists,
@@ -88,8 +87,7 @@ impl Batch {
         Self { problems, all }
     }
 
-    /// Holds what an interleaved batch found to what problem `lane` found alone, in bits but for the sign of 0 in
-    /// drives that were never set.
+    /// Asserts that an interleaved batch (`together`) and the single solve of problem `lane` gave the same bits.
     pub(super) fn assert_same(
         &self,
         lane: usize,
@@ -109,7 +107,7 @@ impl Batch {
     }
 }
 
-/// Calls `test` for every set, with batches of several sizes.
+/// Calls `test` for every instruction set, with batches of several sizes.
 pub(super) fn each(test: impl Fn(InstructionSet, &Batch, usize)) {
     for set in InstructionSet::all() {
         for points in [1, 2, 3, 4, 7, 8, 9, 15, 16] {
@@ -120,7 +118,7 @@ pub(super) fn each(test: impl Fn(InstructionSet, &Batch, usize)) {
     }
 }
 
-/// f64 complex numbers of a drive.
+/// Returns the drive in f64.
 pub(super) fn widened(drive: &[num_complex::Complex32]) -> Vec<Complex64> {
     drive.iter().map(|q| Complex64::new(wide(q.re), wide(q.im))).collect()
 }

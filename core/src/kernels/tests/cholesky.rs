@@ -1,4 +1,4 @@
-//! The factor and its solves against the matrix they come from, at every set and size.
+//! The Cholesky factor and its solutions compared with the matrix, for every instruction set and size.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -20,13 +20,13 @@ fn a_system_is_solved_at_every_size() {
         for size in LENGTHS {
             let mut rng = Rng::new(size as u64);
             let lanes = padded(size);
-            // A = B B^T + 1: eigenvalues from 1 to some 4 size / 3.
+            // A = B B^T + 1 has eigenvalues from 1 to about 4 size / 3.
             let rows: Vec<Vec<f32>> = (0..size).map(|_| numbers(&mut rng, size, -1.0, 1.0)).collect();
             let entry = |k: usize, l: usize| {
                 let product: f64 = rows[k].iter().zip(&rows[l]).map(|(a, b)| wide(*a) * wide(*b)).sum();
                 product + if k == l { 1.0 } else { 0.0 }
             };
-            // Nothing below the diagonal is read.
+            // Entries below the diagonal are not read.
             let mut matrix = vec![f32::NAN; size * lanes];
             for k in 0..size {
                 (k..lanes).for_each(|l| matrix[k * lanes + l] = if l < size { entry(k, l) as f32 } else { 0.0 });
@@ -37,7 +37,8 @@ fn a_system_is_solved_at_every_size() {
             cholesky::solve(set, &matrix, &mut x);
             for k in 0..size {
                 let got: f64 = (0..size).map(|l| entry(k, l) * wide(x[l])).sum();
-                // Backward stable: f32 rounding times the size of the matrix, some size^2 at most, and of x, at most 1.
+                // Backward stable: f32 rounding times the norm of the matrix, at most about size^2, and of x, at most
+                // 1.
                 let allowed = 1e-6 * (size * size + 10) as f64;
                 assert!((got - wide(wanted[k])).abs() <= allowed, "{set} {size}: {got} for {}", wanted[k]);
             }
@@ -49,7 +50,7 @@ fn a_system_is_solved_at_every_size() {
 #[test]
 fn what_is_not_positive_definite_is_refused() {
     for set in InstructionSet::all() {
-        // 1 on the diagonal and 1 beside it.
+        // The matrix has 1 on the diagonal, and later one 1 beside it.
         let mut matrix = vec![0.0; 20 * padded(20)];
         (0..20).for_each(|k| matrix[k * padded(20) + k] = 1.0);
         assert!(factor(set, &mut matrix.clone(), 20));

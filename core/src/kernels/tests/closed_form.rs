@@ -1,4 +1,4 @@
-//! The closed-form sweep against its formula in f64, block by block.
+//! The closed-form sweep compared with its formula in f64, block by block.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -12,7 +12,8 @@ use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::kernels::tests::batch::{Batch, Lists, TRANSDUCERS, each, widened};
 use crate::kernels::tests::wide;
 
-/// Two sweeps alone, on any drives or a board's phases; `report` is given the sweep, the block and the pressures after it.
+/// Runs two sweeps of one problem, with continuous phases or a board's. Calls `report` with the number of the sweep, of
+/// the block and the pressures after it.
 pub(super) fn alone(
     set: InstructionSet,
     lists: &Lists,
@@ -78,7 +79,7 @@ fn every_block_takes_the_phases_of_the_formula() {
                             size += w * g.norm() * (t + p.norm() + 1.0);
                         }
                         let change = z / z.norm() - drive[i];
-                        // Some ten roundings of each term and of the sum, and those of adding a wave.
+                        // Some ten roundings of each term and of the sum, and the roundings of adding a wave.
                         allowed += 2e-6 * (size / z.norm() + 1.0);
                         drive[i] += change;
                         (0..points).for_each(|j| moved[j] += lists.gain(i, j) * change);

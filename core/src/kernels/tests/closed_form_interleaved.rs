@@ -1,4 +1,4 @@
-//! The interleaved sweep: the bits of single ones, and drives dealt out to their problems.
+//! The interleaved sweep has the bits of single sweeps, and its drives reach the right problems.
 
 use alloc::vec;
 use alloc::vec::Vec;

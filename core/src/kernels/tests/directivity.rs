@@ -1,4 +1,4 @@
-//! Patterns at every angle against D in f64, at every set.
+//! Directivity patterns at every angle compared with D in f64, for every instruction set.
 
 use core::array::from_fn;
 
@@ -8,13 +8,13 @@ use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::tests::{ROUNDING, STRIDE, WAVENUMBER, wide};
 use crate::scene::Directivity;
 
-/// The largest difference from D over cosines from -1 to 1, sixteen at a time.
+/// Returns the largest difference from D over cosines from -1 to 1.
 fn error(set: InstructionSet, directivity: Directivity, steps: i32) -> f64 {
     let radiation = Radiation { decay: None, pattern: directivity.pattern(WAVENUMBER) };
     let mut error = 0.0_f64;
     for first in (-steps..=steps).step_by(LANES * STRIDE) {
         let cosines: Lanes = from_fn(|l| (first + l as i32).min(steps) as f32 / steps as f32);
-        // Half the ray at twice the inverse distance: the cosine has all its digits.
+        // Half the ray at twice the inverse distance: no digit of the cosine is lost.
         let rays = cosines.map(|c| 0.5 * c);
         let got = dispatch!(set, s => {
             let mut got = [f32::NAN; LANES];
@@ -28,12 +28,12 @@ fn error(set: InstructionSet, directivity: Directivity, steps: i32) -> f64 {
     error
 }
 
-/// `ka` as a radius in m.
+/// Returns a piston with this product `ka` of wavenumber and radius.
 fn piston(ka: f64) -> Directivity {
     Directivity::piston(ka / WAVENUMBER)
 }
 
-/// Half of k d as a width in m.
+/// Returns a sinc directivity with this half of k d, d the width.
 fn sinc(x: f64) -> Directivity {
     Directivity::sinc(2.0 * x / WAVENUMBER)
 }
@@ -57,7 +57,7 @@ fn narrow_beams_lose_what_a_rounding_of_the_cosine_changes() {
         for directivity in [piston(x), sinc(x)] {
             for set in InstructionSet::all() {
                 let error = error(set, directivity, 100_000);
-                // The slope of D over the cosine's square is x^2/6 at most, and that of a piston x^2/8.
+                // The slope of D over the squared cosine is at most x^2/6; that of a piston is at most x^2/8.
                 assert!(error < 1e-6 + x * x / 6.0 * ROUNDING, "{set}: {directivity:?} is missed by {error:e}");
             }
         }

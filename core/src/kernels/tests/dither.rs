@@ -1,4 +1,4 @@
-//! Choices between two parts, one transducer after another, against the sums in f64.
+//! Choices between two parts of the amplitude, one transducer after another, compared with the sums in f64.
 
 use alloc::vec;
 use alloc::vec::Vec;

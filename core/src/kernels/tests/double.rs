@@ -1,4 +1,4 @@
-//! Double precision: products, factor and solves against plain loops, with dirty output and the same bits on every set.
+//! Double precision: products, factor and solutions compared with plain loops; all sets give the same bits.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -64,7 +64,7 @@ fn products_are_factored_and_solved() {
                 (0..size).map(|k| (0..size).map(|l| entry(k.min(l), k.max(l)) * wanted[l]).sum()).collect();
             solve(set, &matrix, &mut b);
             for (got, wanted) in b.iter().zip(&wanted) {
-                // Condition below 1e4.
+                // The condition number is below 1e4.
                 assert!((got - wanted).abs() < 1e-10, "{size}: {got} for {wanted}");
             }
             bits.push((matrix[0], b));

@@ -1,4 +1,4 @@
-//! The changes by polynomial and eq. (7), and their bounds, against f64.
+//! Changes of the energy by the polynomial and by eq. (7), and their bounds, compared with f64.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -10,7 +10,7 @@ use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::tests::search::Scene;
 use crate::kernels::tests::wide;
 
-/// Amplitudes as uneven as a device's table may be.
+/// Returns amplitudes as uneven as a device's table may be.
 fn uneven(amplitudes: usize) -> impl Iterator<Item = f64> {
     (1..=amplitudes).map(move |k| (k as f64 / amplitudes as f64).powf(1.7))
 }
@@ -19,14 +19,14 @@ pub(super) fn grid(phases: usize, amplitudes: usize) -> Candidates {
     Candidates::grid(phases, uneven(amplitudes), [const { Vec::new() }; 3])
 }
 
-/// A scene in which every seventh point is quiet.
+/// Creates a scene in which every seventh point is quiet.
 pub(super) fn scene(seed: u64, count: usize, loud: f64) -> Scene {
     let mut scene = Scene::new(seed, count, loud);
     scene.target.iter_mut().skip(3).step_by(7).for_each(|target| *target = 0.0);
     scene
 }
 
-/// Calls `check` with the energies of an update.
+/// Evaluates `check` with the energies of an update.
 macro_rules! with_energies {
     ($set:expr, $scene:expr, $candidates:expr, |$s:ident, $energies:ident| $check:expr) => {{
         let (kept, energy) = $scene.kept($set);
@@ -67,7 +67,7 @@ fn lower_amplitudes_and_the_second_derivative_are_bounded() {
                     })
                 };
                 let (full, [rounding, curvature, bow]) = change(1.0);
-                // Whatever the stretch, the middle lies below its ends' mean by no more than c h^2/8.
+                // On an arc of any length the value in the middle is below the mean of the ends by at most c h^2/8.
                 for half in [1, 3, 8] {
                     let dip = curvature * (TAU * 2.0 * half as f64 / STEPS as f64).powi(2) / 8.0;
                     for step in 0..STEPS {

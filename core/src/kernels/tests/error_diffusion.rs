@@ -1,4 +1,4 @@
-//! Error diffusion against f64: the remaining error at the points, compared with plain rounding.
+//! Error diffusion compared with f64: the remaining error at the points, and that of plain rounding.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -16,7 +16,8 @@ use crate::kernels::tiles::error_diffusion::{Choice, Task, diffuse, floats};
 use crate::kernels::tiles::{Tiles, height, lanes, pack, size};
 use crate::rng::Rng;
 
-/// 400 transducers, the second without effect, and a drive that all points with a target hear alike and the others not.
+/// A scene of 400 transducers, the second without effect. Its drive makes equal pressures at all points with a target,
+/// and 0 at the quiet points.
 struct Even {
     points: usize,
     targeted: usize,
@@ -39,7 +40,7 @@ impl Even {
         let row = |k: usize| {
             let mut row: Vec<_> = (0..TRANSDUCERS).map(|_| phasor(&mut rng) * (0.5 + rng.uniform())).collect();
             row[DEAD] = Complex64::ZERO;
-            // A part of each wave arrives in phase, or nothing at all.
+            // At a targeted point a part of each wave arrives in phase; at a quiet point the sum is 0.
             row.iter_mut().zip(&drive).for_each(|(g, q)| *g += q.conj() * 0.3);
             let sum = |row: &[Complex64]| row.iter().zip(&drive).map(|(g, q)| g * q).sum::<Complex64>();
             if k < targeted {
@@ -62,7 +63,7 @@ impl Even {
         self.matrix.iter().map(|row| row.iter().zip(drive).map(|(g, q)| g * q).sum()).collect()
     }
 
-    /// Weighted squares of the deviations from the mean, and of the pressures at quiet points.
+    /// Returns the weighted squares of the deviations from the mean, and of the pressures at quiet points.
     fn cost(&self, drive: &[Complex64]) -> f64 {
         let moduli: Vec<_> = self.field(drive).iter().map(|p| p.norm()).collect();
         let mean = moduli[..self.targeted].iter().sum::<f64>() / self.targeted as f64;
@@ -128,11 +129,12 @@ fn points_stay_alike_on_the_grid() {
                 for (i, (q, &code)) in drive.iter().zip(&codes).enumerate().filter(|(i, _)| *i != DEAD) {
                     assert!(code.fract() == 0.0 && wide(code).abs() <= f64::from(count));
                     assert!((q - grid(wide(code))).norm() < 1e-7, "{set}: transducer {i} is off the grid");
-                    // The corrections of a step or two, not another drive.
+                    // Each code differs by a step or two, so the drive is a correction and not another drive.
                     assert!((q - even.drive[i]).norm() < 4.0 * TAU / f64::from(count), "{set}: transducer {i}");
                 }
                 let (left, rounded) = (even.cost(&drive), even.cost(&plain));
-                // One point is alike however it is rounded. In trials 1/30 to 1/3000 of the squares were left.
+                // A single point has no deviation, however it is rounded. In trials 1/30 to 1/3000 of the squares were
+                // left.
                 assert!(left <= 0.1 * rounded + 1e-6, "{set}, M = {points}, L = {count}: {left} for {rounded}");
                 assert_eq!(drive, even.diffused(set, count, f32::INFINITY).0, "{set}: the same again");
             }

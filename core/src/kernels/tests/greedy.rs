@@ -1,4 +1,4 @@
-//! The greedy pass against energies in f64, update by update.
+//! The greedy pass compared with energies in f64, update by update.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -23,7 +23,7 @@ pub(super) fn grid(phases: usize, amplitudes: usize) -> Candidates {
     Candidates::new(phases, amplitudes, [const { Vec::new() }; 3])
 }
 
-/// A pass alone; `report` is given the number of updates and the pressures after each.
+/// Runs a pass of one problem. Calls `report` with the number of updates and the pressures after each.
 pub(super) fn alone<T: Reference>(
     set: InstructionSet,
     lists: &Lists,
@@ -74,7 +74,7 @@ fn check<T: Reference>(set: InstructionSet, lists: &Lists, phases: usize, amplit
             (0..lists.points).map(|j| term(j, pair[0][j] + lists.gain(i as usize, j) * q)).sum()
         };
         let q = drive[i as usize];
-        // While all pressures are 0 the phase is 0.
+        // While all pressures are 0 the pass takes phase 0.
         let step = if pair[0].iter().all(|p| p.norm() == 0.0) { phases } else { 1 };
         let all = (0..phases * amplitudes).step_by(step);
         let best = all.map(|k| energy(candidates.drive(k))).fold(f64::INFINITY, f64::min);

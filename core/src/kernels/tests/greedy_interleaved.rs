@@ -1,4 +1,4 @@
-//! The interleaved greedy pass: the bits of single ones.
+//! The interleaved greedy pass has the bits of single passes.
 
 use alloc::vec;
 

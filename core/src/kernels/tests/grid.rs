@@ -1,4 +1,4 @@
-//! Rounding to a board's grid against f64, the same bits by every instruction set.
+//! Rounding to a board's grid compared with f64; every instruction set gives the same bits.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -22,7 +22,7 @@ fn rounded(set: InstructionSet, grid: &Grid, drive: &[Complex32]) -> Vec<Complex
 
 fn tables() -> Vec<Vec<f64>> {
     let even = |count: u32| (0..count).map(|k| f64::from(k) / f64::from(count - 1)).collect();
-    // Pulse widths: the amplitude is their sine, and hundreds of values lie close below 1.
+    // Pulse widths: the amplitude is the sine of the width, and hundreds of values are close below 1.
     let pulses = (0..=256).map(|k| (TAU * f64::from(k) / 1024.0).sin().min(1.0)).collect();
     vec![vec![1.0], vec![0.0, 1.0], even(256), even(65_536), pulses, vec![0.0, 1e-6, 0.3, 0.301, 1.0]]
 }

@@ -1,4 +1,4 @@
-//! The search of large grids against energies in f64.
+//! The search of large grids compared with energies in f64.
 
 use alloc::vec;
 
@@ -11,7 +11,8 @@ use crate::kernels::tests::energies::{grid, scene, with_energies};
 use crate::kernels::tests::search::{Scene, least, tolerance};
 use crate::kernels::tests::{ROUNDING, wide};
 
-/// The candidate that a search of the grid finds, and the tolerance of rounding.
+/// Returns the candidate that a search of the grid finds, and the rounding of two changes up to which their order is
+/// open.
 fn best(set: InstructionSet, scene: &Scene, candidates: &Candidates, matters: f32) -> (Option<usize>, f32) {
     with_energies!(set, scene, candidates, |_s, energies| {
         let mut floats = vec![f32::NAN; large_grid::floats(candidates.phases)];
@@ -28,7 +29,7 @@ fn assert_best(scene: &Scene, phases: usize, amplitudes: usize) {
         for matters in [0.0, 1e-4 * silence] {
             let (index, rounding) = best(set, scene, &candidates, matters as f32);
             let bounds: f64 = (0..scene.count).map(|j| scene.bound::<L2>(j)).sum();
-            // Differences that need no decision: the tolerance of ties and a term's few roundings as in the exact search, and
+            // Differences that are ignored, the tolerance of ties, a term's few roundings as in the exact search, and
             // the rounding of the polynomial.
             let exact = wide(tolerance::<L2>(set, scene)) + 12.0 * ROUNDING * bounds;
             let index = index.expect("a transducer that has an effect");
@@ -78,8 +79,8 @@ fn where_every_point_has_its_target_the_first_moment_tells_nothing() {
 
 #[test]
 fn more_rivals_than_a_list_holds_are_decided_all_the_same() {
-    // A point that the transducer hardly moves: every candidate is within rounding of every other, and of 16 rings
-    // of 256 phases none is passed over.
+    // The transducer hardly changes this point. So all candidates of 16 amplitudes and 256 phases agree within
+    // rounding, and the bounds exclude none of them.
     for set in InstructionSet::all() {
         let mut scene = scene(3, 2, 1e4);
         scene.target.fill(1e4);

@@ -1,4 +1,4 @@
-//! Amplitude limits against f64, from drives whose squares underflow to those whose squares overflow.
+//! Amplitude limits compared with f64, for drives whose squares underflow to those whose squares overflow.
 
 use alloc::vec::Vec;
 
@@ -9,7 +9,7 @@ use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::kernels::tests::{LENGTHS, ROUNDING, numbers, wide};
 use crate::rng::Rng;
 
-/// A limit, and the same of one drive in double precision.
+/// A limit, and the same limit of one drive in double precision.
 type Limit<'a> = (fn(InstructionSet, [&mut [f32]; 2]), &'a dyn Fn(Complex64) -> Complex64);
 
 #[test]

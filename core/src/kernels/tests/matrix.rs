@@ -1,4 +1,4 @@
-//! Products with whole matrices, and the sweep of `fast`, against plain f64 loops.
+//! Products with whole matrices, and the sweep of `fast`, compared with plain f64 loops.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -15,7 +15,7 @@ use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::kernels::tests::{LENGTHS, ROUNDING, numbers, wide};
 use crate::rng::Rng;
 
-/// A matrix of padded rows, planar, and its entries.
+/// A planar matrix of padded rows.
 struct Matrix {
     re: Vec<f32>,
     im: Vec<f32>,
@@ -45,7 +45,7 @@ fn exact(z: Complex32) -> Complex64 {
 }
 
 fn assert_close(got: Complex64, want: Complex64, terms: usize, what: &str) {
-    // Two products and sums a term, of numbers below 2, and the sum over lanes.
+    // Two products and sums for each term, of numbers below 2, and the sum over lanes.
     let allowed = 4.0 * ROUNDING * (terms + 8) as f64;
     assert!((got - want).norm() <= allowed, "{what}: {got} for {want}, allowed {allowed:e}");
 }
@@ -76,7 +76,7 @@ fn products_with_rows_are_their_sums() {
     }
 }
 
-/// A block of `fast` as its formula reads: the new drives of some rows, from the field before.
+/// Returns the new drives of some rows after a block of `fast`, computed by its formula from the field before.
 fn block(
     matrix: &Matrix,
     requested: [&[f32]; 2],
@@ -108,7 +108,7 @@ fn the_sweep_of_fast_is_its_formula() {
         for count in LENGTHS {
             let mut matrix = Matrix::new(N, count);
             let lanes = padded(count);
-            // One transducer without effect.
+            // One transducer has no effect.
             matrix.re[4 * lanes..5 * lanes].fill(0.0);
             matrix.im[4 * lanes..5 * lanes].fill(0.0);
             let mut rng = Rng::new(count as u64);
@@ -130,7 +130,7 @@ fn the_sweep_of_fast_is_its_formula() {
                         phases: None,
                         memory: Memory::of(&mut memory),
                     };
-                    // The field after each block, from where the formula starts at the next.
+                    // The field after each block; the formula starts from it at the next block.
                     let field = |[re, im]: [&[f32]; 2]| -> Vec<Complex64> {
                         (0..count).map(|j| Complex64::new(wide(re[j]), wide(im[j]))).collect()
                     };
@@ -145,7 +145,7 @@ fn the_sweep_of_fast_is_its_formula() {
                         let rows = size * step..N.min(size * (step + 1));
                         let wanted = block(&matrix, requested, wide(own), &old, &fields[0], rows.clone());
                         for (i, want) in rows.clone().zip(&wanted) {
-                            // A sum of terms up to 5 that nearly cancel has few digits left: 1e-4 at the worst.
+                            // A sum of terms up to 5 that nearly cancel has few digits left: the error is at most 1e-4.
                             assert!((exact(drive[i]) - want).norm() < 1e-4, "{set}: q of {i}, M = {count}");
                         }
                         for j in 0..count {

@@ -1,5 +1,4 @@
-//! Every kernel against plain f64 loops, at every length up to four whole groups of lanes and a remainder, over
-//! dirty memory.
+//! Every kernel compared with plain f64 loops, at every length up to four lane groups, over memory full of NaN.
 
 mod arc;
 mod batch;
@@ -44,19 +43,19 @@ use crate::kernels::tiles::{height, lanes, pack, size};
 use crate::rng::Rng;
 use crate::scene::Directivity;
 
-/// Around a whole group where every operation is interpreted and takes a thousand times as long.
+/// Numbers of points. Under Miri, which takes a thousand times as long, only those around one lane group.
 const LENGTHS: RangeInclusive<usize> = if cfg!(miri) { 15..=17 } else { 1..=67 };
 
-/// A step over values that a polynomial follows.
+/// Step over the values at which a polynomial is tested.
 pub(super) const STRIDE: usize = if cfg!(miri) { 2000 } else { 1 };
 
-/// One rounding to f32, relative.
+/// The relative error of one rounding to f32.
 const ROUNDING: f64 = f32::EPSILON as f64 / 2.0;
 
-/// rad/m at 40 kHz and 340 m/s.
+/// k in rad/m at 40 kHz and 340 m/s.
 const WAVENUMBER: f64 = TAU / 8.5e-3;
 
-/// `count` numbers from `low` to `high`, padded with zeros.
+/// Returns `count` random numbers from `low` to `high`, padded with zeros.
 fn numbers(rng: &mut Rng, count: usize, low: f64, high: f64) -> Vec<f32> {
     let mut list = vec![0.0; padded(count)];
     list[..count].fill_with(|| (low + (high - low) * rng.uniform()) as f32);
@@ -68,15 +67,15 @@ fn wide(x: f32) -> f64 {
 }
 
 fn assert_near(got: f32, want: f64, allowed: f64, what: &str) {
-    // Below f32's normal numbers the last place is that of the least.
+    // Below the normal numbers of f32 the rounding error is up to the least number above 0.
     let least = f64::from(f32::from_bits(1));
     assert!((wide(got) - want).abs() <= allowed + least && got.is_finite(), "{what}: {got:e} for {want:e}");
 }
 
-/// One transducer and some points, the way `Sources` hands them over.
+/// One transducer and some points, in the layout that `Sources` uses.
 struct Shot {
     directivity: Directivity,
-    /// A bound on the slope of D over the cosine.
+    /// A bound of the slope of D over the cosine.
     steepness: f64,
     radiation: Radiation,
     source: Source,
@@ -92,7 +91,7 @@ impl Shot {
         normal = normal.map(|x| x / length);
         let position = [number(-12.0, 12.0), number(-12.0, 12.0), number(-1.0, 1.0)];
         let (gain, turns) = (number(0.1, 2.0), if count.is_multiple_of(2) { 0.0 } else { number(-0.5, 0.5) });
-        // Padding may lie anywhere.
+        // The padding may have any coordinates.
         let mut coordinates = [(); 3].map(|()| vec![4e6; padded(count)]);
         for j in 0..count {
             for (axis, (low, high)) in [(-20.0, 20.0), (-20.0, 20.0), (-5.0, 60.0)].into_iter().enumerate() {
@@ -115,7 +114,7 @@ impl Shot {
         ControlPoints { coordinates: [x, y, z], count: self.count }
     }
 
-    /// Distance of point j, at least a hundredth of a wavelength, and the real factor of eq. (5).
+    /// Returns the distance of point j, at least a hundredth of a wavelength, and the real factor of eq. (5).
     fn spread(&self, j: usize) -> (f64, f64) {
         let ray = [0, 1, 2].map(|axis| wide(self.coordinates[axis][j]) - wide(self.source.position[axis]));
         let r = self.square(j).sqrt().max(wide(crate::kernels::propagate::row::NEAREST));
@@ -128,7 +127,7 @@ impl Shot {
         (0..3).map(|axis| part(axis).powi(2)).sum()
     }
 
-    /// The expected result of each kernel, over memory full of NaN.
+    /// Asserts the result of each kernel, over memory full of NaN.
     fn check(&self, set: InstructionSet) {
         let [mut re, mut im] = [(); 2].map(|()| vec![f32::NAN; padded(self.count)]);
         let mut moduli = vec![1.0; self.count];
@@ -136,7 +135,7 @@ impl Shot {
         let row = &mut Row { re: &mut re, im: &mut im };
         crate::kernels::row(set, &self.radiation, (&sources, 0), self.control_points(), row);
         let nearest = (0..self.count).map(|j| self.square(j)).fold(f64::INFINITY, f64::min);
-        // Well beside it on either side: the kernel's square has five roundings.
+        // These limits are clearly above and below the distance: the kernel's square has five roundings.
         for (factor, near) in [(1.0 + 1e-6, true), (1.0 - 1e-6, false)] {
             moduli.fill(1.0);
             let limit = (nearest * factor) as f32;
@@ -148,9 +147,9 @@ impl Shot {
             let (r, amplitude) = self.spread(j);
             let (sin, cos) = (TAU * (r + wide(self.source.turns))).sin_cos();
             let gain = wide(self.source.amplitude);
-            // Relative to the modulus straight ahead (D has zeros): the amplitude's own few roundings, the
-            // polynomials' 7e-7 and 3e-7, the table's and what D makes of two roundings of the cosine; and in
-            // the phase four roundings of the distance.
+            // Errors are relative to the modulus straight ahead, because D has zeros. They contain the amplitude's own
+            // few roundings, the polynomials' 7e-7 and 3e-7, the table's and the effect on D of two roundings of the
+            // cosine. The phase has four roundings of the distance.
             let unit = gain / r;
             let (flat, phase) =
                 ((2e-6 + 2.0 * ROUNDING * self.steepness) * unit, 4.0 * ROUNDING * TAU * (r + 0.5) * unit);
@@ -168,7 +167,8 @@ impl Shot {
 }
 
 impl Shot {
-    /// The field of this transducer, one that is off and this again is G q, and silent beyond the last point.
+    /// Asserts that the field of this transducer, of one that is off and of this one again is G q, and 0 in the
+    /// padding.
     fn check_field(&self, set: InstructionSet, row: [&[f32]; 2]) {
         let sources = SourceList::new(&[self.source; 3]);
         let drive = [Complex32::new(0.6, -0.7), Complex32::ZERO, Complex32::new(-0.1, 0.3)];
@@ -184,7 +184,7 @@ impl Shot {
             assert_near(im[j], gr * qi + gi * qr, allowed, "im");
         }
         assert!(re[self.count..].iter().chain(&im[self.count..]).all(|&x| x == 0.0), "padding was given sound");
-        // Few points have transducers in the lanes, and the bits of the same among many.
+        // At few points the lanes contain transducers; the bits are those of the same points among many.
         let some = ControlPoints { count: self.count.min(4), ..self.control_points() };
         let [mut few_re, mut few_im] = [(); 2].map(|()| vec![0.0; LANES]);
         let (to, control) = ([&mut few_re[..], &mut few_im[..]], &mut Control::none());
@@ -192,7 +192,7 @@ impl Shot {
         assert!(few_re[..some.count] == re[..some.count] && few_im[..some.count] == im[..some.count], "{set}");
     }
 
-    /// The tile of this transducer and a second, in phase, is made of their rows to the bit, and silent beyond.
+    /// Asserts that the tile of this transducer and a second one in phase has the bits of their rows, and 0 elsewhere.
     fn check_tile(&self, set: InstructionSet, row: [&[f32]; 2]) {
         let sources = SourceList::new(&[self.source, Source { turns: 0.0, ..self.source }]);
         let order: Vec<u32> = (0..self.count as u32).collect();
@@ -205,7 +205,7 @@ impl Shot {
             amplitudes: &[],
         };
         pack(set, rows, 0..2, &order, [&mut re, &mut im], &mut Control::none()).expect("it is not stopped");
-        // Two tiles and a spare one to four points.
+        // The rows have two tiles and a spare one, in blocks of four points.
         for (plane, row) in [re, im].iter().zip(row) {
             for j in 0..self.count {
                 let first = (j / 4 * 3 * 4 + j % 4) * LANES;
@@ -216,7 +216,7 @@ impl Shot {
     }
 }
 
-/// Every directivity, without absorption and with 1.3 dB/m.
+/// Returns a shot for every directivity, without absorption and with 1.3 dB/m.
 fn shots(seed: u64, count: usize) -> Vec<Shot> {
     let mut rng = Rng::new(seed);
     let mut list = Vec::new();
@@ -260,7 +260,7 @@ fn nearer_than_a_hundredth_of_a_wavelength_r_is_fixed_there() {
             for axis in 0..3 {
                 shot.coordinates[axis][j] = shot.source.position[axis];
             }
-            // Exact in f32: the source is put where it is 0.
+            // The source is moved to z = 0, so that the distance is exact in f32.
             shot.source.position[2] = 0.0;
             shot.coordinates[2][j] = step;
         }
@@ -300,9 +300,9 @@ fn modulus_and_squares_are_those_of_complex_numbers() {
             super::squares(set, [&re, &im], count, &mut sums);
             for j in 0..padded(count) {
                 let (modulus, sum) = (wide(re[j]).hypot(wide(im[j])), wide(start[j]));
-                // Squares and sum round twice, which the root halves, and the root's own two steps.
+                // Squares and sum round twice, which the root halves, and the root has two steps of its own.
                 assert_near(moduli[j], modulus, 2.0 * ROUNDING * modulus, "modulus");
-                // The squares, their sum, and the sum with the earlier values.
+                // Roundings of the squares, of their sum, and of the sum with the earlier values.
                 assert_near(sums[j], sum + modulus * modulus, 3.0 * ROUNDING * (sum + modulus * modulus), "square");
             }
         }

@@ -1,4 +1,4 @@
-//! Sums of |G| against f64, and an interleaved batch's sums bit for bit those of its problems.
+//! Sums of |G| compared with f64; the sums of an interleaved batch have the bits of its problems.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -14,7 +14,7 @@ use crate::kernels::tests::{LENGTHS, Shot, wide};
 use crate::rng::Rng;
 use crate::scene::Directivity;
 
-/// Several transducers, a shot each, over the points of the first.
+/// Returns several transducers, each with the points of the last one.
 fn volley(pattern: &str, transducers: usize, points: usize) -> Vec<Shot> {
     let mut rng = Rng::new((100 * transducers + points) as u64);
     let directivity = Directivity::named(pattern, None).expect("a known name");
@@ -50,7 +50,7 @@ fn moduli_of_any_number_of_transducers_add_up() {
                 let moduli = || shots.iter().map(|shot| (wide(shot.source.amplitude), shot.spread(j)));
                 let want: f64 = moduli().map(|(gain, (_, amplitude))| gain * amplitude.abs()).sum();
                 let most: f64 = moduli().map(|(gain, (r, _))| gain / r).sum();
-                // Each to 4e-6 of the modulus straight ahead, as in a row, and 36 sums in f32 at most.
+                // Each term is within 4e-6 of the modulus straight ahead, as in a row, and at most 36 are added in f32.
                 assert!((sum - want).abs() <= 7e-6 * most, "{set}: N = {transducers}, point {j}: {sum} for {want}");
             }
         }

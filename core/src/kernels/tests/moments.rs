@@ -1,4 +1,4 @@
-//! The moments' polynomials against energies in f64.
+//! The moments' polynomials compared with energies in f64.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -15,7 +15,7 @@ use crate::kernels::tests::search::Scene;
 use crate::kernels::tests::{LENGTHS, assert_near, wide};
 use crate::rng::Rng;
 
-/// Random drives of modulus up to 1.
+/// Returns random drives of modulus up to 1.
 fn drives(seed: u64) -> [[f32; LANES]; 2] {
     let mut rng = Rng::new(seed);
     let mut drives = [[0.0; LANES]; 2];
@@ -53,7 +53,7 @@ fn moments_are_the_energy_within_their_remainder() {
                     let [pr, pi, gr, gi] = scene.numbers(j);
                     gr.hypot(gi) / pr.hypot(pi)
                 };
-                // The bound itself is 1/4.
+                // Points with |u| above 1/4 are left out.
                 for j in 0..count {
                     assert_eq!(near.contains(&(j as u32)), size(j) > 0.25, "{set}: point {j} of {count}");
                 }
@@ -105,8 +105,8 @@ fn the_fourth_order_misses_by_its_remainder_and_differences_by_their_distance() 
     }
 }
 
-/// Point j's change under the drive q with |1 + w| to the fourth order: sum b_p b_q w^p conj(w)^q of p + q up to 4,
-/// where sqrt(1 + x) = sum b_n x^n.
+/// Returns point j's change by the drive q with |1 + w| to the fourth order: the sum of b_p b_q w^p conj(w)^q for p + q
+/// up to 4, where sqrt(1 + x) = sum b_n x^n.
 fn truncated(scene: &Scene, j: usize, q: Complex64) -> f64 {
     const ROOT: [f64; 5] = [1.0, 0.5, -0.125, 0.0625, -5.0 / 128.0];
     let [pr, pi, gr, gi] = scene.numbers(j);

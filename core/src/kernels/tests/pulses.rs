@@ -1,4 +1,4 @@
-//! Pulses in double precision: every one of them, and the nearest by looking at all.
+//! Pulses in double precision: the drive of each pulse, and the nearest pulse compared with a search of all.
 
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
@@ -8,16 +8,16 @@ use num_complex::{Complex32, Complex64};
 use crate::kernels::pulses::Pulses;
 use crate::rng::Rng;
 
-/// Cycles of the ticks of an Ultraino MEGA64.
+/// Lengths of the ticks of an Ultraino MEGA64, in processor cycles.
 const UNEVEN: [f64; 10] = [38.0, 42.0, 34.0, 35.0, 35.0, 36.0, 43.0, 43.0, 34.0, 56.0];
 
-/// The first harmonic of a pulse from edge s to edge s + w, by its integral over the period.
+/// Returns the first harmonic of a pulse from edge s to edge s + w, by its integral over the period.
 fn harmonic(ticks: &[f64], start: usize, width: usize) -> Complex64 {
     let (count, period) = (ticks.len(), ticks.iter().sum::<f64>());
     let edge = |k: usize| (k / count) as f64 + ticks[..k % count].iter().sum::<f64>() / period;
     let late = (0..count).map(|k| edge(k) - k as f64 / count as f64).sum::<f64>() / count as f64;
     let place = |k: usize| Complex64::from_polar(1.0, TAU * (edge(k) - late));
-    // The integral of e^{j x} is e^{j x}/j; half a period that begins at 0 has 2/(-j), and is called 1.
+    // The integral of e^{j x} is e^{j x}/j. Half a period that begins at 0 has 2/(-j), which is scaled to 1.
     let integral = (place(start + width) - place(start)) / Complex64::I;
     integral * Complex64::new(0.0, -1.0) / 2.0
 }
@@ -32,7 +32,7 @@ fn wide(q: Complex32) -> Complex64 {
     Complex64::new(q.re.into(), q.im.into())
 }
 
-/// Root mean square of the errors of many drives over that of the drives.
+/// Returns the root mean square of the errors of many drives, relative to that of the drives.
 fn error(ticks: &[f64], mut draw: impl FnMut() -> Complex32) -> f64 {
     let (pulses, all) = (Pulses::new(ticks), all(ticks));
     let (mut wrong, mut whole) = (0.0, 0.0);
@@ -58,7 +58,7 @@ fn pulses_are_the_first_harmonics_of_square_waves() {
             assert_eq!(pulses.nearest(q), [start, width], "{q}");
         }
     }
-    // Half a period that begins with the first tick is 1.
+    // Half a period that begins with the first tick has the drive 1.
     assert!((Pulses::new(&[1.0; 128]).drive(0, 64) - Complex32::ONE).norm() < 1e-12);
 }
 

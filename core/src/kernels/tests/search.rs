@@ -1,4 +1,4 @@
-//! The search of the greedy method against energies in f64.
+//! The search of the greedy method compared with energies in f64.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -14,7 +14,7 @@ use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::tests::{LENGTHS, ROUNDING, assert_near, numbers, wide};
 use crate::rng::Rng;
 
-/// The terms of eq. (7) in f64.
+/// The terms of the energy in f64.
 pub(super) trait Reference: Term {
     fn term(miss: f64) -> f64;
 }
@@ -31,7 +31,7 @@ impl Reference for L1 {
     }
 }
 
-/// Some points in the middle of a search.
+/// Points in the middle of a search: their pressures, and G of the transducer.
 pub(super) struct Scene {
     pressure: [Vec<f32>; 2],
     pub(super) gain: [Vec<f32>; 2],
@@ -41,7 +41,7 @@ pub(super) struct Scene {
 }
 
 impl Scene {
-    /// `loud` is how large the pressures are beside G and the targets.
+    /// Creates random points. `loud` is the size of the pressures relative to G and the targets.
     pub(super) fn new(seed: u64, count: usize, loud: f64) -> Self {
         let mut rng = Rng::new(seed);
         let mut list = |low: f64, high: f64| numbers(&mut rng, count, low, high);
@@ -50,7 +50,7 @@ impl Scene {
         Self { pressure, gain, target: list(0.0, 2.0), weight: list(0.0, 1.0), count }
     }
 
-    /// The points as a pass keeps them: silence, to which the pressures were added.
+    /// Returns the point groups as a pass stores them, pressures added to 0, and the energy.
     pub(super) fn kept(&self, set: InstructionSet) -> (Vec<PointGroup>, f32) {
         let [re, im] = [0, 1].map(|part| groups(&self.pressure[part]));
         let requested = groups(&self.target).iter().zip(groups(&self.weight));
@@ -69,12 +69,12 @@ impl Scene {
         Points { groups: kept, row: [&self.gain[0], &self.gain[1]], count: self.count }
     }
 
-    /// P and G of point j.
+    /// Returns P and G of point j: real and imaginary parts.
     pub(super) fn numbers(&self, j: usize) -> [f64; 4] {
         [&self.pressure[0], &self.pressure[1], &self.gain[0], &self.gain[1]].map(|x| wide(x[j]))
     }
 
-    /// The change of point j's term under the drive q.
+    /// Returns the change of point j's term by the drive q.
     pub(super) fn change<T: Reference>(&self, j: usize, [qr, qi]: [f64; 2]) -> f64 {
         let [pr, pi, gr, gi] = self.numbers(j);
         let new = (pr + gr * qr - gi * qi).hypot(pi + gr * qi + gi * qr);
@@ -86,7 +86,7 @@ impl Scene {
         (0..self.count).map(|j| self.change::<T>(j, drive.map(wide))).sum()
     }
 
-    /// The most that a drive of modulus 1 may change point j's term by.
+    /// Returns the largest change of point j's term by a drive of modulus 1.
     pub(super) fn bound<T: Reference>(&self, j: usize) -> f64 {
         let [pr, pi, gr, gi] = self.numbers(j);
         let (gain, gap) = (gr.abs() + gi.abs(), (wide(self.target[j]) - pr.hypot(pi)).abs());
@@ -108,7 +108,7 @@ fn best<T: Term>(set: InstructionSet, scene: &Scene, candidates: &Candidates, si
     dispatch!(set, s => search::best::<_, T>(s, scene.points(&kept), candidates, silent, tolerance))
 }
 
-/// The least energy that f64 finds, at phase 0 alone if `silent`.
+/// Returns the least energy that f64 finds; only phase 0 is tried if `silent`.
 pub(super) fn least<T: Reference>(scene: &Scene, candidates: &Candidates, silent: bool) -> f64 {
     let step = if silent { candidates.phases } else { 1 };
     let all = (0..candidates.phases * candidates.amplitudes).step_by(step);
@@ -119,7 +119,7 @@ pub(super) fn least<T: Reference>(scene: &Scene, candidates: &Candidates, silent
 fn tolerance_is_1e_7_of_a_true_bound() {
     fn check<T: Reference>(set: InstructionSet, scene: &Scene) {
         let most = (0..scene.count).map(|j| scene.bound::<T>(j)).fold(0.0, f64::max);
-        // Nine roundings on the way to a bound and its share, the modulus' four among them.
+        // Nine roundings in a bound and its part of 1e-7, four of them in the modulus.
         assert_near(tolerance::<T>(set, scene), 1e-7 * most, 9.0 * ROUNDING * 1e-7 * most, "tolerance");
         for j in 0..scene.count {
             for step in 0..32 {
@@ -152,7 +152,7 @@ fn candidates_are_amplitudes_times_phases_whatever_the_buffers_kept() {
                 let amplitude = ((k / phases) as f64 + 1.0) / amplitudes as f64;
                 let (sin, cos) = (TAU * (k % phases) as f64 / phases as f64).sin_cos();
                 let [re, im] = made.drive(k);
-                // Cosine and amplitude are rounded once each, and their product.
+                // Cosine, amplitude and their product are each rounded once.
                 assert_near(re, amplitude * cos, 3.0 * ROUNDING, "re");
                 assert_near(im, amplitude * sin, 3.0 * ROUNDING, "im");
             }
@@ -166,11 +166,11 @@ fn candidates_are_amplitudes_times_phases_whatever_the_buffers_kept() {
     }
 }
 
-/// The energy that `best` finds is within rounding of the least energy that f64 finds.
+/// Asserts that the energy that `best` finds is within rounding of the least energy that f64 finds.
 fn assert_best<T: Reference>(set: InstructionSet, scene: &mut Scene, phases: usize, amplitudes: usize, silent: bool) {
     let candidates = candidates(phases, amplitudes);
     let tolerance = tolerance::<T>(set, scene);
-    // The tolerance itself, and a term's few roundings in the winner and in what it should have lost to.
+    // The tolerance itself, and a term's few roundings in the candidate found and in the best one.
     let bounds: f64 = (0..scene.count).map(|j| scene.bound::<T>(j)).sum();
     let allowed = wide(tolerance) + 12.0 * ROUNDING * bounds;
     let count = scene.count;
@@ -195,7 +195,7 @@ fn best_finds_the_least_energy() {
     }
 }
 
-/// One point of pressure `old` at which a transducer makes the pressure 1, both of phase 0.
+/// Returns one point of pressure `old` at which a transducer makes the pressure 1, both of phase 0.
 fn plain(old: f32, target: f32) -> Scene {
     let single = |x: f32| {
         let mut list = vec![0.0; padded(1)];
@@ -217,20 +217,20 @@ fn of_equal_candidates_the_first_wins() {
         let find = |scene: &Scene, phases, amplitudes, silent| {
             best::<T>(set, scene, &candidates(phases, amplitudes), silent, tolerance::<T>(set, scene))
         };
-        // A loud point stays nearest to its target if the new wave comes from either side: of phases l and
-        // L - l, which lie in different groups of lanes for most L, the first is taken.
+        // The new wave can bring a loud point nearest to its target at phase l or at L - l, which are in different lane
+        // groups for most L. The search takes the first.
         for phases in 3..=67 {
             let index = find(&plain(3.0, 3.1), phases, 1, false);
             assert!((1..=phases / 2).contains(&index), "L = {phases}: {index}");
         }
-        // From silence a target midway between two amplitudes takes the smaller; at K = 32 the two lie on either
-        // side of a group's end.
+        // From silence, a target midway between two amplitudes takes the smaller one. At K = 32 the two are in
+        // different lane groups.
         for (amplitudes, lower) in [(2_u8, 1_u8), (4, 2), (32, 16), (40, 17)] {
             let target = (f32::from(lower) + 0.5) / f32::from(amplitudes);
             let index = find(&plain(0.0, target), 6, usize::from(amplitudes), true);
             assert_eq!(index, 6 * (usize::from(lower) - 1), "K = {amplitudes}");
         }
-        // A transducer that reaches no point changes nothing by any candidate.
+        // A transducer that reaches no point has candidates without any effect.
         let mut deaf = plain(3.0, 1.0);
         deaf.gain[0].fill(0.0);
         assert_eq!((find(&deaf, 50, 2, false), find(&deaf, 50, 2, true)), (0, 0));
@@ -244,7 +244,7 @@ fn of_equal_candidates_the_first_wins() {
 #[test]
 fn a_later_candidate_wins_only_by_more_than_the_tolerance() {
     for set in InstructionSet::all() {
-        // Half a turn lowers |P| from 3 by 1, which saves 9 - 4 = 5 of (0 - |P|)^2; phase 0 costs 16 - 9 = 7.
+        // Half a turn lowers |P| from 3 to 2, which lowers (0 - |P|)^2 by 9 - 4 = 5; phase 0 raises it by 16 - 9 = 7.
         let scene = plain(3.0, 0.0);
         for (phases, half) in [(2, 1), (40, 20)] {
             let find = |tolerance| best::<L2>(set, &scene, &candidates(phases, 1), false, tolerance);

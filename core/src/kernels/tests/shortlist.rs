@@ -1,4 +1,4 @@
-//! The list of a small grid against energies in f64.
+//! The shortlist of a small grid compared with energies in f64.
 
 use alloc::vec;
 
@@ -39,8 +39,7 @@ fn the_shortlist_holds_the_best() {
                     assert!(close.is_sorted() && !close.is_empty());
                     let reached = |index: &u32| scene.total::<L2>(candidates.drive(*index as usize));
                     let found = close.iter().map(reached).fold(f64::INFINITY, f64::min);
-                    // The slack is larger than rounding; a larger loss would mean that a stretch was left out by
-                    // mistake.
+                    // The slack is larger than rounding; a larger loss would mean that an arc was left out by mistake.
                     let lost = found - least::<L2>(&scene, &candidates, false);
                     assert!(lost <= 0.1 * wide(slack), "{set}: M = {count}, L = {phases}: {lost:e} of {slack:e}");
                 }

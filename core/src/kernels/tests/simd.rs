@@ -1,4 +1,4 @@
-//! The vocabulary of the kernels, operation by operation, at every set.
+//! The operations of the kernels, one by one, for every instruction set.
 
 use core::array::from_fn;
 
@@ -170,7 +170,7 @@ fn powers_and_tables() {
             let index: Lanes = from_fn(|l| (7 * l + turn) as f32);
             let beyond = index.map(|x| 0.5 * x.min(99.0));
             assert_eq!(stored!(set, s => s.gather_list(&list, s.load(&index))), beyond);
-            // Any content of odd lanes; 50 pairs, some requested from either side of them, and one that is no number.
+            // Odd lanes may have any content. There are 50 pairs; some indices are outside of them, and one is NaN.
             let mut noisy: Lanes = from_fn(|l| if l % 2 == 0 { 0.75 * index[l] - 40.0 } else { -3.5e9 });
             noisy[2 * (turn / 2)] = f32::NAN;
             for zero in [0, 20, 45] {

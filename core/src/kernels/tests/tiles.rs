@@ -1,4 +1,4 @@
-//! Tiles against plain f64 loops, at every set.
+//! Tiles compared with plain f64 loops, for every instruction set.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -16,12 +16,12 @@ use crate::kernels::tiles::{Tiles, Wave, height, lanes, size};
 use crate::kernels::tiles::{phases, products};
 use crate::rng::Rng;
 
-/// Rows of G and the same as tiles, every second point doubled and the points in turn from the last.
+/// G as tiles: the points in reverse order, every second one doubled.
 pub(super) struct Scene {
     points: usize,
     transducers: usize,
     pub(super) planes: [Vec<f32>; 2],
-    /// G as the tiles hold it, point by point.
+    /// The entries of G in the tiles, point by point.
     pub(super) matrix: Vec<Vec<Complex64>>,
 }
 
@@ -56,7 +56,8 @@ impl Scene {
         Tiles { planes: [&self.planes[0], &self.planes[1]], lanes: lanes(self.transducers) }
     }
 
-    /// Lets a kernel play; the drive and the field, whose padding must be silent.
+    /// Runs a kernel and returns its drive and field. Asserts that their padding is 0 and that the field is G times the
+    /// drive.
     pub(super) fn play(&self, kernel: impl FnOnce(Wave<'_>)) -> [Vec<Complex64>; 2] {
         let dirty = |size: usize| [(); 2].map(|()| vec![f32::NAN; size]);
         let (mut drive, mut field) = (dirty(lanes(self.transducers)), dirty(height(self.points)));
@@ -67,7 +68,7 @@ impl Scene {
         };
         let (drive, field) = (join(&drive), join(&field));
         assert!(drive[self.transducers..].iter().chain(&field[self.points..]).all(|z| z.norm() == 0.0));
-        // The field is that of the drive: sums of terms of at most 2 sqrt 2.
+        // The field is a sum of terms of at most 2 sqrt 2.
         let allowed = 4.0 * ROUNDING * 3.0 * self.transducers as f64;
         for (received, row) in field.iter().zip(&self.matrix) {
             let want: Complex64 = row.iter().zip(&drive).map(|(g, q)| g * q).sum();
@@ -81,7 +82,7 @@ fn complex(rng: &mut Rng, count: usize) -> [Vec<f32>; 2] {
     [(); 2].map(|()| numbers(rng, count, -1.0, 1.0))
 }
 
-/// Numbers over the transducers, zeros beyond.
+/// Returns random numbers over the transducers, and zeros in the padding.
 fn over(rng: &mut Rng, transducers: usize) -> Vec<f32> {
     let mut list = numbers(rng, transducers, -1.0, 1.0);
     list.resize(lanes(transducers), 0.0);
@@ -113,7 +114,7 @@ fn a_sweep_aims_every_transducer_and_hears_it() {
                 let part =
                     |k: usize| scene.matrix[k][i].conj() * Complex64::new(wide(wanted[0][k]), wide(wanted[1][k]));
                 let want: Complex64 = (0..count).map(part).sum();
-                // Sums of terms below 4, their error beside their modulus; the root within a few roundings.
+                // Sums of terms below 4 have an error relative to their modulus; the root has a few roundings.
                 let allowed = 8.0 * ROUNDING + 4.0 * ROUNDING * 4.0 * count as f64 / want.norm();
                 assert!((drive[i] - want / want.norm()).norm() <= allowed, "{set} {count}: {}", drive[i]);
             }
@@ -152,7 +153,7 @@ fn a_transducer_reaches_what_is_not_all_zeros() {
     each(|set, count, _| {
         let mut scene = Scene::new(count, 37, set);
         assert!((0..37).all(|i| scene.tiles().reaches(i)));
-        // Transducer 20 lies in the second tile, its fifth lane.
+        // Transducer 20 is in lane 4 of the second tile.
         for plane in &mut scene.planes {
             for block in plane.chunks_exact_mut(4 * LANES).skip(1).step_by(lanes(37) / LANES + 1) {
                 block.chunks_exact_mut(LANES).for_each(|row| row[4] = 0.0);
@@ -168,7 +169,7 @@ fn a_turn_is_a_change_of_phase() {
         let transducers = 5 + count;
         let scene = Scene::new(count, transducers, set);
         let mut from = [(); 2].map(|()| vec![0.0; lanes(transducers)]);
-        // The first one is off, and stays so.
+        // The first transducer is off, and stays off.
         for i in 1..transducers {
             let phase = TAU * rng.uniform();
             (from[0][i], from[1][i]) = (libm::cos(phase) as f32, libm::sin(phase) as f32);
@@ -241,7 +242,7 @@ fn transducers_are_weighed() {
         let factors = over(rng, 37);
         let before = scene.planes[0].clone();
         tiles::weigh(set, &mut scene.planes[0], &factors);
-        // Tile after tile, four rows of each together.
+        // The plane contains tile after tile, each with four rows.
         for (k, block) in before.chunks_exact(4 * LANES).enumerate() {
             let tile = k % (lanes(37) / LANES + 1);
             for (at, x) in block.iter().enumerate().filter(|_| tile < lanes(37) / LANES) {
@@ -255,7 +256,7 @@ fn transducers_are_weighed() {
 #[test]
 fn couplings_are_products_of_rows() {
     each(|set, count, _| {
-        // More tiles than a run has, by one.
+        // 33 tiles are one more than a run has.
         for transducers in [37, 33 * LANES] {
             let scene = Scene::new(count, transducers, set);
             let mut matrix = [(); 2].map(|()| vec![0.0; count * count]);
@@ -265,7 +266,7 @@ fn couplings_are_products_of_rows() {
                 .expect("it is not stopped");
             let mut powers = vec![f32::NAN; count];
             products::powers(set, scene.tiles(), &mut powers);
-            // A product of two numbers below 2 sqrt 2 for each transducer, and some four roundings of it.
+            // For each transducer a product of two numbers below 2 sqrt 2, with about four roundings.
             let allowed = 4.0 * ROUNDING * 8.0 * transducers as f64;
             for k in 0..count {
                 for l in k..count {
@@ -320,8 +321,8 @@ fn phases_set_on_the_rows_are_those_set_on_their_products() {
                 energy += if round == 1 { share * sum.norm() } else { 0.0 };
             }
         }
-        // Rounding turns a phase by its part of the sum, which is never far below the root of the terms' number; a turn
-        // passes on to the points after it.
+        // A sum's rounding turns its phase by the error relative to the sum, which is never far below the root of the
+        // number of terms. A turn also affects the points after it.
         for (k, want) in want.iter().enumerate() {
             let miss = (Complex64::new(wide(re[k]), wide(im[k])) - want).norm();
             assert!(miss <= 1e-3, "{set} {count}: point {k} by {miss}");
@@ -367,7 +368,7 @@ fn aligning_raises_the_energy_and_keeps_the_moduli() {
         for s in 0..LANES {
             let after = energy(&vectors, s);
             assert!(after >= before[s] - 1e-5 * scale, "{set} {count}: {after} from {}", before[s]);
-            // Summed while the vectors still move a little.
+            // The kernel sums the energy while the vectors still change a little.
             assert!(
                 (wide(reported[s]) - after).abs() <= 1e-2 * scale,
                 "{set} {count}: stated {}, is {after}",

@@ -1,26 +1,26 @@
-//! Error diffusion: an even drive brought to a board's phases, tiles after tiles, without a trace at the points.
+//! Error diffusion: rounds an even drive to a board's phases, tiles after tiles, so that errors at the points cancel.
 //!
 //! ```text
-//! r_j = |P_j| - s          what is wrong at a point, s the mean; |P_j| itself at a quiet one;   h_j = conj(P_j)/|P_j|
+//! r_j = |P_j| - s          error of point j, s the mean; |P_j| itself at a quiet point;   h_j = conj(P_j)/|P_j|
 //! diffuse, for each 4 tiles of 16 transducers:
 //!     d   = Im(q sum_j G_j w_j r_j h_j)                        steepest descent of sum w r^2 over their phases
-//!     k   = sum d^2 / sum_j w_j Re(h_j sum_i G_ij q_i d_i j)^2                   as far as it goes down (line search)
+//!     k   = sum d^2 / sum_j w_j Re(h_j sum_i G_ij q_i d_i j)^2                   step of the line search along d
 //!     q'  = the board's phase nearest to arg q + k d;   P += sum_i G_i (q'_i - q_i)
 //! exchange, for each tile:
-//!     the one code whose step up or down lowers sum w r^2 most is taken, if there is one
+//!     change the one code whose step up or down lowers sum w r^2 most, if there is one
 //! ```
 //!
-//! In motion a drive keeps its last code while the nearest is less than 3/4 of a step away: each change of code sounds.
+//! In motion a drive keeps its last code while the exact one is within 3/4 of a step: each change of code is audible.
 //!
-//! Rounding leaves errors at the points; the next tiles, which are to be rounded anyway, choose their codes so that these
-//! take them back (Floyd and Steinberg, Proc. SID 17(2), 1976). What remains is what the last tiles leave;
-//! exchanging single codes (direct binary search, Analoui and Allebach, SPIE 1666, 1992) takes off two thirds of that.
-//! Everything is O(N M): one pass takes as long as three or four sweeps.
+//! Rounding leaves errors at the points. The next tiles choose their codes so that these become smaller (Floyd and
+//! Steinberg, Proc. SID 17(2), 1976). Exchanges of single codes (direct binary search, Analoui and Allebach, SPIE 1666,
+//! 1992) remove two thirds of what the last tiles leave. The time is O(N M): a pass takes as long as three or four
+//! sweeps.
 //!
-//! 1. At few points each choice waits for the field of the one before: four tiles at a time wait a quarter as often, and
-//!    exchanges leave no more than with one.
-//! 2. The level s is the mean before the last choice: it is not waited for.
-//! 3. sum d^2, which is minus the slope along d, needs no field: it is summed while the field of d is.
+//! 1. At few points each choice waits for the field of the one before. Four tiles at a time wait a quarter as often,
+//!    and exchanges leave no more error than with one.
+//! 2. The level s is the mean before the last choice, so that no choice waits for it.
+//! 3. sum d^2, which is minus the slope along d, needs no field: it is summed while the field of d is computed.
 
 use crate::control::Control;
 use crate::error::Error;
@@ -31,28 +31,28 @@ use crate::kernels::simd::{Simd, TINY};
 use crate::kernels::tiles::{Tiles, add_wave};
 use crate::math::sqrtf;
 
-/// Which code a drive takes.
+/// The rule by which a drive gets a code.
 #[derive(Clone, Copy)]
 pub(crate) struct Choice<'a> {
     phases: &'a Phases,
     few: Option<Few>,
-    /// The largest code, up or down.
+    /// The largest code, in either direction.
     most: f32,
-    /// A drive within this part of a step of code 0 has that code: 1/2 is nearest rounding.
+    /// Distance from code 0, in steps, within which a drive gets code 0; 1/2 means the nearest code.
     kept: f32,
-    /// The largest turn of a drive that corrects errors at the points, in turns.
+    /// The largest rotation of a drive by which it corrects errors at the points, in turns.
     rotation: f32,
-    /// The root mean square of the error, relative to the level, below which exchanges do not pay.
+    /// Root mean square of the error, relative to the level, below which codes are not exchanged.
     even: f32,
 }
 
 impl<'a> Choice<'a> {
-    /// As even as the phases allow, by codes up to `most`.
+    /// The rule for the least error that the phases allow, with codes up to `most`.
     pub(crate) fn even(phases: &'a Phases, most: f32) -> Self {
         Self { phases, most, kept: 0.5, rotation: MOST_ROTATION, even: EVEN[0], few: None }
     }
 
-    /// In motion code 0 is that of the last frame: few codes change, because each change is audible.
+    /// The rule for motion, where code 0 is that of the last frame: few codes change, because each change is audible.
     pub(crate) fn in_motion(phases: &'a Phases, most: f32) -> Self {
         let step = 1.0 / phases.count();
         let even = (step * step).clamp(EVEN[0], EVEN[1]);
@@ -60,52 +60,51 @@ impl<'a> Choice<'a> {
     }
 }
 
-/// An even drive, the points that it is even at, and the memory of both passes.
+/// An even drive's tiles and points, and the working memory.
 pub(crate) struct Task<'a> {
     pub(crate) tiles: Tiles<'a>,
     pub(crate) choice: Choice<'a>,
-    /// Weights of the points.
     pub(crate) weights: &'a [f32],
-    /// Points with a target, which come first; the others are quiet.
+    /// Number of points with a target, which come first; the others are quiet.
     pub(crate) targeted: usize,
-    /// [`floats`] numbers.
+    /// Working memory of [`floats`] numbers.
     pub(crate) memory: &'a mut [f32],
 }
 
-/// Numbers of memory for `points`.
+/// Returns the length of the working memory for `points`.
 pub(crate) const fn floats(points: usize) -> usize {
     LISTS * 2 * points.next_multiple_of(EIGHT)
 }
 
 const LISTS: usize = 7;
-/// Points whose complex sums fill a register.
+/// Points whose complex sums fill a lane group.
 const EIGHT: usize = LANES / 2;
-/// Tiles rounded together: their choice is waited for once.
+/// Tiles rounded together: the loop waits once for their choice.
 const MOST: usize = 4;
-/// Rotations in turns beyond which a pressure is no longer near its tangent.
+/// Largest rotation in turns for which a pressure is near its tangent.
 const MOST_ROTATION: f32 = 0.125;
-/// The least and the largest [`Choice::even`].
+/// Limits of [`Choice::even`].
 const EVEN: [f32; 2] = [5e-5, 1e-3];
 
-/// The most passes that exchange codes: a third pass removes less than a tenth of the error.
+/// Largest number of passes that exchange codes: a third pass removes less than a tenth of the error.
 const ROUNDS: usize = 2;
 
-/// Lists over the points. A lane group holds eight of them: real parts, then imaginary ones, or the same number twice.
+/// Lists over the points. A lane group has eight of them: real, then imaginary parts, or the same number twice.
 struct Points<'a> {
-    /// sqrt(w), 0 where there is no point.
+    /// sqrt(w), w the weight; 0 in the padding.
     root: &'a mut [Lanes],
     /// 1 for points with a target, 0 for quiet ones.
     loud: &'a mut [Lanes],
     field: &'a mut [Lanes],
-    /// sqrt(w) h.
+    /// sqrt(w) h, see the module's head.
     unit: &'a mut [Lanes],
     /// sqrt(w) r.
     miss: &'a mut [Lanes],
     /// w r h.
     pull: &'a mut [Lanes],
-    /// The pressures that a tile's drives make at the points.
+    /// The pressures that a tile's drives add at the points.
     change: &'a mut [Lanes],
-    /// Half of 1 over the number of points with a target: all are there twice.
+    /// 1 over twice the number of points with a target: each is in a lane group twice.
     share: f32,
     level: f32,
 }
@@ -127,20 +126,20 @@ impl<'a> Points<'a> {
         }
         let share = 0.5 / targeted as f32;
         let mut points = Self { root, loud, field: own, unit, miss, pull, change, share, level: 0.0 };
-        // The first pass finds the mean, the second the deviations from it.
+        // The first call computes the mean, the second the errors.
         points.look(s);
         points.look(s);
         points
     }
 
-    /// The error of the field at the last look's mean; then the mean. Returns sum w r^2.
+    /// Updates the errors relative to the last mean, and then the mean. Returns sum w r^2.
     #[inline(always)]
     fn look<S: Simd>(&mut self, s: S) -> S::V {
         s.aside(
             #[inline(always)]
             || {
                 let (mut total, mut wrong) = (s.splat(0.0), s.splat(0.0));
-                // The conjugate's signs.
+                // Signs of the complex conjugate.
                 let mut signs: Lanes = [1.0; LANES];
                 signs[EIGHT..].fill(-1.0);
                 let signs = s.load(&signs);
@@ -166,7 +165,7 @@ impl<'a> Points<'a> {
         )
     }
 
-    /// sum w Re(h c)^2 over the points with a target and sum w |c|^2 over the quiet ones, of the changes c; twice that.
+    /// Returns, for changes c, twice sum w Re(h c)^2 over points with a target plus sum w |c|^2 over quiet ones.
     #[inline(always)]
     fn weigh_change<S: Simd>(&self, s: S) -> f32 {
         s.aside(
@@ -187,7 +186,7 @@ impl<'a> Points<'a> {
         )
     }
 
-    /// The change that drives of K tiles make.
+    /// Computes the change of the pressures by drives of K tiles.
     #[inline(always)]
     fn hear<S: Simd, const K: usize>(&mut self, s: S, tiles: Tiles<'_>, tile: usize, q: &[[S::V; 2]; K]) {
         s.aside(
@@ -213,11 +212,11 @@ impl<'a> Points<'a> {
     }
 }
 
-/// Brings the drive (|q| = 1 or 0) to the phases, each tile's choice taking back the errors of those before; `field` is
-/// that of the drive before. `codes` are those of the phases. Then exchanges codes where that still pays.
+/// Rounds a drive (|q| = 1 or 0) to the phases; each tile's choice corrects the errors of the tiles before. `field` is
+/// that of the old drive. Writes the new `codes`. Then exchanges codes where that still pays.
 ///
 /// # Errors
-/// A check for a stop once a tile: the drive is then part old and part new.
+/// A requested stop, which is checked once a tile: the drive is then part old and part new.
 pub(crate) fn diffuse(
     set: InstructionSet,
     task: Task<'_>,
@@ -234,7 +233,7 @@ pub(crate) fn diffuse(
         let mut tile = 0;
         while let (Some(re), Some(im), Some(codes)) = (re.next(), im.next(), own.next()) {
             control.pulse()?;
-            // There are whole pairs of tiles.
+            // The number of tiles is even.
             match codes.len() {
                 MOST => round_tiles::<_, MOST>(s, tiles, tile, choice, &mut points, [re, im], codes),
                 _ => round_tiles::<_, 2>(s, tiles, tile, choice, &mut points, [re, im], codes),
@@ -260,7 +259,7 @@ pub(crate) fn diffuse(
     })
 }
 
-/// Rounds K tiles where their errors do least harm.
+/// Rounds K tiles so that their errors reduce the errors at the points.
 #[inline(always)]
 fn round_tiles<S: Simd, const K: usize>(
     s: S,
@@ -289,7 +288,7 @@ fn round_tiles<S: Simd, const K: usize>(
             }
         }
     }
-    // The range of each phase below, and the drives' slopes along it.
+    // Steepest descent d of each drive, the change of the drives by it, and sum d^2.
     let (mut down, mut change, mut slope) = ([zero; K], [[zero; 2]; K], zero);
     for ((down, change), (&[re, im], &[a, b, c, d])) in down.iter_mut().zip(&mut change).zip(q.iter().zip(&sums)) {
         *down = s.fma(re, s.add(c, d), s.mul(im, s.sub(a, b)));
@@ -316,7 +315,7 @@ fn round_tiles<S: Simd, const K: usize>(
     points.look(s);
 }
 
-/// The codes nearest to where rotations in turns bring q, and their phasors.
+/// Returns the codes nearest to q after rotations in turns, and their phasors.
 #[inline(always)]
 fn rounded<S: Simd>(s: S, choice: Choice<'_>, q: [S::V; 2], rotation: S::V) -> (S::V, [S::V; 2]) {
     s.aside(
@@ -326,14 +325,14 @@ fn rounded<S: Simd>(s: S, choice: Choice<'_>, q: [S::V; 2], rotation: S::V) -> (
             let later = s.fma(rotation, s.splat(phases.count()), phases.later(s, q));
             let code = s.select_less(s.abs(s.sub(later, s.splat(0.5))), s.splat(kept), s.splat(0.0), s.floor(later));
             let code = s.max(s.min(code, s.splat(most)), s.splat(-most));
-            // Transducers without effect stay silent.
+            // Transducers without effect keep the drive 0.
             let Some(few) = &few else { return (code, phases.phasors(s, code, q)) };
             (code, few.phasors(s, code, q))
         },
     )
 }
 
-/// Takes the step of one code that gains most; whether one does.
+/// Makes the step of one code that lowers the error most; returns false if no step lowers it.
 #[inline(always)]
 fn exchange<S: Simd>(
     s: S,
@@ -345,13 +344,13 @@ fn exchange<S: Simd>(
     codes: &mut Lanes,
 ) -> bool {
     let (zero, q) = (s.splat(0.0), [s.load(own_re), s.load(own_im)]);
-    // A step up or down makes u (c +- j s) of a wave u = h G q.
+    // A step up or down adds u (c +- j s) to the pressure, for a wave u = h G q.
     let [c, sine] = phases.step();
     let (cosine, sine) = (s.splat(c), s.splat(sine));
     let along = [s.mul(q[0], cosine), s.mul(q[1], cosine)];
     let across = [s.mul(q[0], sine), s.mul(q[1], sine)];
     let square = s.splat(-2.0 * c);
-    // The cost of either step, and how much less the step up costs than the one down.
+    // The part of the change that both steps share, and half of the part whose sign differs.
     let (mut both, mut odd) = (zero, zero);
     for (block, [[gr], [gi]]) in tiles.columns(tile).enumerate() {
         let [unit, miss, loud] = [&points.unit, &points.miss, &points.loud].map(|list| &list[block / 2]);
@@ -373,7 +372,7 @@ fn exchange<S: Simd>(
             }
         }
     }
-    // At most the largest code.
+    // A code beyond the largest one is not allowed.
     let after = s.add(s.load(codes), s.select_less(s.splat(0.0), odd, s.splat(1.0), s.splat(-1.0)));
     let change = s.fnma(s.splat(2.0), s.abs(odd), both);
     let change = s.select_less(s.splat(most_code), s.abs(after), s.splat(f32::MAX), change);

@@ -1,7 +1,7 @@
 //! G stored in tiles of 16 transducers (in the lanes) by 4 points: layout, sweeps, rotations, Jacobians.
 //!
 //! No sum runs across lanes before the last tile, and 4 points are not padded to 16. Four points' rows lie together,
-//! tile after tile, then the next four's: whatever takes rows runs over memory in its order.
+//! tile after tile, then the rows of the next four points: kernels that go over rows read memory in its order.
 
 pub(crate) mod error_diffusion;
 pub(crate) mod phases;
@@ -18,23 +18,23 @@ use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::vector::add_wave;
 
-/// Length of a vector over the transducers: whole pairs of tiles.
+/// Returns the length of a vector over the transducers: whole pairs of tiles.
 pub(crate) const fn lanes(transducers: usize) -> usize {
     transducers.next_multiple_of(2 * LANES)
 }
 
-/// Rows for `count` points: whole blocks.
+/// Returns the number of rows for `count` points: whole blocks of four.
 pub(crate) const fn height(count: usize) -> usize {
     count.next_multiple_of(BLOCK)
 }
 
-/// Blocks from four rows to the next four: one more than there are, since at an even number the rows of a tile would
-/// want the same place in the nearest cache.
+/// Returns the distance from one block of rows to the next, in lane groups of four rows. It is one more than the tiles:
+/// with an even number the rows of a tile would compete for the same line of the nearest cache.
 pub(crate) const fn stride(lanes: usize) -> usize {
     lanes / LANES + 1
 }
 
-/// Numbers of `rows` (whole blocks) over `lanes`.
+/// Returns the length of a plane with `rows` (whole blocks) over `lanes`.
 pub(crate) const fn size(rows: usize, lanes: usize) -> usize {
     rows * LANES * stride(lanes)
 }
@@ -47,7 +47,7 @@ fn blocks_mut(plane: &mut [f32]) -> &mut [Block] {
     groups_mut(plane).as_chunks_mut().0
 }
 
-/// G over [`lanes`].
+/// G as tiles over [`lanes`]: real and imaginary planes.
 #[derive(Clone, Copy)]
 pub(crate) struct Tiles<'a> {
     pub(crate) planes: [&'a [f32]; 2],
@@ -55,22 +55,22 @@ pub(crate) struct Tiles<'a> {
 }
 
 impl<'a> Tiles<'a> {
-    /// Whether a transducer reaches any point.
+    /// Returns whether a transducer reaches any point.
     pub(crate) fn reaches(&self, transducer: usize) -> bool {
         let (tile, lane) = (transducer / LANES, transducer % LANES);
         let mut tiles = self.planes.into_iter().flat_map(|plane| blocks(plane).chunks_exact(stride(self.lanes)));
-        // Nearly every transducer reaches the first point.
+        // The first point is checked first, because nearly every transducer reaches it.
         blocks(self.planes[0])[tile][0][lane] != 0.0 || tiles.any(|rows| rows[tile].iter().any(|row| row[lane] != 0.0))
     }
 
-    /// Re and im of four rows, tile after tile.
+    /// Returns the real and imaginary parts of four rows, tile after tile.
     #[inline(always)]
     pub(crate) fn rows(&self, block: usize) -> [&'a [Block]; 2] {
         let first = block * stride(self.lanes);
         self.planes.map(|plane| &blocks(plane)[first..first + self.lanes / LANES])
     }
 
-    /// Re and im of K tiles, four rows after four.
+    /// Iterates over the real and imaginary parts of K tiles, four rows at a time.
     #[inline(always)]
     fn columns<const K: usize>(&self, tile: usize) -> impl Iterator<Item = [&'a [Block; K]; 2]> + Clone + use<'a, K> {
         let stride = stride(self.lanes);
@@ -82,13 +82,13 @@ impl<'a> Tiles<'a> {
     }
 }
 
-/// A drive and its pressures at the points, re and im.
+/// A drive and its pressures at the points, real and imaginary parts.
 pub(crate) struct Wave<'a> {
     pub(crate) drive: [&'a mut [f32]; 2],
     pub(crate) field: [&'a mut [f32]; 2],
 }
 
-/// Whether each of the first transducers reaches the first point, as nearly all do, and has a drive.
+/// Returns whether each of the first transducers reaches the first point, as nearly all do, and has a drive.
 pub(crate) fn all_sound(set: InstructionSet, tiles: Tiles<'_>, drive: [&[f32]; 2], transducers: usize) -> bool {
     dispatch!(set, s => {
         let [qr, qi] = drive.map(groups);
@@ -104,11 +104,11 @@ pub(crate) fn all_sound(set: InstructionSet, tiles: Tiles<'_>, drive: [&[f32]; 2
     })
 }
 
-/// Writes G of the transducers `members` as tiles: row `k` is point `order[k]`, zeros beyond the last point and
-/// transducer.
+/// Writes G of the transducers `members` as tiles: row `k` is point `order[k]`. Rows and lanes beyond the last point
+/// and transducer get 0.
 ///
 /// # Errors
-/// A check for a stop once a tile.
+/// A requested stop, which is checked once a tile.
 pub(crate) fn pack(
     set: InstructionSet,
     rows: Rows<'_>,
@@ -173,7 +173,7 @@ fn sound<S: Simd>(s: S, tiles: Tiles<'_>, [qr, qi]: [&[Lanes]; 2], [re, im]: [&m
     }
 }
 
-/// The pressures of four rows: their sums over the lanes.
+/// Writes the pressures of four rows, the sums over the lanes.
 #[inline(always)]
 fn hear<S: Simd>(s: S, sums: [[S::V; 2]; BLOCK], re: &mut [f32; BLOCK], im: &mut [f32; BLOCK]) {
     for ([real, imag], (re, im)) in sums.into_iter().zip(re.iter_mut().zip(im)) {
@@ -189,10 +189,10 @@ pub(crate) fn play(set: InstructionSet, tiles: Tiles<'_>, wave: Wave<'_>) {
     });
 }
 
-/// b = sum_j conj(G_j) p_j of two tiles.
+/// Returns b = sum_j conj(G_j) p_j for the transducers of two tiles.
 #[inline(always)]
 fn correlated<S: Simd>(s: S, tiles: Tiles<'_>, t: usize, [pr, pi]: [&[[f32; BLOCK]]; 2]) -> [[S::V; 2]; 2] {
-    // Independent sums, which the processor adds at once.
+    // These sums are independent, so the processor adds them at once.
     let mut sums = [[s.splat(0.0); 4]; 2];
     for ([gr, gi], (pr, pi)) in tiles.columns::<2>(t).zip(pr.iter().zip(pi)) {
         for row in 0..BLOCK {
@@ -210,7 +210,7 @@ fn correlated<S: Simd>(s: S, tiles: Tiles<'_>, t: usize, [pr, pi]: [&[[f32; BLOC
     )
 }
 
-/// b = sum_j conj(G_j) p_j of every transducer.
+/// Writes b = sum_j conj(G_j) p_j for every transducer.
 pub(crate) fn correlate(set: InstructionSet, tiles: Tiles<'_>, pressures: [&[f32]; 2], out: [&mut [f32]; 2]) {
     dispatch!(set, s => {
         let [re, im] = out.map(groups_mut);
@@ -224,7 +224,7 @@ pub(crate) fn correlate(set: InstructionSet, tiles: Tiles<'_>, pressures: [&[f32
     });
 }
 
-/// Multiplies G of each transducer by its q: drives are then relative to these.
+/// Multiplies G of each transducer by its q; drives are then relative to these.
 pub(crate) fn rotate_columns(set: InstructionSet, [re, im]: [&mut [f32]; 2], [qr, qi]: [&[f32]; 2]) {
     dispatch!(set, s => {
         let each = stride(qr.len());
@@ -242,7 +242,8 @@ pub(crate) fn rotate_columns(set: InstructionSet, [re, im]: [&mut [f32]; 2], [qr
     });
 }
 
-/// The slopes of the equations as the rows of a plane: f Re(G q) + g Im(G q) of the points `points`, in their order.
+/// Writes the slopes of equations as rows of a plane: f Re(G q) + g Im(G q) at each of `points`, with `factors` f and
+/// g.
 pub(crate) fn slopes(
     set: InstructionSet,
     tiles: Tiles<'_>,
@@ -268,7 +269,7 @@ pub(crate) fn slopes(
             }
             rows = k + 1;
         }
-        // Zeros below the last equation.
+        // The rows below the last equation are 0.
         if let Some(last) = out.chunks_exact_mut(stride).nth(rows / BLOCK) {
             for block in last {
                 block[rows % BLOCK..].fill([0.0; LANES]);
@@ -277,7 +278,7 @@ pub(crate) fn slopes(
     });
 }
 
-/// out = sum_k factor_k row_k over the rows of a plane; the largest modulus.
+/// out = sum_k factor_k row_k over the rows of a plane; returns the largest modulus.
 pub(crate) fn combine(set: InstructionSet, plane: &[f32], factors: &[f32], out: &mut [f32]) -> f32 {
     dispatch!(set, s => {
         let mut most = s.splat(0.0);

@@ -1,4 +1,4 @@
-//! Point phases raised to a large energy v^H G G^H v, one after another: on G, or 16 starts on G G^H.
+//! Alignment of point phases: one after another is set so that the energy v^H G G^H v grows, from G or from G G^H.
 
 use crate::control::Control;
 use crate::error::Error;
@@ -10,17 +10,18 @@ use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::tiles::Tiles;
 use crate::math::sqrtf;
 
-/// Below this part of a point's own echo the rest is only rounding.
+/// Below this part of a point's own contribution, the contribution of the other points is only rounding.
 const SILENT: f32 = 1e-5;
 
-/// A vector v of the moduli `weights`, brought into line: in the order of `visits` v_k gets the phase of what the other
-/// points' waves make at its point, row_k b - |row_k|^2 v_k of b = G^H v. At first v is 0, so that the first of the
-/// `rounds` adds one point after another. The sum of |v_k| times the moduli of the last round.
+/// Aligns the phases of a vector v of moduli `weights`. In the order of `visits` v_k gets the phase of the pressure
+/// that the other points' waves make at its point: row_k b - |row_k|^2 v_k with b = G^H v. At first v is 0, so that the
+/// first of the `rounds` adds one point after another. Returns the sum of |v_k| times the moduli of those pressures in
+/// the last round.
 ///
 /// Where there is no other wave v_k stays. `powers` are those of the rows; `wave` is memory for b.
 ///
 /// # Errors
-/// A check for a stop once a visit.
+/// A requested stop, which is checked once a visit.
 #[allow(clippy::too_many_arguments, reason = "a kernel over plain slices")]
 pub(crate) fn align_rows(
     set: InstructionSet,
@@ -46,7 +47,7 @@ pub(crate) fn align_rows(
             for &k in visits {
                 control.pulse()?;
                 let k = k as usize;
-                // The change by the last point and the value at this one, in one pass.
+                // One pass adds the change of the last point and computes the value at this point.
                 let (dr, di) = (s.splat(change[0]), s.splat(change[1]));
                 let mut sums = [s.splat(0.0); 4];
                 let [[last_re, last_im], [now_re, now_im]] = [last, k].map(|k| tiles.rows(k / BLOCK));
@@ -83,13 +84,13 @@ pub(crate) fn align_rows(
     })
 }
 
-/// Vectors v of the moduli `shares` and the phases `turns`, sixteen side by side, brought into line: `rounds` times
-/// each v_k gets the phase of sum_l C_kl v_l, in the order of `visits`. The sum of |v_k| |sum_l C_kl v_l|.
+/// Aligns the phases of sixteen vectors v, side by side, of moduli `shares`: `rounds` times each v_k gets the phase of
+/// sum_l C_kl v_l, C the `matrix`, in the order of `visits`. Returns for each vector the sum of |v_k| |sum_l C_kl v_l|.
 ///
-/// Where the sum is silent v_k stays.
+/// Where that sum is 0 v_k stays.
 ///
 /// # Errors
-/// A check for a stop once a visit.
+/// A requested stop, which is checked once a visit.
 pub(crate) fn align(
     set: InstructionSet,
     matrix: [&[f32]; 2],
@@ -131,7 +132,7 @@ pub(crate) fn align(
     })
 }
 
-/// v = share e^{2 pi j x}, sixteen numbers of each share.
+/// Writes v = share e^{2 pi j x}, sixteen numbers for each share; x are the `turns`.
 pub(crate) fn phasors(set: InstructionSet, turns: &[f32], shares: &[f32], out: [&mut [f32]; 2]) {
     dispatch!(set, s => {
         let [re, im] = out.map(groups_mut);

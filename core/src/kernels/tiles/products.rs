@@ -1,7 +1,7 @@
 //! Products of the rows of tiles: J J^T and G G^H.
 //!
-//! Four rows meet four (two, if complex) over a run of tiles short enough for the nearest cache, their 16 sums in
-//! registers.
+//! Four rows are multiplied by four (complex: two by four), over a run of tiles that fits the nearest cache. Their 16
+//! sums stay in registers.
 
 use core::ops::Range;
 
@@ -13,13 +13,13 @@ use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::tiles::{Tiles, blocks, stride};
 use crate::kernels::vector::root;
 
-/// Tiles that rows meet over before the next rows are fetched: eight planes of them are 16 KB.
+/// Tiles in a run, over which rows are multiplied before the next rows follow: eight planes of them are 16 KB.
 pub(crate) const RUN: usize = 32;
 
-/// The upper half of J J^T, J the rows of a plane over `lanes`: a matrix of `size` padded rows.
+/// Writes the upper half of J J^T, J the rows of a plane over `lanes`, to a matrix of `size` padded rows.
 ///
 /// # Errors
-/// A check for a stop once every few rows.
+/// A requested stop, which is checked once every few rows.
 pub(crate) fn products(
     set: InstructionSet,
     plane: &[f32],
@@ -69,7 +69,7 @@ pub(crate) fn products(
 /// Adds the upper half of G G^H over the first `size` points and the tiles of `over`.
 ///
 /// # Errors
-/// A check for a stop once every few rows.
+/// A requested stop, which is checked once every few rows.
 pub(crate) fn couplings(
     set: InstructionSet,
     tiles: Tiles<'_>,
@@ -78,7 +78,7 @@ pub(crate) fn couplings(
     matrix: [&mut [f32]; 2],
     control: &mut Control,
 ) -> Result<(), Error> {
-    /// Complex rows that meet four.
+    /// Complex rows that are multiplied by four others.
     const PAIR: usize = 2;
     dispatch!(set, s => {
         let [to_re, to_im] = matrix;
@@ -126,7 +126,7 @@ pub(crate) fn couplings(
     })
 }
 
-/// sum |G|^2 of each row.
+/// Writes sum |G|^2 of each row.
 pub(crate) fn powers(set: InstructionSet, tiles: Tiles<'_>, out: &mut [f32]) {
     dispatch!(set, s => {
         for (k, out) in out.iter_mut().enumerate() {
@@ -141,7 +141,7 @@ pub(crate) fn powers(set: InstructionSet, tiles: Tiles<'_>, out: &mut [f32]) {
     });
 }
 
-/// sum_j f_j |G_j| of each transducer.
+/// Writes sum_j f_j |G_j| for each transducer, with the factors f.
 pub(crate) fn moduli(set: InstructionSet, tiles: Tiles<'_>, factors: &[f32], out: &mut [f32]) {
     dispatch!(set, s => {
         for (t, out) in groups_mut(out).iter_mut().enumerate() {
@@ -157,7 +157,7 @@ pub(crate) fn moduli(set: InstructionSet, tiles: Tiles<'_>, factors: &[f32], out
     });
 }
 
-/// One entry of G G^H.
+/// Returns entry (k, l) of G G^H.
 pub(crate) fn coupling(set: InstructionSet, tiles: Tiles<'_>, k: usize, l: usize) -> [f32; 2] {
     dispatch!(set, s => {
         let [mut real, mut imag] = [s.splat(0.0); 2];

@@ -1,4 +1,4 @@
-//! Drives of modulus 1: sweeps back from the points, rotations, and both kept within an arc around 1.
+//! Drives of modulus 1: sweeps back from the points, and rotations; both also within an arc of phases around 1.
 
 use num_complex::Complex32;
 
@@ -7,7 +7,7 @@ use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Simd, TINY};
 use crate::kernels::tiles::{Tiles, Wave, add_wave, blocks_mut, correlated, hear, sound};
 
-/// z/|z|, 0 where |z|^2 is below [`TINY`].
+/// Returns z/|z|; 0 where |z|^2 is below [`TINY`].
 #[inline(always)]
 fn unit<S: Simd>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
     let square = s.fma(re, re, s.mul(im, im));
@@ -16,10 +16,11 @@ fn unit<S: Simd>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
     [s.mul(re, inverse), s.mul(im, inverse)]
 }
 
-/// cos and sin of the most that a drive may rotate away from 1.
+/// cos and sin of the largest angle of a drive from 1.
 pub(crate) type Arc = [f32; 2];
 
-/// A phasor brought into an arc around 1, to the end that is nearer; 0 too, which has no effect where G is 0.
+/// Moves a phasor outside of an arc around 1 to the nearer end of the arc. It moves 0 too, which has no effect because
+/// G is 0 there.
 #[inline(always)]
 fn within<S: Simd>(s: S, [re, im]: [S::V; 2], arc: Arc) -> [S::V; 2] {
     let [cos, sin] = arc.map(|part| s.splat(part));
@@ -27,7 +28,7 @@ fn within<S: Simd>(s: S, [re, im]: [S::V; 2], arc: Arc) -> [S::V; 2] {
     [s.max(re, cos), s.select_less(re, cos, end, im)]
 }
 
-/// Writes the drives of a list times a factor; zeros beyond.
+/// Writes the drives of a list times a factor, and zeros in the padding.
 pub(crate) fn scaled(set: InstructionSet, list: &[Complex32], factor: f32, [re, im]: [&mut [f32]; 2]) {
     dispatch!(set, _s => {
         for ((re, im), q) in re.iter_mut().zip(&mut *im).zip(list) {
@@ -38,7 +39,7 @@ pub(crate) fn scaled(set: InstructionSet, list: &[Complex32], factor: f32, [re, 
     });
 }
 
-/// Writes the drives of a list times the conjugates of another's; zeros beyond.
+/// Writes the drives of a list times the conjugates of another list's, and zeros in the padding.
 pub(crate) fn relative(set: InstructionSet, [list, to]: [&[Complex32]; 2], [re, im]: [&mut [f32]; 2]) {
     dispatch!(set, _s => {
         for ((re, im), (q, to)) in re.iter_mut().zip(&mut *im).zip(list.iter().zip(to)) {
@@ -49,7 +50,8 @@ pub(crate) fn relative(set: InstructionSet, [list, to]: [&[Complex32]; 2], [re, 
     });
 }
 
-/// Multiplies each drive of a list, 1 or 0 in modulus, by another such: a step of Newton's takes its rounding off.
+/// Multiplies each drive of a list by another drive, both of modulus 1 or 0. A step of Newton's method removes the
+/// rounding of the modulus.
 pub(crate) fn rotate_list(set: InstructionSet, [re, im]: [&[f32]; 2], list: &mut [Complex32]) {
     dispatch!(set, _s => {
         for ((re, im), q) in re.iter().zip(im).zip(list) {
@@ -60,7 +62,7 @@ pub(crate) fn rotate_list(set: InstructionSet, [re, im]: [&[f32]; 2], list: &mut
     });
 }
 
-/// Makes every |q| 1, 0 staying 0.
+/// Makes every |q| 1; 0 stays 0.
 pub(crate) fn normalise(set: InstructionSet, drive: [&mut [f32]; 2]) {
     dispatch!(set, s => {
         let [qr, qi] = drive.map(groups_mut);
@@ -72,18 +74,18 @@ pub(crate) fn normalise(set: InstructionSet, drive: [&mut [f32]; 2]) {
     });
 }
 
-/// Numbers of memory that [`sweep`] needs for `rows` (whole blocks).
+/// Returns the length of the working memory of [`sweep`] for `rows` (whole blocks).
 pub(crate) const fn sweep_floats(rows: usize) -> usize {
     2 * rows * LANES
 }
 
-/// q = b/|b| with b = sum_j conj(G_j) p_j, 0 where b is, and P = G q, in one pass over G: two tiles are still in the nearest
-/// cache when the points need them. `memory` holds the lanes of P meanwhile.
+/// q = b/|b| with b = sum_j conj(G_j) p_j (0 where b is 0), and P = G q, in one pass over G: two tiles are still in the
+/// nearest cache when P needs them. `memory` contains the lanes of P meanwhile.
 pub(crate) fn sweep(set: InstructionSet, tiles: Tiles<'_>, wanted: [&[f32]; 2], wave: Wave<'_>, memory: &mut [f32]) {
     dispatch!(set, s => swept::<_, false>(s, tiles, wanted, wave, memory, [-1.0, 0.0]));
 }
 
-/// Like [`sweep`], each q limited to an arc around 1.
+/// Does the same as [`sweep`], with each q limited to an arc around 1.
 pub(crate) fn sweep_within(
     set: InstructionSet,
     tiles: Tiles<'_>,
@@ -136,7 +138,7 @@ fn swept<S: Simd, const WITHIN: bool>(
     }
 }
 
-/// q = (r + j f d r) / |.| of another drive r and turns d, and P = G q: e^{jfd} r but for (f d)^3/3.
+/// q = (r + j f d r) / |.| for another drive r, turns d and factor f, and P = G q. It is e^{jfd} r within (f d)^3/3.
 pub(crate) fn turn(
     set: InstructionSet,
     tiles: Tiles<'_>,
@@ -148,7 +150,7 @@ pub(crate) fn turn(
     dispatch!(set, s => turned::<_, false>(s, tiles, from, (turns, factor, [-1.0, 0.0]), wave));
 }
 
-/// Like [`turn`] by the whole turns, each q limited to an arc around 1.
+/// Does the same as [`turn`] with factor 1, and each q limited to an arc around 1.
 pub(crate) fn turn_within(
     set: InstructionSet,
     tiles: Tiles<'_>,
