@@ -1,4 +1,4 @@
-"""The command line: `midair solve | compare | solvers | presets | reproduce | sweep`."""
+"""The command line `midair solve | compare | ...`: all commands are listed in app.py."""
 
 from .app import main
 

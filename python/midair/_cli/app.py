@@ -1,4 +1,4 @@
-"""The program `midair`: its commands, and its exit status."""
+"""The program `midair`: its commands and its exit status."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ from .._support import text
 from .._support.ctrl_c import Terminated, leave, terminable
 from .progress import FAULT, INTERRUPTED, REFUSED, UNREAD, abandon, fault, one_line, prepare, tell
 
-#: Each command by the module of its function, NAME_command, loaded when used, and its line in the list.
+#: Each command: the module with its function NAME_command, which is imported when used, and its line in the
+#: list.
 COMMANDS = {
     "new": ("new", "Write a commented scene file to begin with."),
     "solve": ("solve", "Find a drive for a scene, judge it, write what is requested."),
@@ -43,13 +44,13 @@ COMMANDS = {
 
 
 def version() -> str:
-    """The package's version, read on request."""
+    """Return the package's version; it is read only when requested."""
     from .. import __version__
 
     return __version__
 
 
-#: Commands whose table is explained under another name in columns.toml, or under their own.
+#: Commands that print a table, and the names under which columns.toml explains the tables' columns.
 TABLES = {
     "solve": "solutions",
     "compare": "solutions",
@@ -63,9 +64,9 @@ app = App(
     name="midair",
     help="Drives for airborne ultrasound phased arrays: the pressure at given points is what you request.",
     version=version,
-    # Markdown would load a parser and a highlighter.
+    # Markdown help would import a parser and a syntax highlighter.
     help_format="plaintext",
-    # `main` reports an interruption.
+    # `main` itself reports an interruption.
     suppress_keyboard_interrupt=False,
 )
 for name, (home, line) in COMMANDS.items():
@@ -73,13 +74,13 @@ for name, (home, line) in COMMANDS.items():
 
 
 def explain(*names: str) -> None:
-    """Use the whole help of functions for commands in place of their lines in the list."""
+    """Use the docstrings of commands' functions as their help, instead of their lines in the list."""
     for name in names:
         app[name].help = None
 
 
 def columns(command: str) -> str:
-    """The columns of a command's table, a line each."""
+    """Return the meanings of a command's table columns, one per line."""
     meanings = text.meanings(TABLES[command])
     width = max(map(len, meanings)) + 2
     rows = [
@@ -96,15 +97,15 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     warned = set()
 
     def warn(message: Warning | str, *_: object, **__: object) -> None:
-        # Many solvers may give the same warning.
+        # Several solvers may give the same warning; it is printed once.
         if str(message) not in warned:
             warned.add(str(message))
             tell(f"warning: {message}")
 
     warnings.showwarning = warn
-    # Messages of matplotlib on its cache and on fonts need no action.
+    # matplotlib's messages about its cache and fonts need no action by the user.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
-    # The parser reads a bare hyphen as an option; as a path it means a standard stream.
+    # The parser would read a hyphen alone as an option; here it means standard input or output.
     typed = sys.argv[1:] if arguments is None else arguments
     status = _run(["./-" if word == "-" else word for word in typed])
     try:
@@ -115,13 +116,13 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
 
 
 def usage(arguments: Sequence[str]) -> str:
-    """The help for a command line."""
+    """Return the command that prints the help for a command line."""
     commands = [word for word in arguments[:1] if word in app]
     return " ".join(["midair", *commands, "--help"])
 
 
 def missing(error: MissingArgumentError) -> str:
-    """The argument that a command line lacks, or the option that was typed without its value."""
+    """Return a message about the argument that a command line lacks, or about an option without its value."""
     argument = error.argument
     assert argument is not None
     typed = error.keyword or next((token.keyword for token in argument.tokens if token.keyword), None)
@@ -174,6 +175,6 @@ def _run(arguments: Sequence[str]) -> int:
         if isinstance(error, BoardError):
             tell(f"error: {one_line(error)}")
             return REFUSED
-        # A panic of the core is no Exception.
+        # A panic of the core is not a subclass of Exception.
         tell(f"error: {fault(error)}")
         return FAULT

@@ -13,10 +13,10 @@ from .._support import output
 from .._support.text import counted
 from .tables import console, print_columns, print_facts, print_line, print_list
 
-#: Boards of 64 in a chain.
+#: Longest chain of boards with 64 transducers.
 MOST_MEGA64 = 14
 
-#: Start of an address that is only a port.
+#: Kind of board that is assumed for an address without one.
 BOARD = "sonicsurface"
 
 
@@ -26,14 +26,14 @@ def off_command(address: str) -> int:
     Parameters
     ----------
     address
-        A board and its place, such as mega64:/dev/ttyACM0; a port alone is a SonicSurface's.
+        A board and its place, such as mega64:/dev/ttyACM0; a port alone means a SonicSurface.
     """
     alone = address.partition(":")[0].removesuffix(PAIR) not in (*KINDS, "null")
     if address.startswith("file:"):
         raise SceneError(f'address is "{address}": a file plays nothing, give a board')
-    # A connection begins and ends with silence.
+    # A connection turns the board off when it opens and when it closes.
     whole = f"{BOARD}:{address}" if alone else address
-    # Independent of the length of its chain.
+    # An array for the longest chain turns off chains of any length.
     array = Array.grid(64, MOST_MEGA64, 10e-3) if whole.startswith("mega64:") else None
     with connect(whole, array=array) as board:
         board.off()
@@ -49,7 +49,7 @@ def ports_command(*, json: Annotated[bool, Parameter(negative=())] = False) -> i
     Parameters
     ----------
     json
-        Print one JSON document in place of the table.
+        Print one JSON document instead of the table.
     """
     found = ports()
     if json:
@@ -79,7 +79,7 @@ def boards_command(name: str | None = None, *, json: Annotated[bool, Parameter(n
     name
         A kind of board, or an array of one, to describe it alone.
     json
-        Print one JSON document in place of the table.
+        Print one JSON document instead of the table.
     """
     names = list(KINDS) if name is None else [name]
     records = {name: _record(name) for name in names}

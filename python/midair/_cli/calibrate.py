@@ -1,4 +1,4 @@
-"""`midair calibrate`, from a file of readings, and `midair doctor`, with a microphone."""
+"""`midair calibrate` (from a file of readings) and `midair doctor` (with a microphone)."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from .progress import progress_bar
 from .scene import check_outputs
 from .tables import print_line, print_written, write_image
 
-#: Keys of a file of readings; the first two are required.
+#: Arrays in a file of readings; the first two are required.
 KEYS = ("drives", "readings", "microphones", "scene", "noise")
 
 
@@ -42,13 +42,13 @@ def calibrate_command(
     Parameters
     ----------
     readings
-        An .npz file with drives (K, N), readings (K, M), microphones (M, 3) in m and scene, a file's text.
+        An .npz file with drives (K, N), readings (K, M), microphones (M, 3) in m, and scene (text of a file).
     output_file
         Where to write the corrected scene, .toml or .json; an .npz contains everything.
     scene
         The scene file, if the readings have none; its points are the microphones if they name none.
     noise
-        Least standard deviation of a reading, in Pa.
+        Lower bound of the standard deviation of a reading, in Pa.
     prior
         Standard deviation of re and im of the responses; by default it is fitted.
     image
@@ -119,13 +119,13 @@ def doctor_command(
     pascals
         Peak pressure in Pa at the card's full scale; without it the level is not judged.
     readings
-        A .csv with a row a drive of the plan, a column a microphone, in place of a sound card.
+        A .csv instead of a sound card: one row per drive of the plan, one column per microphone.
     plan
-        Write the drives to play as .npz, and stop.
+        Write the drives to play as .npz, and do nothing else.
     simulate
         Faults of a simulated microphone, such as "dead 17, swapped 3 9, delay 1 90, speed 350".
     seconds
-        The longest time that the board plays.
+        Longest time in s that the board plays.
     temperature
         Temperature of the air, in degrees C.
     """

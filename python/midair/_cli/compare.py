@@ -1,4 +1,4 @@
-"""`midair compare`: one scene by several solvers, as a table and a sheet of pictures."""
+"""`midair compare`: one scene solved by several solvers, as a table and a page of pictures."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ def compare_command(
     output_file
         Where to write the table: .csv or .json, or - for CSV on standard output.
     image
-        Where to write the sheet of fields: .png, .svg, .pdf or .jpg.
+        Where to write the fields of all methods, as one picture: .png, .svg, .pdf or .jpg.
     quantity
-        Quantity of the sheet: |p| in Pa, the radiation pressure, the level in dB or the phase.
+        Quantity in the picture: |p| in Pa, the radiation pressure, the level in dB or the phase.
     balance
-        Balance for every method, or (--no-balance) for none; by default each method's own setting.
+        Balance every method, or (--no-balance) none; by default each method's own setting.
     json
-        Print one JSON document in place of the table.
+        Print one JSON document instead of the table.
     """
     if json and output_file == STANDARD:
         raise SceneError("--json and -o - both want standard output: leave one of them out")
@@ -64,7 +64,7 @@ def compare_command(
             if image is not None and table is not None:
                 write_image(image, table.plot(quantity=quantity))
     finally:
-        # An interruption still prints the finished methods.
+        # After an interruption, the methods that have finished are still printed.
         if table is not None:
             _tell(table, output_file, json)
     return 0

@@ -1,4 +1,4 @@
-"""`midair motion`: points that move, solved frame by frame; a table, a file, a picture, an animation."""
+"""`midair motion`: solves moving points frame by frame; writes a table, a file, a picture, an animation."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .progress import progress_bar
 from .scene import check_outputs
 from .tables import best_of, print_columns, print_line, print_written, write_image
 
-#: Metrics of a sequence, and their digits.
+#: Metrics of a sequence and their number formats.
 COLUMNS = {
     "level": "{:.4f}",
     "uniformity": "{:.4f}",
@@ -52,9 +52,9 @@ def motion_command(
     animate
         Where to write an animation of the field: .webp, .gif, or .mp4 by ffmpeg.
     solvers
-        Names with commas between them, for a comparison; by default the scene file's, else glide.
+        Names separated by commas, for a comparison; by default the scene file's, else glide.
     json
-        Print one JSON document in place of the table.
+        Print one JSON document instead of the table.
     """
     names = [solver_name(name.strip()) for name in solvers.split(",")] if solvers else []
     if len(names) > 1 and (output_file is not None or image is not None or animate is not None):
@@ -83,7 +83,7 @@ def motion_command(
 
 
 def _solved(requested: Document, name: str, file: Path | None) -> Sequence:
-    # Frames that are found together are written at the end.
+    # With ahead="all" all frames are found together, so the file is written at the end.
     together = requested.settings.get("ahead") == "all"
     with progress_bar(f"solving by {name}") as tell:
         found = requested.solve(solver=name, progress=tell, resume=None if together else file)

@@ -1,4 +1,4 @@
-"""`midair new`: a commented scene file to begin with."""
+"""`midair new` writes a commented scene file to start with; `midair export` converts files of drives."""
 
 from __future__ import annotations
 
@@ -48,12 +48,12 @@ def export_command(
     return 0
 
 
-#: Keys of a scene file, as a scene that solves well.
+#: Text of the scene file to start with: all keys, for a scene that solves well.
 STARTER = Path(__file__).with_name("starter.toml")
 
 
 def new_command(scene: Path = Path("scene.toml")) -> int:
-    """Write a commented scene file to begin with; an existing file is never replaced.
+    """Write a commented scene file to start with; an existing file is never replaced.
 
     Parameters
     ----------

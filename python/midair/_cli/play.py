@@ -1,4 +1,4 @@
-"""`midair play`: plays a drive, a scene or a sequence on a board, for a time or until Ctrl-C."""
+"""`midair play`: plays a drive, a scene or a sequence on a board, for some time or until Ctrl-C."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ from .._support.arguments import number, warn
 from .._support.text import counted
 from .progress import progress_bar, tell
 
-#: Seconds in a unit of --for.
+#: Seconds per unit in the option --for.
 UNITS = {"ms": 1e-3, "s": 1.0, "": 1.0, "min": 60.0, "h": 3600.0}
 
-#: Boards that exist only whole, and the presets of one and of two.
+#: Boards with a fixed layout: the presets of one board and of two.
 FIXED = {
     "autd3": ("autd3", "autd3"),
     "sonicsurface": ("sonicsurface", "sonicsurface_pair"),
@@ -65,7 +65,7 @@ def play_command(
     place = parse(on)
     name = place.board or DEFAULT
     if modulate is not None:
-        # Solving may take long, so the request to the board is checked before.
+        # Solving may take long, so the modulation is checked before.
         number("--modulate", modulate, above=0)
         can_modulate(place.kind_of_board or DEFAULT)
     thing = _thing(what, solver, lambda array: board_of(name, array))
@@ -77,13 +77,13 @@ def play_command(
             connection.stream(_frames(thing, seconds, show), rate=thing.rate)
         else:
             keep(connection, thing, seconds, show)
-        # A lost board is reported, not called off.
+        # A final call: it reports a lost board, which closing the connection would not.
         connection.off()
     return 0
 
 
 def _seconds(text: str | None) -> float | None:
-    """Read 10s, 500ms, 2min or a number of seconds."""
+    """Return the seconds of a text such as 10s, 500ms, 2min or a number."""
     if text is None:
         return None
     found = re.fullmatch(r"(\d+\.?\d*|\.\d+)\s*(ms|s|min|h|)", text.strip())
@@ -94,7 +94,7 @@ def _seconds(text: str | None) -> float | None:
 
 
 def _thing(path: Path, solver: str | None, board: Callable[[Array], Board]) -> Solution | Sequence:
-    """The drives to play: a scene is solved first."""
+    """Return the solution or sequence to play. A scene file is solved first."""
     if path.suffix.lower() not in (".toml", ".json"):
         found = read(path)
         if solver is not None:
@@ -120,7 +120,10 @@ def _scene(solution: Solution) -> Scene:
 
 
 def board_of(name: str, array: Array) -> Board:
-    """The boards of a name behind an array: whole ones; reports transducers at other places."""
+    """Return the boards that drive an array.
+
+    Rejects part of a board; warns of transducers at other places.
+    """
     board = Board(name, array)
     if board.name not in FIXED:
         return board
@@ -130,7 +133,7 @@ def board_of(name: str, array: Array) -> Board:
         raise SceneError(
             f"the array has {len(array)} transducers, {board.name} {presets()[one].count}: {cure}"
         )
-    # AUTD3 boards may be at any place.
+    # AUTD3 boards may stand anywhere.
     known = array if board.name == "autd3" else Array.preset((one, pair)[board.boards - 1])
     if np.abs(known.positions - array.positions).max() > APART:
         order = "its transducers are taken to be in that board's order"
@@ -141,7 +144,7 @@ def board_of(name: str, array: Array) -> Board:
 def _frames(
     sequence: Sequence, seconds: float | None, show: Callable[[], None]
 ) -> Iterator[NDArray[np.complex64]]:
-    """The frames of a sequence, repeated if it is closed or a time is given."""
+    """Yield the frames of a sequence, repeatedly if it is closed or a time is given."""
     frames = len(sequence)
     once = seconds is None and not sequence.closed
     last = frames if once else math.inf if seconds is None else round(seconds * sequence.rate)
@@ -156,7 +159,7 @@ def _frames(
 
 
 def _loudness(thing: Solution | Sequence) -> float:
-    """The sound pressure level at the loudest point, in dB, as the board plays, without the scale."""
+    """Return the sound pressure level in dB at the loudest point, as the board plays (without the scale)."""
     scale = thing.scale if isinstance(thing, Solution) else 1.0
     loudest = float(np.abs(thing.pressures).max(initial=0.0)) / scale
     return 20 * math.log10(max(loudest, 1e-30) / math.sqrt(2) / REFERENCE)
@@ -166,7 +169,7 @@ def _loudness(thing: Solution | Sequence) -> float:
 def _status(
     connection: Connection, on: str, level: float, seconds: float | None
 ) -> Iterator[Callable[[], None]]:
-    """Print the state of the board, and a line at the end; without a terminal also one at the start."""
+    """Show the board's state while it plays; without a terminal, print one line before and one after."""
     terminal = Console(stderr=True)
     begin = time.monotonic()
     sound = f"{level:.0f} dB SPL at the loudest point"
@@ -180,7 +183,7 @@ def _status(
     live = Live(console=terminal, transient=True, auto_refresh=False)
     moves = terminal.is_terminal and not terminal.is_dumb_terminal
     try:
-        # Ctrl-C may follow at once.
+        # The terminal display starts within the `try`, because Ctrl-C may come at once.
         if moves:
             live.start()
         else:

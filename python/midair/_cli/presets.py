@@ -1,4 +1,4 @@
-"""`midair presets`: lists the arrays known by name, or describes one; and draws a picture of them."""
+"""`midair presets` and `midair solvers`: list them or describe one; draw the presets' transducers."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ from .tables import console, print_facts, print_list, print_written, write_image
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: Panels in a row.
+#: Panels per row of the picture.
 COLUMNS = 4
 
-#: The board whose defaults are shown beside a method's own if they differ.
+#: Board whose defaults of a solver are shown too, if they differ from the solver's own.
 BOARD = "autd3"
 
 
 def arrays(named: Mapping[str, Array]) -> Figure:
-    """A panel for each array, flat ones from above, others in perspective; colours follow the order."""
+    """Draw each array: flat ones from above, others in perspective; colours show the transducers' order."""
     from .._pictures.sheet import sheet
 
     columns = min(len(named), COLUMNS)
@@ -68,7 +68,7 @@ def solvers_command(name: str | None = None, *, json: Annotated[bool, Parameter(
     name
         A solver, to describe it alone.
     json
-        Print one JSON document in place of the table.
+        Print one JSON document instead of the table.
     """
     known = dict(solvers())
     if name is not None:
@@ -87,7 +87,7 @@ def solvers_command(name: str | None = None, *, json: Annotated[bool, Parameter(
 
 
 def _print_options(name: str, info: SolverInfo) -> None:
-    """Print what a method does, and its options; long texts continue on further lines."""
+    """Print a solver's summary and its options; long texts continue on further lines."""
     console.print(f"{name}: {info.summary} ({info.source})", markup=False, highlight=False)
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for column in ("option", "default"):
@@ -103,7 +103,7 @@ def _print_options(name: str, info: SolverInfo) -> None:
 
 
 def _print_uses(name: str, info: SolverInfo) -> None:
-    """The forms of its options."""
+    """Print how to give a solver's options in the command line, in a scene file and in Python."""
     key, value = next(((key, about.default) for key, about in info.options.items()), ("balance", True))
     word = f'"{value}"' if isinstance(value, str) else str(value).lower()
     lines = {
@@ -137,7 +137,7 @@ def presets_command(
     image
         Where to write a picture of the transducers and their order: .png, .svg, .pdf or .jpg.
     json
-        Print one JSON document in place of the table.
+        Print one JSON document instead of the table.
     """
     check_outputs((image, output.IMAGES))
     names = list(presets()) if name is None else [preset_name(name)]

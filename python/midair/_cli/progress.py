@@ -1,4 +1,4 @@
-"""Progress bars on standard error."""
+"""Progress bars and messages on standard error, and exit statuses."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-#: Exit status of a rejected request, of an internal error of midair, of a closed reader of standard
-#: output (128 + SIGPIPE), and of Ctrl-C (128 + SIGINT); another signal's is 128 + its number.
+#: Exit statuses: of a rejected request; of an internal error of midair; if the reader of standard output has
+#: closed it (128 + SIGPIPE); of Ctrl-C (128 + SIGINT). Another signal's status is 128 + its number.
 REFUSED, FAULT, UNREAD, INTERRUPTED = 2, 70, 141, 130
 
 
-#: Colours of the first word of a line.
+#: Terminal colours of the first word of a line.
 SHADES = {"error": "31", "warning": "33"}
 
 
 def one_line(error: BaseException | str) -> str:
-    """Text of an error, without line breaks."""
+    """Return the text of an error without line breaks."""
     if isinstance(error, OSError) and error.strerror:
         text = f"{error.strerror}: {error.filename}{_meant(error)}" if error.filename else error.strerror
     else:
@@ -38,7 +38,7 @@ def one_line(error: BaseException | str) -> str:
 
 
 def _meant(error: OSError) -> str:
-    """The name of a file beside it, where one that is missing is nearly that."""
+    """Return ": did you mean ...?" if a similar file exists beside a missing one, else ""."""
     path = Path(os.fsdecode(error.filename)) if isinstance(error, FileNotFoundError) else None
     if path is None or not path.parent.is_dir():
         return ""
@@ -49,7 +49,7 @@ def _meant(error: OSError) -> str:
 
 
 def fault(error: BaseException) -> str:
-    """Text of an unexpected error and its place, for a report."""
+    """Return the text of an unexpected error and the place where it occurred, for a bug report."""
     trace = error.__traceback__
     while trace is not None and trace.tb_next is not None:
         trace = trace.tb_next
@@ -59,9 +59,9 @@ def fault(error: BaseException) -> str:
 
 
 def prepare() -> None:
-    """Make streams that accept anything: a closed one drops its text, missing letters are escaped."""
+    """Prepare the standard streams: closed ones discard text, characters without encoding are escaped."""
     for descriptor in range(3):
-        # Otherwise the next opened file would replace a closed stream.
+        # The next opened file would get the number of a closed stream, and its output would go there.
         try:
             os.fstat(descriptor)
         except OSError:
@@ -70,7 +70,7 @@ def prepare() -> None:
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
     for stream in (sys.stdout, sys.stderr):
-        # A replacement of a stream, as in a notebook, may lack this.
+        # In a notebook the streams are replaced by objects without `reconfigure`.
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
 
@@ -85,7 +85,7 @@ def tell(line: str) -> None:
 
 
 def abandon() -> None:
-    """Point standard output nowhere, so that Python does not report it at its end."""
+    """Redirect standard output to the null device, so that Python reports no error at exit."""
     with suppress(OSError, ValueError):
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, sys.stdout.fileno())
@@ -94,8 +94,8 @@ def abandon() -> None:
 
 @contextmanager
 def progress_bar(doing: str) -> Iterator[Callable[[int, int], None]]:
-    """Show a progress bar for a block of over a second; the block calls the result with (step, steps)."""
-    # A spinner of letters that every terminal has.
+    """Show a progress bar if a block takes over a second; yields a function to call with (step, steps)."""
+    # This spinner consists of ASCII characters, which every terminal has.
     columns = (
         SpinnerColumn("line"),
         TextColumn(doing),
@@ -104,7 +104,7 @@ def progress_bar(doing: str) -> Iterator[Callable[[int, int], None]]:
         TimeRemainingColumn(),
     )
     terminal = Console(stderr=True)
-    # Elsewhere even a transient bar leaves an empty line.
+    # If the output is no terminal, even a transient bar would leave an empty line.
     moves = terminal.is_terminal and not terminal.is_dumb_terminal
     bar = Progress(*columns, console=terminal, transient=True, disable=not moves)
     task = bar.add_task(doing, total=None)
@@ -122,6 +122,6 @@ def progress_bar(doing: str) -> Iterator[Callable[[int, int], None]]:
     try:
         yield tell
     finally:
-        # A bar that was never shown would still end its line.
+        # Stopping a bar that was never shown would print an empty line.
         if bar.live.is_started:
             bar.stop()

@@ -1,4 +1,4 @@
-"""The scene of a command: a file, standard input, or a preset and points in the command line."""
+"""The scene of a command: from a file, from standard input, or from a preset and points."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from .. import Array, Scene, SceneError
 from .._midair import scene_files
 from .._support import output
 
-#: Name for standard input, or standard output, in place of a file.
+#: File name that means standard input or output.
 STANDARD = Path("-")
 
-#: More than the core reads (64 MB), so that the core reports it.
+#: One byte more than the core accepts (64 MB), so that the core reports the error.
 _MOST_BYTES = (64 << 20) + 1
 
 
 class SceneFile:
-    """A scene file, or standard input for -: TOML or JSON; its files are in its folder."""
+    """A scene file, or standard input for "-", as TOML or JSON. Files that it names are in its folder."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -32,14 +32,14 @@ class SceneFile:
                 self._text = pipe.read(_MOST_BYTES)
 
     def scene(self) -> Scene:
-        """The scene."""
+        """Return the scene."""
         if self._text is None:
             return Scene.load(self.path)
         name = "standard input" if self.path == STANDARD else str(self.path)
         return Scene.parse(self._text, name=name, folder=self.path.parent)
 
     def check_outputs(self, *outputs: tuple[Path | None, tuple[str, ...]]) -> None:
-        """Reject outputs that cannot be written, or that are files of the scene or one another."""
+        """Reject output files that cannot be written, are used by the scene, or are given twice."""
         if any(path is not None for path, _ in outputs):
             check_outputs(*outputs, taken=scene_files(self.path, self._text))
 
@@ -47,7 +47,7 @@ class SceneFile:
 def typed_scene(
     preset: str | None, tiles: str | None, at: Sequence[str] | None, pressure: str | None
 ) -> Scene:
-    """A scene without a file: an array by its name, and its points one by one."""
+    """Return a scene without a file: an array by its preset, and points one by one."""
     example = "--preset autd3 --at 0,0,0.15"
     if preset is None and not at:
         raise SceneError(f"scene is left out: give a scene file (midair new writes one), or {example}")
@@ -69,7 +69,7 @@ def typed_scene(
 
 
 def numbers(name: str, text: str, count: int | tuple[int, ...], cure: str) -> list[float]:
-    """Read finite numbers with commas between; the cure states their number."""
+    """Return finite numbers that are separated by commas; `cure` describes them in an error."""
     try:
         numbers = [float(number) for number in text.strip("[]() ").split(",")]
     except ValueError:
@@ -81,7 +81,7 @@ def numbers(name: str, text: str, count: int | tuple[int, ...], cure: str) -> li
 
 
 def check_outputs(*outputs: tuple[Path | None, tuple[str, ...]], taken: Iterable[Path] = ()) -> None:
-    """Reject outputs that cannot be written, or that are used files or one another."""
+    """Reject output files that cannot be written, are in `taken`, or are given twice."""
     others = list(taken)
     for path, endings in outputs:
         if path is not None and path != STANDARD:

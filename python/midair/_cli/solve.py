@@ -1,4 +1,4 @@
-"""`midair solve`: one scene by one solver, its metrics, its drive as a file and a picture of its field."""
+"""`midair solve`: solves a scene; prints metrics, writes the drive, draws the field."""
 
 from __future__ import annotations
 
@@ -46,15 +46,15 @@ def solve_command(
     Parameters
     ----------
     scene
-        Scene file, TOML or JSON, or - for standard input (`midair new` writes one to begin with).
+        Scene file, TOML or JSON, or - for standard input (`midair new` writes one to start with).
     preset
-        In place of a file: the array by its name (`midair presets` lists them).
+        Instead of a file: the array by its name (`midair presets` lists them).
     tiles
         Boards along x and y, such as 2,2.
     at
-        A point x,y,z in m; once for each point.
+        A point x,y,z in m; repeat the option for each point.
     pressure
-        Peak pressure in Pa at every point, or one a point with commas between. By default as much as
+        Peak pressure in Pa at every point, or one per point, separated by commas. By default as much as
         the array can make.
     solver
         Name of the solver; by default the scene file's, else uniform.
@@ -66,13 +66,13 @@ def solve_command(
     quantity
         Quantity of the field's picture: |p| in Pa, the radiation pressure, the level in dB or the phase.
     balance
-        Solve at the level the array can reach and reduce the drives afterwards.
+        Solve at the highest level that the array can make, and reduce the drives afterwards.
     aim
-        "target" to meet the targets, "max" for as loud as the array can, for the solvers that use one.
+        "target" to meet the targets, "max" for as loud as possible; for solvers that have this option.
     show
         Draw |p| in the plane of the points in the terminal, below the table.
     json
-        Print one JSON document in place of the table.
+        Print one JSON document instead of the table.
     options
         Options of the solver, as --name value.
     """
@@ -107,7 +107,7 @@ def solve_command(
             with progress_bar("drawing"):
                 write_image(image, solution.plot(quantity=quantity))
     finally:
-        # The answer is printed even if its file cannot be written.
+        # The metrics are printed even if a file cannot be written.
         _print(request, solution, json, document=output_file == STANDARD)
     if show and not json and not stopped:
         print_field(field(solution.scene or request, solution))
@@ -129,7 +129,7 @@ def _print(request: Scene, solution: Solution, json: bool, *, document: bool) ->
 
 
 def _values(options: dict[str, str]) -> dict[str, Any]:
-    """Read options: 16, true and [1, 0] as numbers, truth values and lists, anything else as a word."""
+    """Return solver options as Python values: 16, true and [1, 0] as in JSON, anything else as text."""
     values: dict[str, Any] = {}
     own = [name.removesuffix("_file") for name in signature(solve_command).parameters]
     methods = {option for method in solvers().values() for option in method.options}
@@ -146,6 +146,6 @@ def _values(options: dict[str, str]) -> dict[str, Any]:
             value = json_text.loads(text)
         except (ValueError, RecursionError):
             value = None
-        # null is no value of any option: it stays a word, and is rejected.
+        # No option accepts null: it is passed as text, so that the solver rejects it.
         values[key] = text if value is None else value
     return values

@@ -1,4 +1,4 @@
-"""`midair studio` serves the page to a browser; `midair serve` plays points of other programs."""
+"""`midair studio` serves the studio's web page; `midair serve` plays points that other programs send."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def studio_command(
     Parameters
     ----------
     scene
-        Scene file to begin with, TOML or JSON, or - for standard input.
+        Scene file to show first, TOML or JSON, or - for standard input.
     port
         Port of 127.0.0.1 for the page; by default a free one.
     browser
@@ -48,7 +48,7 @@ def studio_command(
         print(server.address, flush=True)
         tell("Ctrl-C ends it")
         if browser:
-            # Runs in a thread, because a browser in the terminal returns only when it is closed.
+            # In a thread, because a text browser in the terminal returns only when it is closed.
             threading.Thread(target=webbrowser.open, args=(server.address,), daemon=True).start()
         server.serve_forever()
     return 0
@@ -63,22 +63,22 @@ def serve_command(
     rate: float | None = None,
     change: float | None = None,
 ) -> int:
-    """Play points that other programs of this machine send, by WebSocket or OSC. Ctrl-C ends it.
+    """Play points that other programs on this machine send by WebSocket or OSC. Ctrl-C ends it.
 
     Parameters
     ----------
     on
-        The board and where it is: autd3, sonicsurface:/dev/ttyUSB0, sonicsurface:loop (docs/boards.md).
+        The board and its place: autd3, sonicsurface:/dev/ttyUSB0, sonicsurface:loop (docs/boards.md).
     port
-        Of 127.0.0.1, for WebSocket; left out, a free one.
+        Port of 127.0.0.1 for WebSocket; by default a free one.
     osc
-        Of 127.0.0.1, for OSC over UDP; left out, a free one.
+        Port of 127.0.0.1 for OSC over UDP; by default a free one.
     origin
-        A web page that may connect, as http://localhost:8000; may be repeated. Left out, none.
+        Web page that may connect, such as http://localhost:8000; may be repeated. By default none.
     rate
-        Frames a second; left out, as many as the board takes.
+        Frames a second; by default the board's highest rate.
     change
-        The largest change of a phase between two frames, in rad; left out, pi/16.
+        Largest change of a phase between two frames, in rad; by default pi/16.
     """
     with (
         connect(on, hold=SILENCE) as connection,

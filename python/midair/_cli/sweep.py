@@ -1,4 +1,4 @@
-"""`midair sweep`: every problem of a sweep file, as one table of metrics."""
+"""`midair sweep`, `midair reproduce` and `midair dataset`: many problems, as tables and files."""
 
 from __future__ import annotations
 
@@ -27,22 +27,22 @@ def reproduce_command(
     output_folder: Annotated[Path, Parameter(name=["--output", "-o"])] = Path("reproduced"),
     scheduler: str | None = None,
 ) -> int:
-    """Make the figures of Suzuki et al. 2021 again, with the numbers behind them, and judge its statements.
+    """Make the figures of Suzuki et al. 2021 again, with their numbers, and check the paper's statements.
 
-    Stopped and started again, it goes on where it was.
+    If it is stopped and started again, it continues.
 
     Parameters
     ----------
     figures
-        fig2, fig3, fig4, fig5, fig6, fig7; left out, or "all": every one.
+        fig2, fig3, fig4, fig5, fig6, fig7; by default, or for "all", every one.
     trials
-        Random scenes for each number of points.
+        Number of random scenes for each number of points.
     seed
-        Seed of all that is random.
+        Seed of all random numbers.
     output_folder
-        Where the pictures, tables and verdicts.csv go.
+        Folder for the pictures, tables and verdicts.csv.
     scheduler
-        Address of a Dask scheduler, tcp://host:port; left out, this machine works.
+        Address of a Dask scheduler, tcp://host:port; by default this machine does the work.
     """
     from .._reproduce import reproduce
 
@@ -68,20 +68,20 @@ def sweep_command(
     drives: Path | None = None,
     scheduler: str | None = None,
 ) -> int:
-    """Solve every problem of a sweep file; one table of their metrics.
+    """Solve every problem of a sweep file, and write a table of their metrics.
 
-    Stopped and started again, it goes on where it was.
+    If it is stopped and started again, it continues.
 
     Parameters
     ----------
     request
         Sweep file, TOML or JSON: docs/sweeps.md.
     output_file
-        Where the table goes: .csv or .parquet; docs/sweeps.md explains its columns.
+        File for the table: .csv or .parquet; docs/sweeps.md explains its columns.
     drives
-        Where the drives go: a Zarr group, a folder ending in .zarr.
+        Where to write the drives: a Zarr group, a folder ending in .zarr.
     scheduler
-        Address of a Dask scheduler, tcp://host:port; left out, this machine works.
+        Address of a Dask scheduler, tcp://host:port; by default this machine does the work.
     """
     from .._sweep import work
     from .._sweep.request import read
@@ -104,20 +104,20 @@ def dataset_command(
 ) -> int:
     """Make a data set of random scenes and their drives, every tenth held out; or judge drives by one.
 
-    Stopped and started again, it goes on where it was.
+    If it is stopped and started again, it continues.
 
     Parameters
     ----------
     request
         Sweep file with one solver and random points: docs/sweeps.md. With --judge: the folder of a data set.
     output_folder
-        The folder of the data set.
+        Folder for the data set.
     bounds
-        Compute each scene's bound, which no drive exceeds, too.
+        Also compute each scene's bound, which no drive can exceed.
     judge
         Drives for the held-out scenes, in their order: a .npy file of complex numbers, (scenes, N).
     scheduler
-        Address of a Dask scheduler, tcp://host:port; left out, this machine works.
+        Address of a Dask scheduler, tcp://host:port; by default this machine does the work.
     """
     from .. import Dataset, dataset
 
@@ -138,7 +138,7 @@ def dataset_command(
 
 
 def drives_of(path: Path) -> np.ndarray[Any, Any]:
-    """The drives of a .npy file."""
+    """Return the drives of a .npy file."""
     import numpy as np
 
     try:

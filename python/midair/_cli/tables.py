@@ -1,4 +1,4 @@
-"""Tables and lines on standard output."""
+"""Tables and lines of text on standard output."""
 
 from __future__ import annotations
 
@@ -28,14 +28,15 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-#: The most characters across a picture, and those that stand for colours, from silence to the loudest.
+#: Most characters per row of a picture in the terminal, and the characters for pressures from 0 to the
+#: highest.
 WIDEST = 76
 SHADES = " .:-=+*#%@"
 
-#: Blanks between two columns.
+#: Spaces between two columns.
 APART = 3
 
-#: Columns that are left out on a narrow terminal, in this order.
+#: Columns that a narrow terminal does not show; the first ones are left out first.
 SPARED = ("sigma", "residual", "limit", "complex error", "accuracy", "steps", "time", "gap")
 
 
@@ -46,7 +47,7 @@ def write_image(path: Path, figure: Figure) -> None:
     output.write(path, content.getvalue())
 
 
-#: Which value of a metric is the best.
+#: Function that chooses a metric's best value.
 BEST: dict[str, Callable[[Iterable[float]], float]] = {
     "accuracy": max,
     "sigma": min,
@@ -64,31 +65,31 @@ BEST: dict[str, Callable[[Iterable[float]], float]] = {
 
 
 class _Console(Console):
-    """Tables for people, and for pipes that may be closed at any time."""
+    """A console whose output may be a pipe that its reader closes at any time."""
 
     def on_broken_pipe(self) -> None:
-        """Leave it to `main` to end quietly."""
+        """Raise the error, so that `main` ends the program without a message."""
         raise BrokenPipeError
 
 
-# A pipe has no width of its own; tables keep theirs. Where standard output is closed there is none at all.
+# A pipe has no width, so tables get 120 characters. If standard output is closed, `sys.stdout` is None.
 console = _Console() if sys.stdout is not None and sys.stdout.isatty() else _Console(width=120)
 
 
 def print_line(text: str) -> None:
-    """A line for people, its words as they are; a pipe gets it whole."""
+    """Print a line of text exactly as it is, without line breaks in a pipe."""
     console.print(text, markup=False, emoji=False, highlight=False, soft_wrap=True)
 
 
 def print_facts(lines: Mapping[str, str]) -> None:
-    """Print names and facts, a line each, words as they are."""
+    """Print names and values, one pair per line, exactly as they are."""
     for name, line in lines.items():
         print_line(f"  {name + ':':14}{line}")
 
 
 @contextmanager
 def beside(document: bool) -> Iterator[None]:
-    """Tables on standard error where a document takes standard output."""
+    """Print tables on standard error while standard output is used for a document."""
     console.stderr = document
     try:
         yield
@@ -97,7 +98,7 @@ def beside(document: bool) -> Iterator[None]:
 
 
 def print_written(what: object) -> None:
-    """The line that names the written file, names of files as they are."""
+    """Print the line that names a written file."""
     print_line(f"wrote {what}")
 
 
@@ -107,7 +108,10 @@ def print_solutions(
     names: Iterable[str] | None = None,
     gaps: Iterable[float] | None = None,
 ) -> None:
-    """Metrics side by side, under the solvers' names unless others are given, and a sentence on the best."""
+    """Print the metrics of solutions side by side, and a sentence about the best one.
+
+    The columns have the solvers' names unless `names` are given.
+    """
     solutions = list(solutions)
     names = list(names or [solution.solver for solution in solutions])
     columns = cells(solutions, names, gaps)
@@ -118,9 +122,9 @@ def print_solutions(
 
 
 def print_columns(command: str, columns: Mapping[str, list[str]]) -> None:
-    """Columns of text as a table that is never cut, and where its columns are explained.
+    """Print columns of text as a table that is never cut, and where its columns are explained.
 
-    A table that is too wide is turned, or columns are left out.
+    If a table is too wide, rows and columns are exchanged, or some columns are left out.
     """
     shown = dict(columns)
     if not _fits(_table(shown)) and _fits(_table(_turned(shown))):
@@ -132,7 +136,8 @@ def print_columns(command: str, columns: Mapping[str, list[str]]) -> None:
         if shown.pop(name, None) is not None:
             left.append(name)
     if not _fits(_table(shown)):
-        # Messages of the operating system may be wider than the terminal: print each row as lines of facts.
+        # Error texts of the operating system may be wider than the terminal: each row is then printed as
+        # several lines.
         for row in zip(*columns.values(), strict=True):
             print_facts(dict(zip(columns, row, strict=True)))
     else:
@@ -143,7 +148,7 @@ def print_columns(command: str, columns: Mapping[str, list[str]]) -> None:
 
 
 def print_list(command: str, columns: Mapping[str, list[str]]) -> None:
-    """A line each: names and numbers whole, and as many words of the last column as there is room for."""
+    """Print one line per row. If the line is too long, the text of the last column is shortened."""
     *_, last = columns
     others = {name: column for name, column in columns.items() if name != last}
     room = max(console.width - _width(_table(others)) - APART, 0)
@@ -155,7 +160,7 @@ def print_list(command: str, columns: Mapping[str, list[str]]) -> None:
 
 
 def print_field(field: Field) -> None:
-    """|p| of each panel of a field: two rows of samples a line in colours, or one in letters."""
+    """Print |p| of each panel of a field: in colours, with two rows of samples per line, or as characters."""
     colours = ["#" + bytes(colour).hex() for colour in table("field")]
     for panel in field.panels or [field]:
         pressure = np.abs(panel.pressure)
@@ -178,12 +183,12 @@ def print_field(field: Field) -> None:
 
 
 def _spread(size: int, count: int) -> NDArray[np.intp]:
-    """Evenly spaced samples from the first to the last of a side."""
+    """Return indices of `count` evenly spaced samples of a side, from the first to the last."""
     return np.linspace(0, size - 1, count).round().astype(np.intp)
 
 
 def _legend(panel: Field, top: float) -> str:
-    """Where a picture lies, and its loudest sample."""
+    """Return the extent of a picture and its largest sample, as text."""
     ends = [f"{name} {1e3 * side[0]:.0f} to {1e3 * side[-1]:.0f}" for name, side in _sides(panel)]
     plane = panel.plane
     place = "" if plane is None else f", {plane.axis} = {1e3 * plane.at:.0f}"
@@ -191,16 +196,16 @@ def _legend(panel: Field, top: float) -> str:
 
 
 def _sides(panel: Field) -> list[tuple[str, NDArray[np.float64]]]:
-    """The axes that a picture goes along, across first."""
+    """Return the axes of a picture and their coordinates, the horizontal one first."""
     return [(name, side) for name in "xyz" if (side := getattr(panel, name)) is not None and side.size > 1]
 
 
 class _Best(str):
-    """A cell with the best value of its column, which a terminal shows in a colour."""
+    """A cell with the best value of its column; a terminal shows it in colour."""
 
 
 def best_of(columns: Mapping[str, list[str]]) -> dict[str, list[str]]:
-    """Columns whose best values are marked, where not all are alike."""
+    """Return columns whose best values are marked, unless all values are equal."""
     shown = dict(columns)
     for name, choose in BEST.items():
         column = shown.get(name, [])
@@ -212,7 +217,7 @@ def best_of(columns: Mapping[str, list[str]]) -> dict[str, list[str]]:
 
 
 def _turned(columns: Mapping[str, list[str]]) -> dict[str, list[str]]:
-    """A row each metric and a column each method."""
+    """Return the table with rows and columns exchanged: one row per metric, one column per method."""
     first, *others = columns
     rows = zip(*(columns[name] for name in others), strict=True)
     return {first: others} | {name: list(row) for name, row in zip(columns[first], rows, strict=True)}
@@ -228,7 +233,7 @@ def _table(columns: Mapping[str, list[str]]) -> Table:
 
 
 def _width(table: Table) -> int:
-    """Characters of a table that nothing is cut of."""
+    """Return the width of an uncut table in characters."""
     return Measurement.get(console, console.options.update(max_width=10_000), table).maximum
 
 

@@ -1,4 +1,4 @@
-"""`midair tolerate`: what faults of array and air leave of a scene's answer, as a table and a picture."""
+"""`midair tolerate` (effects of faults of array and air) and `midair exposure` (levels at ears and eyes)."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def exposure_command(
     solver: str | None = None,
     json: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
-    """Solve a scene file and tell how loud it is at other places: ears, eyes.
+    """Solve a scene file and print how loud it is at other places, such as ears and eyes.
 
     midair exposure scene.toml --at 0,0.1,0.5 --box=-0.1,-0.1,0.4,0.1,0.1,0.6
 
@@ -33,16 +33,16 @@ def exposure_command(
     scene
         Scene file, TOML or JSON, or - for standard input.
     at
-        A place x,y,z in m; once for each place.
+        A place x,y,z in m; repeat the option for each place.
     box
-        Two corners x,y,z,x,y,z in m of a box, for its loudest place; once for each box.
+        Two corners x,y,z,x,y,z in m of a box, for its loudest place; repeat the option for each box.
     limit
-        What the levels stand beside: howard (110 dB), acgih (115), acgih-air (145), irpa
-        (100), or a level in dB.
+        Limit with which the levels are compared: howard (110 dB), acgih (115), acgih-air (145), irpa (100),
+        or a level in dB.
     solver
-        Name of the solver; left out, the scene file's, else the default.
+        Name of the solver; by default the scene file's, else uniform.
     json
-        Print one JSON document in place of the table.
+        Print one JSON document instead of the table.
     """
     places: dict[str, Any] = {}
     for text in at or ():
@@ -90,7 +90,7 @@ def tolerate_command(
     image: Path | None = None,
     json: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
-    """Solve a scene file and play the drive with faults: how much of level and uniformity is kept.
+    """Solve a scene file and play the drive with faults: how much of level and uniformity remains.
 
     midair tolerate scene.toml --phase 20 --dead 0.05 --temperature 5 --tilt 1
 
@@ -99,31 +99,31 @@ def tolerate_command(
     scene
         Scene file, TOML or JSON, or - for standard input.
     solver
-        Name of the solver; left out, the scene file's, else the default.
+        Name of the solver; by default the scene file's, else uniform.
     phase
-        Error of each transducer, standard deviation in degrees.
+        Error of each transducer's phase, standard deviation in degrees.
     gain
         Error of each transducer's amplitude, standard deviation relative to 1.
     dead
         Probability that a transducer is silent.
     reversed
-        Probability that a transducer has its wires the wrong way round.
+        Probability that a transducer is connected with reversed polarity.
     temperature
-        How far the air is from the scene's, standard deviation in K.
+        Error of the air's temperature, standard deviation in K.
     tilt
-        Of the array about its middle, standard deviation in degrees.
+        Tilt of the array about its centre, standard deviation in degrees.
     position
-        Of each transducer along each axis, standard deviation in m.
+        Error of each transducer's position along each axis, standard deviation in m.
     trials
-        How many, of each fault alone and of all together.
+        Number of trials, of each fault alone and of all together.
     seed
-        The same table for the same seed.
+        Seed of all random numbers.
     scheduler
-        Address of a Dask scheduler, tcp://host:port; left out, this machine works.
+        Address of a Dask scheduler, tcp://host:port; by default this machine does the work.
     image
-        Where a picture of all trials goes: .png, .svg, .pdf or .jpg.
+        Where to write a picture of all trials: .png, .svg, .pdf or .jpg.
     json
-        Print one JSON document in place of the table.
+        Print one JSON document instead of the table.
     """
     file = SceneFile(scene)
     file.check_outputs((image, output.IMAGES))
@@ -141,7 +141,7 @@ def tolerate_command(
         with progress_bar("trying") as tell:
             found.run(scheduler=scheduler, progress=tell)
     finally:
-        # Finished trials are printed after an interruption.
+        # After an interruption, the finished trials are still printed.
         if (table := found.table()) is not None:
             if json:
                 print(

@@ -1,1 +1,1 @@
-"""Judging: solvers compared, exposure, streaming, and the effects of faults of array and air."""
+"""Judging: comparison of solvers, exposure of people, streaming of air, haptic strength, faults."""

@@ -22,17 +22,17 @@ if TYPE_CHECKING:
     from .._pictures.colours import Map, Quantity
     from .._pictures.sheet import Size
 
-#: The most points that `midair.bound` takes.
+#: Most points for which `midair.bound` is computed.
 BOUND_POINTS = 64
 
 
-#: Pressures that differ by less than this factor are one number in words.
+#: Pressures that differ by less than this factor are written as one number in sentences.
 EVEN = 1.002
 
-#: Keywords of `midair.solve` that a `midair.Solver` is not made with.
+#: Arguments of `midair.solve` that `midair.Solver` does not accept.
 OF_A_SOLVE = {"start", "progress", "trace"}
 
-#: A name, a name with its options, or a solver written in Python.
+#: A solver: its name, its name with options, or a Python function.
 Named: TypeAlias = tuple[str, Mapping[str, Any]]
 Entry: TypeAlias = str | Named | Callable[..., Any]
 Solvers: TypeAlias = Entry | Iterable[Entry] | None
@@ -179,8 +179,10 @@ class Comparison:
 def cells(
     solutions: Iterable[Solution], names: Iterable[str], gaps: Iterable[float] | None = None
 ) -> dict[str, list[str]]:
-    """Columns of text for people; the leak only where there are quiet points, the complex error
-    where targets have phases, the gap where it is known.
+    """Return the table's columns as text.
+
+    The leak is shown only if there are quiet points, the complex error if targets have phases, the gap if it
+    is known.
     """
     solutions = list(solutions)
     quiet = any(solution.metrics.leak > 0 for solution in solutions)
@@ -200,14 +202,14 @@ def cells(
 
 
 def weakest(solution: Solution) -> float:
-    """The least |p| / target of the points with a target."""
+    """Return the least |p| / target of the points with a target above 0."""
     loud = solution.targets > 0
     parts = np.abs(solution.pressures[loud]) / solution.targets[loud]
     return float(parts.min()) if parts.size else 0.0
 
 
 def sentence(solution: Solution) -> str:
-    """An answer in plain words: how many points, how loud, by how many transducers, how near the request."""
+    """Return a sentence about a solution: points, pressure, transducers, distance from the request."""
     loud = solution.targets > 0
     got, quiet = np.abs(solution.pressures[loud]), np.abs(solution.pressures[~loud])
     if not got.size:
@@ -234,12 +236,12 @@ def _paper(pressure: float) -> str:
 
 
 def _percent(part: float) -> str:
-    """Two digits, no value below a tenth."""
+    """Return a fraction as a percentage with two digits, at least 0.1 %."""
     return f"{max(100 * part, 0.1):.2g} %"
 
 
 def _level(pressure: float) -> str:
-    """A peak pressure in Pa and dB SPL."""
+    """Return a peak pressure as text, in Pa and in dB SPL."""
     decibels = 20 * np.log10(max(pressure, 1e-12) / np.sqrt(2) / REFERENCE)
     return f"{pressure:.4g} Pa ({decibels:.0f} dB)"
 
@@ -303,7 +305,7 @@ def compare(
 
 
 def growing(scene: Scene | Propagation, solvers: Solvers, **settings: Any) -> Iterator[Comparison]:
-    """The comparison after each solver, so that an interruption keeps the finished ones."""
+    """Yield the comparison after each solver, so that an interruption does not lose the finished ones."""
     if not isinstance(scene, Scene | Propagation):
         kinds = "midair.Scene or midair.Propagation"
         raise TypeError(f"expected a {kinds} first, not {type(scene).__qualname__}")
@@ -314,7 +316,7 @@ def growing(scene: Scene | Propagation, solvers: Solvers, **settings: Any) -> It
     pressures = beside.get("pressures", getattr(scene, "pressures", None))
     count = len(scene.points) if isinstance(scene, Scene) else scene.shape[0]
     wanted = _above_zero(pressures, count) & _above_zero(weights, count)
-    # Beyond, it would take too long to know.
+    # For more points the bound would take too long.
     bound = _midair.bound(scene, **beside) if wanted.sum() <= BOUND_POINTS else None
     table = Comparison(scene, bound, _received=wanted)
     for solver, options in entries:
@@ -324,10 +326,11 @@ def growing(scene: Scene | Propagation, solvers: Solvers, **settings: Any) -> It
 
 
 def _above_zero(given: ArrayLike | None, count: int) -> NDArray[np.bool_]:
-    """Points whose pressures or weights are above 0; `solve` rejects other values by name."""
+    """Return (M,) bool: pressures or weights above 0. Invalid values are left for `solve` to reject."""
     try:
         given = np.asarray(1.0 if given is None else given)
-        # Complex pressures have moduli; a negative number is refused, not taken for one.
+        # Of complex pressures the moduli count. A negative number must not count as one, so that `solve`
+        # rejects it.
         sizes = np.abs(given) if np.iscomplexobj(given) else given.astype(float)
         return np.broadcast_to(sizes, count) > 0
     except (TypeError, ValueError):
@@ -335,7 +338,7 @@ def _above_zero(given: ArrayLike | None, count: int) -> NDArray[np.bool_]:
 
 
 def choices(scene: Scene | Propagation, solvers: Solvers) -> list[tuple[Any, dict[str, Any]]]:
-    """Solvers and their options, refused before any of them works."""
+    """Return the solvers and their options; rejects invalid ones before any solve."""
     if solvers is None:
         solvers = list(_midair.solvers())
     elif isinstance(solvers, str) or callable(solvers) or _is_pair(solvers):

@@ -65,7 +65,7 @@ LIMITS = {
 
 
 def limit_of(scene: Scene, requested: Any) -> Limit:
-    """The limit by its name, or by a level in dB; rejected for frequencies that it does not cover."""
+    """Return a limit by its name or by a level in dB; rejects one that does not cover the frequency."""
     if not isinstance(requested, str):
         return Limit("own", number("limit", requested), (0.0, float("inf")), "a level of your own")
     found = LIMITS.get(requested.lower().replace("-", " ").replace("_", " "))
@@ -83,22 +83,22 @@ def limit_of(scene: Scene, requested: Any) -> Limit:
 Points: TypeAlias = NDArray[np.float64]
 Levels: TypeAlias = Callable[[Points], NDArray[np.float64]]
 
-#: Samples a wavelength. No part of p is shorter than that, so that at a distance d from its maximum P, |p| is
-#: at least P cos(k d) (Duffin and Schaeffer 1938): half a cell's diagonal hides 2.2 dB, before the search.
+#: Samples per wavelength. |p| at a distance d from its maximum P is at least P cos(k d) (Duffin and Schaeffer
+#: 1938), so that the loudest sample is at most 2.2 dB below P.
 FINE = 8
 
-#: Points computed at once, so that Ctrl-C works between blocks, and the most points of a box.
+#: Points per block, so that Ctrl-C takes effect between blocks; and most samples of a box.
 BLOCK, MOST = 100_000, 20_000_000
 
-#: Samples from which the search starts, how far apart in wavelengths, and how often it halves its step.
+#: Search for the maximum: number of starts, their least distance in wavelengths, halvings of the step.
 STARTS, APART, HALVINGS = 32, 0.25, 5
 
-#: The number of loudest samples among which the starts are chosen: one peak has some 60.
+#: Number of loudest samples from which the starts are chosen; one peak has about 60.
 SAMPLES = 4000
 
 
 def loudest(name: str, low: Points, high: Points, wavelength: float, levels: Levels) -> tuple[Points, float]:
-    """Where in a box between two corners `levels` of points (P, 3) is largest, and how large it is there."""
+    """Return the place in a box where `levels` of points (P, 3) is largest, and the level there."""
     step = wavelength / FINE
     counts = np.ceil((high - low) / step * (1 - 1e-9)).astype(int) + 1
     total = int(np.prod(counts, dtype=float))
@@ -127,7 +127,7 @@ def loudest(name: str, low: Points, high: Points, wavelength: float, levels: Lev
 
 
 def _peaks(points: Points, values: NDArray[np.float64], apart: float) -> NDArray[np.int64]:
-    """Indices of the loudest points, each so far from all louder ones that are taken."""
+    """Return the indices of the loudest points that are at least `apart` m from all louder chosen ones."""
     left = np.argpartition(-values, SAMPLES)[:SAMPLES] if len(values) > SAMPLES else np.arange(len(values))
     left = left[np.argsort(-values[left], kind="stable")]
     taken: list[int] = []
@@ -137,10 +137,10 @@ def _peaks(points: Points, values: NDArray[np.float64], apart: float) -> NDArray
     return np.array(taken, dtype=np.int64)
 
 
-#: Products of a transducer, a point and a frame taken at once: a fraction of a second.
+#: Most products (transducers x points x frames) per block: a fraction of a second.
 WORK = 200_000_000
 
-#: |p| (P, T) in Pa at points (P, 3) in each frame, the points block by block.
+#: A function that yields |p| (P, T) in Pa at points (P, 3) in each frame, block by block.
 Blocks: TypeAlias = Callable[[Points], Iterator[NDArray[np.float64]]]
 
 
@@ -340,7 +340,7 @@ def exposure(
 
 
 def _boxes(places: Any) -> dict[str, tuple[Points, Points]]:
-    """The lowest and highest corner of each place."""
+    """Return the lowest and highest corner of each place."""
     if not isinstance(places, Mapping) or not places:
         raise refused(
             "places", places, 'give a dict of names and positions, such as {"left ear": [0, 0.1, 0.5]}'
@@ -360,7 +360,7 @@ def _boxes(places: Any) -> dict[str, tuple[Points, Points]]:
 
 
 def _keep_off(scene: Scene, name: str, low: Points, high: Points) -> None:
-    """Refuse a box whose loudest place is a transducer's own, and a position where |p| is not known."""
+    """Reject a box that touches a transducer, where |p| would be largest, and a position too near to one."""
     positions = scene.array.positions
     away = np.linalg.norm(positions - positions.clip(low, high), axis=1)
     nearest = int(away.argmin())
@@ -375,7 +375,7 @@ def _keep_off(scene: Scene, name: str, low: Points, high: Points) -> None:
 
 
 def _of_one(scene: Scene, drive: ArrayLike | Solution) -> Blocks:
-    """|p| (P, 1) of one drive."""
+    """Return a function that yields |p| (P, 1) of one drive."""
 
     def blocks(points: Points) -> Iterator[NDArray[np.float64]]:
         yield np.abs(field(scene, drive, points).pressure)[:, None].astype(np.float64)
@@ -384,10 +384,10 @@ def _of_one(scene: Scene, drive: ArrayLike | Solution) -> Blocks:
 
 
 def _of_frames(scene: Scene, sequence: Sequence) -> Blocks:
-    """|p| (P, T) of the frames of a sequence."""
+    """Return a function that yields |p| (P, T) of the frames of a sequence."""
     if sequence.array != scene.array:
         raise SceneError("drive is a sequence of another array: give sequence.scene(0) as the scene")
-    # Only array and air count here.
+    # Only the array and the air of the scene matter here.
     bare = scene.replace(pressures=None, weights=None, signature=None)
     drives = sequence.drives
     size = max(WORK // drives.size, 1)

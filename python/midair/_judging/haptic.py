@@ -1,4 +1,4 @@
-"""`midair.haptic`: a shape drawn so that it is felt as strongly or as evenly as a board allows."""
+"""`midair.haptic`: draws a shape so that it feels as strong or as even as a board allows."""
 
 from __future__ import annotations
 
@@ -21,34 +21,34 @@ from ..path import Path
 from .exposure import Exposure, exposure
 from .schedule import Foci
 
-#: Places of a focus along the shape: so far apart in m, and at most this many.
+#: Places of a focus along the shape: their distance in m, and their largest number.
 STEP, MOST = 2e-3, 200
 
-#: Places of the skin along each side, and how much of it is around the shape, in m.
+#: Places of the skin per side of its square, and the margin in m between shape and edge.
 COARSE, MARGIN = 33, 0.015
 
-#: Laps a second of a schedule, over which the fast channel sums (0.2 s, Verrillo 1965).
+#: Laps per second of a schedule. The fast tactile channel integrates over this time (0.2 s, Verrillo 1965).
 LAPS = 5.0
 
-#: Jumps from which a schedule climbs: how many in a period, at what frequency in Hz, and over what way in m.
+#: Initial schedules of the ascent: jumps per period, their frequency in Hz, the length in m they cover.
 JUMPS = ((5, 285.0, 0.03), (2, 285.0, 0.018))
 
-#: Draw speeds of the usual techniques, and of others where a bound holds, in m/s.
+#: Draw speeds in m/s: of the usual techniques, and further ones that are tried if there is a bound.
 USUAL, SPEEDS = 7.0, (5.0, 6.0, 8.0, 10.0)
 
 
 @dataclass(frozen=True)
 class Technique:
-    """Where foci are along a shape, frame after frame.
+    """Positions of the foci along a shape in each frame.
 
     Attributes
     ----------
     name
-        As it is reported.
+        Name for the report.
     ways
-        (T, M) along the shape, 0 to 1.
+        (T, M): fraction of the shape's length, 0 to 1.
     amplitudes
-        (T,) of the drive.
+        (T,): amplitude of the drive.
     """
 
     name: str
@@ -227,7 +227,7 @@ def haptic(
 
 
 def _spared(played: Sequence, ears: Mapping[str, Any], limit: str | float) -> tuple[Sequence, Exposure]:
-    """The sequence at a level that spares the ears, and what reaches them."""
+    """Return the sequence at a level within the limit at the ears, and the exposure there."""
     found = exposure(played, ears, limit=limit)
     above = found.worst.spl - found.limit.spl
     if above <= 0:
@@ -249,7 +249,7 @@ def _spared(played: Sequence, ears: Mapping[str, Any], limit: str | float) -> tu
 
 @dataclass(frozen=True)
 class _Curve:
-    """Places (P, 3) in m, evenly along a shape of this many m, closed or not."""
+    """Places (P, 3) in m at equal distances along a shape, its length in m, and whether it is closed."""
 
     places: NDArray[np.float64]
     length: float
@@ -279,7 +279,7 @@ class _Curve:
         return cls(places, length, loops)
 
     def index(self, ways: NDArray[np.float64]) -> NDArray[np.int64]:
-        """The place nearest to parts of the way: round a closed curve, back and forth on another."""
+        """Return the index of the place at a fraction of the length. An open curve is run back and forth."""
         count = len(self.places)
         if self.closed:
             return np.rint(ways * count).astype(np.int64) % count
@@ -289,13 +289,13 @@ class _Curve:
 
 
 def _times(rate: float, frequency: float) -> NDArray[np.float64]:
-    """Parts of a period, in whole frames."""
+    """Return the times of the frames of a period, as fractions of it; it has a whole number of frames."""
     count = max(round(rate / frequency), 2)
     return np.arange(count) / count
 
 
 def _drawn(curve: _Curve, rate: float, speed: float, points: int) -> Technique:
-    """Foci that draw a curve, back and forth where it is open."""
+    """Return the technique of foci that move along a curve at `speed` m/s, back and forth if it is open."""
     laps = 1 if curve.closed else 2
     t = _times(rate, speed / (laps * curve.length))
     ways = laps * t[:, None] + laps * np.arange(points) / points
@@ -304,7 +304,7 @@ def _drawn(curve: _Curve, rate: float, speed: float, points: int) -> Technique:
 
 
 def _usual(curve: _Curve, rate: float) -> Iterator[Technique]:
-    """The four usual ones: AM and LM by foci 1 cm apart, one focus and two that draw."""
+    """Yield the four usual techniques: AM and LM with foci 1 cm apart, STM with one focus and with two."""
     spread = max(round(curve.length / 0.01), 2)
     rest = (np.arange(spread) + 0.5 * (not curve.closed)) / spread
     t = _times(rate, 200.0)
@@ -318,7 +318,7 @@ def _usual(curve: _Curve, rate: float) -> Iterator[Technique]:
 
 
 class _Judge:
-    """Strength of usual techniques along a curve."""
+    """Computes the strength of techniques along a curve, by a model of the skin."""
 
     def __init__(self, array: Array, curve: _Curve, rate: float, reach: float, model: dict[str, Any]) -> None:
         self._array, self._curve, self._rate, self._model = array, curve, rate, model
@@ -340,7 +340,7 @@ class _Judge:
         return touch.along(self._curve.places)
 
     def starts(self) -> Iterator[NDArray[np.int64]]:
-        """Schedules to climb from: jumps over a piece of the curve, which goes along it once a lap."""
+        """Yield initial schedules: the focus jumps within a piece of the curve that moves along it."""
         t, curve = np.arange(self.foci.frames), self._curve
         for jumps, frequency, piece in JUMPS:
             part = min(piece / curve.length, 0.5)
@@ -349,7 +349,7 @@ class _Judge:
             yield curve.index(lap + part * np.floor(period * jumps) / jumps)
 
     def climbed(self, aim: str) -> Iterator[tuple[str, Sequence, Skin]]:
-        """The results of the ascents, each by its name."""
+        """Yield (name, sequence, skin) after the ascent from each initial schedule."""
         for start in self.starts():
             chosen = self.foci.climb(start, aim)
             on = (chosen >= 0)[:, None]
@@ -370,12 +370,12 @@ class _Judge:
             )
 
     def felt(self, technique: Technique, change: float) -> tuple[Sequence, Skin]:
-        """The technique's frames, solved within the bound, and the skin's motion under them."""
+        """Return the technique's frames, solved within the bound, and the motion of the skin."""
         index = self._curve.index(technique.ways)
         points = self._curve.places[index]
         if change < math.pi:
             with warnings.catch_warnings():
-                # A movement that is too fast for the bound is felt less, and not chosen.
+                # No warning: a movement too fast for the bound gives a weak result, which is not chosen.
                 warnings.simplefilter("ignore", SceneWarning)
                 drives = sequence(self._array, points, rate=self._rate, change=change).drives
         elif index.shape[1] == 1:

@@ -1,10 +1,12 @@
-"""Schedule: which focus plays in which frame, so that a curve on the skin is felt most.
+"""Schedule: chooses which focus plays in which frame, so that a curve on the skin feels strongest.
 
-One focus at full drive at a time, or none, is enough. Strength is a convex function of the pushes, and the
-pushes of several foci at once lie between those of one: a convex function is largest at the corners.
+It suffices to consider one focus at full drive at a time, or none. The strength is a convex function of the
+radiation pressures, and those of several foci together lie between those of single foci. A convex function is
+largest at the corners of its domain.
 
-With the answer D_xf of place x at line f, the strength without the slow channel is s = sum_x u_x |D_x|. It is
-at least its tangent at another schedule, so the focus of the largest tangent in each frame never lowers it.
+Let D_xf be the displacement at place x and frequency line f, and u_x the weight of the place. Without the
+slow tactile channel the strength is s = sum_x u_x |D_x|. It is never below its tangent at another schedule,
+so choosing the focus with the largest tangent in each frame never reduces it.
 """
 
 from __future__ import annotations
@@ -18,34 +20,34 @@ from .._midair import Array, Plane, Scene, solve_batch
 from .._motion.felt import FAST, HIGHEST, threshold
 from .._motion.sheet import Sheet, squares
 
-#: Foci beside a curve: so far apart at least, in m, and at most about this many.
+#: Foci beside a curve: their least distance in m, and their largest number, approximately.
 APART, BESIDE = 4e-3, 250
 
-#: Places of the curve that count, and lines at most: slow frames have many by their steps.
+#: Largest numbers of places of the curve and of frequency lines that are evaluated.
 COUNTED, LINES = 64, 400
 
-#: Rounds of an ascent, and those without a gain after which it ends, by aim.
+#: Most iterations of an ascent; iterations without a gain after which it ends, by aim.
 ROUNDS, IDLE = 120, {"strong": 1, "even": 30}
 
-#: The factor by which weaker places gain weight in a round.
+#: Exponent by which weaker places gain weight in an iteration.
 LEVELLING = 0.3
 
 
 @dataclass(frozen=True, eq=False)
 class Foci:
-    """Single foci that a schedule chooses from, and how a curve answers.
+    """Single foci from which a schedule is chosen, and the skin's response to them.
 
     Attributes
     ----------
     places
         (F, 3) in m.
     drives, levels
-        (F, N), and |p| (F,) in Pa at each place.
+        (F, N), and |p| (F,) in Pa at each focus's place.
     answers
-        (L, X, F) of each line, place of the curve and focus: displacement over the threshold of the fast
-        channel, of a focus that plays in one frame of the schedule; the largest is 1.
+        (L, X, F): displacement relative to the fast channel's threshold, at frequency line L and place X of
+        the curve, of a focus F that plays in one frame of the schedule. Scaled so that the largest is 1.
     frames
-        T of the schedule.
+        Number of frames T of the schedule.
     """
 
     places: NDArray[np.float64]
@@ -65,14 +67,15 @@ class Foci:
         rate: float,
         frames: int,
     ) -> Foci:
-        """Foci at the places of a curve (P, 3), first, and in its plane within `reach` of it."""
+        """Return foci at the places of a curve (P, 3), followed by others in its plane within `reach` m."""
         places = np.concatenate([curve, _around(curve, plane, reach)])
         solved = solve_batch(array, places[:, None], solver="fast")
         skin, step = squares(plane), plane.size / max(plane.pixels - 1, 1)
         pushes = np.square(np.abs(Scene(array, skin).propagation() @ solved.drives.T))
         counted = curve[:: -(-len(curve) // COUNTED)]
         apart = np.linalg.norm(counted[:, None] - skin, axis=2)
-        # The mean of log(r) over a disc of a square's area is that at e^(-1/2) of its radius.
+        # The mean of log(r) over a disc is log(r) at e^(-1/2) of its radius; the disc has the area of a
+        # square.
         apart = np.maximum(apart, step * np.exp(-0.5) / np.sqrt(np.pi))
         lines = np.arange(1, min(int(HIGHEST * frames / rate * (1 + 1e-9)), LINES) + 1)
         weights = np.sinc(lines / frames) / threshold(lines * (rate / frames), [FAST])
@@ -86,11 +89,11 @@ class Foci:
 
     @property
     def _folded(self) -> NDArray[np.int64]:
-        """The lines, as those of T samples."""
+        """Indices of the frequency lines in a discrete Fourier transform of T samples."""
         return np.arange(1, 1 + len(self.answers)) % self.frames
 
     def _moved(self, schedule: NDArray[np.int64]) -> NDArray[np.complex64]:
-        """The answer (L, X) to a schedule."""
+        """Return the response (L, X) to a schedule."""
         played = np.zeros((self.frames, len(self.places)), np.float32)
         (on,) = np.nonzero(schedule >= 0)
         played[on, schedule[on]] = 1
@@ -99,12 +102,12 @@ class Foci:
         return moved
 
     def climb(self, start: NDArray[np.int64], aim: str) -> NDArray[np.int64]:
-        """The schedule (T,), -1 where nothing plays, that an ascent from another one ends at.
+        """Return the schedule (T,) at which an ascent from `start` ends; -1 where nothing plays.
 
         Parameters
         ----------
         aim
-            "strong", the largest mean strength; "even", the largest at the weakest place.
+            "strong" maximises the mean strength, "even" the strength at the weakest place.
         """
         schedule, best, most, idle = start, start, 0.0, 0
         weights = np.ones(self.answers.shape[1])
@@ -127,13 +130,13 @@ class Foci:
         return best
 
     def strengths(self, schedule: NDArray[np.int64]) -> NDArray[np.float32]:
-        """Response of the fast channel to a schedule (T,) at each place (X,), relative to another one's."""
+        """Return the fast channel's response (X,) to a schedule (T,), on a relative scale."""
         found: NDArray[np.float32] = np.linalg.norm(self._moved(schedule), axis=0)
         return found
 
 
 def _around(curve: NDArray[np.float64], plane: Plane, reach: float) -> NDArray[np.float64]:
-    """Places (K, 3) of a square grid in a plane, within `reach` of a curve and not on it."""
+    """Return places (K, 3) of a square grid in a plane, within `reach` of a curve and not on it."""
     apart = APART
     while True:
         pixels = int(plane.size / apart) + 1

@@ -1,4 +1,4 @@
-"""`midair.streaming`: the body force of the sound on the air, which drives acoustic streaming."""
+"""`midair.streaming`: the force per volume by which sound drives a flow of air (acoustic streaming)."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
     from .._pictures.colours import Map
     from .._pictures.sheet import Size
 
-#: Arrows along a side, and the part of the largest force below which none is drawn.
+#: Arrows per side, and the fraction of the largest force below which no arrow is drawn.
 ARROWS, FAINT = 20, 0.05
 
 
 def draw(streaming: Streaming, ax: Axes | None, cmap: Map | None, size: Size | None) -> Axes:
-    """The map."""
+    """Draw the map of the force."""
     from .._pictures.sheet import colour_map, sheet
 
     field = streaming.field
@@ -61,10 +61,11 @@ def draw(streaming: Streaming, ax: Axes | None, cmap: Map | None, size: Size | N
     return ax
 
 
-#: Absorption of air's amplitude in Np/m, 1.3 dB/m, and the frequencies in Hz for which it is taken.
+#: Absorption of air in Np/m (1.3 dB/m), used if the scene has none, and the frequency range in Hz for which
+#: it holds.
 AIR, NEAR = 0.15, (35e3, 45e3)
 
-#: Differences are taken over this part of a wavelength on either side: the gradient errs by 0.3 %.
+#: Step of central differences, in wavelengths: the gradient has an error of 0.3 %.
 PART = 0.02
 
 
@@ -189,7 +190,7 @@ def streaming(
 
 
 def places(field: Field) -> NDArray[np.float64]:
-    """Where a field is known: points (..., 3) in m, in the shape of its pressure."""
+    """Return the places (..., 3) in m at which a field is known, in the shape of its pressure."""
     plane = field.plane
     if plane is None:
         assert field.points is not None

@@ -1,4 +1,4 @@
-"""`midair.Tolerance`: level and uniformity kept, each fault alone and all together; and what faults are."""
+"""`midair.Tolerance`: level and uniformity that remain with faults; the definitions of the faults."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ if TYPE_CHECKING:
 
     from .._pictures.sheet import Size
 
-#: Sound speed at 0 degrees C in m/s and that temperature in K: docs/conventions.md.
+#: Sound speed in m/s at 0 degrees C, and that temperature in K: docs/conventions.md.
 SPEED, ZERO = 331.3, 273.15
 
 Responses: TypeAlias = NDArray[np.complex128]
 
 
 def sizes(**requested: float) -> dict[str, float]:
-    """The faults above 0, in their order."""
+    """Return the faults above 0, in the order of `FAULTS`; rejects values out of range."""
     read = {name: number(name, requested[name], least=0) for name in FAULTS}
     for name, size in read.items():
         if size > FAULTS[name].most:
@@ -37,7 +37,7 @@ def sizes(**requested: float) -> dict[str, float]:
 
 
 def faulty(scene: Scene, faults: Mapping[str, float], seed: int, trial: int) -> Scene:
-    """The scene with faults as a trial draws them: each the same, whichever others there are."""
+    """Return the scene with the faults of a trial. Each fault is the same with or without the others."""
     for index, (name, fault) in enumerate(FAULTS.items()):
         if name in faults:
             random = np.random.default_rng([seed, trial, index])
@@ -73,7 +73,8 @@ def _reversed(scene: Scene, size: float, random: np.random.Generator) -> Scene:
 
 
 def _temperature(scene: Scene, size: float, random: np.random.Generator) -> Scene:
-    # A part of the absolute temperature, which is proportional to the square of the sound speed.
+    # The error is applied to the absolute temperature, which is proportional to the square of the sound
+    # speed.
     believed = ZERO * (scene.sound_speed / SPEED) ** 2
     real = max(believed + size * random.standard_normal(), ZERO / 4)
     return scene.replace(sound_speed=SPEED * math.sqrt(real / ZERO))
@@ -84,7 +85,7 @@ def _tilt(scene: Scene, size: float, random: np.random.Generator) -> Scene:
     axis, angle = random.standard_normal(3), np.radians(size) * random.standard_normal()
     forward = array.normals.mean(axis=0)
     if (length := np.linalg.norm(forward)) > 0.1:
-        # A board turned in its own plane is not tilted; boards that face each other have no such plane.
+        # A rotation in the array's own plane is no tilt. Boards that face each other have no such plane.
         axis -= axis @ forward * forward / length**2
     turn = _rotation(axis / np.linalg.norm(axis), float(angle))
     middle = array.positions.mean(axis=0)
@@ -93,7 +94,7 @@ def _tilt(scene: Scene, size: float, random: np.random.Generator) -> Scene:
 
 
 def _rotation(axis: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
-    """The matrix (3, 3) of a turn about an axis of length 1, by Rodrigues."""
+    """Return the matrix (3, 3) of a rotation about an axis of length 1 (Rodrigues)."""
     x, y, z = axis
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     turn: NDArray[np.float64] = np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
@@ -107,14 +108,14 @@ def _position(scene: Scene, size: float, random: np.random.Generator) -> Scene:
 
 
 class Fault(NamedTuple):
-    """The random draw of a fault, its largest value, its unit, and its text."""
+    """A fault: a function that draws it at random, its largest value, and its text with the unit."""
 
     draw: Callable[[Scene, float, np.random.Generator], Scene]
     most: float
     unit: str
 
 
-#: The order is part of the seed.
+#: A fault's index is part of its random seed, so the order must not change.
 FAULTS = {
     "phase": Fault(_phase, 180.0, "sd {:g} degrees"),
     "gain": Fault(_gain, 1.0, "sd {:g}"),
@@ -126,14 +127,14 @@ FAULTS = {
 }
 
 
-#: The distance between trials of one row, relative to that between rows: apart enough to be distinguished.
+#: Spread of the dots of one row, relative to the distance between rows.
 SPREAD = 0.3
 
 
 def draw(
     tolerance: Tolerance, ax: Axes | None, panels: Panel | Iterable[Panel] | None, size: Size | None
 ) -> Figure:
-    """A panel each for level and uniformity: every trial a dot, the mean a line, the 5 % quantile a tick."""
+    """Draw level and uniformity: a dot per trial, a line at the mean, a tick at the 5 % quantile."""
     from .._pictures.sheet import chosen, head, sheet, whole
 
     names = chosen(panels, PANELS, ax)
@@ -167,14 +168,14 @@ def draw(
     return figure
 
 
-#: The parts of the picture.
+#: The panels of the picture.
 Panel = Literal["level", "uniformity"]
 PANELS = get_args(Panel)
 
-#: The part of the trials below the quantile beside mean and worst.
+#: The quantile that the table shows.
 PART = 0.05
 
-#: The row of all faults together.
+#: Name of the row with all faults together.
 TOGETHER = "together"
 
 
@@ -198,7 +199,7 @@ class Kept:
     uniformity: NDArray[np.float64]
 
     def summary(self) -> dict[str, float]:
-        """Return mean, 5 % quantile and worst of level and uniformity by name."""
+        """Return mean, 5 % quantile and worst value of level and uniformity by name."""
         reported = {}
         for name, values in (("level", self.level), ("uniformity", self.uniformity)):
             reported[name] = float(values.mean())
@@ -243,7 +244,7 @@ class Tolerance:
         return len(next(iter(self.rows.values())).level)
 
     def _size(self, name: str) -> str:
-        """How large the fault of a row is, with its unit; nothing of all together."""
+        """Return the size of a row's fault with its unit; "" for the row of all faults."""
         return FAULTS[name].unit.format(self.faults[name]) if name in FAULTS else ""
 
     def to_dict(self) -> dict[str, list[Any]]:

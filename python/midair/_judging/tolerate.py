@@ -1,4 +1,4 @@
-"""`midair.tolerate`: trials of one drive on an array and in air with faults."""
+"""`midair.tolerate`: plays one drive in many trials with random faults of array and air."""
 
 from __future__ import annotations
 
@@ -16,15 +16,16 @@ from .._support.kept import Arrays
 from .._sweep.engine import Job, Settings, Stopped, go_on, run
 from .tolerance import TOGETHER, Kept, Tolerance, faulty, sizes
 
-#: Trials at most: means and quantiles are then known to a thousandth of their spread, after minutes to hours.
+#: Most trials. Their means and quantiles have a statistical error of a thousandth of the spread; they take
+#: hours.
 MOST_TRIALS = 1_000_000
 
-#: Trials of a job: few enough that a stop loses little.
+#: Trials per job: few, so that a stop loses little work.
 SIZE = 10
 
 
 class _Halted(Exception):
-    """`progress` requested a stop."""
+    """Raised if `progress` requests a stop."""
 
 
 def tolerate(
@@ -136,7 +137,7 @@ def tolerate(
 
 
 class Trials:
-    """Trials as they are done, so that an interruption keeps them."""
+    """Runs trials and stores their results, so that an interruption does not lose them."""
 
     def __init__(
         self,
@@ -164,7 +165,7 @@ class Trials:
         self._seed = whole("seed", seed, least=0)
         if drive is None:
             solution = solve(scene, solver, **options)
-            # Solves with the requested options.
+            # A solution's scene includes the options of the solve, such as pressures.
             assert solution.scene is not None
             scene, drive, targets = solution.scene, solution, solution.targets
         else:
@@ -186,10 +187,10 @@ class Trials:
         scheduler: str | None = None,
         progress: Callable[[int, int], object] | None = None,
     ) -> None:
-        """Do the trials, block by block."""
+        """Run the trials, block by block."""
         if threads is not None:
             whole("threads", threads, least=1)
-        # Nothing is stored in files, so the settings need not be JSON
+        # No files are written, so the settings need not be JSON.
         settings = {
             "scene": self._scene,
             "drive": self._drive,
@@ -211,7 +212,7 @@ class Trials:
             return
 
     def table(self) -> Tolerance | None:
-        """What is kept in the trials that are done; None before there is one."""
+        """Return the table of the trials that are done; None if there are none."""
         if not self._done:
             return None
         rows = {
@@ -223,20 +224,20 @@ class Trials:
 
 
 def groups(faults: Mapping[str, float]) -> dict[str, Mapping[str, float]]:
-    """The rows: each fault alone, and all together where there are several."""
+    """Return the rows of the table: each fault alone, and all together if there are several."""
     alone: dict[str, Mapping[str, float]] = {name: {name: size} for name, size in faults.items()}
     return {**alone, TOGETHER: faults} if len(faults) > 1 else alone
 
 
 def trials_of(settings: Settings, start: int, stop: int) -> Arrays:
-    """Level and uniformity (B, 2) of each row in trials start to stop, as parts of those without faults."""
+    """Return level and uniformity (B, 2) of each row in trials start to stop, relative to no faults."""
     scene, drive, targets = settings["scene"], settings["drive"], settings["targets"]
 
     def measured(played: Scene) -> tuple[float, float]:
         try:
             metrics = judge(played, drive, pressures=targets)
         except SceneError as error:
-            # Where all that reach a point are dead or turned away, the trial has kept nothing.
+            # If no working transducer reaches a point, level and uniformity of the trial are 0.
             if "reached by no transducer" in str(error):
                 return 0.0, 0.0
             raise
@@ -254,7 +255,7 @@ def trials_of(settings: Settings, start: int, stop: int) -> Arrays:
 
 
 def _faultless(faults: Mapping[str, float], options: Mapping[str, Any]) -> Exception:
-    """The refusal of a call without faults: a keyword that no solver has is a fault's name mistyped."""
+    """Return the error of a call without faults. An unknown argument is probably a mistyped fault."""
     known = {*signature(solve).parameters}.union(*(each.options for each in solvers().values()))
     for name in options:
         if name.rstrip("_") not in known:

@@ -1,4 +1,4 @@
-"""Sweeps: arrays x points x solvers x options x seeds in one tidy table, by one machine or a cluster."""
+"""Sweeps: arrays x points x solvers x options x seeds as one table, computed on one machine or a cluster."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Dataset", "dataset", "sweep", "work"]
 
-#: Problems that are handed out and kept together: seconds of work at most, and lanes enough for a batch.
+#: Problems per job: at most seconds of work, and enough for a batch to use all vector lanes.
 CHUNK = 64
 
 
@@ -111,7 +111,7 @@ def work(
     progress: Callable[[int, int], None] | None = None,
     chunk: int = CHUNK,
 ) -> None:
-    """A sweep whose rows are handed over in order, `chunk` at most at a time: no table need fit memory."""
+    """Run a sweep and pass rows to `receive` in order, `chunk` at a time, so that memory suffices."""
     places = [
         None if path is None else path_of(name, path)
         for name, path in (("output", output), ("drives", drives))

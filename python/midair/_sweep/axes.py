@@ -1,4 +1,4 @@
-"""Axes of a sweep: lists of values for a key of the request, such as medium.temperature; each is a column."""
+"""Axes of a sweep: lists of values for a key of the request, such as medium.temperature. Each is a column."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .._midair import Array, Scene, SceneError, SceneWarning, array_parts, scene
 
 
 def plain(value: Any, name: str = "") -> Any:
-    """The same value in dicts, lists, finite numbers and words; scenes and paths among `scenes` stay."""
+    """Return a value as dicts, lists, finite numbers and text; scenes and paths in `scenes` stay."""
     if isinstance(value, float) and not math.isfinite(value):
         raise SceneError(f"{name or 'sweep'} is {float(value)}: give a finite number")
     if isinstance(value, str):
@@ -48,9 +48,9 @@ def _word(text: str, name: str) -> str:
 
 
 def array_table(array: Array) -> dict[str, Any]:
-    """The table of an array, as a scene file has it."""
+    """Return the table of an array, as in a scene file."""
     table = _full_table(array)
-    # A setting that belongs to a preset is left out: an axis of other presets brings its own.
+    # Values that a preset sets itself are left out, so that an axis with other presets uses their own values.
     usual = Array.preset(table["preset"]) if "preset" in table else Array.grid(1, 1, 0.01)
     same = {key for key, value in _full_table(usual).items() if table.get(key) == value}
     return {
@@ -67,7 +67,7 @@ def _full_table(array: Array) -> dict[str, Any]:
 
 
 def short(value: Any) -> str:
-    """A value for an error's one line."""
+    """Return a value as text for an error, in one line."""
     try:
         text = " ".join(repr(value).split())
     except RecursionError:
@@ -77,7 +77,7 @@ def short(value: Any) -> str:
 
 Tables = dict[str, Any]
 
-#: Tables that have axes, and their keys of which each takes one number or word: a list there is an axis too.
+#: Tables that can have axes, and their keys that take a single number or word; a list there is an axis too.
 _SINGLE = {
     "array": (
         "preset",
@@ -87,7 +87,7 @@ _SINGLE = {
     "points": (),
 }
 
-#: Keys that say the same thing in other words: an axis of one takes the place of the others.
+#: Keys that are alternatives: an axis of one of them replaces the others in the request.
 _INSTEAD = {
     "array": ({"grid"}, {"preset", "tiles"}, {"positions", "normals"}),
     "medium": ({"sound_speed"}, {"temperature"}),
@@ -96,7 +96,7 @@ _INSTEAD = {
 
 
 def read_axes(tables: Tables) -> dict[str, list[Any]]:
-    """Every axis by its name, in order: lists where one value is meant, then those of [axes]."""
+    """Return every axis by its name, in order: lists in place of single values, then those of [axes]."""
     axes: dict[str, list[Any]] = {}
     for name, values in [*_lists(tables), *_flat(tables.get("axes", {}))]:
         root, _, key = name.partition(".")
@@ -122,7 +122,7 @@ def _lists(tables: Tables) -> Iterator[tuple[str, Any]]:
 
 
 def _flat(table: Any, before: str = "") -> Iterator[tuple[str, Any]]:
-    """Names with dots, whether they were written so or as tables within tables."""
+    """Yield (name with dots, values), whether the file has names with dots or nested tables."""
     if not isinstance(table, Mapping):
         raise SceneError(f"axes is {short(table)}: give a table [axes] such as medium.temperature = [15, 25]")
     for key, value in table.items():
@@ -133,7 +133,7 @@ def _flat(table: Any, before: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def put(tables: Tables, name: str, value: Any) -> Tables:
-    """The tables with one key changed, and without those that say the same thing in other words."""
+    """Return the tables with one key changed, and without the keys to which it is an alternative."""
     root, key, *inner = name.split(".")
     mine = next((group for group in _INSTEAD[root] if key in group), None)
     gone = set() if mine is None else set().union(*_INSTEAD[root]) - mine
@@ -149,7 +149,7 @@ def _within(table: Any, path: list[str], value: Any) -> Any:
 
 
 def column(values: list[Any]) -> list[Any]:
-    """The text of an axis in the table: numbers and words, else JSON, else the place in the list."""
+    """Return an axis's values for the table: numbers and words, else JSON, else their indices."""
     if not any(isinstance(value, list | Mapping) for value in values):
         return values
     texts = [value if isinstance(value, str) else json.dumps(value) for value in values]

@@ -1,4 +1,4 @@
-"""Solving of one block: problems of one array, one number of points and one solver with its options."""
+"""Solves one block of a sweep: problems with the same array, number of points, solver and options."""
 
 from __future__ import annotations
 
@@ -18,22 +18,23 @@ from .._support.kept import Arrays
 from .._support.output import METRICS
 from .engine import Stopped, go_on
 
-#: Flags of each problem for warnings: targets above the array's reach, or too weak.
+#: Results of each problem. beyond, weak: whether targets exceed the array's reach, or are too weak, for
+#: warnings.
 REPORTED = (*METRICS, "status", "beyond", "weak")
 
-#: Settings of a block, all that JSON can hold. "array", "medium": the tables of a scene file. "count": M.
-#: "region" [[x0, x1], [y0, y1], [z0, z1]] in m: random points; or "points" [[x, y, z], ...]: fixed ones.
-#: "pressure" [low, high] in Pa: random targets; or "pressures" [...]: fixed ones; or neither. "weights".
-#: "solver", "options": with balance and aim. "seed": of all; "seeds": of each trial, None for 0, 1, ...;
-#: "drives": whether they are wanted.
+#: Settings of a block, all as JSON. "array", "medium": the tables of a scene file. "count": M. "region" [[x0,
+#: x1], [y0, y1], [z0, z1]] in m for random points, or "points" [[x, y, z], ...] for fixed ones. "pressure"
+#: [low, high] in Pa for random targets, or "pressures" [...] for fixed ones, or neither. "weights". "solver",
+#: "options" (with balance and aim). "seed" of the sweep; "seeds" of the trials, None for 0, 1, ...; "drives":
+#: whether to return them.
 Settings = Mapping[str, Any]
 
 
 def solve_block(settings: Settings, start: int, stop: int) -> Arrays:
-    """Trials start to stop of a block.
+    """Solve trials start to stop of a block.
 
-    Returns REPORTED, each (B,), and, on request, drive (B, N), scale (B,), points (B, M, 3), pressures (B, M)
-    as attained and targets (B, M) where the block has them.
+    Returns REPORTED, each (B,). If requested, also drive (B, N), scale (B,), points (B, M, 3), the resulting
+    pressures (B, M), and targets (B, M) if the block has any.
     """
     array, medium = array_and_medium(settings)
     trials = [trial_seed(settings, index) for index in range(start, stop)]
@@ -48,14 +49,14 @@ def solve_block(settings: Settings, start: int, stop: int) -> Arrays:
 
 
 def trial_seed(settings: Settings, index: int) -> int:
-    """The seed of a trial."""
+    """Return the seed of a trial."""
     seeds = settings["seeds"]
     return index if seeds is None else int(seeds[index])
 
 
 def array_and_medium(settings: Settings) -> tuple[Array, dict[str, Any]]:
-    """The array and the medium's keywords; rejects what a scene file rejects. Only `first_scene` warns."""
-    # Any point will do: it only makes the tables a whole scene file.
+    """Return the array and the arguments of the medium. Rejects invalid values; only `first_scene` warns."""
+    # The point only completes the tables to a scene file; any would do.
     fixed = settings.get("points")
     point = fixed[0] if fixed else [(low + high) / 2 for low, high in settings["region"]]
     request = {"array": settings["array"], "medium": settings["medium"], "points": [{"position": point}]}
@@ -71,7 +72,7 @@ def _read(text: str) -> tuple[Array, dict[str, Any]]:
 
 
 def first_scene(settings: Settings) -> Scene:
-    """The scene of the first trial: making it rejects, and warns of, values that no trial should have."""
+    """Return the scene of the first trial, with the errors and warnings that concern all trials."""
     array, medium = array_and_medium(settings)
     points, targets = points_and_targets(settings, [trial_seed(settings, 0)])
     pressures = None if targets is None else targets[0]
@@ -79,14 +80,14 @@ def first_scene(settings: Settings) -> Scene:
 
 
 def _random(settings: Settings, trial: int) -> np.random.Generator:
-    """Randomness of a trial: the same for every array and solver, whatever else is in the sweep."""
+    """Return the random generator of a trial: the same for every array and solver of the sweep."""
     return np.random.default_rng([settings["seed"], trial, settings["count"]])
 
 
 def points_and_targets(
     settings: Settings, trials: list[int]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
-    """Points (B, M, 3) and targets (B, M), or None for the balanced level."""
+    """Return points (B, M, 3) and targets (B, M), or None for the balanced level."""
     count, whole = settings["count"], (len(trials), settings["count"])
     randoms = [_random(settings, trial) for trial in trials]
     if settings.get("points") is not None:
@@ -110,7 +111,10 @@ def _solve(
     settings: Settings,
     trials: list[int],
 ) -> Arrays:
-    """In one batch if all share a seed or need none, else one by one: the same bits either way."""
+    """Solve all trials in one batch if they share a seed or need none, else one by one.
+
+    The bits are the same.
+    """
     solver, weights = settings["solver"], settings.get("weights")
     options = {key: value for key, value in settings["options"].items() if value is not None}
 
@@ -119,7 +123,7 @@ def _solve(
         shares = None if weights is None else np.broadcast_to(weights, points[part].shape[:2])
         keywords = {**options, **seed, **medium, "weights": shares, "progress": _watch}
         try:
-            # The jobs are spread over the processors already.
+            # One thread: the jobs already use all processors.
             found = _midair.solve_batch(array, points[part], requested, solver, threads=1, **keywords)
         except SceneError as error:
             raise _of_the_trial(error, trials[part], points.shape[1]) from error
@@ -134,13 +138,13 @@ def _solve(
 
 
 def _of_the_trial(error: SceneError, trials: list[int], count: int) -> SceneError:
-    """The error of a batch, by the seed of the trial in place of its index."""
+    """Return the error of a batch with the trial's seed instead of its index."""
     found = re.fullmatch(r"problems\[(\d+)\]: (.*)", str(error))
     return SceneError(f"seed {trials[int(found[1])]}, {count} points: {found[2]}") if found else error
 
 
 def _arrays(found: list[_midair.Batch]) -> Arrays:
-    """The results of batches that a block keeps, one after the other."""
+    """Return the results of batches as arrays, one batch after the other."""
     parts: list[Arrays] = [
         {
             "drive": one.drives,
@@ -157,11 +161,11 @@ def _arrays(found: list[_midair.Batch]) -> Arrays:
 
 
 def _watch(done: int, problems: int, residual: float) -> bool:
-    """Stops a batch of a run that is being stopped."""
+    """Return False, which stops the batch, if the run is being stopped."""
     return go_on()
 
 
 def solver_seed(settings: Settings, trial: int) -> int:
-    """A seed of its own for the solver of a trial, below 2^63 so that files can hold it."""
+    """Return the solver's seed for a trial, below 2^63 so that files can store it."""
     random = np.random.SeedSequence([settings["seed"], trial, settings["count"]], spawn_key=(1,))
     return int(random.generate_state(1, np.uint64)[0] >> 1)

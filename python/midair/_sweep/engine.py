@@ -1,4 +1,4 @@
-"""Many pure jobs over threads or a Dask cluster: finished ones are kept, results come in order."""
+"""Runs many independent jobs on threads or a Dask cluster; stores results, and returns them in order."""
 
 from __future__ import annotations
 
@@ -30,23 +30,23 @@ from .._support.kept import Arrays
 if TYPE_CHECKING:
     from distributed import Client
 
-#: Seconds after which a scheduler that has not answered is given up.
+#: Time in s to wait for a scheduler's first answer.
 PATIENCE = 6
 
-#: Loggers that Dask gives levels of their own.
+#: Loggers whose levels Dask changes.
 _NOISY = ("distributed", "distributed.client", "tornado", "tornado.application")
 
 
 @contextmanager
 def workers(scheduler: str) -> Iterator[tuple[Executor, int]]:
-    """The cluster as an executor, and how many jobs it does at once."""
+    """Yield the cluster as an executor, and how many jobs it runs at the same time."""
     try:
         from distributed import KilledWorker
     except ImportError as error:
         raise SceneError('a scheduler needs Dask: pip install "midair[cluster]"') from error
     with _quiet(), _connected(scheduler) as client:
         try:
-            # A worker lost is no error: its jobs go to another one.
+            # If a worker is lost, Dask gives its jobs to another one.
             yield client.get_executor(pure=False), max(sum(client.nthreads().values()), 1)
         except KilledWorker as error:
             raise SceneError(f"worker after worker was lost ({error}): what is done is kept") from error
@@ -56,7 +56,7 @@ def workers(scheduler: str) -> Iterator[tuple[Executor, int]]:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Dask's pages of log about a lost connection, while one line of ours says it."""
+    """Suppress Dask's long messages about a lost connection; an error of one line replaces them."""
     loggers = [logging.getLogger(name) for name in _NOISY]
     levels = [logger.level for logger in loggers]
     for logger in loggers:
@@ -69,7 +69,10 @@ def _quiet() -> Iterator[None]:
 
 
 def _connected(scheduler: str) -> Client:
-    """A client, in any case within PATIENCE: Dask itself waits for ever for a server that is silent."""
+    """Return a client within PATIENCE s.
+
+    Dask itself would wait without end for a server that does not answer.
+    """
     from distributed import Client
 
     answers: Queue[Client | Exception] = Queue()
@@ -96,31 +99,31 @@ def _connected(scheduler: str) -> Client:
 Settings = Mapping[str, Any]
 Function = Callable[[Settings, int, int], Arrays]
 
-#: Jobs handed out for each worker: enough that none waits, few enough that results wait in little memory.
+#: Jobs per worker that are submitted in advance: workers must not wait, and results must not fill the memory.
 AHEAD = 4
 
 
-#: Seconds between checks for Ctrl-C
+#: Time in s between two checks for Ctrl-C.
 INTERVAL = 0.2
 
 
 @dataclass(frozen=True)
 class Job:
-    """Items start to stop of function(settings, start, stop), which depends on nothing else.
+    """A call function(settings, start, stop), for items start to stop. Its result depends on nothing else.
 
-    The function lies at the top of a module, the settings are what JSON can hold.
+    The function is defined at the top level of a module, and the settings are JSON.
     """
 
     function: Function
     settings: Settings
     start: int
     stop: int
-    #: The caller's name for it; it stays in this process.
+    #: The caller's object for this job; it is not sent to workers.
     owner: Any = None
 
     @property
     def path(self) -> Path:
-        """Where the result is kept, below a folder of chunks."""
+        """Path of the stored result, relative to a folder of chunks."""
         named = [self.function.__module__, self.function.__qualname__, build(), self.settings]
         key = hashlib.sha256(json.dumps(named, sort_keys=True).encode()).hexdigest()
         return Path(key[:20], f"{self.start}-{self.stop}.npz")
@@ -128,7 +131,7 @@ class Job:
 
 @cache
 def build() -> str:
-    """The version and the compiled core's own digest: other bits never mix with kept ones."""
+    """Return version and hash of the compiled core, so that results of different builds are not mixed."""
     core = Path(str(_midair.__file__)).read_bytes()
     return f"{version('midair')}-{hashlib.sha256(core).hexdigest()[:16]}"
 
@@ -144,22 +147,22 @@ def run(
     tell: Callable[[int], None] = lambda items: None,
     fits: Callable[[Job, Arrays], bool] = lambda job, arrays: True,
 ) -> None:
-    """Do the jobs and hand each result to `receive`, in the order of the jobs.
+    """Run the jobs and pass each result to `receive`, in the order of the jobs.
 
     Parameters
     ----------
     chunks
-        Folder that keeps each result as soon as it is there; a job found in it is not done again.
+        Folder in which each result is stored at once. A job whose result is there is not run again.
     scheduler
-        Address of a Dask scheduler; left out, the work is done by threads of this process.
+        Address of a Dask scheduler; by default threads of this process work.
     threads
-        How many at most; left out, one a processor.
+        Most threads; by default one per processor.
     keep
-        Called with each new result as soon as it is there, in any order.
+        Called with each new result at once, in any order.
     tell
         Called with the number of items of each job that is done.
     fits
-        Whether a kept result can be the job's; else it is done again.
+        Returns whether a stored result can be the job's; otherwise the job is run again.
     """
     stop = threading.Event()
     with (
@@ -167,7 +170,7 @@ def run(
         _workers(scheduler, threads, stop) as (executor, workers),
         interruptible() as interrupted,
     ):
-        # The same words thousands of times would say less than the column `level`.
+        # Thousands of equal warnings would not help; the column `level` shows the same.
         warnings.simplefilter("ignore", SceneWarning)
         waiting: deque[tuple[Job, Future[Arrays]]] = deque()
         unsaved: dict[Future[Arrays], Job] = {}
@@ -220,23 +223,23 @@ def run(
 
 
 def _work(requested: str, function: Function, settings: Settings, start: int, stop: int) -> Arrays:
-    """One job, on whatever machine this is."""
+    """Run one job, in a thread here or on another machine."""
     here = version("midair")
     if here != requested:
         raise SceneError(f"a worker has midair {here}, the run midair {requested}: install the same on all")
     return function(settings, start, stop)
 
 
-#: The event that stops the run a thread works for.
+#: Thread-local event that stops the run for which a thread works.
 _own = threading.local()
 
 
 class Stopped(Exception):
-    """The run that a job belongs to is being stopped."""
+    """Raised in a job if its run is being stopped."""
 
 
 def go_on() -> bool:
-    """Whether the run of this thread goes on; long jobs check it now and then."""
+    """Return whether the run of this thread continues. Long jobs check it repeatedly."""
     stop: threading.Event | None = getattr(_own, "stop", None)
     return stop is None or not stop.is_set()
 
@@ -245,9 +248,9 @@ def go_on() -> bool:
 def _workers(
     scheduler: str | None, threads: int | None, stop: threading.Event
 ) -> Iterator[tuple[Executor, int]]:
-    """An executor, and how many jobs it does at once."""
+    """Yield an executor, and how many jobs it runs at the same time."""
     if scheduler is None:
-        # More threads than processors gain nothing.
+        # More threads than processors would not be faster.
         processors = os.cpu_count() or 1
         count = min(threads or processors, processors)
         with ThreadPoolExecutor(count, initializer=setattr, initargs=(_own, "stop", stop)) as pool:
@@ -258,7 +261,7 @@ def _workers(
 
 
 def _put_finished(unsaved: Mapping[Future[Arrays], Job], put: Callable[[Job, Arrays], None]) -> None:
-    """Store the jobs that finished while the run was being stopped, as far as there is room."""
+    """Store the results that finished while the run was being stopped, until storing fails."""
     for future, job in unsaved.items():
         if future.done() and not future.cancelled() and future.exception() is None:
             try:
@@ -267,13 +270,13 @@ def _put_finished(unsaved: Mapping[Future[Arrays], Job], put: Callable[[Job, Arr
                 return
 
 
-#: Names of folders and files of kept results.
+#: Names of folders and files of stored results.
 _FOLDER = re.compile(r"[0-9a-f]{20}")
 _FILE = re.compile(r"\d+-\d+\.npz")
 
 
 def load(path: Path, rows: int) -> Arrays | None:
-    """Load the arrays of a kept result, each of `rows` rows; None if it is missing or damaged."""
+    """Load the arrays of a stored result, each with `rows` rows; None if it is missing or damaged."""
     found = kept.load(path, identity(path))
     if found is None or not all(array.ndim and len(array) == rows for array in found.values()):
         return None
@@ -281,17 +284,20 @@ def load(path: Path, rows: int) -> Arrays | None:
 
 
 def save(path: Path, arrays: Arrays) -> None:
-    """Keep a result. Raises SceneError where that cannot be."""
+    """Store a result. Raises SceneError if that is not possible."""
     kept.save(path, identity(path), arrays)
 
 
 def identity(path: Path) -> str:
-    """Name the job that a file answers."""
+    """Return the text that identifies the job of a file."""
     return f"{path.parent.name}/{path.name}"
 
 
 def remove(folder: Path) -> None:
-    """Remove all kept results of a folder, and each folder that holds nothing else; follow no link."""
+    """Remove all stored results in a folder, and each subfolder with nothing else in it.
+
+    Does not follow links.
+    """
     for part in kept.inside(folder):
         if _FOLDER.fullmatch(part.name):
             kept.remove(part, _FILE)

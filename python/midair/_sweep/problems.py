@@ -1,4 +1,4 @@
-"""Arrays, medium and points of a sweep, or its scenes, along every axis: settings and columns of blocks."""
+"""Expands arrays, medium, points and scenes of a sweep along all axes: settings and columns of each block."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from .._support.arguments import warn
 from .axes import Tables, array_table, column, put, short
 from .block import array_and_medium, first_scene, trial_seed
 
-#: Settings of a block but for its solver, and the columns that its rows have in common.
+#: For each block its settings without the solver, and the cells that its rows have in common.
 Sets = list[tuple[dict[str, Any], dict[str, Any]]]
 
-#: More combinations of axes are a mistake, too.
+#: A sweep with more combinations of axes is rejected as a mistake.
 MOST_BLOCKS = 10**6
 
-#: Bytes that a random point and its target take while they are drawn.
+#: Bytes of memory per random point and its target while they are drawn.
 POINT = 64
 
-#: Largest number of different warnings before any work.
+#: Most different warnings before the work starts.
 MOST_REPORTED = 3
 
 _FIXED = ("positions", "pressures", "weights")
@@ -35,20 +35,20 @@ _RANDOM = ("count", "x", "y", "z")
 
 
 def known(table: Mapping[str, Any], keys: Collection[str], where: str) -> None:
-    """Refuse a key that is not among those."""
+    """Raise SceneError if a table has a key that is not in `keys`."""
     for key in table:
         if key not in keys:
             raise SceneError(f'unknown key of {where} "{key}": known are {", ".join(keys)}')
 
 
 def few(blocks: int) -> None:
-    """Refuse more blocks than memory is for, before they are made."""
+    """Raise SceneError for too many blocks, before they are made."""
     if blocks > MOST_BLOCKS:
         raise SceneError(f"the sweep has {blocks} combinations of its axes: at most 10^6, shorten an axis")
 
 
 def table_of(tables: Tables, key: str) -> Tables:
-    """One table, or an empty one where it is left out."""
+    """Return a table of the request, empty if it is missing."""
     table = tables.get(key, {})
     if not isinstance(table, Mapping):
         raise SceneError(f"{key} is {short(table)}: give a table [{key}]")
@@ -56,7 +56,7 @@ def table_of(tables: Tables, key: str) -> Tables:
 
 
 def tables_of(tables: Tables, key: str) -> list[Tables]:
-    """One table or a list of them."""
+    """Return one table or several as a list."""
     found = tables.get(key, [])
     found = [found] if isinstance(found, Mapping) else found
     if not isinstance(found, list) or not all(isinstance(table, Mapping) for table in found):
@@ -65,12 +65,12 @@ def tables_of(tables: Tables, key: str) -> list[Tables]:
 
 
 def reason(error: SceneError) -> str:
-    """Text of an error in a scene, without the place in its generated text."""
+    """Return the text of an error in a scene, without the line number in its generated text."""
     return re.sub(r"^scene, line \d+(, column \d+)?: ", "", str(error))
 
 
 def whole(value: Any, name: str, *, least: int = 0) -> int:
-    """A whole number."""
+    """Check a whole number and return it."""
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value < 2**63:
         raise SceneError(f"{name} is {short(value)}: give a whole number, {least} or above")
     return value
@@ -79,12 +79,12 @@ def whole(value: Any, name: str, *, least: int = 0) -> int:
 def read_sets(
     tables: Tables, axes: Mapping[str, list[Any]], folder: Path, common: Mapping[str, Any]
 ) -> tuple[Sets, list[Path]]:
-    """Settings and columns of each array or scene along each axis, and the files that they were read from.
+    """Return settings and columns for each array or scene along all axes, and the files that were read.
 
     Parameters
     ----------
     common
-        Seed, seeds and drives of all settings.
+        Settings that all blocks have: seed, seeds and drives.
     """
     with warnings.catch_warnings(record=True) as reported:
         warnings.simplefilter("always")
@@ -115,7 +115,7 @@ Base = tuple[str, Tables, dict[str, Any]]
 
 
 def _arrays(tables: Tables) -> list[Base]:
-    """Each array with each number of points: words for errors, tables, columns."""
+    """Return (words for errors, tables, columns) for each array with each number of points."""
     arrays, medium = tables_of(tables, "array"), table_of(tables, "medium")
     if not arrays:
         raise SceneError("array is missing: give [array] as in a scene file, or scenes")
@@ -136,7 +136,7 @@ def _arrays(tables: Tables) -> list[Base]:
 
 
 def _listed(points: list[Any]) -> Tables:
-    """Fixed points from [[points]] as in a scene file."""
+    """Return the fixed points of [[points]], as in a scene file."""
     for index, point in enumerate(points):
         if not isinstance(point, Mapping) or "position" not in point:
             raise SceneError(f"points[{index}] is {short(point)}: give a table with a position = [x, y, z]")
@@ -155,7 +155,7 @@ def _listed(points: list[Any]) -> Tables:
 
 
 def _scenes(tables: Tables, folder: Path) -> tuple[list[Base], list[Path]]:
-    """Yield each scene; its own solver is ignored."""
+    """Return the base of each scene, and the scenes' files. A scene's own solver is ignored."""
     for key in ("array", "medium", "points"):
         if key in tables:
             raise SceneError(f"{key} is given beside scenes: a scene has its own")
@@ -183,7 +183,7 @@ def _scenes(tables: Tables, folder: Path) -> tuple[list[Base], list[Path]]:
 
 
 def _settings(tables: Tables, common: Mapping[str, Any], where: str, at: str) -> tuple[dict[str, Any], int]:
-    """Settings of a block but for its solver, and its number of transducers."""
+    """Return the settings of a block without its solver, and the number of transducers."""
     points = table_of(tables, "points")
     known(points, sweep_keys()["points"], "points")
     shift = points.get("shift", [0.0, 0.0, 0.0])
@@ -207,7 +207,7 @@ def _settings(tables: Tables, common: Mapping[str, Any], where: str, at: str) ->
 
 
 def _with_positions(tables: Tables, folder: Path) -> tuple[Tables, list[Path]]:
-    """The tables with an array's positions that lie in a file of their own, and that file."""
+    """Return the tables with the positions from an array's file inserted, and that file."""
     array = tables["array"]
     if not isinstance(array, Mapping) or not isinstance(array.get("positions"), Mapping):
         return tables, []
@@ -263,7 +263,7 @@ def _number(value: Any) -> bool:
 
 
 def _range(points: Tables, key: str) -> list[float]:
-    """A number, or the two ends of a random range."""
+    """Return a number, or the two ends of a random range, as [low, high]."""
     value: Any = points.get(key)
     ends: list[Any] = value if isinstance(value, list) else [value, value]
     if not _numbers(ends, 2) or ends[0] > ends[1]:

@@ -1,4 +1,4 @@
-"""The sweep file, read and checked before any solve: blocks of problems in the table's order."""
+"""The sweep file: reads and checks it before any solve; returns blocks of problems in the table's order."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from .axes import Tables, plain, read_axes, short
 from .block import Settings
 from .problems import few, known, read_sets, reason, tables_of, whole
 
-#: More problems than this are a mistake.
+#: A sweep with more problems is rejected as a mistake.
 MOST = 10**9
 
 
 @dataclass(frozen=True)
 class Block:
-    """Problems that differ only in their trial; `columns` are the common cells of their rows of the table."""
+    """Problems that differ only in their trial; `columns` are the cells that their rows have in common."""
 
     settings: Settings
     columns: Mapping[str, Any]
@@ -35,7 +35,7 @@ class Block:
 
 @dataclass(frozen=True)
 class Request:
-    """The blocks in order, the columns that are the same within each, and the files that were read."""
+    """The blocks in order, the names of their common columns, and the files that were read."""
 
     blocks: Sequence[Block]
     names: tuple[str, ...]
@@ -43,20 +43,20 @@ class Request:
 
     @property
     def columns(self) -> list[str]:
-        """All columns of the table."""
+        """Names of all columns of the table."""
         return ["index", *self.names, "trial", *METRICS, "status"]
 
     @property
     def problems(self) -> int:
-        """The number of rows of the table."""
+        """Number of rows of the table."""
         return sum(block.trials for block in self.blocks)
 
 
 def read(source: str | PathLike[str] | Mapping[str, Any], *, drives: bool = False) -> Request:
-    """A sweep file, TOML or JSON by its ending, or a mapping of the same keys, with arrays and scenes.
+    """Return the request in a sweep file (TOML or JSON), or in a mapping of the same keys.
 
-    Paths of scenes are relative to the file's folder. Raises SceneError for whatever is not in order, with
-    its place in the file, and warns of what is probably a mistake.
+    A mapping may contain arrays and scenes. Paths of scenes are relative to the file's folder. Raises
+    SceneError, with the place in the file, for invalid values; warns of probable mistakes.
     """
     if isinstance(source, Mapping):
         return _read(source, None, drives)
@@ -109,7 +109,7 @@ def _read(given: Mapping[str, Any], path: Path | None, drives: bool) -> Request:
 
 
 def _trials(given: Any) -> tuple[int, list[int] | None]:
-    """The number of trials, and their seeds where they are listed."""
+    """Return the number of trials, and their seeds if the request lists them."""
     if isinstance(given, list):
         if not given:
             raise SceneError("seeds is empty: give a count or a list of seeds")
@@ -118,7 +118,7 @@ def _trials(given: Any) -> tuple[int, list[int] | None]:
 
 
 def _methods(table: Tables) -> list[tuple[str, dict[str, Any]]]:
-    """A solver's table; a list for an option is an axis."""
+    """Return (solver, options) of a solver's table for each combination of lists in it."""
     name = table.pop("name", None)
     if not isinstance(name, str):
         raise SceneError(f"solver.name is {short(name)}: give one of {', '.join(solvers())}")
@@ -137,13 +137,13 @@ def _methods(table: Tables) -> list[tuple[str, dict[str, Any]]]:
 
 
 def spelt(word: Any, words: Iterable[str]) -> str:
-    """The word that is meant, whatever its case, "-" and "_"; else the word itself."""
+    """Return the known word that equals `word` apart from case, "-" and "_"; else `word` itself."""
     plainly = {known.lower().replace("_", ""): known for known in words}
     return plainly.get(str(word).lower().replace("-", "").replace("_", ""), str(word))
 
 
 def _refuse(name: str, option: str, value: Any) -> NoReturn:
-    """Let the core refuse an option that a solver has not."""
+    """Raise the core's error for an option that a solver does not have."""
     array = {"grid": {"nx": 1, "ny": 1, "pitch": 0.01}}
     solver = {"name": name, option: value}
     try:
@@ -154,7 +154,7 @@ def _refuse(name: str, option: str, value: Any) -> NoReturn:
 
 
 def _check_method(name: str, options: Mapping[str, Any]) -> None:
-    """Let the solver itself refuse an option, on a scene of no effort."""
+    """Let the solver reject invalid options, on a tiny scene."""
     if not isinstance(options.get("order"), list):
         array = Array.grid(2, 2, 0.01)
         solve(Scene(array, [[0.0, 0.0, 0.1]]), name, **options)

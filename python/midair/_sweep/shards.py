@@ -29,13 +29,13 @@ from .table import Shortfall
 if TYPE_CHECKING:
     import pyarrow as pa
 
-#: Trials of a file and of the one held out beside it: seconds of work, megabytes of drives.
+#: Trials of a training file and the held-out file beside it: seconds of work, megabytes of drives.
 SHARD = 4096
 
-#: Every this many trials one is held out, whatever the size of the set.
+#: One of this many trials is held out for testing, whatever the size of the set.
 EVERY = 10
 
-#: The file that describes a data set, and the parts that it has.
+#: The file that describes a data set, and the names of its two parts.
 MANIFEST, SPLITS = "dataset.json", ("train", "held_out")
 
 
@@ -274,7 +274,7 @@ def dataset(
 
 
 def solve_scenes(settings: Mapping[str, Any], start: int, stop: int) -> Arrays:
-    """The arrays of a sweep's block, and each scene's bound if that is wanted."""
+    """Return the arrays of a sweep's block, with each scene's bound if requested."""
     arrays = solve_block(settings, start, stop)
     if settings["bounds"]:
         array, medium = array_and_medium(settings)
@@ -285,7 +285,7 @@ def solve_scenes(settings: Mapping[str, Any], start: int, stop: int) -> Arrays:
 
 
 def _blocks(requested: Request, bounds: bool) -> list[Block]:
-    """The blocks of a request that a data set can have, with one seed for all scenes."""
+    """Return the blocks of a request for a data set, with one seed for all scenes; rejects mixed ones."""
     methods = {
         json.dumps([block.settings["solver"], block.settings["options"]]) for block in requested.blocks
     }
@@ -317,12 +317,12 @@ def _file(folder: Path, split: str, job: Job) -> Path:
 
 
 def _identity(job: Job) -> str:
-    """The settings, the version and the build, and the trials: a file of others is made again."""
+    """Return settings, build and trials as text. A file with another identity is made again."""
     return job.path.with_suffix("").as_posix()
 
 
 def _claim(folder: Path, manifest: dict[str, Any]) -> None:
-    """Make the folder, or refuse one that holds anything but the same data set."""
+    """Make the folder; rejects an existing one unless it has the same data set."""
     if folder.exists() and not folder.is_dir():
         raise SceneError(f'"{folder}" is a file: give the name of a folder')
     text = json.dumps(manifest, indent=1)
@@ -339,7 +339,7 @@ def _claim(folder: Path, manifest: dict[str, Any]) -> None:
 
 
 def _table(arrays: Arrays, rows: NDArray[np.bool_], identity: str) -> pa.Table:
-    """Rows of arrays as a table: lists of one length for a scene's arrays, complex numbers as re and im."""
+    """Return rows of arrays as a Parquet table: arrays as lists of fixed length, complex as (re, im)."""
     import pyarrow as pa
 
     columns: dict[str, Any] = {}
@@ -357,7 +357,7 @@ def _table(arrays: Arrays, rows: NDArray[np.bool_], identity: str) -> pa.Table:
 
 
 def _arrays(table: pa.Table) -> dict[str, NDArray[Any]]:
-    """The arrays behind a table of `_table`."""
+    """Return the arrays of a table that `_table` made."""
     found: dict[str, NDArray[Any]] = {}
     for name, column in zip(table.column_names, table.columns, strict=True):
         own = column.combine_chunks()
@@ -383,7 +383,7 @@ def _write(path: Path, table: pa.Table) -> None:
 
 
 def _kept(path: Path) -> str | None:
-    """The identity of a complete file; None where there is none."""
+    """Return the identity of a complete file; None if there is none."""
     from pyarrow import ArrowException, parquet
 
     try:

@@ -1,4 +1,4 @@
-"""Output of a sweep, checked before any work: a table as CSV or Parquet, drives as Zarr, written whole."""
+"""Output of a sweep, checked before any work: the table as CSV or Parquet, the drives as Zarr."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ from .block import trial_seed
 from .engine import Job
 from .request import Block, Request
 
-#: Rows of a chunk of a group of drives.
+#: Rows per chunk of a group of drives.
 ROWS = 1024
 
 
 class Shortfall:
-    """Counts over the results of a sweep."""
+    """Counts problems whose targets cannot be reached, for one warning at the end."""
 
     def __init__(self) -> None:
         self.problems = self.beyond = self.weak = 0
@@ -42,7 +42,7 @@ class Shortfall:
         self.least = min(self.least, arrays["level"][beyond].min(initial=np.inf))
 
     def text(self) -> str:
-        """Their warning, empty if there are none."""
+        """Return the text of the warning, "" if there is nothing to report."""
         parts = []
         if self.beyond:
             parts.append(
@@ -60,13 +60,13 @@ class Shortfall:
 
 TABLES = (".csv", ".parquet")
 
-#: The attribute that marks a Zarr group as a sweep's, and the names that such a group may hold.
+#: The attribute that marks a Zarr group as made by a sweep, and the names of its arrays.
 MARK = {"midair": "sweep"}
 ARRAYS = ("drive", "scale", "pressures", "points", "targets")
 
 
 def check(requested: Request, table: Path | None, drives: Path | None) -> Path | None:
-    """Refuse files that cannot be written, or that no sweep made; returns the folder of finished chunks."""
+    """Reject files that cannot be written or are no sweep's; return the folder for unfinished results."""
     if table is not None:
         output.check(table, TABLES, requested.files)
         if table.suffix.lower() == ".parquet":
@@ -92,14 +92,14 @@ def _need(package: str, path: Path) -> None:
 
 
 def _spare(files: Sequence[Path], drives: Path) -> None:
-    """Refuse to replace a folder that files of the sweep lie in, whatever links lead there."""
+    """Reject a folder for drives that contains files of the sweep, also by links: it would be replaced."""
     for file in files:
         if output.real(drives) in output.real(file).parents:
             raise SceneError(f'drives "{drives}" would replace "{file}" in it: give another name')
 
 
 def check_drives(path: Path) -> None:
-    """Refuse a folder of drives that cannot be made, or that is there and not a former sweep's."""
+    """Reject a folder for drives that cannot be made, or that exists and was not made by a sweep."""
     if path.suffix != ".zarr":
         raise SceneError(f'drives "{path}" has another ending: give a name that ends in .zarr')
     check_replaceable(path)
@@ -109,7 +109,7 @@ def check_drives(path: Path) -> None:
 
 
 def check_replaceable(path: Path) -> None:
-    """Refuse to replace a group that is not entirely a former sweep's."""
+    """Reject a group if anything in it was not made by a sweep."""
     if not path.exists():
         return
     try:
@@ -129,7 +129,7 @@ Write = Callable[[Columns], None]
 
 
 def rows(block: Block, job: Job, arrays: Arrays, first: int) -> Columns:
-    """A chunk's part of the table, its first row being row `first`."""
+    """Return a result's part of the table; its first row has the index `first`."""
     count = job.stop - job.start
     return {
         "index": list(range(first, first + count)),
@@ -139,12 +139,12 @@ def rows(block: Block, job: Job, arrays: Arrays, first: int) -> Columns:
     }
 
 
-#: Type, shape of a row, and filling of each array.
+#: Type, shape of a row, and fill value of each array, by name.
 Layout = dict[str, tuple[np.dtype[Any], tuple[int, ...], float]]
 
 
 def _layout(blocks: Sequence[Block]) -> Layout:
-    """The arrays of a group of drives, as wide as the widest block needs them."""
+    """Return the arrays of a group of drives, wide enough for the widest block."""
     settings = [block.settings for block in blocks]
     most = max(setting["count"] for setting in settings)
     wide = max(block.columns["transducers"] for block in blocks)
@@ -160,7 +160,7 @@ def _layout(blocks: Sequence[Block]) -> Layout:
 
 
 def fits(job: Job, arrays: Arrays) -> bool:
-    """Whether a stored result has the parts of this job that a table, and a group of drives, take."""
+    """Return whether a stored result has all arrays that the table, and the drives if requested, need."""
     block: Block = job.owner
     expected: Layout = dict.fromkeys(METRICS, (np.dtype(float), (), 0.0))
     expected |= dict.fromkeys(("beyond", "weak"), (np.dtype(bool), (), False))
@@ -173,13 +173,13 @@ def fits(job: Job, arrays: Arrays) -> bool:
 
 @contextmanager
 def _temporary(path: Path) -> Iterator[Path]:
-    """A name beside the path that becomes it, if all goes well."""
+    """Yield a temporary path, which replaces `path` if no error occurs."""
     part = output.part_of(path)
     try:
         with refusing(path):
             yield part
             if path.is_dir():
-                # Somebody's own may have come there meanwhile.
+                # Another program may have written there meanwhile.
                 check_replaceable(path)
                 shutil.rmtree(path)
             part.replace(path)
@@ -191,7 +191,7 @@ def _temporary(path: Path) -> Iterator[Path]:
 
 @contextmanager
 def open_table(path: Path, request: Request) -> Iterator[Write]:
-    """A table by the path's ending; the yielded function takes columns of rows in order."""
+    """Open a table in the format of the path's ending; yields a function that takes columns of rows."""
     write = _parquet if path.suffix.lower() == ".parquet" else _csv
     with _temporary(output.real(path)) as part, write(part, request) as give:
         yield give
@@ -228,7 +228,7 @@ def _parquet(path: Path, request: Request) -> Iterator[Write]:
 
 
 def _kind(values: Sequence[Any]) -> type:
-    """The one type that holds all of a column; words hold anything."""
+    """Return the type of all values of a column; str if they differ."""
     found = {type(value) for value in values if value is not None}
     if found == {int, float}:
         return float
@@ -237,11 +237,11 @@ def _kind(values: Sequence[Any]) -> type:
 
 @contextmanager
 def open_drives(path: Path, request: Request) -> Iterator[Callable[[Arrays, int], None]]:
-    """A Zarr group with a row for each row of the table; the yielded function takes a chunk and its row.
+    """Open a Zarr group with a row per row of the table; yields a function that takes a result and row.
 
-    drive (rows, N), pressures (rows, M) as attained, complex64; scale (rows,); points (rows, M, 3) in m;
-    targets (rows, M) in Pa if pressures were requested. N and M are the sweep's largest: what a row lacks is
-    0, points NaN.
+    Arrays: drive (rows, N), the resulting pressures (rows, M), complex64; scale (rows,); points (rows, M, 3)
+    in m; targets (rows, M) in Pa if pressures were requested. N and M are the largest of the sweep. Unused
+    elements are 0, of points NaN.
     """
     import zarr
 
@@ -258,7 +258,7 @@ def open_drives(path: Path, request: Request) -> Iterator[Callable[[Arrays, int]
             )
             for name, (dtype, shape, fill) in layout.items()
         }
-        # A chunk of the file is written once, not again with each result.
+        # A chunk of the file is written once, when it is full.
         memory = {name: np.full((ROWS, *shape), fill, dtype) for name, (dtype, shape, fill) in layout.items()}
         filled = written = 0
 
@@ -287,7 +287,7 @@ def open_drives(path: Path, request: Request) -> Iterator[Callable[[Arrays, int]
 
 
 def as_columns(parts: Sequence[Mapping[str, list[Any]]], request: Request) -> dict[str, np.ndarray[Any, Any]]:
-    """The whole table as arrays; a column with gaps holds objects."""
+    """Return the whole table as arrays; a column with missing values has dtype object."""
     whole = {name: [value for part in parts for value in part[name]] for name in request.columns}
     return {
         name: np.array(values, object if None in values or len({type(v) for v in values}) > 1 else None)
