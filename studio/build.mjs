@@ -1,5 +1,5 @@
-// Builds the studio three times from one source into built/: the site (site/), one HTML file that works from a disk
-// (studio.html), and the notebook's widget (widget.mjs); and copies what the wheel ships into the package.
+// Builds the studio three times from one source into built/: the website (site/), one HTML file that works from a disk
+// (studio.html) and the notebook widget (widget.mjs). Copies the files that the wheel contains into the package.
 import { createHash } from "node:crypto";
 import { cp, mkdir, readdir, readFile, rm, writeFile } from "node:fs/promises";
 import { gzipSync } from "node:zlib";
@@ -11,7 +11,7 @@ import { viteSingleFile } from "vite-plugin-singlefile";
 const here = import.meta.dirname;
 const out = `${here}/built`;
 
-/** Shaders without comments and indentation: the texts of several lines among the painter's. */
+/** Removes comments and white space from shaders: template strings of several lines in painter/. */
 const short = (shader) =>
   shader
     .replace(/\/\/.*|\/\*[^]*?\*\//g, "")
@@ -23,10 +23,10 @@ const shaders = {
   transform: (code, id) => (/painter\/\w+\.ts$/.test(id) ? code.replace(/`[^`]*`/g, (text) => (text.includes("\n") ? short(text) : text)) : undefined),
 };
 
-/** The licence of the one library that the page brings along. */
+/** The licence of gifenc, the only library in the page. */
 const notice = `/*! gifenc: ${(await readFile(`${here}/node_modules/gifenc/LICENSE.md`, "utf8")).trim()} */\n`;
 
-/** What Vite's own minifier leaves, .7 kB as gzip counts. */
+/** Minifies the chunks once more with terser, which saves 0.7 kB after gzip. */
 const smaller = {
   name: "smaller",
   async generateBundle(_, bundle) {
@@ -42,19 +42,19 @@ const common = { root: here, configFile: false, logLevel: "warn", worker: { form
 const page = (outDir, more, plugins = []) =>
   build({ ...common, base: "./", plugins: [shaders, smaller, ...plugins], build: { outDir, emptyOutDir: true, modulePreload: false, target: "es2022", ...more } });
 
-/** A policy for the page: nothing but its own scripts, its own worker and its own files. */
+/** Returns the page's Content-Security-Policy: only its own scripts, its own worker and its own files. */
 const policy = (script, style, connect) =>
   `<meta http-equiv="Content-Security-Policy" content="default-src 'none'; script-src ${script} 'wasm-unsafe-eval'; ` +
   `style-src ${style}; img-src 'self' data: blob:; connect-src ${connect}; worker-src 'self' blob:; base-uri 'none'; form-action 'none'" />`;
 const withPolicy = (html, ...sources) => html.replace("<head>", `<head>\n    ${policy(...sources)}`);
 
-// The wasm keeps its name: the notebook's widget is given the same file.
+// The wasm file keeps its name, because the notebook widget loads the same file.
 const assetFileNames = ({ names }) => (names[0]?.endsWith(".wasm") ? "[name][extname]" : "assets/[name]-[hash][extname]");
 await page(`${out}/site`, { assetsInlineLimit: 0, rolldownOptions: { output: { assetFileNames } } });
 const index = `${out}/site/index.html`;
 await writeFile(index, withPolicy(await readFile(index, "utf8"), "'self'", "'self'", "'self'"));
 
-// What the page needs offline, by the service worker.
+// The files that the service worker stores for use without a network.
 const kept = ["./", "midair.wasm", ...(await readdir(`${out}/site/assets`)).map((name) => `assets/${name}`)];
 const version = createHash("sha256").update(await readFile(index)).update(await readFile(`${out}/site/midair.wasm`)).digest("hex").slice(0, 12);
 const worker = (await readFile(`${here}/sw.js`, "utf8")).replace("VERSION", version).replace("FILES = []", `FILES = ${JSON.stringify(kept)}`);

@@ -1,10 +1,11 @@
-// How long the new picture of a drag takes: node drag.mjs [moves]. Each move of the pointer waits for the picture of the one
-// before; the time ends at the first frame after the slices' upload, once the GPU, or what stands for it, is done with it.
+// Measures how long a drag takes to show a new picture: node drag.mjs [moves]. Each pointer move waits for the picture of the
+// move before. The time ends at the first frame after the upload of the slices, when the GPU (or the software renderer) has
+// finished it.
 import { each, spent, withSite } from "./with_site.mjs";
 
 const moves = Number(process.argv[2] ?? 30);
 
-/** Runs in the page, before its own scripts: notes when slices are uploaded, and when what follows is seen. */
+/** Runs in the page before the page's own scripts: records when slices are uploaded and when the next frame is drawn. */
 function watch() {
   const upload = WebGL2RenderingContext.prototype.texImage2D;
   let awaited = false;
@@ -64,7 +65,7 @@ async function measure({ browser, url, visit, grab }, name, state) {
   await context.close();
 }
 
-/** Seven points on a ring of 40 mm and one in its middle, above four AUTD3 boards. */
+/** Seven points on a ring of 40 mm radius and one in its middle, above four AUTD3 boards. */
 const ring = Array.from({ length: 7 }, (_, k) => [0.04 * Math.cos((2 * Math.PI * k) / 7), 0.04 * Math.sin((2 * Math.PI * k) / 7), 0.18]);
 const EIGHT = { level: "engineer", array: { preset: "autd3", tiles: [2, 2] }, points: [...ring, [0, 0, 0.18]], quantity: "modulus", view: "both" };
 

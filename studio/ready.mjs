@@ -1,10 +1,10 @@
-// How long the page takes to be ready, from the first byte requested to the first answers, and to their pictures:
-// node ready.mjs [visits]. Each visit is a browser of its own, so that nothing is kept from the one before.
+// Measures the time from the first requested byte to the first solutions, and to their pictures: node ready.mjs [visits]. Each
+// visit uses a new browser, so that nothing is cached.
 import { withSite } from "./with_site.mjs";
 
 const visits = Number(process.argv[2] ?? 9);
 
-/** Runs in the page, before its own scripts: notes when its answers are there, and when they are seen. */
+/** Runs in the page before the page's own scripts: records when solutions are there, and when they are drawn. */
 function watch() {
   const look = () => {
     if (!window.midair?.state().ready) return setTimeout(look, 5);

@@ -1,5 +1,5 @@
-// Pictures of the page to be looked at: node shots.mjs FOLDER [all]. Each level, wide, middle and narrow, dark and light; with `all` also
-// huge, Japanese, with 64 points, with a path, and each gallery scene in every manner.
+// Takes screenshots of the page for inspection: node shots.mjs FOLDER [all]. Takes each level in wide, medium and narrow
+// windows, dark and light. With `all` also a huge window, Japanese, 64 points, a path, and each gallery scene at each level.
 import { mkdir } from "node:fs/promises";
 
 import { withSite } from "./with_site.mjs";
@@ -9,7 +9,7 @@ await mkdir(folder, { recursive: true });
 const sizes = { wide: { width: 1440, height: 900 }, middle: { width: 1024, height: 768 }, narrow: { width: 390, height: 844 } };
 const themes = ["dark", "light"];
 const locales = all ? ["en-GB", "ja-JP"] : ["en-GB"];
-/** As many points as the page takes, on a spiral. */
+/** As many points as the page allows, on a spiral. */
 const many = Array.from({ length: 64 }, (_, k) => [0.008 * Math.sqrt(k) * Math.cos(2.4 * k), 0.008 * Math.sqrt(k) * Math.sin(2.4 * k), 0.18]);
 const manners = Object.entries(sizes).flatMap(([size, viewport]) =>
   themes.flatMap((colorScheme) =>
@@ -17,14 +17,14 @@ const manners = Object.entries(sizes).flatMap(([size, viewport]) =>
   ),
 );
 
-/** Takes a scene of the gallery, by its place in it. */
+/** Opens the gallery, and scene number k of it if k is given. */
 async function choose(page, k) {
   await page.getByRole("button", { name: /gallery|ギャラリー/i }).click();
   if (k === undefined) return;
   await page.getByRole("dialog").getByRole("listitem").nth(k).getByRole("button").click();
 }
 
-/** Plays a path, and rests when its curves are there. */
+/** Plays a path, and stops it when its curves are shown. */
 async function play(page) {
   await page.evaluate(() => window.midair.set({ level: "engineer", view: "slice", path: { kind: "circle", radius: 0.01, frequency: 20 } }));
   await page.evaluate(() => document.querySelectorAll("details").forEach((each) => (each.open = true)));

@@ -1,4 +1,4 @@
-// The page offline: its files are kept when it was loaded once, and taken where the network does not give them.
+// Service worker: stores the site's files at the first visit, and serves them when the network fails.
 const NAME = "midair VERSION";
 const FILES = [];
 

@@ -1,10 +1,10 @@
-// How many pictures a second the wave has: node wave.mjs [seconds]. A picture counts once it is painted and read back, and only
-// where it is another than the one before: a wave that stands has none, however often the screen is drawn.
+// Measures how many pictures per second an animated wave has: node wave.mjs [seconds]. A picture counts when it is painted,
+// read back and different from the last one. So a wave that stands still counts no pictures, however often the screen is drawn.
 import { each, spent, withSite } from "./with_site.mjs";
 
 const seconds = Number(process.argv[2] ?? 5);
 
-/** Runs in the page: pictures of so many ms that differ from the one before, and how often the screen was drawn, a second. */
+/** Runs in the page: returns, per second, the number of pictures that differ from the last one, and of drawn frames. */
 function count(milliseconds) {
   const canvas = document.querySelector("canvas.canvas");
   const gl = canvas.getContext("webgl2");
@@ -12,13 +12,13 @@ function count(milliseconds) {
   const middle = (side) => Math.max(0, (side - 96) >> 1);
   return new Promise((done) => {
     let [pictures, drawn, begun, last] = [0, 0, 0, ""];
-    // The page's own callback, which paints, came first.
+    // The page's own callback, which paints, ran before this one.
     const next = (now) => {
       begun ||= now;
       if (now - begun > milliseconds) return done([pictures, drawn].map((each) => (1000 * each) / (now - begun)));
       gl.readPixels(middle(canvas.width), middle(canvas.height), 96, 96, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
       const seen = pixels.join();
-      // A canvas that was not painted in this frame reads as nothing.
+      // A canvas that was not painted in this frame reads as zeros.
       pictures += seen !== last && pixels.some(Boolean);
       if (pixels.some(Boolean)) last = seen;
       drawn += 1;
@@ -39,9 +39,9 @@ const SCENES = [
 ];
 
 await withSite(async ({ browser, url, visit }) => {
-  // Where less motion is wanted the wave stands.
+  // With reduced motion the wave would stand still.
   const { page } = await visit(browser, url, { reducedMotion: "no-preference" });
-  // The hand that greets comes and goes.
+  // Waits until the animated hand has gone.
   await page.waitForTimeout(7000);
   for (const [name, state] of SCENES) {
     await page.evaluate((state) => window.midair.set({ ...state, quantity: "wave" }), state);

@@ -1,9 +1,9 @@
-// The built site in a browser, for programs beside the tests.
+// Opens the built site in a browser, for programs besides the tests.
 import { readdirSync, readFileSync } from "node:fs";
 
 import { createServer } from "vite";
 
-/** Calls `act` with what test/browser/site.ts knows, the site and the browser open; closes them. */
+/** Calls `act` with the functions of test/browser/site.ts, the site and the browser; then closes both. */
 export async function withSite(act) {
   const server = await createServer({ root: import.meta.dirname, configFile: false, server: { port: 0 }, logLevel: "error" });
   const site = await server.ssrLoadModule("/test/browser/site.ts");
@@ -16,7 +16,7 @@ export async function withSite(act) {
   }
 }
 
-/** CPU time of the browser's processes so far, in ms by their kind; nothing where there is no /proc. */
+/** Returns the CPU time of the browser's processes so far, in ms by their kind; {} without /proc. */
 export function spent() {
   const all = new Map();
   try {
@@ -26,7 +26,7 @@ export function spent() {
         const kind = readFileSync(`/proc/${pid}/cmdline`, "utf8").match(/--type=([\w-]+)/)?.[1] ?? "browser";
         all.set(Number(pid), { parent: Number(cells[1]), ms: 10 * (Number(cells[11]) + Number(cells[12])), kind });
       } catch {
-        // It has ended.
+        // The process has ended.
       }
     }
   } catch {
@@ -38,7 +38,7 @@ export function spent() {
   return found;
 }
 
-/** What was spent since `before` on each of so many pictures, by kind of process, in words. */
+/** Returns, as text, the CPU time per picture since `before`, by kind of process. */
 export function each(before, pictures) {
   const all = Object.entries(spent()).map(([kind, ms]) => [kind, (ms - (before[kind] ?? 0)) / pictures]);
   return all.filter(([, ms]) => ms >= 0.5).map(([kind, ms]) => `${kind} ${ms.toFixed(0)}`).join(", ");

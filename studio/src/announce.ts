@@ -1,4 +1,4 @@
-/** Announcements: changes are said to users of screen readers, one after another. */
+/** Announcements: tells users of screen readers about changes. */
 
 import { type Context, millimetres } from "./context.ts";
 import { write } from "./dom.ts";
@@ -6,10 +6,10 @@ import { middleOf, SIDES } from "./plane.ts";
 import type { State } from "./types.ts";
 import type { Word } from "./words.ts";
 
-/** Time in which things are gathered that are said together, in ms. */
+/** Changes within this time, in ms, are announced together. */
 const GATHER = 250;
 
-/** Says texts in a live region. */
+/** Returns a function that announces texts in a live region (ARIA). */
 export function announcer(region: HTMLElement): (text: string) => void {
   let texts: string[] = [];
   let timer = 0;
@@ -23,7 +23,7 @@ export function announcer(region: HTMLElement): (text: string) => void {
   };
 }
 
-/** The text that is announced after a change of the state. */
+/** For each part of the state, the word and the value that are announced when it changes. */
 const SAID: { [Key in keyof State]?: [Word, (state: State) => string] } = {
   array: ["array", ({ array }) => ("preset" in array ? `${array.preset} ${array.tiles.join(" × ")}` : array.name)],
   quantization: ["levels", ({ quantization }) => quantization],

@@ -1,17 +1,17 @@
-/** Array picker: a select of arrays, each beside a small picture of its transducers where the browser shows pictures in a select. */
+/** Array picker: a select of arrays. Browsers that support it show a small picture of the transducers beside each name. */
 
 import type { Context } from "./context.ts";
 import { element } from "./dom.ts";
 import { initial } from "./initial.ts";
 import { sceneOf } from "./scene_file.ts";
 
-/** Side of a picture, in its own units. */
+/** Side of a picture, in units of its SVG. */
 const SIDE = 24;
 
-/** Above this part of its width an array is seen from the side: boards that face one another. */
+/** An array whose height is above this part of its width is drawn from the side, because its boards face each other. */
 const TALL = 0.25;
 
-/** The transducers as dots, from positions (N, 3) in m. */
+/** Draws the transducers as dots, from positions (N, 3) in m. */
 function drawn(positions: Float64Array): SVGElement {
   const along = (axis: number) => Array.from(positions).filter((_, k) => k % 3 === axis);
   const ends = [0, 1, 2].map((axis) => along(axis).reduce(([least, most], x) => [Math.min(least, x), Math.max(most, x)], [Infinity, -Infinity]));
@@ -28,10 +28,10 @@ function drawn(positions: Float64Array): SVGElement {
   return picture;
 }
 
-/** Makes it; `change` is given the name of the array that is chosen. */
+/** Makes the select; calls `change` with the name of the chosen array. */
 export function createArrayPicker({ engine, studio }: Context, change: (name: string) => void) {
   const select = element("select", { className: "arrays", onchange: () => change(select.value) });
-  // The closed select: its choice with the picture.
+  // The closed select, which shows the chosen array with its picture.
   const face = element("button");
   const pictures = new Map<string, SVGElement>();
   let offered = "";
@@ -41,11 +41,11 @@ export function createArrayPicker({ engine, studio }: Context, change: (name: st
       const picture = pictures.get(option.value);
       if (picture && !option.contains(picture)) option.prepend(picture);
     }
-    // The copy of the choice as it was.
+    // A new element copies the choice again, now with its picture.
     face.replaceChildren(document.createElement("selectedcontent"));
   }
 
-  /** Draws all arrays. */
+  /** Draws the pictures of all arrays. */
   async function draw() {
     if (!CSS.supports("appearance", "base-select")) return;
     for (const { name } of engine.catalogue.presets) {
@@ -55,12 +55,12 @@ export function createArrayPicker({ engine, studio }: Context, change: (name: st
     }
     illustrate();
   }
-  // The field comes first.
+  // Waits for the first field, which matters more.
   void studio.settled().then(draw);
 
   return {
     root: select,
-    /** Offers [name, text] pairs, one of them chosen. */
+    /** Shows these [name, text] pairs, one of them chosen. */
     place(pairs: (readonly [string, string])[], chosen: string) {
       const same = offered === (offered = pairs.join());
       if (!same) select.replaceChildren(face, ...pairs.map(([name, text]) => new Option(text, name)));

@@ -1,4 +1,4 @@
-/** Bar: name, undo and redo, levels, gallery, board and link; a menu of files, language and theme. */
+/** Bar at the top: name, undo and redo, levels, gallery, board, link, and a menu for files, language and theme. */
 
 import { createBoardButton } from "./boardbutton.ts";
 import type { Context } from "./context.ts";
@@ -7,7 +7,7 @@ import { exportDrive, exportScene, open } from "./exchange.ts";
 import { showGallery } from "./gallerybox.ts";
 import { writeLink } from "./link.ts";
 
-/** The page's functions for the bar. */
+/** Functions of the page that the bar calls. */
 export interface Deeds {
   language(): void;
   theme(): void;
@@ -19,7 +19,7 @@ const LOGO =
   'stroke-linecap="round"><circle cx="12" cy="5.5" r="2.4" fill="currentColor" stroke="none"/>' +
   '<path d="M7.2 9.5a6.6 6.6 0 0 0 9.6 0M4.5 13a11 11 0 0 0 15 0M2 17a15.5 15.5 0 0 0 20 0"/></svg>';
 
-/** Makes the bar around the buttons of the page's levels. */
+/** Makes the bar around the page's buttons for its levels. */
 export function createBar(context: Context, levels: HTMLElement, deeds: Deeds): { root: HTMLElement; place(): void } {
   const { studio, say } = context;
   const button = (text: string, act: () => void, name = text, className = "") =>
@@ -61,7 +61,7 @@ export function createBar(context: Context, levels: HTMLElement, deeds: Deeds): 
   const menu = element("button", { className: "menu icon", "aria-label": say("menu"), "aria-controls": "tools", "aria-expanded": "false" }, "☰");
   const fold = (open: boolean) => menu.setAttribute("aria-expanded", String(tools.classList.toggle("open", open)));
   menu.onclick = () => fold(menu.ariaExpanded === "false");
-  // The chosen part of the menu opens below it. A dialog gives the focus back to where it was.
+  // Closes the menu before an entry acts, so that a closed dialog returns the focus to the menu button.
   tools.addEventListener("click", () => (fold(false), menu.focus()), true);
   const root = element(
     "header",

@@ -1,4 +1,4 @@
-/** The one button behind which a board plays: connect, play, off. */
+/** The button of the board: connect, play, turn off. */
 
 import type { Context } from "./context.ts";
 import { element, write } from "./dom.ts";
@@ -6,7 +6,7 @@ import { type Player, type PlayerState, type SerialBoard, type SerialPortLike, a
 import { createServed, fits } from "./served.ts";
 import { shownOf } from "./studio.ts";
 
-/** The part of the navigator of browsers with WebSerial. */
+/** The part of `navigator` that browsers with WebSerial have. */
 type WithSerial = Navigator & { serial?: { requestPort(): Promise<SerialPortLike> } };
 
 /** Makes the button: it requests a port, plays the drive of slot A, and turns the board off. */
@@ -16,10 +16,10 @@ export function createBoardButton(context: Context): HTMLElement {
   const button = element("button", { className: "board" }, away);
   let player: Player | null = null;
   let unguard = () => undefined as void;
-  /** The drive that the board has, or will have next. */
+  /** The drive that the board plays, or will play next. */
   let given: Float32Array | null = null;
 
-  /** The board that is served, or one at a port that a person chooses. */
+  /** Returns a function that connects the served board, or a board at a port that the user chooses. */
   async function reach(): Promise<(() => Promise<Player>) | void> {
     if (served) return async () => createServed(served.name, report);
     const { serial } = navigator as WithSerial;
@@ -29,7 +29,7 @@ export function createBoardButton(context: Context): HTMLElement {
     if (!board) return context.alarm(say("noBoard"));
     const address = location.href;
     const port = await serial.requestPort();
-    // Another page may have led this one to its own scene meanwhile.
+    // Meanwhile another page may have led this page to another address.
     if (location.href === address) return () => open(port, board);
   }
 
@@ -40,7 +40,7 @@ export function createBoardButton(context: Context): HTMLElement {
     player = found.player;
     if (player.state === "gone") return forget();
     unguard = guard(player, window, document);
-    // A user who left meanwhile presses the button again.
+    // If the user left the page meanwhile, the board stays off until the button is pressed again.
     if (found.present) play();
     else show();
   }

@@ -1,15 +1,15 @@
-/** Chart: curves over the frames of a turn, one below the other, and which frame is shown. */
+/** Chart: curves over the frames of a turn, one below the other, with a mark at the shown frame. */
 
 import { element } from "./dom.ts";
 
-/** Values of all frames, 0 or more, and the text of the largest one with its unit. */
+/** A curve: its values of all frames, 0 or more, and the largest value as text with its unit. */
 export interface Curve {
   name: string;
   values: number[];
   most: string;
 }
 
-/** A chart of curves over this many ms, and the function that moves its mark to a frame; screen readers read `label`. */
+/** Makes a chart of curves over this many ms, and a function that moves the mark to a frame. Screen readers read `label`. */
 export function createChart(curves: Curve[], milliseconds: number, label: string) {
   const marks: HTMLElement[] = [];
   const rows = curves.map(({ name, values, most }) => {

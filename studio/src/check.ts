@@ -1,4 +1,4 @@
-/** Check: whether the values of a script or a link can be a state; the fault in one line. */
+/** Check: tests whether values from a script or a link form a valid state. */
 
 import type { Catalogue } from "./door.ts";
 import { MOST_POINTS } from "./initial.ts";
@@ -70,7 +70,7 @@ const RULES: Record<keyof State, Rule> = {
   path: [isPath, 'give { kind: "circle", radius, frequency }, { kind: "line", length, frequency } or null'],
 };
 
-/** The fault of a state in one line; "" if there is none. */
+/** Returns the fault of a state as a message of one line, "" if it is valid. */
 export function faultOf(state: State, { presets, solvers }: Catalogue): string {
   const quoted = (value: unknown) => (JSON.stringify(value) ?? String(value)).slice(0, 60);
   const unknown = Object.keys(state).find((key) => !(key in RULES));

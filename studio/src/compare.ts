@@ -1,4 +1,4 @@
-/** Compare: two methods, one slice that a wiper parts between them, and their numbers. */
+/** Compare: two methods A and B, one slice that a movable line divides between them, and their metrics. */
 
 import { changes } from "./changes.ts";
 import { type Context } from "./context.ts";
@@ -13,22 +13,22 @@ import { MANY } from "./stage.ts";
 import { shownOf } from "./studio.ts";
 import type { Look, Slot, Vec3 } from "./types.ts";
 
-/** The page's parts that compare. */
+/** The page's elements for the comparison. */
 export interface Compare {
-  /** Both methods above the slice that they share, which a wiper parts: A to its left, B to its right. */
+  /** Both methods above one slice. A movable line (the wiper) divides it: A's field to its left, B's to its right. */
   root: HTMLElement;
-  /** Where the slice is painted. */
+  /** The element over which the painter paints the slice. */
   slice: HTMLElement;
-  /** The part of the slice that is A's, 0 to 1. */
+  /** The part of the slice's width that shows A, 0 to 1. */
   share(): number;
-  /** Table and warnings. */
+  /** The table of metrics, and the warnings. */
   numbers: HTMLElement[];
   place(look: Look): void;
 }
 
 const SLOTS: Slot[] = [0, 1];
 
-/** Makes both. */
+/** Makes these elements. */
 export function createCompare(context: Context): Compare {
   const { studio, say, plain, engine } = context;
   const state = () => studio.view.state;
@@ -61,11 +61,11 @@ export function createCompare(context: Context): Compare {
   const rings: HTMLElement[] = [];
   listen();
   const order = createInstrument(context, picture, (right) => (wiper.hidden ? (shownOf(studio.view)[0].lattice ? 0 : 1) : right < +wiper.value ? 0 : 1));
-  // Roles are named, because a row of numbers is no table to the style.
+  // The role is set, because the CSS shows the rows as a grid and browsers then forget that this is a table.
   const table = element("table", { className: "numbers", role: "table" });
   const warnings = element("ul", { className: "warnings" });
 
-  /** Points are dragged in a slice, too; a double click makes a new one. */
+  /** Points can be dragged in the slice, and a double click adds a point. */
   function listen() {
     let begin: { index: number; at: Vec3; point: Vec3 } | null = null;
     let gesture = 0;
@@ -115,7 +115,7 @@ export function createCompare(context: Context): Compare {
     });
   }
 
-  /** Writes the table again, which costs a layout: only when something in it is. */
+  /** Writes the table only if it has changed, because that costs a layout. */
   const writeRows = changes((text: string) => {
     const rows = (JSON.parse(text) as Row[]).map(({ word, values, better }) =>
       element(
@@ -176,7 +176,7 @@ export function createCompare(context: Context): Compare {
   };
 }
 
-/** The colour bar: the map from bottom to top. */
+/** Paints the colour bar: the colour map from bottom to top. */
 function paint(bar: HTMLCanvasElement, map: ReturnType<typeof mapOf>) {
   const context = bar.getContext("2d")!;
   const image = context.createImageData(1, 256);

@@ -1,9 +1,9 @@
-/** Elements, made short. */
+/** Short functions that make DOM elements. */
 
 type Child = Node | string | null | undefined | false;
 type Given = Record<string, unknown>;
 
-/** An element with properties (`onclick`), attributes (`aria-label`), and children. */
+/** Makes an element with properties (`onclick`), attributes (`aria-label`) and children. */
 export function element<Name extends keyof HTMLElementTagNameMap>(
   name: Name,
   given: Given = {},
@@ -18,32 +18,32 @@ export function element<Name extends keyof HTMLElementTagNameMap>(
   return made;
 }
 
-/** Writes a text only where it has changed: screen readers and the caret are left in peace. */
+/** Writes a text only if it has changed, so that screen readers do not repeat it and the caret does not move. */
 export function write(place: HTMLElement, text: string): void {
   if (place.textContent !== text) place.textContent = text;
 }
 
-/** An element that `createTips` explains in one line while it, or a control in it, is pointed at or has the focus. */
+/** Marks an element to be explained in one line by `createTips`, while the pointer or the focus is in it. */
 export function explained<Made extends HTMLElement>(made: Made, line: string): Made {
   made.dataset.tip = line;
   if (!made.querySelector("input, select") && !made.matches("input, select, button")) made.tabIndex = 0;
   return made;
 }
 
-/** A titled group of controls that folds; its second element names the group's content. */
+/** Makes a titled group of controls that folds. `holds` is an element in its title for a summary of its content. */
 export function group(title: string, ...children: (Node | null)[]): { root: HTMLDetailsElement; holds: HTMLElement } {
   const holds = element("span");
   const summary = element("summary", {}, element("h2", {}, title), holds);
   return { root: element("details", { className: "group" }, summary, ...children), holds };
 }
 
-/** A control with its name and a value beside it; `tip` explains its number. */
+/** Makes a label for a control, with a value beside its name; `tip` explains the value. */
 export function labelled(name: string, control: HTMLElement, aside?: HTMLElement | null, tip?: string): HTMLElement {
   const made = element("label", { className: aside ? "field wide" : "field" }, element("span", {}, name), aside, control);
   return tip ? explained(made, tip) : made;
 }
 
-/** Buttons of which one is chosen. */
+/** Makes a row of buttons of which one is chosen. */
 export function segments(name: string, pairs: readonly (readonly string[])[], choose: (value: string) => void) {
   const buttons = pairs.map(([value, text]) => element("button", { value, onclick: () => choose(value) }, text));
   return {
@@ -52,7 +52,7 @@ export function segments(name: string, pairs: readonly (readonly string[])[], ch
   };
 }
 
-/** A select of [value, text] pairs. */
+/** Makes a select of [value, text] pairs. */
 export function choice(
   pairs: readonly (readonly [string, string])[],
   value: string,
@@ -64,7 +64,7 @@ export function choice(
   return select;
 }
 
-/** Gives a select its pairs, if they are others, and its value. */
+/** Sets the [value, text] pairs of a select, if they have changed, and its value. */
 export function offer(select: HTMLSelectElement, pairs: readonly (readonly [string, string])[], value: string): void {
   const same =
     select.options.length === pairs.length &&

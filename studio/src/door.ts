@@ -1,11 +1,11 @@
-/** The WebAssembly door as functions over plain data. Refusals are thrown as one line. */
+/** The WebAssembly binding as functions on plain data. Errors are thrown with a message of one line. */
 
 import type { OwnArray, Vec3 } from "./types.ts";
 
-/** A CSV of more transducers is refused. */
+/** A CSV file with more transducers is rejected. */
 const MOST_TRANSDUCERS = 16384;
 
-/** How good a drive is, over the points with a pressure above 0; `weakest` is the least |p| there, in Pa. */
+/** Quality of a drive at the points with a target above 0; `weakest` is the least |p| there, in Pa. */
 export interface Metrics {
   accuracy: number;
   sigma: number;
@@ -15,31 +15,31 @@ export interface Metrics {
   leak: number;
 }
 
-/** The answer of a solver. */
+/** The result of a solver. */
 export interface Answer {
   metrics: Metrics;
-  /** The factor that supply or modulation must apply to the drive. */
+  /** The factor that the supply voltage or modulation must apply to the drive. */
   scale: number;
   status: "done" | "out_of_steps" | "stopped" | "missed";
   steps: number;
-  /** Pressures of the points, in Pa. */
+  /** Targets of the points, in Pa. */
   targets: number[];
-  /** re and im of each point, in Pa. */
+  /** re and im of p at each point, in Pa. */
   pressures: [number, number][];
-  /** re and im of each transducer. */
+  /** re and im of each transducer's drive. */
   drive: Float32Array;
-  /** Warnings and notes that belong to the answer, a line each. */
+  /** Warnings and notes about this result, one line each. */
   said: string[];
 }
 
-/** The field at a place: p in Pa, its level in dB SPL, its radiation pressure on a wall in Pa. */
+/** The field at a place: p in Pa, its level in dB SPL, its radiation pressure on a rigid wall in Pa. */
 export interface Probe {
   pressure: [number, number];
   level: number;
   radiation: number;
 }
 
-/** An array known by name. */
+/** An array that has a name. */
 export interface Preset {
   name: string;
   summary: string;
@@ -48,14 +48,14 @@ export interface Preset {
   board: string;
 }
 
-/** A method, and whether it knows the aim. */
+/** A method, and whether it has the option `aim`. */
 export interface Solver {
   name: string;
   summary: string;
   aims: boolean;
 }
 
-/** A board that can be played; `baud` is 0 where it hangs on no serial line, opening the port may restart it. */
+/** A kind of board. `baud` is 0 if it has no serial line; `restarts` tells whether opening its port restarts it. */
 export interface BoardKind {
   name: string;
   summary: string;
@@ -64,7 +64,7 @@ export interface BoardKind {
   restarts: boolean;
 }
 
-/** The core's methods, presets and boards. */
+/** The core's version, presets, methods and boards. */
 export interface Catalogue {
   version: string;
   presets: Preset[];
@@ -72,39 +72,45 @@ export interface Catalogue {
   boards: BoardKind[];
 }
 
-/** A frame of a sequence: the largest change of a phase in rad; the least |p| of points that are not quiet, the largest of all, in Pa. */
+/**
+ * A frame of a sequence: the largest phase change in rad, the least |p| of the points that are not quiet, and the largest |p|
+ * of all points, in Pa.
+ */
 export interface Frame {
   change: number;
   least: number;
   most: number;
 }
 
-/** A scene that can be solved, looked at and played. */
+/** A scene in the WebAssembly module that can be solved, evaluated and played. */
 export interface Door {
   catalogue(): Catalogue;
-  /** Opens a scene file's text; returns its probable mistakes, a line each. */
+  /** Opens the text of a scene file; returns warnings about probable mistakes, one line each. */
   open(text: string, toml?: boolean, scalar?: boolean): string[];
-  /** The scene as the command line writes it. */
+  /** Returns the scene as the command line writes it. */
   save(toml: boolean): string;
-  /** Positions (N, 3) in m, then normals (N, 3). */
+  /** Returns positions (N, 3) in m, then normals (N, 3). */
   array(): Float64Array;
-  /** Moves the points (M of x, y, z in m), with other pressures in Pa or those from before; the next solve follows the last. */
+  /**
+   * Moves the points (M of x, y, z in m), with new pressures in Pa or the old ones; the next solve starts from the
+   * last drive.
+   */
   move(points: readonly (readonly number[])[], pressures?: readonly number[]): void;
   solve(): Answer;
   judge(): Metrics;
-  /** Takes a drive, and the factor that supply or modulation must apply. */
+  /** Sets the drive, and the factor that the supply voltage or modulation must apply. */
   load(drive: ArrayLike<number>, scale?: number): void;
-  /** The array of a CSV. */
+  /** Reads the array of a CSV file. */
   readArray(text: string, name: string): OwnArray;
-  /** The drive (N of re, im) of a CSV. */
+  /** Reads the drive (N of re, im) of a CSV file. */
   readDrive(text: string, name: string): Float32Array;
-  /** The drive as `midair solve -o drive.csv` writes it. */
+  /** Returns the drive as `midair solve -o drive.csv` writes it. */
   writeDrive(): string;
-  /** re and im at places (K, 3) in m. */
+  /** Returns re and im of p at places (K, 3) in m. */
   field(places: Float64Array): Float32Array;
-  /** The values at a place in m. */
+  /** Returns the field values at a place in m. */
   probe(place: Vec3): Probe;
-  /** At most this many points along straight lines from vertex to vertex of each contour; m. */
+  /** Returns at most this many points along the straight lines between the vertices of each contour; m. */
   along(contours: Vec3[][], most: number): Vec3[];
   bound(): number;
   follow(points: Float64Array, frames: number): Frame[];
@@ -117,7 +123,7 @@ export interface Door {
 type Call = (...numbers: number[]) => number;
 type Exports = { memory: WebAssembly.Memory } & Record<`studio_${string}`, Call>;
 
-/** Compiles the door; one line where the browser lacks SIMD. */
+/** Compiles the module; throws a message of one line if the browser lacks WebAssembly with SIMD. */
 export async function compile(bytes: BufferSource): Promise<WebAssembly.Module> {
   try {
     return await WebAssembly.compile(bytes);
@@ -126,14 +132,14 @@ export async function compile(bytes: BufferSource): Promise<WebAssembly.Module> 
   }
 }
 
-/** Makes a door of a compiled module. */
+/** Makes a binding of a compiled module, with a scene of its own. */
 export function openDoor(module: WebAssembly.Module): Door {
   const wasm = new WebAssembly.Instance(module, {}).exports as unknown as Exports;
   const studio = wasm.studio_new();
   const encoder = new TextEncoder();
   const decoder = new TextDecoder();
 
-  // The memory may have grown, and moved, in a call: views are made after it.
+  // A call can grow the memory, which detaches old views; so each view is made after the call.
   const text = () =>
     decoder.decode(new Uint8Array(wasm.memory.buffer, wasm.studio_text(studio), wasm.studio_text_size(studio)));
   const numbers = () =>
@@ -273,7 +279,7 @@ export function openDoor(module: WebAssembly.Module): Door {
   };
 }
 
-/** Places (K, 3). */
+/** Returns places as [x, y, z] from K x 3 numbers. */
 function places(found: Float64Array): Vec3[] {
   return Array.from({ length: found.length / 3 }, (_, k) => [...found.subarray(3 * k, 3 * k + 3)] as Vec3);
 }

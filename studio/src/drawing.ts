@@ -1,4 +1,4 @@
-/** Drawing: the lines of an SVG, measured by the browser; only its geometry is taken. */
+/** Drawing: the lines of an SVG, measured by the browser; only the SVG's geometry is used. */
 
 import { box, type Contour, placed } from "./contours.ts";
 import type { Vec3 } from "./types.ts";
@@ -17,14 +17,14 @@ const GEOMETRY: Record<string, string[]> = {
 };
 const MOST_TEXT = 2e6;
 const MOST_ELEMENTS = 2000;
-/** Straight pieces of all lines together. */
+/** The largest number of straight pieces, over all lines. */
 const MOST_PIECES = 20_000;
 
 function wrong(what: string): never {
   throw new Error(`the drawing ${what}: give an SVG file with paths or basic shapes`);
 }
 
-/** The text's root; a document that no page shows, so that it runs and loads nothing. */
+/** Returns the root element of the text. No page shows this document, so it runs no script and loads nothing. */
 function parse(text: string): Element {
   if (text.length > MOST_TEXT) wrong("is larger than 2 MB");
   const root = new DOMParser().parseFromString(text, "image/svg+xml").documentElement;
@@ -34,7 +34,7 @@ function parse(text: string): Element {
   return root;
 }
 
-/** A copy of the drawing's geometry: known elements, their shapes' attributes and transforms. */
+/** Returns a copy of the geometry: known elements with their shape attributes and transforms. */
 function copied(element: Element): SVGElement | null {
   if (!Object.hasOwn(GEOMETRY, element.localName)) return null;
   const nested = element.localName === "svg" ? "g" : element.localName;
@@ -47,12 +47,12 @@ function copied(element: Element): SVGElement | null {
   return copy;
 }
 
-/** A shape as polylines in the drawing's units, one for each of its parts. */
+/** Returns a shape as polylines in units of the drawing, one for each of its connected parts. */
 function walked(shape: SVGGeometryElement, pieces: number): Contour[] {
   const length = shape.getTotalLength();
   const matrix = shape.getCTM();
   if (!(length > 0) || !matrix) return [];
-  // No piece of the line is longer than that in the drawing: a longer one is a move to the next part.
+  // The longest distance of neighbouring samples on a line; a larger distance is a jump to the next part.
   const longest = 1.01 * (length / pieces) * Math.hypot(matrix.a, matrix.b, matrix.c, matrix.d);
   const contours: Contour[] = [];
   let last: Vec3 | null = null;
@@ -81,9 +81,9 @@ function outlines(text: string): Contour[] {
 }
 
 /**
- * The lines of an SVG, the longer side `size` m, the middle at a place in m; y points up as in the picture.
+ * Returns the lines of an SVG: the longer side is `size` m, the middle is at a place in m, and y points up as in the picture.
  *
- * A fault is one line.
+ * Throws a message of one line if the SVG has no usable lines.
  */
 export function drawing(text: string, size: number, at: Vec3): Contour[] {
   const contours = outlines(text);

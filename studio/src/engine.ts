@@ -1,9 +1,9 @@
-/** The engine: three workers, one a slot that solves and draws its slice, and one for slow work. */
+/** The engine: three workers. One for each slot solves and computes its slice; the third does slow work. */
 
 import type { Catalogue } from "./door.ts";
 import type { Jobs } from "./solve.worker.ts";
 
-/** A worker as functions that answer later. */
+/** The jobs of a worker as asynchronous functions. */
 export type Hand = {
   [Job in keyof Jobs]: (...given: Parameters<Jobs[Job]>) => Promise<Awaited<ReturnType<Jobs[Job]>>>;
 };
@@ -17,7 +17,7 @@ export interface Engine {
   dispose(): void;
 }
 
-/** Names a worker's messages and hands the answers out. */
+/** Numbers the messages to a worker, and resolves each promise with its reply. */
 function hand(worker: Worker): Hand {
   const waiting = new Map<number, { resolve: (value: unknown) => void; reject: (error: Error) => void }>();
   let last = 0;
@@ -40,7 +40,7 @@ function hand(worker: Worker): Hand {
   return new Proxy({} as Hand, { get: (_, job: string) => (...given: unknown[]) => ask(job, given) });
 }
 
-/** Starts the workers with the door's bytes; `warm` is the text of a small scene. */
+/** Starts the workers with the bytes of the WebAssembly module. `warm` is the text of a small scene that is solved first. */
 export async function startEngine(makeWorker: () => Worker, wasm: BufferSource, warm: string): Promise<Engine> {
   const workers = [makeWorker(), makeWorker(), makeWorker()];
   const [first, second, slow] = workers.map(hand);

@@ -1,4 +1,4 @@
-/** Exchange: scenes, drives, arrays and drawings as files, in and out. */
+/** Exchange: opens and saves scenes, drives, arrays and drawings as files. */
 
 import type { Context } from "./context.ts";
 import { drawing } from "./drawing.ts";
@@ -10,13 +10,13 @@ import { stateOf } from "./scene_file.ts";
 import { resultOf } from "./studio.ts";
 import type { Slot } from "./types.ts";
 
-/** The longer side of a drawing that is dropped in, in m. */
+/** The longer side of an opened drawing, in m. */
 const SIZE = 0.08;
 
-/** Endings of files that are read as pixels. */
+/** Endings of files that are opened as pictures. */
 const PICTURES = ["png", "jpg", "jpeg", "webp"];
 
-/** Opens a file by its ending. */
+/** Opens a file according to its ending. */
 export async function open(context: Context, file: File): Promise<void> {
   const { studio, engine } = context;
   try {
@@ -47,7 +47,7 @@ export async function open(context: Context, file: File): Promise<void> {
   }
 }
 
-/** Shows a drive that came by file in place of A's, with its own numbers, until something changes. */
+/** Shows a drive from a file in place of A's, with its own metrics, until the state changes. */
 async function compareDrive({ studio, engine }: Context, drive: Float32Array, name: string): Promise<void> {
   const { state, results } = studio.view;
   const grids = planesOf(state).map((plane) => gridOf(state, undefined, plane));
@@ -56,7 +56,7 @@ async function compareDrive({ studio, engine }: Context, drive: Float32Array, na
   studio.show({ points: state.points, results: [found, results[1]], names: [name, ""] });
 }
 
-/** Gives a file to the user. */
+/** Downloads a file to the user. */
 export function save(name: string, content: BlobPart, type: string): void {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(new Blob([content], { type }));
@@ -65,7 +65,7 @@ export function save(name: string, content: BlobPart, type: string): void {
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
-/** The scene as the command line reads it, with slot A's method. */
+/** Saves the scene as the command line reads it, with slot A's method. */
 export async function exportScene({ studio, engine, plain }: Context): Promise<void> {
   await studio.settled();
   const { refused } = studio.view.results[0];
@@ -73,7 +73,7 @@ export async function exportScene({ studio, engine, plain }: Context): Promise<v
   save("scene.toml", await engine.slots[0].save(true), "text/plain");
 }
 
-/** The drive of the slot that is shown, as `midair solve -o drive.csv` writes it. */
+/** Saves the drive of the shown slot, as `midair solve -o drive.csv` writes it. */
 export async function exportDrive({ studio, engine, alarm, say, plain }: Context, slot: Slot): Promise<void> {
   await studio.settled();
   const { answer, refused } = studio.view.results[slot];
@@ -81,7 +81,7 @@ export async function exportDrive({ studio, engine, alarm, say, plain }: Context
   else alarm(say("unsolved", { line: plain(refused) }));
 }
 
-/** Saves the sheet of the current view, as SVG or as PNG of double size. */
+/** Saves the sheet of the current view, as SVG or as PNG of double resolution. */
 export async function exportSheet(svg: string, ending: "png" | "svg"): Promise<void> {
   if (ending === "svg") return save("field.svg", svg, "image/svg+xml");
   const drawn = new Image();

@@ -1,49 +1,49 @@
-/** Eye: the camera of the 3-D view, fitted to the scene until a user turns it. */
+/** Eye: the camera of the 3-D view. It is fitted to the scene until a user turns it. */
 
 import { along, type Camera, fit, FOCAL, frame, project } from "./painter/camera.ts";
 import { placeOn, planesOf } from "./plane.ts";
 import type { Studio } from "./studio.ts";
 import type { State, Vec3 } from "./types.ts";
 
-/** A camera that outlives the page's themes and languages. */
+/** A camera that stays when the page is rebuilt in another theme or language. */
 export interface Eye {
-  /** The camera for a view of this many CSS px. */
+  /** Returns the camera for a view of this size in CSS px. */
   camera(size: [number, number]): Camera;
-  /** Moves by pixels. */
+  /** Turns the view by a pointer's movement in px. */
   turn(dx: number, dy: number): void;
-  /** Nearer (below 1) or further. */
+  /** Moves the camera nearer (factor below 1) or further away. */
   zoom(factor: number): void;
-  /** Shifted by pixels. */
+  /** Shifts the view by a pointer's movement in px. */
   pan(dx: number, dy: number): void;
-  /** The view from above, from ahead of the slice, or the first one. */
+  /** Looks from above, along the slice's normal, or as at first. */
   look(from: "fromAbove" | "fromAhead" | "asFirst"): void;
 }
 
-/** Turning by a pixel, in rad. */
+/** Rotation per pixel, in rad. */
 const TURN = 0.008;
 
-/** The elevation from below the ground to the zenith, in rad. */
+/** The allowed elevation of the camera, in rad: from below the ground to the zenith. */
 const PITCH = [-0.3, 1.57];
 
-/** The distance in m. */
+/** The allowed distance of the camera, in m. */
 const DISTANCE = [0.05, 5];
 
 /** Height in m of the glow above a point. */
 const GLOW = 0.04;
 
-/** The view is replaced if the eye is farther away than this multiple of the distance that shows all. */
+/** The view is fitted again if the camera's distance is above this multiple of the distance that shows everything. */
 const LOOSE = 1.5;
 
 const within = (value: number, [least, most]: number[]) => Math.min(Math.max(value, least), most);
 
-/** An eye for a studio. */
+/** Makes the camera of a studio. */
 export function createEye({ view }: Studio): Eye {
   let camera: Camera = { target: [0, 0, 0], yaw: 0, pitch: 0, distance: 1 };
   let last = [1, 1];
-  /** The array and the view's size that it was fitted to; the size counts only until a user turns the view. */
+  /** The array and the view's size at the last fit; the size counts only until a user turns the view. */
   let fitted = "";
   let turned = false;
-  /** The state that was last looked at so. */
+  /** The state at the last check whether everything is in sight. */
   let seen: State;
   const key = (size: number[]) => JSON.stringify([view.state.array, view.array.length, turned ? [] : [size, view.state.plane.axis]]);
 
@@ -51,7 +51,7 @@ export function createEye({ view }: Studio): Eye {
     return planesOf(view.state).flatMap((plane) => [0, 1].flatMap((a) => [0, 1].map((b) => placeOn(plane, a, b))));
   }
 
-  /** The whole content of the view, the glow about the points too. */
+  /** The corners of everything to be shown: points with the glow above them, and slices. */
   const all = () => [...view.state.points.map(([x, y, z]): Vec3 => [x, y, z + GLOW]), ...corners()];
 
   function hold(changes: Partial<Camera>) {
@@ -66,7 +66,7 @@ export function createEye({ view }: Studio): Eye {
       const fresh = fitted !== key(size);
       if (fresh || (state !== seen && !turned && !view.moving)) {
         const best = fit(view.positions, all(), ...size, state.plane.axis);
-        // The view is fitted again if a part is out of sight or the view is far too large; else nothing jumps.
+        // Fits again only if a part is out of sight or everything appears too small, so that the view does not jump.
         const cut = all().some((place) => {
           const at = project(camera, place, ...size);
           return size.some((side, k) => Math.abs(2 * at[k] - side) > side);

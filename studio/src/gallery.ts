@@ -1,4 +1,4 @@
-/** Gallery: scenes to begin with, each of which makes a point about its two methods. */
+/** Gallery: example scenes, each of which demonstrates a difference between its two methods. */
 
 import ball from "../../docs/scenes/gallery/ball.json";
 import ear from "../../docs/scenes/gallery/ear.json";
@@ -12,23 +12,23 @@ import { initial } from "./initial.ts";
 import { type SceneFile, stateOf } from "./scene_file.ts";
 import type { State } from "./types.ts";
 
-/** English and Japanese. */
+/** A text in English and in Japanese. */
 export type Texts = [string, string];
 
-/** A scene: its state, its name, and one line about it. */
+/** An example: its name, one line about it, and its state. */
 export interface Example {
   name: Texts;
   line: Texts;
   state: State;
 }
 
-/** The state of a scene file, which names method A, and the values that such a file lacks: method B, the view. */
+/** Returns the state of a scene file. The file has method A only; `b` is method B, and `more` has the view. */
 function shown(file: object, b: string, more: Partial<State> = {}): State {
   const state = stateOf(file as SceneFile, initial);
   return { ...state, methods: [state.methods[0], b], ...more };
 }
 
-/** Eight scenes, the states that they begin with; the examples of the package begin with the same files. */
+/** The eight examples. Examples of the Python package use the same scene files. */
 export const gallery: Example[] = [
   {
     name: ["Smiley", "スマイリー"],

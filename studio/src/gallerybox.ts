@@ -1,10 +1,10 @@
-/** Gallery: a dialog of scenes to begin with. */
+/** Gallery dialog: lets the user choose an example scene. */
 
 import type { Context } from "./context.ts";
 import { element } from "./dom.ts";
 import { gallery } from "./gallery.ts";
 
-/** Shows the gallery; a scene that is chosen is opened, and can be undone. */
+/** Shows the dialog; a chosen scene replaces the state, which undo can restore. */
 export function showGallery(context: Context): void {
   const { studio, say, language } = context;
   const root = document.querySelector(".studio") ?? document.body;

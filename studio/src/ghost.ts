@@ -1,4 +1,4 @@
-/** Ghost: a hand that drags the first focus once along a loop, to show users that a focus can be dragged. */
+/** Ghost: an animated hand drags the first focus once along a loop, to show users that a focus can be dragged. */
 
 import type { Context } from "./context.ts";
 import { element } from "./dom.ts";
@@ -6,19 +6,19 @@ import { onPlane, placeOn } from "./plane.ts";
 import { moved } from "./points.ts";
 import type { Vec3 } from "./types.ts";
 
-/** Before the hand comes, its way to the focus, and that of the loop, in ms. */
+/** Times in ms: before the hand appears, of its way to the focus, and of the loop. */
 const WAIT = 2000;
 const COME = 700;
 const LOOP = 2600;
 
-/** Half the loop's width and height, in sides of the slice. */
+/** Half the loop's width and its height, relative to the side of the slice. */
 const LOOPS = [0.1, 0.14];
 
 const HAND =
   '<svg viewBox="0 0 24 24" width="40" height="40" fill="#fff" stroke="#0c0f14" stroke-width="1.2" stroke-linejoin="round">' +
   '<path d="M8 12V4.5a1.5 1.5 0 0 1 3 0V10l6.2 1.3c1.4.3 2.3 1.5 2.1 2.9l-.8 4.6c-.3 1.8-1.7 3-3.5 3h-3.6c-1.2 0-2.3-.6-3-1.6L4.3 15c-.6-.8-.4-1.9.4-2.4.7-.5 1.7-.4 2.3.3z"/></svg>';
 
-/** Lets the hand come into `view`, until it is done or a person begins; `seen` is where a place is in it, in px. */
+/** Animates the hand in `view`, once, or until the user does something. `seen` returns where a place is in the view, in px. */
 export async function haunt({ studio, ending }: Context, view: HTMLElement, seen: (place: Vec3) => Vec3): Promise<void> {
   const { points, plane } = studio.view.state;
   const [from] = points;
@@ -48,7 +48,7 @@ export async function haunt({ studio, ending }: Context, view: HTMLElement, seen
     if (signal.aborted) return;
     const [coming, part] = [Math.min((now - begun) / COME, 1), Math.max(now - begun - COME, 0) / LOOP];
     if (part >= 1) return end();
-    // Slow at both ends.
+    // The speed is low at both ends.
     const turn = 2 * Math.PI * part ** 2 * (3 - 2 * part);
     const place = placeOn(plane, right + LOOPS[0] * Math.sin(turn), up + (LOOPS[1] * (1 - Math.cos(turn))) / 2);
     if (part > 0) {

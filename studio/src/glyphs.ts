@@ -1,24 +1,24 @@
-/** Glyphs: a character as a font of the browser draws it, such as a kanji, thinned to lines of single strokes. */
+/** Glyphs: draws a character, such as a kanji, in a font of the browser, and thins it to single strokes. */
 
 /** Pixels along the side of a character's square. */
 const FINE = 72;
 
-/** Strokes shorter than this, in pixels, are remains of the thinning, unless they stand alone. */
+/** Strokes shorter than this, in pixels, are artefacts of the thinning, unless they are isolated. */
 const SPUR = 6;
 
-/** A stroke's vertices are this many pixels apart. */
+/** Distance of a stroke's vertices, in pixels. */
 const STEP = 3;
 
-/** A row of pixels with a clear border on both sides. */
+/** Length of a row of pixels, with an empty border on both sides. */
 const ROW = FINE + 2;
 
-/** The steps to the pixels around one, clockwise from above. */
+/** Index offsets to the eight neighbours of a pixel, clockwise from above. */
 const AROUND = [-ROW, 1 - ROW, 1, 1 + ROW, ROW, ROW - 1, -1, -1 - ROW];
 
-/** Characters that have no glyph in any font. */
+/** A character without a glyph in any font. */
 const NOWHERE = "\u{10ffff}";
 
-/** 1 where the character has ink, rows from the top. */
+/** Returns 1 for each pixel with ink and 0 for others, rows from the top. */
 function inked(letter: string): Uint8Array {
   const pen = new OffscreenCanvas(FINE, FINE).getContext("2d", { willReadFrequently: true })!;
   pen.font = `${0.86 * FINE}px system-ui, "Hiragino Sans", "Noto Sans CJK JP", sans-serif`;
@@ -30,7 +30,7 @@ function inked(letter: string): Uint8Array {
   return ink;
 }
 
-/** The neighbours that both passes look at: a pixel stays where all three of one of them have ink. */
+/** Neighbours of the two passes of `thin`: a pixel stays if all three neighbours of one triple have ink. */
 const PASSES = [[[0, 2, 4], [2, 4, 6]], [[0, 2, 6], [0, 4, 6]]];
 
 /** Thins ink to lines of one pixel, by Zhang and Suen 1984. */
@@ -48,7 +48,7 @@ function thin(ink: Uint8Array): void {
   }
 }
 
-/** The lines of thin ink, from end or crossing to end or crossing, as pixels. */
+/** Returns the lines of thinned ink as pixels, each from an end or crossing to the next. */
 function lines(ink: Uint8Array): number[][] {
   const beside = (at: number) => AROUND.filter((way, k) => ink[at + way] && (k % 2 === 0 || !(ink[at + AROUND[k - 1]] || ink[at + AROUND[(k + 1) % 8]]))).map((way) => at + way);
   const next = new Map([...ink.keys()].filter((at) => ink[at]).map((at) => [at, beside(at)]));
@@ -66,13 +66,13 @@ function lines(ink: Uint8Array): number[][] {
   const from = (at: number) => next.get(at)!.filter((other) => !gone.has(`${at} ${other}`)).map((other) => (gone.has(`${at} ${other}`) ? [] : walk([at, other])));
   const all = [...next.keys()];
   const found = all.filter((at) => count(at) !== 2).flatMap((at) => (count(at) ? from(at) : [[at]]));
-  // The remaining strokes have neither end nor crossing.
+  // Closed lines have neither an end nor a crossing.
   const rings = all.flatMap((at) => (next.get(at)!.some((other) => gone.has(`${at} ${other}`)) || !count(at) ? [] : from(at)));
   const crosses = (at: number) => count(at) > 2;
   return [...found, ...rings].filter((path) => path.length > (crosses(path[0]) || crosses(path.at(-1)!) ? SPUR : 0));
 }
 
-/** The strokes of a character in a square of that height: x, y from its lower left corner. */
+/** Returns the strokes of a character in a square of this height, as x, y from its lower left corner. */
 export function traced(letter: string, height: number): number[][][] {
   const ink = inked(letter);
   const none = inked(NOWHERE);

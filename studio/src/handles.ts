@@ -1,4 +1,4 @@
-/** Handles: each slice of the 3-D view is pushed along its normal by a handle at its edge, or by keys on it. */
+/** Handles: each slice of the 3-D view has a handle at its edge that moves it along its normal, also by keys. */
 
 import { type Context, millimetres } from "./context.ts";
 import { element } from "./dom.ts";
@@ -12,10 +12,10 @@ const STEPS = [1e-3, 1e-2];
 
 const WAYS: Record<string, number> = { ArrowUp: 1, ArrowRight: 1, ArrowDown: -1, ArrowLeft: -1 };
 
-/** The range of a slice, in m. */
+/** Largest distance of a slice from 0 along its normal, in m. */
 const REACH = 0.4;
 
-/** Makes the handles in a view; returns the function that moves them to the slices. */
+/** Makes the handles in a view, and returns a function that moves them to their slices. */
 export function createHandles(context: Context, view: HTMLElement, camera: () => Camera, local: (event: MouseEvent) => Spot, seen: (place: Vec3) => Vec3) {
   const { studio, say } = context;
   const state = () => studio.view.state;
@@ -56,7 +56,7 @@ export function createHandles(context: Context, view: HTMLElement, camera: () =>
     return { axis, handle };
   });
 
-  /** Where the handle of a slice is: at an end of its side to the right, the lower one where it is upright. */
+  /** Returns the place of a slice's handle: at the right end of its side, at the lower corner if the slice is upright. */
   const edge = (axis: Axis): Vec3 => placeOn({ ...state().plane, axis }, 1, axis === "z" ? 0.5 : 0);
 
   return function place() {

@@ -1,10 +1,10 @@
-/** History: steps of undo, one a gesture, as text. */
+/** History: stores states as JSON text for undo and redo; a gesture is one step. */
 
 import type { State } from "./types.ts";
 
-/** Steps back and forth. */
+/** Undo and redo. */
 export interface History {
-  /** Keeps a state; one of the same gesture replaces the last, until there is a rest or, of keys, a pause. */
+  /** Stores a state. A state of the same gesture replaces the last one, until `rest` or, for keys, a pause. */
   keep(state: State, gesture: string): void;
   rest(): void;
   undo(): State | null;
@@ -13,13 +13,13 @@ export interface History {
   canRedo(): boolean;
 }
 
-/** Steps that are kept; the first is always among them. */
+/** Number of stored states; the first state is always kept. */
 const MOST = 500;
 
 /** A pause that ends a gesture of keys, in ms. */
 const PAUSE = 800;
 
-/** A history that begins with a state. */
+/** Makes a history that begins with a state. */
 export function createHistory(initial: State): History {
   let steps = [JSON.stringify(initial)];
   let at = 0;
@@ -35,7 +35,7 @@ export function createHistory(initial: State): History {
       const same = gesture !== "" && gesture === last && !paused;
       [last, when] = [gesture, now];
       steps = steps.slice(0, same ? at : at + 1);
-      // A gesture that ends where it began is no step.
+      // A gesture that ends where it began adds no step.
       if (text === steps.at(-1)) last = "";
       else steps.push(text);
       if (steps.length > MOST) steps.splice(1, 1);

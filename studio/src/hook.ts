@@ -1,4 +1,4 @@
-/** The hook for scripts: `window.midair`, plain data in and out. */
+/** The interface for scripts: `window.midair`, with plain data as arguments and results. */
 
 import { faultOf } from "./check.ts";
 import type { Engine } from "./engine.ts";
@@ -15,27 +15,27 @@ import type { Slot, State, Vec3 } from "./types.ts";
 /** The functions that scripts may call; complex numbers are [re, im], lengths metres, pressures Pa. */
 export interface Hook {
   version: string;
-  /** All that the page knows, as data of its own. */
+  /** Returns a copy of the state and the results. */
   state(): Record<string, unknown>;
-  /** Changes some of the state; refused in one line where it cannot be. */
+  /** Changes parts of the state; throws a message of one line if they are not valid. */
   set(partial: Partial<Omit<State, "plane">> & { plane?: Partial<State["plane"]> | null }): void;
-  /** When answers and pictures are as the state asks; the bound comes later. */
+  /** Resolves when solutions and pictures match the state; the bound follows later. */
   settled(): Promise<void>;
-  /** The field of a slot at places, computed. */
+  /** Computes the field of a slot at places. */
   field(slot: Slot, places: Vec3[]): Promise<[number, number][]>;
-  /** The field as the slice's picture has it, interpolated; null beside the slice. */
+  /** Returns the field as the slice's picture shows it, interpolated; null for places that are not on the slice. */
   shown(slot: Slot, places: Vec3[]): ([number, number] | null)[];
-  /** The drive of a slot. */
+  /** Returns the drive of a slot. */
   drive(slot: Slot): [number, number][];
   permalink(): string;
-  /** Where a place is seen in the 3-D view, in CSS px of the window. */
+  /** Returns where a place appears in the 3-D view, in CSS px of the window. */
   project(place: Vec3): [number, number];
 }
 
 const pairs = (values: Float32Array) =>
   Array.from({ length: values.length / 2 }, (_, k): [number, number] => [values[2 * k], values[2 * k + 1]]);
 
-/** Makes the hook; `page` is the page that is shown. */
+/** Makes the interface; `page` returns the page that is shown. */
 export function createHook(engine: Engine, studio: Studio, page: () => Page): Hook {
   const result = (slot: Slot) => {
     const found = studio.view.results[slot];
@@ -69,7 +69,7 @@ export function createHook(engine: Engine, studio: Studio, page: () => Page): Ho
       const next = structuredClone({ ...state, ...("pressures" in partial && { filled: [] }), ...partial, plane });
       const fault = faultOf(next, engine.catalogue);
       if (fault) throw new Error(fault);
-      // The state as a link has it, so that the link restores it; but no link has arrays of one's own.
+      // The state is rounded as in a link, so that the link restores it exactly; a link cannot contain a user's own array.
       const read = readLink(writeLink({ ...next, array: initial.array }));
       if (typeof read === "string") throw new Error(read);
       studio.change({ ...read, array: next.array });

@@ -1,8 +1,8 @@
-/** Initial: the states that a link completes and that the page begins with. */
+/** Initial: the state that links are relative to, and the state of the page without a link. */
 
 import type { State, Vec3 } from "./types.ts";
 
-/** The most points that the page takes. */
+/** The largest number of points on the page. */
 export const MOST_POINTS = 64;
 
 const RING = 0.04;
@@ -19,7 +19,10 @@ function ring(count: number): Vec3[] {
   ]);
 }
 
-/** The state that links and files leave out: seven points on a ring of 40 mm and one in its middle, 180 mm above four AUTD3 boards. */
+/**
+ * The values that links leave out: seven points on a ring of 40 mm radius and one in its middle, 180 mm above four AUTD3
+ * boards.
+ */
 export const initial: State = {
   array: { preset: "autd3", tiles: [2, 2] },
   quantization: "board",
@@ -42,7 +45,7 @@ export const initial: State = {
   path: null,
 };
 
-/** The page without a link: three foci over one AUTD3 board, and their wave on an upright slice. */
+/** The state without a link: three foci over one AUTD3 board, and their wave on an upright slice. */
 export const first: State = {
   ...initial,
   array: { preset: "autd3", tiles: [1, 1] },

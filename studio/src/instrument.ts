@@ -1,4 +1,4 @@
-/** Instrument: axes in mm, a bar of one wavelength and a cross-hair with its values make the picture of a slice readable. */
+/** Instrument: adds axes in mm, a bar of one wavelength and a cross-hair with field values to the picture of a slice. */
 
 import { changes } from "./changes.ts";
 import type { Context } from "./context.ts";
@@ -14,7 +14,7 @@ const STEPS = [1e-3, 1e-2];
 
 const WAYS: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
-/** Marks along an axis of a slice: how far along its side, and mm. */
+/** Returns the marks along an axis of a slice: position as a part of the side, and text in mm. */
 export function marks(middle: number, size: number): { at: number; text: string }[] {
   const step = roundStep((1000 * size) / 5);
   const first = Math.ceil((1000 * (middle - size / 2)) / step - 1e-9);
@@ -26,8 +26,8 @@ export function marks(middle: number, size: number): { at: number; text: string 
 }
 
 /**
- * Lays scales, cross-hairs and readout over a picture of the slice; `slotAt` gives the slot whose field is shown at a
- * fraction of the width. Returns a function that writes the scales anew if plane or wavelength has changed.
+ * Adds scales, cross-hair and field values to a picture of the slice; `slotAt` returns the slot whose field is shown at a
+ * fraction of the width. Returns a function that writes the scales again if plane or wavelength has changed.
  */
 export function createInstrument(context: Context, picture: HTMLElement, slotAt: (right: number) => Slot): () => void {
   const { studio, say } = context;
@@ -45,7 +45,7 @@ export function createInstrument(context: Context, picture: HTMLElement, slotAt:
     for (const line of hair) line.hidden = false;
     hair[0].style.bottom = `${100 * at[1]}%`;
     hair[1].style.left = `${100 * at[0]}%`;
-    // The values stand where they do not cover the pointer's place.
+    // The values are in the half of the picture where they do not cover the pointer.
     readout.root.classList.toggle("low", at[1] < 0.5);
     readout.show(slotAt(at[0]), placeOn(state().plane, ...at));
   }
@@ -77,7 +77,7 @@ export function createInstrument(context: Context, picture: HTMLElement, slotAt:
     scales.forEach((scale, k) => {
       const axis = SIDES[plane.axis][k];
       const texts = marks(middle[axis], plane.size).map(({ at, text }) => {
-        // The first would be cut, the last would cover the axis's name.
+        // No text for the first marks, which would be cut, and the last, which would cover the axis's name.
         const mark = element("span", {}, at < 0.04 || at > 0.92 ? "" : text);
         mark.style[k ? "bottom" : "left"] = `${100 * at}%`;
         return mark;

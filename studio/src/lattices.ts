@@ -1,28 +1,28 @@
-/** Where the field is computed: a slice's lattice and the volume's box, fine enough for the wave. */
+/** Lattices: the sample points of slices and of the volume, dense enough for the wavelength. */
 
 import type { Grid } from "./solve.worker.ts";
 import { placeOn, SIDES } from "./plane.ts";
 import type { State, Vec3, Volume } from "./types.ts";
 
-/** 40 kHz, as all presets. */
+/** The frequency of all presets, 40 kHz. */
 export const FREQUENCY = 40e3;
 
-/** Places a wavelength: fine enough that p between them is found to .3 % of the peak. */
+/** Samples per wavelength: interpolation of p between them has errors of up to 0.3 % of the peak. */
 const FINE = 5.5;
 
-/** The most places along a side of a slice. */
+/** The largest number of samples along a side of a slice. */
 const MOST = 320;
 
-/** Places along a volume's longest side. */
+/** Samples along a volume's longest side. */
 const VOLUME = 48;
 
-/** Speed of sound in m/s at a temperature in degrees C. */
+/** Returns the speed of sound in m/s at a temperature in degrees C. */
 export const soundSpeed = (temperature: number) => 331.3 * Math.sqrt(1 + temperature / 273.15);
 
-/** Wavelength in m. */
+/** Returns the wavelength in m. */
 export const wavelength = (state: State) => soundSpeed(state.temperature) / FREQUENCY;
 
-/** A slice's lattice, of at most this many places along a side. */
+/** Returns a slice's lattice, with at most this many samples along a side. */
 export function gridOf(state: State, most = MOST, plane = state.plane): Grid {
   const { size } = plane;
   const [right, up] = SIDES[plane.axis];
@@ -37,7 +37,10 @@ export function gridOf(state: State, most = MOST, plane = state.plane): Grid {
   };
 }
 
-/** The box around the points, a few wavelengths wide on each side, above (or between) the transducers. */
+/**
+ * Returns the box of the volume: as wide as the slice, from 5 wavelengths below the points to 5 above them, and not below the
+ * transducers (or beyond them, if boards face each other).
+ */
 export function boxOf(state: State, array: Float64Array): Omit<Volume, "moduli"> {
   const { size, center } = state.plane;
   const heights = state.points.map((point) => point[2]);
@@ -54,7 +57,7 @@ export function boxOf(state: State, array: Float64Array): Omit<Volume, "moduli">
   return { least, most, count };
 }
 
-/** Heights between which no transducer is, if they lie in one or two planes. */
+/** Returns the range of heights without transducers, if they lie in one plane or two. */
 function gap(array: Float64Array): [number, number] {
   const heights = [];
   for (let i = 2; i < array.length / 2; i += 3) heights.push(array[i]);

@@ -1,28 +1,28 @@
-/** Lettering: letters of single strokes, which make far fewer points than outlines. */
+/** Lettering: letters of single strokes, which need far fewer points than outlines. */
 
 import { type Contour, placed } from "./contours.ts";
 import strokes from "./strokes.json";
 import type { Vec3 } from "./types.ts";
 
-/** A capital is this many units high, letters are this many apart, and lines. */
+/** In units of `strokes.json`: height of a capital, gap between letters, width of a blank, gap between lines. */
 const HEIGHT = 6;
 const GAP = 2;
 const SPACE = 3;
 const LEADING = 3;
 
-/** Strokes of each letter: pairs of digits x, y in units from its lower left corner. */
+/** Strokes of each letter: pairs of digits x, y in these units from its lower left corner. */
 const STROKES: Record<string, string> = strokes;
 
-/** Traced letters have more strokes: they are this many times as high. */
+/** Traced letters have more strokes, so the text is this many times as high. */
 const LARGER = 2;
 
-/** A word or line in units: its strokes from its lower left corner, and its width. */
+/** A word or a line: its strokes from its lower left corner, and its width, in units. */
 interface Line {
   contours: Contour[];
   width: number;
 }
 
-/** The strokes of a letter that has none here, in a square of that height: x, y from its lower left corner. */
+/** Returns the strokes of a letter that is not in STROKES, in a square of this height: x, y from its lower left corner. */
 type Trace = (letter: string, height: number) => number[][][];
 
 function word(text: string, trace: Trace): Line {
@@ -44,11 +44,11 @@ function refused(letter: string): never {
 
 const shifted = (contours: Contour[], by: number, up: number) => contours.map((contour) => contour.map(([x, y, z]): Vec3 => [x + by, y + up, z]));
 
-/** Words side by side. */
+/** Joins words to one line. */
 const joined = (words: Line[]): Line =>
   words.reduce((line, { contours, width }) => ({ contours: [...line.contours, ...shifted(contours, line.width + SPACE + GAP, 0)], width: line.width + SPACE + GAP + width }));
 
-/** Lines of words, none wider than that if its words are not. */
+/** Breaks words into lines of at most this width; a single word can be wider. */
 function wrapped(words: Line[], most: number): Line[] {
   const lines: Line[][] = [];
   for (const each of words) {
@@ -60,10 +60,9 @@ function wrapped(words: Line[], most: number): Line[] {
 }
 
 /**
- * The strokes of a text, capitals `height` high, larger where some are traced, or lower so that it is at most `width` wide and
- * high, its middle at a place; m.
- * It is broken at blanks where letters are larger then. `trace` draws what has no strokes here.
- * `apart`: how far letters are from one another at least, m.
+ * Returns the strokes of a text, in m, with its middle at a place. Capitals have the given height (larger if letters are
+ * traced), or less, so that the text is at most `width` wide and high. The text is broken at blanks where that makes its
+ * letters larger. `trace` draws letters that are not in STROKES. `apart` is the least distance between letters.
  */
 export function letters(text: string, height: number, width: number, at: Vec3, trace: Trace = refused): { contours: Contour[]; apart: number } {
   const plain = text.trim().toUpperCase().split(/\s+/).filter(Boolean);

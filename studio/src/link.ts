@@ -1,20 +1,20 @@
-/** Link: a state as the fragment of an address, to be read and changed by hand. */
+/** Link: a state as the fragment of an address, which people can read and change. */
 
 // `#v=1&a=autd3.2x2&l=board&t=25&m=uniform.naive&p=0,0,180_55,0,180&z=180,180&w=both`: mm, Pa and
-// degrees C; ~ before a pressure that the page filled in. What is left out is as at the beginning.
+// degrees C; ~ marks a pressure that the page filled in. Parts that are left out have their values in `initial`.
 //
-// | key | what | key | what |
+// | key | meaning | key | meaning |
 // |---|---|---|---|
 // | `v` | 1 | `z` | slice: height,size or height,size,x,y of its middle |
 // | `a` | preset, or preset.2x2 boards | `f` | signature: trap, twin, vortex |
-// | `l` | levels: board, none | `o` | wall,x,y,z,nx,ny,nz,rigid_ball,x,y,z,radius,soft |
+// | `l` | phases and amplitudes: board, none | `o` | wall,x,y,z,nx,ny,nz,rigid_ball,x,y,z,radius,soft |
 // | `t` | temperature, or temperature,Np/m,kg/m^3 of the air | `e` | ear: x,y,z |
 // | `m` | methods A.B | `g` | path: circle,radius,Hz or line,length,Hz |
 // | `p` | points: x,y,z or x,y,z,Pa | `w`, `s`, `k` | view, slot (a, b), scale |
-// | `d` | displays: modulus, wave, phase | `n` | normal of the slice: x, y, z |
-// | `h` | how much: play, compare, engineer | | |
+// | `d` | quantity: modulus, wave, phase | `n` | normal of the slice: x, y, z |
+// | `h` | level of the page: play, compare, engineer | | |
 //
-// An array of one's own is in no link: it is `a=own`, which is refused when read.
+// A link cannot contain a user's own array: such a link has `a=own`, which is rejected when read.
 
 import { decimal } from "./decimal.ts";
 import { initial, MOST_POINTS } from "./initial.ts";
@@ -29,11 +29,11 @@ const PATHS = ["circle", "line"] as const;
 
 const MOST_BOARDS = 8;
 const MOST_OBSTACLES = 8;
-/** Lengths in mm. */
+/** Largest length, in mm. */
 const FARTHEST = 10_000;
 const LOUDEST = 1e6;
 
-/** The fault of a link in one line. */
+/** The fault of a link, as a message of one line. */
 class Wrong extends Error {}
 
 function wrong(item: string, value: string, cure: string): never {
@@ -51,7 +51,7 @@ function number(item: string, text: string, least: number, most: number): number
   return wrong(item, text, `give a number from ${least} to ${most}`);
 }
 
-/** Metres of a length in mm, to the nearest nm. */
+/** Reads a length in mm and returns it in m, rounded to 1 nm. */
 function metres(item: string, text: string, least = -FARTHEST): number {
   return Math.round(number(item, text, least, FARTHEST) * 1e6) / 1e9 + 0;
 }
@@ -60,7 +60,7 @@ function place(item: string, cells: string[]): Vec3 {
   return [metres(item, cells[0]), metres(item, cells[1]), metres(item, cells[2])];
 }
 
-/** The cells of a value, where there are this many of them. */
+/** Splits a value into its cells; throws if their number is not one of `counts`. */
 function cells(item: string, text: string, counts: number[], form: string): string[] {
   const found = text.split(",");
   return counts.includes(found.length) ? found : wrong(item, text, `give ${form}`);
@@ -147,7 +147,7 @@ const READERS: Record<string, (text: string, state: State) => Partial<State>> = 
   h: (text) => ({ level: word("h", text, LEVELS) }),
   w: (text) => ({ view: word("w", text, VIEWS) }),
   d: (text) => ({ quantity: word("d", text, QUANTITIES) }),
-  // Values of earlier pages, which had three maps of |p|.
+  // Old links have colour maps of |p| here, which are ignored.
   c: (text) => (word("c", text, ["viridis", "cividis", "magma"]), {}),
   k: (text) => ({ scale: word("k", text, SCALES) }),
   s: (text) => ({ slot: word("s", text, SLOTS) === "a" ? 0 : 1 }),
@@ -172,7 +172,7 @@ function read(fragment: string): State {
   return state;
 }
 
-/** The state of a fragment (with or without #), or one line about its fault. */
+/** Returns the state of a fragment (with or without #), or a message of one line about its fault. */
 export function readLink(fragment: string): State | string {
   try {
     return read(decodeURIComponent(fragment));
@@ -183,7 +183,7 @@ export function readLink(fragment: string): State | string {
   }
 }
 
-/** Millimetres, to 0.001, of a length in m. */
+/** Returns a length in m as mm, to 0.001. */
 function mm(length: number): string {
   return String(Math.round(length * 1e6) / 1000 + 0);
 }
@@ -198,7 +198,7 @@ function writePath(path: NonNullable<State["path"]>): string {
   return `${path.kind},${mm(path.kind === "circle" ? path.radius : path.length)},${path.frequency}`;
 }
 
-/** The fragment (without #) of a state, its lengths to 0.001 mm. */
+/** Returns the fragment (without #) of a state, with lengths to 0.001 mm. */
 export function writeLink(state: State): string {
   const { array, pressures, filled, plane } = state;
   const point = (at: Vec3, k: number) => [...at.map(mm), ...(pressures ? [`${filled.includes(k) ? "~" : ""}${pressures[k]}`] : [])].join();

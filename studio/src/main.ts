@@ -1,4 +1,4 @@
-/** The site: starts the engine, reads the link, shows the page. */
+/** The website: starts the engine, reads the link, shows the page. */
 
 import "./style.css";
 import { faultOf } from "./check.ts";
@@ -27,7 +27,7 @@ const language: Language = navigator.language.startsWith("ja") ? "ja" : "en";
 const warm = () =>
   JSON.stringify(sceneOf({ ...initial, array: { preset: "paper20", tiles: [1, 1] }, points: [[0, 0, 0.15]] }, 0));
 
-/** The state of the address, or its fault. */
+/** Returns the state in the page's address, or a message about its fault. */
 function linked({ catalogue }: Engine): State | string {
   const read = readLink(location.hash);
   return typeof read === "string" ? read : faultOf(read, catalogue) || read;
@@ -76,7 +76,7 @@ async function start() {
     if (typeof read === "string") page.alarm(unread(read));
     else studio.change(read);
   });
-  // Kept for times without a network; a page from a disk needs no keeping.
+  // Stores the site for use without a network; a page opened from a disk needs no storage.
   if (location.protocol !== "file:") void navigator.serviceWorker?.register("sw.js").catch(() => undefined);
   if (wrong.length) page.alarm(wrong.map(unread).join("\n"));
 }

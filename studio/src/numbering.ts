@@ -1,18 +1,18 @@
-/** Numbering: the places of the rings' numbers, so that they cover neither a ring nor one another. */
+/** Numbering: places the numbers of points so that they cover neither a ring nor each other. */
 
-/** The shift from a ring to its number, right and down; the first free one is taken. */
+/** Directions from a ring to its number, right and down; the first free one is used. */
 const WAYS = [[0.7, -0.7], [0.7, 0.7], [-0.7, -0.7], [-0.7, 0.7], [1, 0], [-1, 0], [0, -1], [0, 1]];
 
-/** A number's box is so high for its width. */
+/** Height of a number's box, relative to its width. */
 const HIGH = 0.85;
 
 /**
- * Where the numbers' middles are beside those of rings at [x, y] with that radius, in boxes of that width, all in px;
- * undefined where there is no free place.
+ * Returns the offset of each number's middle from its ring, for rings at [x, y] of this radius and boxes of this width, all in
+ * px; undefined if there is no free place.
  */
 export function number(rings: readonly (readonly number[])[], radius: number, width: number): (number[] | undefined)[] {
   const [wide, high] = [width / 2, (HIGH * width) / 2];
-  // The covered rectangles: the middle of each, and half its width and height.
+  // The covered rectangles: middle, half the width and half the height of each.
   const taken = rings.map(([x, y]) => [x, y, radius, radius]);
   return rings.map(([x, y], index) => {
     const free = WAYS.map(([right, down]) => [

@@ -1,30 +1,30 @@
-/** Numbers: the metrics of both methods, row by row, the better one marked. */
+/** Numbers: the table of both methods' metrics, with the better value of each row marked. */
 
 import { type Result, shownOf, type View } from "./studio.ts";
 import type { Slot } from "./types.ts";
 import type { Word } from "./words.ts";
 
-/** The metrics of a row. */
+/** The names of the rows. */
 export type Metric = "accuracy" | "sigma" | "uniformity" | "level" | "leak" | "bound" | "weakest" | "loudest" | "changes" | "atEar" | "time";
 
-/** A row: its word, a text a slot or one for both, and the slot with the better value. */
+/** A row: its name, a text for each slot or one for both, and the slot with the better value. */
 export interface Row {
   word: Metric;
   values: [string, string] | [string];
   better: Slot | null;
 }
 
-/** Sound pressure level of a peak pressure in Pa, in dB. */
+/** Returns the sound pressure level in dB of a peak pressure in Pa. */
 export const decibels = (peak: number) => 20 * Math.log10(peak / Math.SQRT2 / 20e-6);
 
-/** A pressure with its unit. */
+/** Formats a pressure with its unit. */
 export const pressure = (pascals: number) =>
   pascals >= 1000 ? `${(pascals / 1000).toFixed(2)} kPa` : `${Number(pascals.toPrecision(3))} Pa`;
 
-/** A part of one as per cent. */
+/** Formats a ratio in per cent. */
 export const percent = (part: number) => `${Math.round(100 * part)} %`;
 
-/** The least |p| of the points that are not quiet, in Pa. */
+/** Returns the least |p| of the points that are not quiet, in Pa. */
 export function weakest({ answer }: Result): number {
   if (!answer) return 0;
   const loud = answer.pressures.filter((_, j) => answer.targets[j] > 0).map(([re, im]) => Math.hypot(re, im));
@@ -33,10 +33,10 @@ export function weakest({ answer }: Result): number {
 
 const NONE = "–";
 
-/** A time in ms with its unit. */
+/** Formats a time in ms with its unit. */
 export const duration = (ms: number) => (ms < 1 ? `${Math.round(1000 * ms)} µs` : `${ms.toFixed(1)} ms`);
 
-/** Every row. */
+/** Returns all rows of the table. */
 export function numberRows({ results, bound, state, frame }: View): Row[] {
   const shown = frame?.results ?? results;
   const row = (word: Metric, of: (result: Result) => number, text: (value: number) => string, best: number): Row => {
@@ -55,7 +55,7 @@ export function numberRows({ results, bound, state, frame }: View): Row[] {
     metric("sigma", -1),
     metric("uniformity", 1),
     metric("level", 1),
-    // Metrics of the points at rest.
+    // Bound and times are known only for points at rest.
     ...(frame ? [] : [{ word: "bound" as const, values: [limit] as [string], better: null }]),
     row("weakest", weakest, pressure, 1),
   ];
@@ -66,7 +66,7 @@ export function numberRows({ results, bound, state, frame }: View): Row[] {
   return rows;
 }
 
-/** The sentence about A's result: its word and the values in it; null where there is no result. */
+/** Returns the sentence about A's result, as the name of its text and the values in it; null if there is no result. */
 export function sentenceOf(view: View): { word: Word; put: Record<string, string | number> } | null {
   const { frame, state } = view;
   const [a] = shownOf(view);

@@ -26,26 +26,26 @@ import { createTips } from "./tips.ts";
 import { type Lattice, LEVELS, type Level, QUANTITIES, type Quantity, type Vec3 } from "./types.ts";
 import type { Language } from "./words.ts";
 
-/** A page that is shown. */
+/** The functions of a shown page. */
 export interface Page {
-  /** CSS px of the window. */
+  /** Returns where a place appears, in CSS px of the window. */
   project(place: Vec3): [number, number];
   alarm(text: string): void;
   dispose(): void;
 }
 
-/** The settings of the page. */
+/** The settings of a page. */
 export interface Manner {
   language: Language;
   theme: "dark" | "light";
   eye: Eye;
   /** The board of `midair studio --on`. */
   board?: ServedBoard | null;
-  /** Without bar and panels, for a notebook's cell. */
+  /** Whether bar and panels are left out, for a notebook's cell. */
   compact?: boolean;
-  /** Whether a hand shows once that points can be dragged. */
+  /** Whether an animated hand shows once that points can be dragged. */
   greets?: boolean;
-  /** A new language or theme: the page is built again. */
+  /** Builds the page again, in another language or theme. */
   again(manner: Partial<Manner>): void;
 }
 
@@ -54,10 +54,10 @@ const BACKGROUNDS: Record<Manner["theme"], [number, number, number]> = {
   light: [246, 248, 250],
 };
 
-/** Resolution while something moves and software paints. */
+/** Resolution of the canvas while something moves, if software renders it. */
 const COARSE = 0.5;
 
-/** Builds the page into an element. */
+/** Builds the page in an element. */
 export function createPage(root: HTMLElement, engine: Engine, studio: Studio, manner: Manner): Page {
   const { language, theme } = manner;
   const status = element("div", { className: "hidden", role: "status", "aria-live": "polite" });
@@ -65,7 +65,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   const calm = matchMedia("(prefers-reduced-motion: reduce)");
   let turn = 0;
   let frame = 0;
-  /** Whether more than the wave differs from the picture before. */
+  /** Whether something other than the wave has changed since the last picture. */
   let fresh = true;
   let gone = false;
   const endings: (() => void)[] = [];
@@ -91,7 +91,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     },
   };
 
-  /** Asks for a picture; of a wave that runs another one follows. */
+  /** Requests a picture; while the wave runs, each picture requests the next. */
   const next = () => {
     frame ||= requestAnimationFrame((now) => {
       if (runs()) turn = turnAt(now);
@@ -103,7 +103,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   const canvas = element("canvas", { className: "canvas", "aria-hidden": "true" });
   const stage = createStage(context, manner.eye);
   const compare = createCompare(context);
-  /** The 3-D view within the canvas, in px of the canvas at that ratio. */
+  /** Returns the rectangle of the 3-D view in the canvas, in px at this pixel ratio. */
   const within = (ratio: number) => {
     const [outer, inner] = [canvas, stage.view].map((each) => each.getBoundingClientRect());
     const [x, y, width, height] = [inner.left - outer.left, inner.top - outer.top, inner.width, inner.height].map((px) => Math.round(px * ratio));
@@ -120,7 +120,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     language: () => manner.again({ language: language === "en" ? "ja" : "en" }),
     theme: () => manner.again({ theme: theme === "dark" ? "light" : "dark" }),
     picture(ending) {
-      // As fine as the PNG.
+      // The same resolution as that of the PNG.
       const ratio = paint(2);
       const drawn = sheet(context, look(), root, canvas, within(ratio));
       context.repaint();
@@ -162,7 +162,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     return made;
   }
 
-  /** Whether a wave runs; it stands still if the user prefers less motion. */
+  /** Returns whether the wave is animated; it is not if the user prefers less motion. */
   const runs = () => !gone && !painter.lost && painter.runs && studio.view.state.quantity === "wave" && !calm.matches;
   const look = () => lookOf(studio.view, theme, turn);
 
@@ -171,8 +171,8 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   let shown: unknown[] = [];
   function place() {
     const { state, results, moving } = studio.view;
-    // While something moves and software paints, the page waits for the answer: a picture that another one is about to replace
-    // would take the time of both.
+    // While something moves and software renders, the page waits for both solutions. A picture of the first one would be
+    // replaced soon, and cost time.
     if (moving && painter.slow && results.every((result, slot) => result === shown[slot])) return;
     shown = [...results];
     bar.place();
@@ -188,18 +188,18 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     const [a, b] = studio.view.results.map(({ answer }) => answer?.metrics.uniformity.toFixed(3) ?? "–");
     const [methodA, methodB] = state.methods;
     said = context.say("said", { a, b, methodA, methodB });
-    // Points follow the pointer before the answer is there.
+    // Points follow the pointer before the solution for them is there.
     const same = results.every(({ lattice }, slot) => lattice === painted[slot]);
     if (moving && same) stage.place();
     else context.repaint();
   }
 
   let painted: (Lattice | null)[] = [];
-  /** Paints, at a ratio of px to CSS px or that of the screen; the ratio. */
+  /** Paints at this pixel ratio, or at the screen's; returns the ratio. */
   function paint(given?: number): number {
     frame = 0;
     if (gone || painter.lost) return 1;
-    // No taller than its views: a long page on a phone would be more pixels than a canvas may have.
+    // The canvas ends below the lowest view: a long page on a phone would need more pixels than a canvas may have.
     const bottoms = [stage.view, compare.slice].map((view) => view.getBoundingClientRect().bottom);
     const { top } = canvas.getBoundingClientRect();
     canvas.style.height = `${Math.ceil(Math.max(...bottoms) - top)}px`;
@@ -227,7 +227,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
       discs: discsOf(state),
       slices: lattice && (state.view !== "volume" || !view.volume) ? [lattice, ...results[slot].crossing].map((lattice, k) => ({ lattice, key: "AB"[slot] + (k || "") })) : [],
       wavelength: wavelength(state),
-      // The glow of |p| would hide the wave or the phase.
+      // The glow of |p| would cover the wave or the phase.
       volume: ["slice", "planes"].includes(state.view) || view.frame || (state.view === "both" && state.quantity !== "modulus") ? null : view.volume,
       points: view.frame?.points ?? state.points,
       obstacles: state.obstacles,
@@ -241,7 +241,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
       if (!lattice || !whole.width) return;
       const shared = slices[1 - slot] ? compare.share() : 1 - slot;
       const [from, to] = slot ? [whole.x + shared * whole.width, whole.x + whole.width] : [whole.x, whole.x + shared * whole.width];
-      // A part that is scrolled out of its sheet is not seen above it.
+      // The part of the slice that is scrolled out of its panel is clipped.
       const docked = panels.root.contains(compare.slice);
       const [top, bottom] = [docked ? Math.max(whole.y, sheet.y) : whole.y, whole.y + whole.height];
       painter.slice(whole, lattice, "AB"[slot], shades, { x: from, y: top, width: to - from, height: bottom - top });
@@ -270,7 +270,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     warn();
   });
 
-  /** A scene that neither method can solve is reported once. */
+  /** The last reported fault: a scene that neither method can solve is reported once. */
   let warned = "";
   function warn() {
     const [a, b] = studio.view.results.map(({ refused }) => refused);

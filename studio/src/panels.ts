@@ -1,4 +1,4 @@
-/** Panels: groups of controls, of which each level of the page shows its own; on a phone a sheet of tabs. */
+/** Panels: groups of controls, of which each level of the page shows some; on a phone a sheet with tabs. */
 
 import { createArrayPicker } from "./arraypicker.ts";
 import type { Compare } from "./compare.ts";
@@ -13,32 +13,32 @@ import { HEIGHT } from "./initial.ts";
 import { type Level, SCALES, type Obstacle, type State, VIEWS } from "./types.ts";
 import type { Word } from "./words.ts";
 
-/** The groups. */
+/** The panels of the page. */
 export interface Panels {
   root: HTMLElement;
-  /** The place of the slice that has no stage of its own. */
+  /** The group that contains the compared slice. */
   dock: HTMLElement;
   place(): void;
 }
 
-/** Tabs of a phone, each of some groups. */
+/** The tabs on a phone; each shows some of the groups. */
 const TABS = ["methods", "points", "array", "slice", "motion"] as const;
 type Tab = (typeof TABS)[number];
 
-/** The numbers of boards, columns x rows, that the menu offers. */
+/** The numbers of boards that the menu offers, columns x rows. */
 const TILES = ["1x1", "2x1", "2x2", "3x2", "3x3"] as const;
 
-/** Presets whose boards face one another, around z = 0. */
+/** Returns whether the boards of an array face each other, around z = 0. */
 const isFacing = (array: State["array"]) => "preset" in array && /pair|lev/.test(array.preset);
 
-/** The panels that can be shown. */
+/** The obstacles that the menu offers. */
 const OBSTACLES: Record<string, Obstacle[]> = {
   none: [],
   wall: [{ point: [0.03, 0, 0], normal: [-1, 0, 0], kind: "rigid" }],
   ball: [{ center: [0, 0, 0.1], radius: 0.02, kind: "rigid" }],
 };
 
-/** Makes them; `compact`: for a notebook's cell, the methods alone. */
+/** Makes the panels; with `compact`, for a notebook's cell, only the methods. */
 export function createPanels(context: Context, compare: Compare, player: Player, compact: boolean): Panels {
   const { studio, say, engine } = context;
   const state = () => studio.view.state;
@@ -51,7 +51,7 @@ export function createPanels(context: Context, compare: Compare, player: Player,
     const { array: now } = state();
     if ("preset" in now) change(standing({ ...now, tiles: [across, up] }));
   });
-  /** A select of some of the state's own words. */
+  /** Makes a select for a part of the state that has a few allowed values. */
   const pick = <Key extends "quantization" | "scale" | "view" | "signature">(key: Key, pairs: (readonly [State[Key], Word])[]) => {
     const select = choice(pairs.map(([value, word]) => [value, say(word)]), state()[key], (value) => change({ [key]: value }));
     return { select, show: () => (select.value = state()[key]) };
@@ -99,7 +99,7 @@ export function createPanels(context: Context, compare: Compare, player: Player,
   const boards = labelled(say("boards"), tiles);
   const levelsField = labelled(say("levels"), levels.select);
 
-  /** Another array: where boards face one another the points go between them, else above. */
+  /** Returns the changes for another array: points are between boards that face each other, above other boards. */
   function standing(array: State["array"]): Partial<State> {
     const { plane, points, array: before } = state();
     const rise = isFacing(array) === isFacing(before) ? 0 : isFacing(array) ? -plane.z : HEIGHT - plane.z;
@@ -111,7 +111,7 @@ export function createPanels(context: Context, compare: Compare, player: Player,
     };
   }
 
-  /** A ball at the slice's middle; a wall beyond all transducers and points. */
+  /** Returns the obstacles at their places: a sphere in the middle of the slice, a wall beyond all transducers and points. */
   function around(obstacles: Obstacle[]): Obstacle[] {
     const [x, y] = state().plane.center;
     const places = [...studio.view.positions].filter((_, k) => k % 3 === 0);
@@ -152,11 +152,11 @@ export function createPanels(context: Context, compare: Compare, player: Player,
 
   const tabs = segments(say("settings"), TABS.map((tab) => [tab, say(tab === "points" ? "pointsTab" : tab)]), (tab) => choose(tab as Tab));
   let tab: Tab = "methods";
-  /** Which groups a phone shows. */
+  /** Shows the groups of a tab on a phone. */
   function choose(chosen: Tab) {
     tabs.choose((tab = chosen));
     for (const each of made) each.root.classList.toggle("away", each.tab !== tab);
-    // A tab is no group that folds.
+    // Groups on a phone's tab do not fold, so they are opened.
     if (matchMedia("(width < 800px)").matches) made.filter((each) => each.tab === tab).forEach(({ root }) => (root.open = true));
   }
   tabs.root.classList.add("tabs");
@@ -173,7 +173,7 @@ export function createPanels(context: Context, compare: Compare, player: Player,
       }
       if (shown !== now.level) {
         for (const each of made) {
-          // A panel keeps its fold while a level without folds is shown.
+          // A group remembers whether it was open while another level, without folding, is shown.
           if (shown === "engineer") each.open = each.root.open;
           each.root.open = now.level !== "engineer" || each.open;
         }

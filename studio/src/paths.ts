@@ -1,8 +1,8 @@
-/** Paths: where moving points are, frame by frame. */
+/** Paths: the places of moving points, frame by frame. */
 
 import type { Path, Vec3 } from "./types.ts";
 
-/** The shift of the points from their places at a time, in m and s. */
+/** Returns the shift in m of the points from their places at a time in s. */
 function offset(path: Path, time: number): Vec3 {
   const angle = 2 * Math.PI * path.frequency * time;
   if (path.kind === "line") return [(path.length / 2) * Math.cos(angle), 0, 0];
@@ -10,9 +10,9 @@ function offset(path: Path, time: number): Vec3 {
 }
 
 /**
- * The points (M) in each of T = rate * seconds frames, T * M * 3 numbers in m; `rate` in frames a second.
+ * Returns the points (M) in each of T = rate * seconds frames: T * M * 3 numbers in m; `rate` in frames per second.
  *
- * All are carried alike: around their places counterclockwise from +x, or along x back and forth from the +x end.
+ * All points move alike: counterclockwise around their places from the +x side, or back and forth along x from the +x end.
  */
 export function framesOf(points: Vec3[], path: Path, rate: number, seconds: number): Float64Array {
   const frames = Math.round(rate * seconds);

@@ -1,16 +1,16 @@
-/** Phase key: the colours of phases around a circle, as the transducers have them. */
+/** Phase key: the colours of phases around a circle, as transducers show them. */
 
 import type { Context } from "./context.ts";
 import { element, explained } from "./dom.ts";
 import { discsOf } from "./look.ts";
 import { entry } from "./painter/maps.ts";
 
-/** Colours around the circle. */
+/** Number of colours around the circle. */
 const COUNT = 32;
 
-/** Makes the key; phase 0 is to the right, and phases go counterclockwise, as in the complex plane. */
+/** Makes the key; phase 0 is at the right, and phases increase counterclockwise, as in the complex plane. */
 export function createPhaseKey({ studio, say }: Context): { root: HTMLElement; place(): void } {
-  // A conic gradient goes clockwise from the top: there the phase is a quarter of a turn.
+  // A conic gradient runs clockwise from the top, which is a phase of a quarter of a turn.
   const colours = Array.from({ length: COUNT + 1 }, (_, k) => `rgb(${entry("phase", (1.75 - k / COUNT) % 1).map(Math.round)})`);
   const ring = element("span", { className: "wheel" });
   ring.style.background = `conic-gradient(${colours.join()})`;

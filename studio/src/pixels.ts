@@ -1,18 +1,18 @@
-/** Pixels: a picture as points, each asking for a pressure by its brightness, as `midair.image` of the package does. */
+/** Pixels: a picture as points whose targets are the brightness of its pixels, like `midair.image` of the package. */
 
 import { placeOn } from "./plane.ts";
 import type { State, Vec3 } from "./types.ts";
 
-/** Below this part of white a pixel is dark: no point. */
+/** A pixel below this part of white is dark and gives no point. */
 const DARK = 0.05;
 
-/** The pressure of white, in Pa. */
+/** The target of a white pixel, in Pa. */
 const WHITE = 1000;
 
-/** Pixels along a side that are looked at. */
+/** Largest number of pixels along a side before averaging. */
 const FINE = 1024;
 
-/** Mean brightness, 0 to 1, of cells, rows from the top; transparent pixels are black. */
+/** Returns a function that computes the mean brightness, 0 to 1, of cells, rows from the top; transparent pixels are black. */
 function brightness(bitmap: ImageBitmap): (columns: number, rows: number) => number[] {
   const scale = Math.min(1, FINE / Math.max(bitmap.width, bitmap.height));
   const [width, height] = [bitmap.width, bitmap.height].map((side) => Math.max(1, Math.round(side * scale)));
@@ -32,7 +32,7 @@ function brightness(bitmap: ImageBitmap): (columns: number, rows: number) => num
   };
 }
 
-/** At most `most` points on the slice, the longer side of the picture `size` m, no nearer to one another than `pitch` m. */
+/** Returns at most `most` points on the slice, at least `pitch` m apart; the longer side of the picture is `size` m. */
 export async function pictured(file: Blob, plane: State["plane"], size: number, pitch: number, most: number): Promise<Pick<State, "points" | "pressures" | "filled">> {
   const bitmap = await createImageBitmap(file).catch(() => {
     throw new Error("it cannot be read as a picture: give a PNG or JPEG");

@@ -1,4 +1,7 @@
-/** Player: points on a path, followed frame by frame: A by glide, B by its own method; played slowly, stopped, sought and recorded. */
+/**
+ * Player: animates points on a path frame by frame, A by the solver `glide`, B by its own method. It plays slowly, stops, seeks
+ * and records.
+ */
 
 import { createChart } from "./chart.ts";
 import type { Context } from "./context.ts";
@@ -13,29 +16,32 @@ import { sceneOf } from "./scene_file.ts";
 import { resultOf } from "./studio.ts";
 import type { Path, State, Vec3 } from "./types.ts";
 
-/** Frames a second that are computed, where that makes neither too few nor too many of a turn. */
+/** Computed frames per second, if a turn then has between FEWEST and MOST frames. */
 const RATE = 1000;
 
 /** The fewest and the most frames of a turn. */
 const FEWEST = 20;
 const MOST = 1000;
 
-/** Frames from one picture to the next: a turn takes some seconds. */
+/** Number of frames from one picture to the next: a turn takes some seconds. */
 const STRIDE = 4;
 
-/** Places along a side of a slice that moves. */
+/** Samples along a side of a slice that moves. */
 const COARSE = 80;
 
-/** B is shown at rest if a frame of it takes longer, in ms. */
+/** Time in ms for a frame of B, above which B is shown at rest. */
 const PATIENCE = 300;
 
-/** Phases that change by less than this, in rad, do not. */
+/** Changes of phases below this, in rad, count as none. */
 const STILL = 1e-6;
 
-/** Frames of a turn. */
+/** Returns the number of frames of a turn. */
 const countOf = (path: Path) => Math.max(FEWEST, Math.min(MOST, Math.round(RATE / path.frequency)));
 
-/** A followed path, its state: for which state, all frames' points (T, M, 3), and what there is to say of each. */
+/**
+ * A solved path: the request (a state as JSON) and the state, the points (T, M, 3) of all frames, the frames' metrics and their
+ * chart.
+ */
 interface Followed {
   requested: string;
   state: State;
@@ -46,17 +52,17 @@ interface Followed {
 
 /** The player and its time line. */
 export interface Player {
-  /** The time line, hidden while there is no path. */
+  /** The time line, which is hidden if there is no path. */
   root: HTMLElement;
-  /** The summary of all frames: in words, and as curves. */
+  /** The summary of all frames, as text and as curves. */
   found: HTMLElement;
   playing(): boolean;
-  /** Begins, or ends and shows the scene at rest. */
+  /** Starts to play, or stops and shows the scene at rest. */
   toggle(): void;
   place(): void;
 }
 
-/** Makes one; `changed` is called when it begins or ends, `canvas` gives the part of a canvas that is recorded. */
+/** Makes a player; `canvas` returns the part of the canvas that is recorded. */
 export function createPlayer(context: Context, canvas: () => Part): Player {
   const { studio, engine, say } = context;
   const state = () => studio.view.state;
@@ -72,10 +78,10 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
   let mode: "rest" | "pause" | "play" = "rest";
   let followed: Followed | null = null;
   let at = 0;
-  /** Which run is the newest: an older one ends. */
+  /** The number of the newest run; older runs end. */
   let run_ = 0;
   let slowB = false;
-  /** The state that plays. */
+  /** The state that plays, as JSON. */
   let begun = "";
   context.ending(halt);
 
@@ -94,7 +100,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
     place();
   }
 
-  /** Follows the path, unless that was done for this state. */
+  /** Solves all frames of the path, unless that was done for this state. */
   async function follow(): Promise<Followed> {
     if (followed?.requested === requested()) return followed;
     const now = state();
@@ -110,7 +116,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
     return (followed = { requested: requested(), state: now, places, frames, chart });
   }
 
-  /** Shows a frame of both; false if the request has changed meanwhile. */
+  /** Shows a frame of both methods; returns false if the state has changed meanwhile. */
   async function show({ state: now, places, frames, chart, requested: theirs }: Followed, t: number, still: () => boolean): Promise<boolean> {
     const count = now.points.length;
     const points = now.points.map((_, j) => [...places.subarray(3 * (t * count + j), 3 * (t * count + j) + 3)] as Vec3);
@@ -147,7 +153,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
     if (still()) halt();
   }
 
-  /** Stops at a frame. */
+  /** Pauses at a frame. */
   async function seek(t: number) {
     const mine = ++run_;
     [mode, begun] = ["pause", requested()];
@@ -160,7 +166,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
     }
   }
 
-  /** One turn, frame by frame, as a film. */
+  /** Saves one turn, frame by frame, as a film. */
   async function save(kind: Film) {
     const mine = ++run_;
     [mode, begun] = ["play", requested()];
@@ -183,7 +189,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
   }
 
   function curvesOf(frames: Frame[], seconds: number) {
-    // The first frame has none before it.
+    // The first frame has no change of its own, because no frame is before it.
     const changes = frames.map(({ change }, t) => (t ? change : frames[1].change));
     const weakest = frames.map(({ least }) => least);
     const change = Math.max(...changes).toFixed(2);
@@ -199,7 +205,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
   function place() {
     const now = state();
     const known = followed?.requested === requested() ? followed : null;
-    // A path of another state does not play.
+    // If the state has changed, the old path stops.
     if (mode !== "rest" && begun !== requested()) [mode, run_] = ["rest", run_ + 1];
     root.hidden = now.path === null;
     found.hidden = !known;

@@ -1,21 +1,21 @@
-/** Points as they are changed: one moved, one new, one gone, targets kept beside. */
+/** Points: the changes of a state when points are moved, added or removed, with their targets. */
 
 import type { State, Vec3 } from "./types.ts";
 
-/** The state rounded to 1 um and limited to 10 m, as links have it. */
+/** Rounds a point to 1 um and limits it to 10 m, as links do. */
 const rounded = (point: Vec3) => point.map((x) => Math.round(Math.min(Math.max(x, -10), 10) * 1e6) / 1e6) as Vec3;
 
-/** The state with a point elsewhere. */
+/** Returns the change that moves a point. */
 export function moved(state: State, index: number, to: Vec3): Partial<State> {
   return { points: state.points.map((point, k) => (k === index ? rounded(to) : point)) };
 }
 
-/** The state with some points shifted. */
+/** Returns the change that shifts some points. */
 export function shifted(state: State, which: number[], from: Vec3[], way: Vec3): Partial<State> {
   return { points: state.points.map((point, k) => (which.includes(k) ? rounded(from[k].map((x, axis) => x + way[axis]) as Vec3) : point)) };
 }
 
-/** The state with another point, which has the target of the last one. */
+/** Returns the change that adds a point, with the target of the last one. */
 export function added(state: State, place: Vec3): Partial<State> {
   const { points, pressures, filled } = state;
   return {
@@ -24,7 +24,7 @@ export function added(state: State, place: Vec3): Partial<State> {
   };
 }
 
-/** The state with some points removed; the last one stays. */
+/** Returns the change that removes some points; at least one must stay. */
 export function removed(state: State, ...which: number[]): Partial<State> {
   const left = state.points.map((_, k) => k).filter((k) => !which.includes(k));
   if (!left.length) return {};
@@ -34,7 +34,10 @@ export function removed(state: State, ...which: number[]): Partial<State> {
   return { points, ...(pressures?.some((pressure) => pressure > 0) && filled.length < left.length ? { pressures, filled } : { pressures: null }) };
 }
 
-/** With another target, in Pa; all others keep the targets that they had. Null: the page fills the target in if others are given. */
+/**
+ * Returns the change of one target, in Pa; all others keep theirs. With null, the page fills this target in if others are
+ * given.
+ */
 export function withTarget(state: State, index: number, pressure: number | null, balanced: number[]): Partial<State> {
   const all = state.points.map((_, k) => k);
   const before = state.pressures ? state.filled : all;

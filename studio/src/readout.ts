@@ -1,4 +1,4 @@
-/** Readout: |p|, level, phase and radiation pressure at the pointer's place, computed for it. */
+/** Readout: |p|, level, phase and radiation pressure at the pointer's place, computed for this place. */
 
 import { type Context, millimetres } from "./context.ts";
 import { element } from "./dom.ts";
@@ -6,13 +6,13 @@ import { pressure } from "./numbers.ts";
 import { playedOf, shownOf } from "./studio.ts";
 import type { Slot, Vec3 } from "./types.ts";
 
-/** Makes one; it is shown for a place of a slot's field, and hidden. */
+/** Makes a readout, with functions that show it for a place in a slot's field and hide it; `shown` is called with its text. */
 export function createReadout({ studio, engine, say }: Context, shown: (line: string) => void = () => undefined) {
   const root = element("div", { className: "readout", hidden: true, role: "status", "aria-live": "off" });
   let wanted: [Slot, Vec3] | null = null;
   let busy = false;
 
-  /** One question at a time, the newest next. */
+  /** Computes one place at a time; then continues with the newest requested place. */
   async function ask() {
     if (busy) return;
     busy = true;

@@ -1,29 +1,29 @@
-/** Recording: pictures of a canvas, one after another, as a film in WebM or as a moving GIF. */
+/** Recording: makes a film, WebM or animated GIF, from pictures of a canvas. */
 
 import { applyPalette, GIFEncoder, quantize } from "gifenc/dist/gifenc.esm.js";
 
 import { save } from "./exchange.ts";
 
-/** Part of a canvas, in its own px. */
+/** A rectangle of a canvas, in its own px. */
 export interface Part {
   canvas: HTMLCanvasElement;
   box: DOMRect;
 }
 
-/** The films there are. */
+/** The kinds of films. */
 export const FILMS = ["WebM", "GIF"] as const;
 export type Film = (typeof FILMS)[number];
 
-/** The last picture of a film stays for so long, and each of a GIF, in ms. */
+/** Time in ms for which the last picture of a WebM film stays, and for each picture of a GIF. */
 const LAST = 100;
 const EACH = 50;
 
-/** The width limit of a GIF, whose files are large, in px. */
+/** The largest width of a GIF, whose files are large, in px. */
 const WIDEST = 720;
 
 const KINDS = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"];
 
-/** A recorder that keeps the pictures of a sheet and makes a film of them. */
+/** A recorder: `shoot` adds the current picture of its canvas, `end` returns the film. */
 interface Recorder {
   shoot(): void;
   end(): Promise<Blob>;
@@ -65,7 +65,10 @@ function gif(sheet: HTMLCanvasElement): Recorder {
   };
 }
 
-/** Films the pictures that `act` takes of a canvas, as fast as it does, and saves the film; its size is that of the first picture. */
+/**
+ * Records the pictures for which `act` calls `shoot`, in real time, and saves the film. Its size is that of the first
+ * picture.
+ */
 export async function record(film: Film, source: () => Part, act: (shoot: () => void) => Promise<void>): Promise<void> {
   const sheet = document.createElement("canvas");
   const { box } = source();

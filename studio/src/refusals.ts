@@ -1,8 +1,8 @@
-/** Messages of the core and of the page on scenes, files and boards, in plain words and in the page's language. */
+/** Error messages of the core and of the page about scenes, files and boards, shortened and in the page's language. */
 
 import { type Language, type Word, say } from "./words.ts";
 
-/** The most common messages in Japanese; other lines stay as they are. */
+/** The most common messages in Japanese; others stay in English. */
 const JAPANESE: [RegExp, string][] = [
   // Messages of the core about a scene.
   [/point (\d+) is reached by no.*/, "点 $1 に音が届きません: アレイの前に移すか、0 Pa にしてください"],
@@ -47,18 +47,21 @@ const JAPANESE: [RegExp, string][] = [
   [/it takes nothing/, "応答がありません"],
 ];
 
-/** A line in the page's language, where it is known. */
+/** Returns a message in the page's language, if its translation is known. */
 function translated(language: Language, line: string): string {
   if (language === "en") return line;
   return JAPANESE.reduce((text, [pattern, japanese]) => text.replace(pattern, japanese), line);
 }
 
-/** A text of the page with its values; a line of the core or of the page is in the language, too. */
+/** Returns a text of the page with its values; a value `line`, which is an error message, is translated, too. */
 export function report(language: Language, word: Word, put: Record<string, string | number> = {}): string {
   return say(language, word, "line" in put ? { ...put, line: translated(language, `${put.line}`) } : put);
 }
 
-/** A line without the file's places and examples, its points counted from 1, in the page's language where it is known. */
+/**
+ * Returns a message without the file's position and examples, with points counted from 1, in the page's language if its
+ * translation is known.
+ */
 export function plain(language: Language, line: string): string {
   const short = line
     .replace(/^scene file[^:]*: |; for example .*/g, "")

@@ -4,7 +4,7 @@ import { MOST_POINTS } from "./initial.ts";
 import { middleOf, SIDES, through } from "./plane.ts";
 import type { ArrayChoice, Axis, Obstacle, Slot, State, Vec3 } from "./types.ts";
 
-/** A JSON scene; the binding writes any scene file as one. */
+/** A JSON scene; the WebAssembly binding writes any scene file in this form. */
 export interface SceneFile {
   medium?: Record<string, number>;
   array: {
@@ -28,7 +28,7 @@ const ZERO_CELSIUS = 273.15;
 /** Sound speed of air at 0 degrees C, m/s. */
 const SPEED = 331.3;
 
-/** Rounded to 1e-9 m, so that a file has no digits of rounding. */
+/** Rounds to 1e-9, so that a file contains no rounding errors. */
 function rounded(x: number): number {
   return Math.round(x * 1e9) / 1e9 + 0;
 }
@@ -53,7 +53,7 @@ function writePlane(plane: State["plane"]): SceneFile["plane"] {
   return { ...(plane.axis === "z" ? { z: at } : { axis: plane.axis, at }), size: rounded(plane.size), center: [right, up] };
 }
 
-/** The JSON scene of a state, solved by the method of a slot: lengths in m, to 1e-9. */
+/** Returns the JSON scene of a state, with the method of a slot: lengths in m, rounded to 1e-9. */
 export function sceneOf(state: State, slot: Slot): SceneFile {
   const { pressures, plane, obstacles, signature, temperature, absorption, density } = state;
   return {
@@ -74,14 +74,14 @@ export function sceneOf(state: State, slot: Slot): SceneFile {
   };
 }
 
-/** The part of an array beside its places on the page. */
+/** The values of an array's other keys that the page supports; all others are rejected. */
 const USUAL: Record<string, unknown> = { source_pressure: 4.386, directivity: "point", quantization: {} };
 
 function refuse(item: string, value: unknown, cure: string): never {
   throw new Error(`${item} is ${JSON.stringify(value)?.slice(0, 40)}: ${cure}`);
 }
 
-/** Rejects values that a state cannot store and that would change the answer. */
+/** Rejects values that a state cannot store and that would change the solution. */
 function check(scene: SceneFile): void {
   const { medium = {}, array, points, obstacles = [], signature, plane = {} } = scene;
   const only = (item: string, value: unknown, one: unknown) => {
@@ -92,7 +92,7 @@ function check(scene: SceneFile): void {
   only("medium.frequency", medium.frequency, 40e3);
   const { preset, tiles, grid, positions, normals, ...parts } = array;
   for (const [key, value] of Object.entries(parts)) {
-    // P0 and directivity of a preset are the preset's.
+    // A preset has its own source pressure and directivity.
     if (preset === undefined || !["source_pressure", "directivity"].includes(key)) {
       only(`array.${key}`, value, USUAL[key]);
     }
@@ -131,12 +131,12 @@ function readArray(array: SceneFile["array"]): ArrayChoice {
   return { name: `${nx} x ${ny}`, positions: places, normals: places.map(() => [0, 0, 1]) };
 }
 
-/** The temperature of the air whose sound speed is `speed` m/s, in degrees C, to 0.001. */
+/** Returns the temperature in degrees C, to 0.001, at which air has this sound speed in m/s. */
 function temperatureOf(speed: number): number {
   return Math.round(1e3 * ZERO_CELSIUS * ((speed / SPEED) ** 2 - 1)) / 1e3;
 }
 
-/** The slice of a scene, or one through its points. */
+/** Returns the slice of a scene, or one through its points if it has none. */
 function readPlane(scene: SceneFile, plane: State["plane"]): State["plane"] {
   const { axis = "z", z, at = z, size = plane.size, center = [0, 0] } = scene.plane ?? {};
   if (at !== undefined) {
@@ -151,10 +151,11 @@ function readPlane(scene: SceneFile, plane: State["plane"]): State["plane"] {
 }
 
 /**
- * The state of a JSON scene as the door writes it; what it does not tell is that of `state`, but no path.
+ * Returns the state of a JSON scene as the WebAssembly binding writes it. Parts that the scene does not have are those of
+ * `state`, except the path, which is null.
  *
- * Of a solver only the name is taken; P0 and directivity of a preset are the preset's. Other things that a
- * state has no place for, such as weights, are refused in one line.
+ * Only the name of a solver is read; source pressure and directivity of a preset are the preset's. Other keys that a state
+ * cannot store, such as weights, are rejected with a message of one line.
  */
 export function stateOf(scene: SceneFile, state: State): State {
   check(scene);

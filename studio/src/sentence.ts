@@ -1,4 +1,4 @@
-/** Sentence: the page's result in plain words around one large number. */
+/** Sentence: the page's result in one sentence with one large number. */
 
 import { changes } from "./changes.ts";
 import type { Context } from "./context.ts";
@@ -6,7 +6,7 @@ import { element, explained, write } from "./dom.ts";
 import { sentenceOf } from "./numbers.ts";
 import { type Word, WORDS } from "./words.ts";
 
-/** The explanation of each number that is put in. */
+/** The name of the explanation of each number in the sentence. */
 const TIPS: Record<string, Word> = {
   count: "countTip",
   pressure: "weakestTip",

@@ -1,11 +1,14 @@
-/** Serial: a board at a serial port: the newest drive is played, silence goes first and last, a clock paces. */
+/**
+ * Serial: plays a board at a serial port. Only the newest drive is sent, silence comes first and last, and frames are paced by
+ * the line's rate.
+ */
 
-// Start-up is that of docs/boards.md: silence, and once more when an Arduino listens, which restarts when its
-// port is opened.
+// The start-up is that of docs/boards.md: silence, and silence once more when a restarted Arduino listens. Opening the port of
+// an Arduino restarts it.
 
 import type { BoardKind, Catalogue } from "./door.ts";
 
-/** The used part of a `SerialPort` of the Web Serial API. */
+/** The used part of `SerialPort` of the Web Serial API. */
 export interface SerialPortLike {
   open(options: { baudRate: number }): Promise<void>;
   close(): Promise<void>;
@@ -13,27 +16,27 @@ export interface SerialPortLike {
   addEventListener(kind: "disconnect", listener: () => void): void;
 }
 
-/** Facts about a board at a serial port; a byte takes 10 of its bits a second. */
+/** The needed properties of a board at a serial port. A byte takes 10 bits, at `baud` bits per second. */
 export type SerialBoard = Pick<BoardKind, "name" | "baud" | "restarts">;
 
-/** "gone": the port has failed, or was closed. */
+/** "gone" means that the port has failed or was closed. */
 export type PlayerState = "off" | "playing" | "gone";
 
 export interface Player {
   readonly state: PlayerState;
-  /** Plays a drive (N of re, im) until the next; of those that come too fast the newest. */
+  /** Plays a drive (N of re, im) until the next one; if drives come too fast, only the newest is sent. */
   play(drive: Float32Array): void;
-  /** Everything off, at once; settles when the port has taken it. */
+  /** Turns everything off at once; resolves when the port has accepted the bytes. */
   off(): Promise<void>;
-  /** Off, and the port free for others. */
+  /** Turns everything off and closes the port. */
   close(): Promise<void>;
 }
 
-/** An Arduino that restarts listens to its boot loader for so long, in ms. */
+/** Time in ms for which a restarted Arduino listens to its boot loader. */
 const RESTART = 2000;
-/** A port that takes no byte for this long behind the bytes in its line is stalled, in ms. */
+/** A write that takes this much longer than its bytes and those before need, in ms, means that the port is stalled. */
 const STALLED = 1000;
-/** Of long frames less than one is in the line when the next one comes: this part of its time, in ms. */
+/** The next frame is sent at most this long, in ms, before the last one has left the line. */
 const MOST_AHEAD = 25;
 const BITS = 10;
 
@@ -41,7 +44,7 @@ function reason(error: unknown): string {
   return String(error instanceof Error ? error.message : error).replace(/\s+/g, " ").slice(0, 80);
 }
 
-/** A promise that fails when it takes longer, in ms. */
+/** Returns a promise that fails if `promise` takes longer than `ms`. */
 async function within<T>(ms: number, promise: Promise<T>): Promise<T> {
   let timer: ReturnType<typeof setTimeout> | undefined;
   const late = new Promise<never>((_, fail) => {
@@ -54,17 +57,17 @@ function sleep(ms: number): Promise<void> {
   return new Promise((done) => setTimeout(done, Math.max(ms, 0)));
 }
 
-/** The serial board that plays a preset; null if none does. */
+/** Returns the serial board that plays a preset; null if none does. */
 export function boardOf({ presets, boards }: Catalogue, preset: string): SerialBoard | null {
   const name = presets.find((each) => each.name === preset)?.board;
   return boards.find((each) => each.name === name && each.baud > 0) ?? null;
 }
 
 /**
- * Opens a port and silences the board at it; an error is one line.
+ * Opens a port and silences its board; throws a message of one line if the port cannot be opened.
  *
- * `encode` makes the bytes of a drive, `silence` turns the board off from any state. `report` gets
- * each new state, with one line where something failed; a player whose first silence failed is "gone".
+ * `encode` returns the bytes of a drive, `silence` turns the board off in any state. `report` is called with each new state,
+ * and with one line if something failed. A player whose first silence failed is "gone".
  */
 export async function connect(
   port: SerialPortLike,
@@ -78,9 +81,9 @@ export async function connect(
   let closing = false;
   let waiting: Float32Array | null = null;
   let pump: Promise<void> | null = null;
-  /** Drives that were given before the last off are not played. */
+  /** Each off increases this number; a drive from before the last off is not played. */
   let era = 0;
-  /** When the line will have carried all it was given, and how long it carries the last of it, in ms. */
+  /** The time at which the line has sent all its bytes, and the duration of the last write on the line, in ms. */
   let free = 0;
   let carries = 0;
 
@@ -99,7 +102,7 @@ export async function connect(
     report(state, line);
   }
 
-  /** Gives bytes to the line behind the earlier ones. */
+  /** Writes bytes to the line, after the earlier ones. */
   async function give(bytes: Uint8Array): Promise<void> {
     carries = bytes.length * byte;
     free = Math.max(free, performance.now()) + carries;
@@ -107,7 +110,7 @@ export async function connect(
     await within(patience, writer.write(bytes)).catch((error) => lose(reason(error)));
   }
 
-  /** Ends with a port that failed: drops the bytes that it has not sent, and tries silence once more. */
+  /** Ends after a failure of the port: drops bytes that were not sent, and tries to send silence once more. */
   async function lose(why: string): Promise<void> {
     if (state === "gone") return;
     state = "gone";
@@ -122,7 +125,7 @@ export async function connect(
       last.releaseLock();
       cure = "the board was turned off, connect again";
     } catch {
-      // The line tells it.
+      // The message below reports this failure.
     }
     report("gone", `the port of ${board.name} is gone (${why}): ${cure}`);
     await port.close().catch(() => {});
@@ -130,7 +133,7 @@ export async function connect(
 
   async function run(): Promise<void> {
     while (waiting) {
-      // One frame at most is still in the line when the next one comes, so that off comes at once.
+      // At most a part of the last frame is still in the line when the next one is written, so that off takes effect at once.
       await sleep(free - performance.now() - Math.min(carries, MOST_AHEAD));
       const [drive, own]: [Float32Array | null, number] = [waiting, era];
       waiting = null;
@@ -183,12 +186,12 @@ export async function connect(
   };
 }
 
-/** The part of a document that says whether it is visible. */
+/** The part of a document that tells whether it is visible. */
 export type Seen = EventTarget & { readonly hidden: boolean; hasFocus(): boolean };
 
 /**
- * Turns the player off on Escape, and when the page is hidden or loses the focus. Closes the port when the page is left
- * or opens another address, which another page can cause. Returns a function that ends this.
+ * Turns the player off on Escape, and when the page is hidden or loses the focus. Closes the port when the page is left or
+ * opens another address, which another page can cause. Returns a function that ends this.
  *
  * A page that is killed can send nothing: the board then plays until its power is switched off.
  */
@@ -206,7 +209,7 @@ export function guard(player: Pick<Player, "off" | "close">, window: EventTarget
   return () => ending.abort();
 }
 
-/** Waits for a player; answers it, and whether the page was present all the time: seen, in focus, at its address. */
+/** Waits for a player. Returns it, and whether the page was always visible, had the focus and stayed at its address. */
 export async function attended(
   begun: Promise<Player>,
   window: EventTarget,

@@ -1,24 +1,24 @@
-/** Served: a board of `midair studio --on`: Python on this machine plays the page's drives. */
+/** Served: a board of `midair studio --on`. Python on this machine plays the page's drives. */
 
 import type { Player, PlayerState } from "./serial.ts";
 import type { ArrayChoice } from "./types.ts";
 
-/** A board as the server describes it, its array as scene files have it. */
+/** A board as the server describes it; its array is written as in scene files. */
 export interface ServedBoard {
   name: string;
   array: { preset: string; tiles?: [number, number] } | { positions: number[][] };
 }
 
-/** A drive is given again so often, in ms: of a page that is silent for a second the server turns the board off. */
+/** Interval in ms at which a drive is sent again. The server turns the board off if a page sends nothing for a second. */
 const AGAIN = 250;
 
-/** Whether the drives of an array fit a board. */
+/** Returns whether the drives of an array fit a board. */
 export function fits({ array: own }: ServedBoard, array: ArrayChoice): boolean {
   if ("preset" in own) return "preset" in array && array.preset === own.preset && array.tiles.join() === (own.tiles ?? [1, 1]).join();
   return "positions" in array && JSON.stringify(array.positions) === JSON.stringify(own.positions);
 }
 
-/** The player of a board that is served; `report` gets each new state, with one line where something failed. */
+/** Makes the player of a served board; `report` is called with each new state, and with one line if something failed. */
 export function createServed(name: string, report: (state: PlayerState, line: string) => void): Player {
   let state: PlayerState = "off";
   let drive: Float32Array | null = null;
@@ -31,13 +31,16 @@ export function createServed(name: string, report: (state: PlayerState, line: st
     report(state, line);
   }
 
-  /** Gives the server a drive, or silence; the time lets it ignore overtaken ones. Returns the server's refusal. */
+  /**
+   * Sends the server a drive, or silence if it is empty. With the time, the server ignores requests that arrive out of order.
+   * Returns the server's error message, or "".
+   */
   async function give(content: Float32Array): Promise<string> {
     const at = (performance.timeOrigin + performance.now()).toFixed(3);
     const body = new Float32Array(content);
     const headers = { "Content-Type": "application/octet-stream" };
     try {
-      // Silence goes out even where the page is being left.
+      // With `keepalive`, silence is sent even while the page is being closed.
       const answer = await fetch(`board?${at}`, { method: "POST", body, headers, keepalive: content.length === 0 });
       return answer.ok ? "" : (await answer.text()).split("\n")[0];
     } catch {

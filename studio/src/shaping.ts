@@ -1,4 +1,4 @@
-/** Shapes: a circle, a line, a square, a heart or letters in place of the points, each behind its icon. */
+/** Shapes: buttons that replace the points by a circle, a line, a square, a heart or letters. */
 
 import type { Context } from "./context.ts";
 import { element } from "./dom.ts";
@@ -8,13 +8,13 @@ import { traced } from "./glyphs.ts";
 import { letters } from "./lettering.ts";
 import { placeOn } from "./plane.ts";
 
-/** Sizes of drawn points, in m. */
+/** Size of a drawn shape, in m. */
 const SIZE = 0.06;
 
 const SHAPES = ["circle", "line", "square", "heart", "text"] as const;
 type Shape = (typeof SHAPES)[number];
 
-/** Corners of those that have some, about the middle of a square from -1 to 1. */
+/** Vertices of the shapes, in a square from -1 to 1; letters have none here. */
 const CORNERS: Partial<Record<Shape, [number, number][]>> = {
   line: [[-1, 0], [1, 0]],
   square: [[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]],
@@ -30,7 +30,7 @@ const icon = (shape: Shape) =>
   `<svg viewBox="0 0 24 24" width="24" height="24" aria-hidden="true" fill="none" stroke="currentColor" stroke-width="2" stroke-linejoin="round" stroke-linecap="round">` +
   `${CORNERS[shape] ? path(CORNERS[shape]) : '<path d="M5 20L12 4L19 20M7.6 14H16.4"/>'}</svg>`;
 
-/** Makes the controls. */
+/** Makes the buttons. */
 export function createShapes(context: Context): { root: HTMLElement } {
   const { studio, engine, say } = context;
   const text = element("input", { type: "text", value: "HI", maxLength: 24, hidden: true, "aria-label": say("letters") });
@@ -44,7 +44,7 @@ export function createShapes(context: Context): { root: HTMLElement } {
     return element("button", { className: "icon", innerHTML: icon(shape), "aria-label": name, title: name, onclick: choose });
   });
 
-  /** Draws onto the slice, about its middle. */
+  /** Draws a shape on the slice, around its middle. */
   async function draw(shape: Shape) {
     const { plane } = studio.view.state;
     const half = Math.min(SIZE, plane.size / 2) / 2;

@@ -1,4 +1,4 @@
-/** Sheet: the picture that is exported, as SVG: the 3-D view, both slices with axes and bar, numbers, version and link. */
+/** Sheet: the exported picture as SVG: 3-D view, both slices with axes and colour bar, metrics, version and link. */
 
 import type { Context } from "./context.ts";
 import { millimetres } from "./context.ts";
@@ -12,21 +12,21 @@ import { AXES, type Lattice, type Look, type Slot } from "./types.ts";
 import { shownOf } from "./studio.ts";
 import type { Word } from "./words.ts";
 
-/** Width and height of the sheet with one line at its foot, the sides of the 3-D view's box and of a slice, in CSS px. */
+/** In CSS px: width and height of a sheet with one line at its foot; width and height of the 3-D view; side of a slice. */
 const SHEET = [1280, 760];
 const VIEW = [560, 640];
 const SIDE = 270;
 
-/** Letters of a line at the foot, which takes link and version, and px from one to the next. */
+/** Characters per line at the foot, which has link and version; and the distance of lines in px. */
 const LINE = 190;
 const LEADING = 14;
 
-/** Pixels of a slice's image along a side. */
+/** Pixels along a side of a slice's image. */
 const PIXELS = 540;
 
 const escaped = (text: string) => text.replace(/[&<>"]/g, (each) => `&#${each.charCodeAt(0)};`);
 
-/** A text at x, y; `more` are attributes. */
+/** Returns a text at x, y; `more` are further attributes. */
 const text = (x: number, y: number, words: string, more = "") => `<text x="${x}" y="${y}" ${more}>${escaped(words)}</text>`;
 
 const picture = (canvas: HTMLCanvasElement, x: number, y: number, width: number, height: number) =>
@@ -38,7 +38,10 @@ function canvasOf(width: number, height: number): [HTMLCanvasElement, CanvasRend
   return [canvas, canvas.getContext("2d")!];
 }
 
-/** The sheet of the current view; `painted` is the page's canvas just painted, `box` the 3-D view in it (px of the canvas). */
+/**
+ * Returns the sheet of the current view. `painted` is the page's canvas, painted just before, `box` the 3-D view in it (px of
+ * the canvas).
+ */
 export function sheet({ studio, say, engine }: Context, look: Look, root: HTMLElement, painted: HTMLCanvasElement, box: DOMRect): string {
   const { view } = studio;
   const { state } = view;
@@ -52,7 +55,7 @@ export function sheet({ studio, say, engine }: Context, look: Look, root: HTMLEl
     return picture(copy, 24, 60 + (VIEW[1] - scale * box.height) / 2, scale * box.width, scale * box.height);
   }
 
-  /** A slice with its axes in mm, its rings and the colour bar. */
+  /** Returns a slice with its axes in mm, its rings and the colour bar. */
   function slice(slot: Slot, lattice: Lattice, x: number, y: number): string {
     const [copy] = canvasOf(PIXELS, PIXELS);
     drawSlice(copy, lattice, look);

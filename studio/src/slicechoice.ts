@@ -1,11 +1,11 @@
-/** Slice choice: the axis that the slice is normal to, and whether all three slices are shown. */
+/** Slice choice: buttons for the axis that the slice is normal to, and for all three slices. */
 
 import type { Context } from "./context.ts";
 import { element } from "./dom.ts";
 import { SIDES } from "./plane.ts";
 import { AXES } from "./types.ts";
 
-/** Makes the buttons, each named by the axes along its slice. */
+/** Makes the buttons; each is named by the two axes along its slice. */
 export function createSliceChoice({ studio, say }: Context): { root: HTMLElement; place(): void } {
   const state = () => studio.view.state;
   const names = ["z", "y", "x"] as const;

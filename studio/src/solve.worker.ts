@@ -1,30 +1,33 @@
-/** The worker: two doors, and the jobs that the page asks for. */
+/** The worker: WebAssembly scenes, and the jobs that the page requests. */
 
 import { compile, openDoor, type Answer, type Door, type Probe } from "./door.ts";
 import type { Lattice, Vec3, Volume } from "./types.ts";
 
-/** A lattice that is still to be filled. */
+/** A lattice without values. */
 export type Grid = Omit<Lattice, "values">;
 
-/** A drive, and the factor that supply or modulation must apply. */
+/** A drive, and the factor that the supply voltage or modulation must apply. */
 export type Played = Pick<Answer, "drive" | "scale">;
 
-/** The result of a slot: its answer, its slices and |p| at the ear in Pa; or a refusal. */
+/** The outcome for a slot: its solution, its slices and |p| at the ear in Pa; or an error message. */
 export type Outcome =
   | { answer: Answer; lattices: Lattice[]; atEar: number; warnings: string[] }
   | { refused: string };
 
-/** Times that are taken, for how long solves are repeated for each, as a browser's clock steps by .1 ms, and for all, in ms. */
+/**
+ * Number of time measurements; duration of each in ms (solves are repeated, as a browser's clock has steps of 0.1 ms); and the
+ * limit for all of them in ms.
+ */
 const RUNS = 5;
 const FINE = 2;
 const PATIENCE = 1000;
 
-/** The scene that is shown, and another for questions beside. */
+/** The shown scene, and a second one for other jobs. */
 let door: Door;
 let beside: Door;
-/** The frames of a path: opening a scene elsewhere does not end them. */
+/** The scene of a path with its frames, which stay when other scenes are opened. */
 let mover: Door;
-/** The scenes that the first two have open. */
+/** The texts of the scenes that the first two have opened. */
 let text = "";
 let other = "";
 
@@ -48,14 +51,14 @@ function openBeside(scene: string): void {
   other = scene;
 }
 
-/** The binding's data of its scene's drive. */
+/** Returns the outcome of a solution: its slices, and |p| at the ear. */
 function looked(by: Door, answer: Answer, warnings: string[], grids: Grid[], ear: Vec3 | null): Outcome {
   const [re, im] = ear ? by.field(Float64Array.from(ear)) : [0, 0];
   const lattices = grids.map((grid) => ({ ...grid, values: by.field(places(grid)) }));
   return { answer, warnings, lattices, atEar: Math.hypot(re, im) };
 }
 
-/** The outcome of a drive that was found elsewhere. */
+/** Returns the outcome of a drive that was computed elsewhere. */
 function judged(scene: string, drive: Float32Array, grids: Grid[], ear: Vec3 | null): Outcome {
   openBeside(scene);
   beside.load(drive);
@@ -68,7 +71,7 @@ function judged(scene: string, drive: Float32Array, grids: Grid[], ear: Vec3 | n
 }
 
 const jobs = {
-  /** Compiles the door, here or elsewhere, and warms it up: the first solve is slow. */
+  /** Compiles the module, unless it is given compiled, and solves a small scene, because the first solve is slow. */
   async setup(source: BufferSource | WebAssembly.Module, warm: string) {
     const module = source instanceof WebAssembly.Module ? source : await compile(source);
     [door, beside, mover] = [openDoor(module), openDoor(module), openDoor(module)];
@@ -76,7 +79,7 @@ const jobs = {
     door.solve();
     return { catalogue: door.catalogue(), module };
   },
-  /** Solves a scene, looks at its slices and listens at the ear; `passing`: the scene that is open stays so. */
+  /** Solves a scene and computes its slices and |p| at the ear. With `passing`, the shown scene stays open. */
   update(scene: string, grids: Grid[], ear: Vec3 | null, passing = false): Outcome {
     try {
       if (passing) openBeside(scene);
@@ -87,7 +90,7 @@ const jobs = {
       return { refused: (error as Error).message };
     }
   },
-  /** The time of a solve in ms: the median of five once it is warm, of fewer if it takes seconds. */
+  /** Returns the time of a solve in ms: the median of five after a first one, of fewer if they take more than a second. */
   time(scene: string): number {
     openBeside(scene);
     beside.solve();
@@ -105,7 +108,7 @@ const jobs = {
     return times.toSorted((a, b) => a - b)[times.length >> 1];
   },
   array: () => door.array(),
-  /** The array of another scene. */
+  /** Returns the array of another scene. */
   arrayOf(scene: string): Float64Array {
     openBeside(scene);
     return beside.array();
@@ -113,37 +116,37 @@ const jobs = {
   along: (contours: Vec3[][], most: number) => door.along(contours, most),
   field: (at: Float64Array) => door.field(at),
   save: (toml: boolean) => door.save(toml),
-  /** The bytes by which a board plays a drive. */
+  /** Returns the bytes with which a board plays a drive. */
   encode(scene: string, drive: Float32Array, board: string): Uint8Array {
     openBeside(scene);
     beside.load(drive);
     return beside.encode(board);
   },
-  /** The bytes that turn it off. */
+  /** Returns the bytes that turn a board off. */
   silence(scene: string, board: string): Uint8Array {
     openBeside(scene);
     return beside.silence(board);
   },
   readArray: (text: string, name: string) => beside.readArray(text, name),
   readDrive: (text: string, name: string) => beside.readDrive(text, name),
-  /** The CSV of a drive that solves a scene. */
+  /** Returns the CSV of a drive for a scene. */
   writeDrive(scene: string, drive: Float32Array): string {
     openBeside(scene);
     beside.load(drive);
     return beside.writeDrive();
   },
-  /** A scene file as JSON. */
+  /** Returns a scene file as JSON. */
   read(text: string, toml: boolean): string {
     beside.open(text, toml);
     other = "";
     return beside.save(false);
   },
-  /** The bound on the level of a scene. */
+  /** Returns the bound on the level of a scene. */
   bound(scene: string): number {
     openBeside(scene);
     return beside.bound();
   },
-  /** A layer of |p| on a box, of an answer that was found elsewhere. */
+  /** Returns |p| of a solution in one horizontal layer of a box. */
   layer(scene: string, { drive, scale }: Played, box: Omit<Volume, "moduli">, layer: number): Float32Array {
     if (text !== scene) open(scene);
     door.load(drive, scale);
@@ -159,23 +162,23 @@ const jobs = {
     const values = door.field(places(grid));
     return Float32Array.from({ length: values.length / 2 }, (_, k) => Math.hypot(values[2 * k], values[2 * k + 1]));
   },
-  /** The values of a foreign answer at a place. */
+  /** Returns the field values of a solution at a place. */
   probe(scene: string, { drive, scale }: Played, place: Vec3): Probe {
     openBeside(scene);
     beside.load(drive, scale);
     return beside.probe(place);
   },
   judged,
-  /** Frames of points (T, M, 3) one after another. */
+  /** Solves frames of points (T, M, 3) one after the other, and returns their metrics. */
   follow(scene: string, points: Float64Array, frames: number) {
     mover.open(scene);
     return mover.follow(points, frames);
   },
-  /** The outcome of a frame that was followed; `scene` has its points. */
+  /** Returns the outcome of a frame that `follow` has solved; `scene` has the frame's points. */
   frame: (index: number, scene: string, grids: Grid[], ear: Vec3 | null) => judged(scene, mover.frame(index), grids, ear),
 };
 
-/** The requests of the page. */
+/** The jobs that the page can request. */
 export type Jobs = typeof jobs;
 
 self.onmessage = async ({ data: { id, job, given } }: MessageEvent) => {

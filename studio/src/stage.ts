@@ -1,4 +1,4 @@
-/** Stage: the 3-D view, its camera, and the points as buttons over it, one or some of which are moved at a time. */
+/** Stage: the 3-D view, its camera, and the points as buttons on it, which can be moved one by one or several together. */
 
 import { type Context, millimetres } from "./context.ts";
 import { element } from "./dom.ts";
@@ -20,9 +20,12 @@ export interface Stage {
   root: HTMLElement;
   view: HTMLElement;
   camera(): Camera;
-  /** Puts the buttons where the points are. */
+  /** Moves the buttons to their points. */
   place(): void;
-  /** Where a place is, in CSS px of the view, and how far off in m; and in CSS px of the window. */
+  /**
+   * `seen` returns where a place is, in CSS px of the view, and its depth in m; `project` returns it in CSS px of the
+   * window.
+   */
   seen(place: Vec3): Vec3;
   project(place: Vec3): [number, number];
 }
@@ -39,10 +42,13 @@ const KEYS: Record<string, Vec3> = {
   PageDown: [0, 0, -1],
 };
 
-/** More rings than these would hide the field: then they are smaller. */
+/** Above this number of points, rings are smaller, so that they do not hide the field. */
 export const MANY = 16;
 
-/** Dragged points: the one under the pointer and all of them, their start and the pointer's, and whether they leave the slice. */
+/**
+ * A drag: the point under the pointer and all dragged points, their places and the pointer's at its start, and whether it moves
+ * them off the slice.
+ */
 interface Grip {
   index: number;
   all: number[];
@@ -54,7 +60,7 @@ interface Grip {
   gone: boolean;
 }
 
-/** A pointer that goes less far, in px, was a click. */
+/** A pointer that moves less than this, in px, is a click. */
 const CLICK = 3;
 
 /** Makes the stage. */
@@ -71,7 +77,7 @@ export function createStage(context: Context, eye: Eye): Stage {
   view.append(lifter, lasso);
   let gesture = 0;
   let grip: Grip | null = null;
-  /** The points that are moved together, and the one that was taken last. */
+  /** The numbers of the selected points, and of the point selected last. */
   const selected = new Set<number>();
   let latest = -1;
 
@@ -79,13 +85,13 @@ export function createStage(context: Context, eye: Eye): Stage {
   const current = (): Camera => eye.camera(size());
   const seen = (place: Vec3) => project(current(), place, ...size());
   const state = () => studio.view.state;
-  /** The axis that the slice is normal to: points are dragged along the slice, and lifted off it. */
+  /** Returns the axis normal to the slice: points are dragged along the slice, and lifted off it along this axis. */
   const normal = () => SIDES[state().plane.axis][2];
 
   function handle(index: number): HTMLButtonElement {
     const button = element("button", { className: "point" }, element("span", {}, String(index + 1)));
     button.onpointerdown = (event) => {
-      // Where handles overlap, the nearest point is meant.
+      // Where buttons overlap, the point nearest to the pointer is taken.
       const nearest = nearestTo(local(event));
       handles[nearest].focus();
       event.preventDefault();
@@ -100,7 +106,7 @@ export function createStage(context: Context, eye: Eye): Stage {
     return button;
   }
 
-  /** Takes hold of a point, and of all that are selected where it is one of them. */
+  /** Begins to drag a point, together with all selected points if it is one of them. */
   function hold(by: HTMLElement, event: PointerEvent, index: number, lifts: boolean) {
     by.setPointerCapture(event.pointerId);
     grip = grasp(event, index, lifts);
@@ -108,7 +114,7 @@ export function createStage(context: Context, eye: Eye): Stage {
     studio.moving(true);
   }
 
-  /** The dragged point follows the pointer; a click selects it. */
+  /** Makes the dragged point follow the pointer; a click selects it. */
   function follow(by: HTMLElement, lifted: (event: PointerEvent) => boolean) {
     by.onpointermove = (event) => grip && drag(event, lifted(event));
     by.onpointerup = by.onpointercancel = (event) => {
@@ -121,7 +127,7 @@ export function createStage(context: Context, eye: Eye): Stage {
     };
   }
 
-  /** Selects points in place of those before, or each that was not, beside those that were. */
+  /** Selects these points instead of the old selection; with `beside`, adds points to it and removes those already in it. */
   function select(which: number[], beside = false) {
     if (!beside) selected.clear();
     for (const index of which) if (!selected.delete(index)) selected.add(index);
@@ -162,7 +168,7 @@ export function createStage(context: Context, eye: Eye): Stage {
     if (way) carry(index, all, points, way, `drag ${gesture}`);
   }
 
-  /** Points that leave the slice take it along. */
+  /** Moves points; if they leave the slice, the slice moves with them. */
   function carry(index: number, all: number[], from: Vec3[], way: Vec3, name: string) {
     const { plane } = state();
     const change = shifted(state(), all, from, way);
@@ -200,7 +206,7 @@ export function createStage(context: Context, eye: Eye): Stage {
   };
   follow(lifter, () => true);
 
-  /** Points inside of a box are selected. */
+  /** Selects the points inside a rectangle. */
   function within(from: Spot, to: Spot, done: boolean) {
     const [left, top] = [0, 1].map((k) => Math.min(from[k], to[k]));
     const [wide, high] = [0, 1].map((k) => Math.abs(from[k] - to[k]));
@@ -220,7 +226,7 @@ export function createStage(context: Context, eye: Eye): Stage {
   const placeHandles = createHandles(context, view, current, local, seen);
   const root = element("section", { className: "stage" }, view, hint, element("div", { className: "viewing" }, slices.root, looks), key.root, readout.root);
 
-  // The values of the slice at the pointer.
+  // Shows the field values at the pointer on the slice.
   view.addEventListener("pointermove", (event) => {
     const { plane, view: shown, slot } = state();
     const spot = local(event);

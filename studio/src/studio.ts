@@ -1,4 +1,4 @@
-/** The studio: one state, its history, and the newest answers to it. */
+/** The studio: one state, its history, and the newest solutions for it. */
 
 import type { Answer } from "./door.ts";
 import type { Engine } from "./engine.ts";
@@ -9,27 +9,27 @@ import { planesOf } from "./plane.ts";
 import type { Grid, Outcome } from "./solve.worker.ts";
 import type { Lattice, Slot, State, Volume } from "./types.ts";
 
-/** A slot's answer, or the reason why it has none. */
+/** The solution of a slot, or the reason why it has none. */
 export interface Result {
   answer: Answer | null;
   lattice: Lattice | null;
-  /** The slices that cross it, where they are shown. */
+  /** The other slices that cross it, if they are shown. */
   crossing: Lattice[];
   /** |p| at the ear in Pa. */
   atEar: number;
-  /** The time of a solve in ms, NaN until it was measured at rest. */
+  /** The time of a solve in ms; NaN until it is measured while nothing moves. */
   milliseconds: number;
   refused: string;
   warnings: string[];
 }
 
-/** The replacement of the results; null: that slot is unchanged. */
+/** Results that are shown instead of the solutions; null: the slot shows its own. */
 export interface Shown {
   points: State["points"];
   results: [Result | null, Result | null];
-  /** The name that a slot shows in place of its method; "": the method's name. */
+  /** The name that a slot shows instead of its method; "" for the method's name. */
   names: [string, string];
-  /** The largest change of a phase of a path from the frame before, rad. */
+  /** The largest phase change from the frame before, in rad, for a path. */
   change?: number;
 }
 
@@ -37,46 +37,46 @@ export interface Shown {
 export interface View {
   state: State;
   results: [Result, Result];
-  /** The level that no drive exceeds; null while it is looked for. */
+  /** The level that no drive exceeds; null until it is computed. */
   bound: number | null;
   volume: Volume | null;
-  /** Positions and normals (2 N, 3) of the array, and the same for the painter. */
+  /** Positions and normals (2 N, 3) of the array; and the same in single precision for the painter. */
   array: Float64Array;
   positions: Float32Array;
   normals: Float32Array;
-  /** The replacement of the results: a frame of what moves, or a drive that came by file. */
+  /** Results shown instead of the solutions: a frame of a path, or a drive from a file. */
   frame: Shown | null;
   /** Whether something is being moved. */
   moving: boolean;
 }
 
-/** The state, changed step by step, and its results. */
+/** The state with its results, and the functions that change it. */
 export interface Studio {
   readonly view: View;
-  /** Changes the state; changes of one gesture are one step of undo. */
+  /** Changes the state; changes of the same gesture are one step of undo. */
   change(partial: Partial<State>, gesture?: string): void;
-  /** Whether something is being moved: pictures are coarser then. */
+  /** Sets whether something is being moved; pictures are then coarser. */
   moving(is: boolean): void;
   undo(): boolean;
   redo(): boolean;
   canUndo(): boolean;
   canRedo(): boolean;
-  /** When everything but the bound is as the state asks. */
+  /** Resolves when everything except the bound matches the state. */
   settled(): Promise<void>;
   show(frame: View["frame"]): void;
-  /** The scene file of a slot, as JSON text. */
+  /** Returns the scene file of a slot, as JSON text. */
   scene(slot: Slot): string;
-  /** Calls at each change; returns the function that ends it. */
+  /** Calls `listener` at each change; returns a function that ends it. */
   listen(listener: () => void): () => void;
   stop(): void;
 }
 
 const SLOTS: Slot[] = [0, 1];
 
-/** Places along a side while something moves. */
+/** Samples along a side of a slice while something moves. */
 const COARSE = 64;
 
-/** Rest before the bound is looked for, in ms. */
+/** Time in ms without changes before the bound is computed. */
 const REST = 500;
 
 const nothing = (): Result => ({
@@ -89,20 +89,20 @@ const nothing = (): Result => ({
   warnings: [],
 });
 
-/** A slot's result from its worker's. */
+/** Returns a slot's result from its worker's outcome. */
 export function resultOf(outcome: Outcome): Result {
   if ("refused" in outcome) return { ...nothing(), refused: outcome.refused };
   const { answer, lattices: [lattice, ...crossing], atEar } = outcome;
   return { ...nothing(), answer, lattice, crossing, atEar, warnings: [...outcome.warnings, ...answer.said] };
 }
 
-/** The played part of an answer, without the parts that a worker does not need. */
+/** Returns the parts of a solution that are played. */
 export const playedOf = ({ drive, scale }: Answer) => ({ drive, scale });
 
-/** The display of both slots. */
+/** Returns the results that both slots show. */
 export const shownOf = ({ results, frame }: View) => results.map((result, slot) => frame?.results[slot] ?? result) as [Result, Result];
 
-/** A studio with its engine. */
+/** Makes a studio. */
 export function createStudio(engine: Engine, initial: State): Studio {
   const view: View = {
     state: initial,
@@ -117,7 +117,7 @@ export function createStudio(engine: Engine, initial: State): Studio {
   };
   const history = createHistory(initial);
   const listeners = new Set<() => void>();
-  /** The scenes whose times are known. */
+  /** For each slot, the scene whose time is known. */
   const timed = ["", ""];
   let wanted = 0;
   let shown = "";
@@ -128,9 +128,9 @@ export function createStudio(engine: Engine, initial: State): Studio {
   let waiting: (() => void)[] = [];
   const tell = () => listeners.forEach((listener) => listener());
 
-  /** The values that the pictures depend on. */
+  /** The values that the pictures depend on, as text. */
   const key = (grids: Grid[][]) => JSON.stringify([scenes(), grids, view.state.ear]);
-  /** The slices of both slots: those that cross are in the 3-D view alone. */
+  /** Returns the slices of both slots; only the shown slot has those that cross, because they are in the 3-D view. */
   const grids = () => {
     const all = planesOf(view.state).map((plane) => gridOf(view.state, view.moving ? COARSE : undefined, plane));
     return SLOTS.map((slot) => (slot === view.state.slot ? all : all.slice(0, 1)));
@@ -180,7 +180,7 @@ export function createStudio(engine: Engine, initial: State): Studio {
 
   function take(slot: Slot, outcome: Outcome) {
     const result = resultOf(outcome);
-    // With another slice or ear the same solve takes as long as before.
+    // A change of slice or ear does not change the time of the solve.
     if (result.answer && timed[slot] === text(slot)) result.milliseconds = view.results[slot].milliseconds;
     view.results[slot] = result;
   }
@@ -198,7 +198,7 @@ export function createStudio(engine: Engine, initial: State): Studio {
     tell();
   }
 
-  /** |p| in the box, a layer at a time; given up when the state changes. */
+  /** Computes |p| in the box, one layer at a time; ends early when the state changes. */
   async function fill() {
     const began = wanted;
     const box = boxOf(view.state, view.array);
@@ -258,7 +258,7 @@ export function createStudio(engine: Engine, initial: State): Studio {
       view.moving = is;
       if (!is) {
         history.rest();
-        // The picture was a coarse one, even where its lattice was not.
+        // The picture painted while moving was coarse, even if its lattice was not.
         if (key(grids()) === shown) tell();
       }
       void pump();

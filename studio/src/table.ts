@@ -1,4 +1,4 @@
-/** Table of points: place and target of each, typed. */
+/** Table of points: places and targets, which users can type. */
 
 import { type Context, millimetres } from "./context.ts";
 import { element, explained } from "./dom.ts";
@@ -86,7 +86,7 @@ export function createPointTable(context: Context): { root: HTMLElement; place()
     return { root, inputs };
   }
 
-  /** Writes the values; that which is being typed is left alone until it is `done`. */
+  /** Writes the values; the field that is being typed in is not overwritten until it is `done`. */
   function showAll(done = false) {
     const { points, pressures, filled } = state();
     while (rows.length > points.length) rows.pop()!.root.remove();

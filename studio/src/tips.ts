@@ -1,11 +1,11 @@
-/** Tips: one line about a number, beside the pointer or the keyboard's focus. */
+/** Tips: one line of explanation for a number, beside the pointer or the focus. */
 
 import { element } from "./dom.ts";
 
-/** The distance between a tip, its number, and the window's edge, in px. */
+/** The distance of a tip from its number and from the window's edge, in px. */
 const GAP = 6;
 
-/** The tip of a page: the one element that explains whatever has `data-tip` in `root`, until `signal`. */
+/** Makes the tip of a page: one element that explains any element with `data-tip` in `root`, until `signal` aborts. */
 export function createTips(root: HTMLElement, signal: AbortSignal): HTMLElement {
   const tip = element("div", { className: "tip", id: "tip", role: "tooltip", hidden: true });
   let place: HTMLElement | null = null;
@@ -17,7 +17,7 @@ export function createTips(root: HTMLElement, signal: AbortSignal): HTMLElement 
     place = described = null;
   }
 
-  /** Puts the tip below its number, or above it where there is no room. */
+  /** Places the tip below its number, or above if there is no space below. */
   function put() {
     if (!place) return;
     const [box, own] = [place.getBoundingClientRect(), tip.getBoundingClientRect()];
@@ -26,7 +26,7 @@ export function createTips(root: HTMLElement, signal: AbortSignal): HTMLElement 
     tip.style.top = `${below ? box.bottom + GAP : box.top - GAP - own.height}px`;
   }
 
-  /** Explains the number around `target`, if there is one. */
+  /** Shows the explanation of the number around `target`, if there is one. */
   function show(target: Element) {
     if (tip.contains(target)) return;
     hide();

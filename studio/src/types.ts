@@ -1,14 +1,14 @@
-/** Types that the studio's files share: a scene's settings, a piece of a field, and its look. */
+/** Types that the studio's files share: the state, a slice or volume of a field, and how it is shown. */
 
-/** Metres, unless said otherwise. */
+/** A vector in metres, unless stated otherwise. */
 export type Vec3 = [number, number, number];
 
-/** An array: a preset by name, of this many boards, or positions and normals of your own. */
+/** An array: a preset with its number of boards, or a user's own positions and normals. */
 export type ArrayChoice =
   | { preset: string; tiles: [number, number] }
   | OwnArray;
 
-/** Metres, and unit vectors whither each transducer radiates. */
+/** Positions in m, and unit vectors in the direction in which each transducer radiates. */
 export type OwnArray = { name: string; positions: Vec3[]; normals: Vec3[] };
 
 /** An obstacle, as `[[obstacles]]` of a scene file. */
@@ -18,10 +18,10 @@ export type Obstacle =
 
 export const SCALES = ["linear", "squared", "decibel"] as const;
 export const AXES = ["x", "y", "z"] as const;
-/** The slice, three that cross in its middle, the volume, or slice and volume. */
+/** The slice, three slices that cross in its middle, the volume, or slice and volume. */
 export const VIEWS = ["slice", "planes", "volume", "both"] as const;
 export const QUANTITIES = ["modulus", "wave", "phase"] as const;
-/** The levels of the page: the field alone, two methods beside one another, or everything. */
+/** The levels of the page: only the field, a comparison of two methods, or everything. */
 export const LEVELS = ["play", "compare", "engineer"] as const;
 export type Level = (typeof LEVELS)[number];
 export type ScaleName = (typeof SCALES)[number];
@@ -30,50 +30,50 @@ export type View = (typeof VIEWS)[number];
 export type Quantity = (typeof QUANTITIES)[number];
 export type Theme = "dark" | "light";
 
-/** One of the two methods that are compared. */
+/** The number of one of the two compared methods, A or B. */
 export type Slot = 0 | 1;
 
-/** Everything that undo, links and files know. */
+/** The part of the page that undo, links and files store. */
 export interface State {
   array: ArrayChoice;
-  /** The board's own phases and amplitudes, or any drive. */
+  /** The phases and amplitudes that the board can play, or any drive. */
   quantization: "board" | "none";
   /** The temperature of the air, in degrees C. */
   temperature: number;
-  /** Absorption of the air in Np/m; null: that of air of this temperature. */
+  /** Absorption of the air in Np/m; null: that of air at this temperature. */
   absorption: number | null;
-  /** Density of the air in kg/m^3; null likewise. */
+  /** Density of the air in kg/m^3; null: that of air at this temperature. */
   density: number | null;
   points: Vec3[];
-  /** Peak |p| of each point in Pa, 0 for a quiet one; null: as loud as all can be at once. */
+  /** Target |p| (peak) of each point in Pa, 0 for a quiet point; null: as loud as all points can be at once. */
   pressures: number[] | null;
-  /** The points, by number from 0, whose pressures the page filled in. */
+  /** The numbers, from 0, of the points whose targets the page filled in. */
   filled: number[];
   methods: [string, string];
-  /** Foci turned into traps, or "". */
+  /** The signature that makes traps of the points, or "" for foci. */
   signature: "" | "trap" | "twin" | "vortex";
   obstacles: Obstacle[];
   /** The place of an ear. */
   ear: Vec3 | null;
-  /** The slice: the axis that it is normal to, height and x, y of its middle, the length of its sides. */
+  /** The slice: the axis normal to it, height and x, y of its middle, the length of its sides. */
   plane: { axis: Axis; z: number; size: number; center: [number, number] };
   level: Level;
   view: View;
-  /** The part of p that the slices show: |p|, the wave Re(p e^{-jwt}), or the phase. */
+  /** The quantity that the slices show: |p|, the wave Re(p e^{-jwt}), or the phase. */
   quantity: Quantity;
-  /** Whose field the 3-D view shows. */
+  /** The slot whose field the 3-D view shows. */
   slot: Slot;
   scale: ScaleName;
   /** The path of the moving points, or null. */
   path: Path | null;
 }
 
-/** All points carried alike: around their places on a circle, or back and forth along x. */
+/** A path that all points follow alike: on a circle around their places, or back and forth along x. */
 export type Path =
   | { kind: "circle"; radius: number; frequency: number }
   | { kind: "line"; length: number; frequency: number };
 
-/** A field's complex pressures on a flat lattice of nu x nv places: corner + u * i/(nu - 1) + v * j/(nv - 1). */
+/** Complex pressures on a flat lattice of nu x nv samples at corner + u * i/(nu - 1) + v * j/(nv - 1). */
 export interface Lattice {
   corner: Vec3;
   u: Vec3;
@@ -84,7 +84,7 @@ export interface Lattice {
   values: Float32Array;
 }
 
-/** |p| on a box of nx x ny x nz places, x fastest. */
+/** |p| on a box of nx x ny x nz samples, x fastest. */
 export interface Volume {
   least: Vec3;
   most: Vec3;
@@ -92,13 +92,13 @@ export interface Volume {
   moduli: Float32Array;
 }
 
-/** The colour of p: by its quantity and the theme, |p| also by a scale. */
+/** How p becomes a colour: its quantity, the theme, and for |p| a scale. */
 export interface Look {
   quantity: Quantity;
   scale: ScaleName;
-  /** The |p| of the top in Pa. */
+  /** The |p| at the top of the scale in Pa. */
   top: number;
-  /** The instant of the wave, w t in rad. */
+  /** The phase of the wave's animation, w t in rad. */
   turn: number;
   theme: Theme;
 }

@@ -1,4 +1,4 @@
-/** Viewing: the 3-D view is turned, shifted and drawn near by pointers, and looked at from above, from ahead or as at first. */
+/** Viewing: pointers turn, shift and zoom the 3-D view; buttons look from above, along the slice's normal or as at first. */
 
 import type { Context } from "./context.ts";
 import { element } from "./dom.ts";
@@ -8,8 +8,8 @@ import type { Eye } from "./eye.ts";
 export type Spot = [number, number];
 
 /**
- * Lets pointers move the view. One finger or the left button turns it, two fingers or the right button shift it, two
- * fingers or the wheel zoom. With Shift the left button draws a box: `box` gets its corners, and true at the end.
+ * Lets pointers move the view. One finger or the left button turns it, two fingers or the right button shift it, two fingers or
+ * the wheel zoom. With Shift, the left button draws a rectangle: `box` is called with its corners, and with true at the end.
  */
 export function createViewing(context: Context, eye: Eye, view: HTMLElement, local: (event: MouseEvent) => Spot, box: (from: Spot, to: Spot, done: boolean) => void) {
   const { say } = context;
@@ -31,7 +31,7 @@ export function createViewing(context: Context, eye: Eye, view: HTMLElement, loc
     const apart = (at: Spot) => Math.hypot(at[0] - other![0], at[1] - other![1]);
     if (other) {
       eye.zoom(apart(before) / Math.max(apart(now), 1));
-      // The middle between two fingers goes half as far as one.
+      // The middle between two fingers moves half as far as one of them.
       eye.pan(dx / 2, dy / 2);
     } else if (event.buttons & 2) eye.pan(dx, dy);
     else eye.turn(dx, dy);

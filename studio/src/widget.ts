@@ -1,4 +1,4 @@
-/** The notebook's widget: the same view in a cell, two ways with Python. */
+/** The notebook widget: the same page in a cell, in exchange with Python in both directions. */
 
 import style from "./style.css?inline";
 import { type Engine, startEngine } from "./engine.ts";
@@ -11,7 +11,7 @@ import SolveWorker from "./solve.worker.ts?worker&inline";
 import { createStudio, type Studio } from "./studio.ts";
 import type { State } from "./types.ts";
 
-/** The object that anywidget hands over. */
+/** The model that anywidget provides. */
 interface Model {
   get(name: string): unknown;
   set(name: string, value: unknown): void;
@@ -27,7 +27,7 @@ async function render({ model, el }: { model: Model; el: HTMLElement }): Promise
   const root = document.createElement("div");
   shadow.append(sheet, root);
   const { buffer, byteOffset, byteLength } = model.get("wasm") as DataView<ArrayBuffer>;
-  // Compilers take no DataView.
+  // The WebAssembly functions accept no DataView.
   const bytes = new Uint8Array(buffer, byteOffset, byteLength);
   const warm = JSON.stringify(sceneOf({ ...initial, array: { preset: "paper20", tiles: [1, 1] } }, 0));
   const engine: Engine = await startEngine(() => new SolveWorker(), bytes, warm);

@@ -73,7 +73,7 @@ test("so does one that is dragged along an upright slice, or off it", () => {
     expect(shift[axis]).toBeCloseTo(0, 12);
     const seen = project(camera, along(point, 1, shift), width, height);
     expect(Math.hypot(seen[0] - x - 30, seen[1] - y + 20)).toBeLessThan(1e-6);
-    // Off the slice it goes along one line, as near to the pointer as that leads.
+    // Off the slice, a drag moves the point only along the normal, as near to the pointer as possible.
     const away = lift(camera, [x, y], [x + 30, y - 20], point, size, axis)!;
     const off = project(camera, point.with(axis, point[axis] + away) as Vec3, width, height);
     expect((off[0] - x) * 30 + (off[1] - y) * -20).toBeGreaterThan(0);
@@ -108,7 +108,7 @@ test("fit shows all, wide or narrow", () => {
       left = Math.min(left, x, w - x);
       top = Math.min(top, y, h - y);
     }
-    // The tighter of the two sides keeps 4.5 % free and room for the axes, no more.
+    // In the tighter direction 4.5 % of the view stay free, with space for the axes, but not much more.
     expect(Math.min(left / w, top / h)).toBeGreaterThan(0.0449);
     expect(Math.min(left / w, top / h)).toBeLessThan(0.12);
   }

@@ -1,4 +1,4 @@
-// Rubbish handed to the page is refused in one line that names it; every scene of the gallery is not.
+// Invalid values given to the page are rejected with a message of one line; every scene of the gallery is valid.
 import { expect, test } from "vitest";
 
 import { faultOf } from "../src/check.ts";

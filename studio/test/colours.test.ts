@@ -1,10 +1,10 @@
-// Colours for every eye: the phase map for the three kinds of colour blindness, by CIE L*a*b*.
+// Colours for all users: the phase map as the three kinds of colour blindness see it, in CIE L*a*b*.
 import { expect, test } from "vitest";
 
 import { entry } from "../src/painter/maps.ts";
 import { lab, type Row } from "./lab.ts";
 
-/** Colours as they are seen, in linear RGB: Machado, Oliveira and Fernandes 2009, severity 1. */
+/** Matrices from linear RGB to the colours that people see: Machado, Oliveira and Fernandes 2009, severity 1. */
 const SEEN: Record<string, [Row, Row, Row]> = {
   "normal sight": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
   protanopia: [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
@@ -18,9 +18,9 @@ test.each(Object.entries(SEEN))("phases a quarter of a turn apart differ by 40 o
   };
   const all = Array.from({ length: 96 }, (_, k) => k / 96);
   expect(Math.min(...all.map((t) => away(t, t + 0.25)))).toBeGreaterThan(40);
-  // Phases half a turn apart differ as much: no two phases look alike.
+  // Phases half a turn apart differ as much, so no two phases look alike.
   expect(Math.min(...all.map((t) => away(t, t + 0.5)))).toBeGreaterThan(40);
-  // Steps of 15 degrees are about as large as one another.
+  // Steps of 15 degrees have similar differences of colour.
   const steps = all.map((t) => away(t, t + 1 / 24));
   expect(Math.max(...steps) / Math.min(...steps)).toBeLessThan(2.2);
 });

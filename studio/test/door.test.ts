@@ -1,4 +1,5 @@
-// The door: the drives of golden/, bit for bit, with both instruction sets; refusals; frames; boards. No imports.
+// The WebAssembly binding: the drives of golden/, bit for bit, with both instruction sets; error messages; frames; boards. It
+// has no imports.
 import { readFileSync, readdirSync } from "node:fs";
 
 import { expect, test } from "vitest";
@@ -11,7 +12,7 @@ const module = await compile(readFileSync(`${here}/../built/midair.wasm`));
 const door: Door = openDoor(module);
 const golden = `${here}/../../golden`;
 
-/** A scene file of six points on a ring over an array. */
+/** Returns a scene file of six points on a ring over an array. */
 function ring(name: string, more: object = {}) {
   const points = Array.from({ length: 6 }, (_, k) => ({ position: [0.03 * Math.cos(k), 0.03 * Math.sin(k), 0.15] }));
   return JSON.stringify({ array: { preset: "sonicsurface" }, points, solver: { name }, ...more });
@@ -24,7 +25,7 @@ test("the module asks its surroundings for nothing", () => {
 test.each(readdirSync(golden).filter((name) => name.endsWith(".json")))("the drive of golden/%s", (name) => {
   const text = readFileSync(`${golden}/${name}`, "utf8");
   const record = JSON.parse(text);
-  // The text as it is: a seed of 64 bits is no number of JavaScript's.
+  // The text is used unparsed, because a JavaScript number cannot store a seed of 64 bits.
   const scene = text.slice(text.indexOf('"scene":') + 8, text.lastIndexOf("}"));
   const requested = scene.replace('"solver":{', `"solver":{"balance":${record.balance},`);
   const wanted = Float32Array.from(record.drive.flat());

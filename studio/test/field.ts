@@ -4,7 +4,7 @@ import type { Lattice, Vec3 } from "../src/types.ts";
 
 export const WAVELENGTH = 8.5e-3;
 
-/** A square of side x side transducers, 10 mm apart, in z = 0. */
+/** Returns the positions of side x side transducers, 10 mm apart, in z = 0. */
 export function square(side: number): Float32Array {
   const positions = new Float32Array(3 * side * side);
   for (let i = 0; i < side * side; i++) {
@@ -14,7 +14,7 @@ export function square(side: number): Float32Array {
   return positions;
 }
 
-/** Full amplitudes, with the phases at which waves sent from the points would arrive. */
+/** Returns a drive of full amplitudes with the conjugate phases of the waves from the points, summed. */
 export function focused(positions: Float32Array, points: Vec3[]): Float32Array {
   const drive = new Float32Array((positions.length / 3) * 2);
   for (let i = 0; i < positions.length / 3; i++) {
@@ -31,7 +31,7 @@ export function focused(positions: Float32Array, points: Vec3[]): Float32Array {
   return drive;
 }
 
-/** re and im of p (Pa) at a place, source pressure 4.386 Pa m. */
+/** Returns re and im of p (Pa) at a place, for a source pressure of 4.386 Pa m. */
 export function pressure(positions: Float32Array, drive: Float32Array, place: Vec3): [number, number] {
   let re = 0;
   let im = 0;
@@ -48,7 +48,7 @@ export function pressure(positions: Float32Array, drive: Float32Array, place: Ve
   return [re, im];
 }
 
-/** The field on a horizontal square lattice of n x n places. */
+/** Returns the field on a horizontal square lattice of n x n samples. */
 export function plane(
   positions: Float32Array,
   drive: Float32Array,

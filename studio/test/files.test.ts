@@ -7,9 +7,9 @@ import type { Vec3 } from "../src/types.ts";
 const door = openDoor(await compile(readFileSync(new URL("../built/midair.wasm", import.meta.url))));
 const readDrive = (text: string) => door.readDrive(text, "drive");
 
-/** The CSV of a drive of transducers at these positions. */
+/** Returns the CSV of a drive of transducers at these positions. */
 function writeDrive(positions: Vec3[], drive: Float32Array): string {
-  // JSON.stringify knows no -0.
+  // JSON.stringify writes -0 as 0.
   const places = positions.map((at) => `[${at.map((x) => (Object.is(x, -0) ? "-0.0" : x))}]`);
   door.open(`{"array": {"positions": [${places}]}, "points": [{"position": [0, 0, 0.2]}]}`);
   door.load(drive);
@@ -63,7 +63,7 @@ test("a drive that the package wrote is written alike", () => {
   DRIVE.split("\n").forEach((row, k) => {
     const [here, there] = [again[k].split(","), row.split(",")];
     expect(here.slice(0, 4)).toEqual(there.slice(0, 4));
-    // The drive is single precision.
+    // The drive has single precision.
     if (k > 0) here.slice(4).forEach((cell, c) => expect(Number(cell)).toBeCloseTo(Number(there[c + 4]), 6));
   });
   expect(again[0]).toBe("index,x,y,z,amplitude,phase");

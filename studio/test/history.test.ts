@@ -1,4 +1,4 @@
-// Undo: a gesture is one step, and the way back ends at the very start.
+// Undo: a gesture is one step, and the last undo returns the very first state.
 import { expect, test } from "vitest";
 
 import { createHistory } from "../src/history.ts";

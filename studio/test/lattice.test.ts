@@ -20,7 +20,7 @@ test("the spline is within 0.3 % of the peak of the exact field", () => {
   let squares = 0;
   const count = 1500;
   for (let i = 0; i < count; i++) {
-    // A low-discrepancy walk over the whole plane, its edges included.
+    // A low-discrepancy sequence over the whole plane, with its edges.
     const place: Vec3 = [
       (((i * 0.7548776662) % 1) - 0.5) * size,
       (((i * 0.569840291) % 1) - 0.5) * size,

@@ -1,4 +1,4 @@
-/** The page's modules import one way: no circles, nothing of a higher layer. Types, lazy imports and workers count. */
+/** The page's modules import only from lower layers, without cycles. Types, lazy imports and workers count. */
 
 import { readdirSync, readFileSync } from "node:fs";
 import { dirname, join, relative, resolve } from "node:path";
@@ -19,12 +19,15 @@ const LAYERS = [
   ["page", "hook", "main", "widget"],
 ];
 
-/** Every way to name a module: `import ... from`, `import type`, `import "..."`, `export ... from`, `import("...")`, `URL`. */
+/**
+ * Matches every way to name a module: `import ... from`, `import type`, `import "..."`, `export ... from`, `import("...")`,
+ * `URL`.
+ */
 const IMPORT = /(?:\bfrom\s*|\bimport\s*\(?\s*|\bnew\s+URL\(\s*)["'](\.[^"'?]*)/g;
 
 type Graph = Map<string, string[]>;
 
-/** The files that each file imports. */
+/** Returns the files that each file imports. */
 function graphOf(sources: Map<string, string>): Graph {
   const graph: Graph = new Map();
   for (const [file, text] of sources) {
@@ -34,7 +37,7 @@ function graphOf(sources: Map<string, string>): Graph {
   return graph;
 }
 
-/** The files on each circle, one circle for each file that closes one. */
+/** Returns the import cycles, one for each file that closes a cycle. */
 function circles(graph: Graph): string[] {
   const found: string[] = [];
   const done = new Set<string>();
@@ -81,7 +84,7 @@ test.each([
   'import late from "./panels.ts?worker&inline";',
 ])("the guards see %s", (line) => {
   const pasted = (file: string): Graph => graphOf(new Map(sources).set(file, `${line}\n${sources.get(file)}`));
-  // The panels import both.
+  // The panels import both files.
   expect(circles(pasted("motion.ts"))).toEqual(["panels.ts -> motion.ts -> panels.ts"]);
   expect(upward(pasted("dom.ts"))).toEqual(["dom.ts imports panels.ts"]);
 });

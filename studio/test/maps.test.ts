@@ -8,7 +8,7 @@ const look = (scale: Look["scale"], top = 6900): Look => ({ quantity: "modulus",
 test("the map of |p| goes from dark to bright, on light ground from the page's own colour to black", () => {
   const at = (map: "field" | "field_light", i: number) => [...TABLES[map].subarray(4 * i, 4 * i + 3)];
   expect([at("field", 0), at("field", 255)]).toEqual([[0, 0, 4], [252, 253, 191]]);
-  // matplotlib's magma, within the error of its 25 stops.
+  // matplotlib's magma, up to the error of 25 interpolated colours.
   at("field", 128).forEach((value, k) => expect(Math.abs(value - [183, 55, 121][k])).toBeLessThan(3));
   expect([at("field_light", 0), at("field_light", 255)]).toEqual([[246, 248, 250], [0, 0, 4]]);
   for (const [map, way] of [["field", 1], ["field_light", -1]] as const) {
@@ -60,7 +60,7 @@ test("the wave is Re(p e^{-jwt}): it runs away from its source, and its map is q
     const at = shade(wave(turn), 800 * Math.cos(phase), 800 * Math.sin(phase));
     expect(at).toBeCloseTo(0.5 + 0.4 * Math.cos(phase - turn), 12);
   }
-  // The crest of e^{jkr} is where kr = wt: farther out as time goes on.
+  // The crest of e^{jkr} is at kr = wt, so it moves outwards.
   expect(shade(wave(0.5), 1000 * Math.cos(0.5), 1000 * Math.sin(0.5))).toBeCloseTo(1, 12);
   for (const theme of ["dark", "light"] as const) {
     const name = mapOf({ ...wave(0), theme });
@@ -77,7 +77,7 @@ test("the phase goes around the map, which closes", () => {
   const phase: Look = { ...look("linear"), quantity: "phase" };
   for (const angle of [-3, -1, 0, 0.5, 3]) expect(shade(phase, 5 * Math.cos(angle), 5 * Math.sin(angle))).toBeCloseTo(0.5 + angle / 2 / Math.PI, 12);
   expect(entry("phase", 0)).toEqual(entry("phase", 1));
-  // Bright where p is at its crest, dark where it is at its trough; orange ahead of it, blue behind.
+  // Bright where p is at its crest, dark at its trough; orange a quarter ahead of it, blue a quarter behind.
   const bright = (t: number) => entry("phase", t).reduce((sum, value) => sum + value);
   for (const t of [0.25, 0.75]) expect(bright(0.5) > bright(t) && bright(t) > bright(0)).toBe(true);
   for (const [t, blue] of [[0.75, -1], [0.25, 1]]) expect(Math.sign(entry("phase", t)[2] - entry("phase", t)[0])).toBe(blue);

@@ -1,4 +1,4 @@
-// Numbers beside rings: a number that has room covers no ring and no other number, wherever the rings are.
+// Numbers of points: a number that has space covers no ring and no other number, wherever the rings are.
 import { expect, test } from "vitest";
 
 import { number } from "../src/numbering.ts";

@@ -16,7 +16,7 @@ test.each(planes)("a place on the slice normal to $axis is found again, and its 
   const { corner, u, v } = gridOf({ ...initial, plane });
   expect(corner).toEqual(placeOn(plane, 0, 0));
   corner.map((x, k) => x + u[k] + v[k]).forEach((x, k) => expect(x).toBeCloseTo(placeOn(plane, 1, 1)[k], 12));
-  // z points up on an upright slice.
+  // On an upright slice, z points up.
   if (plane.axis !== "z") expect(v).toEqual([0, 0, plane.size]);
 });
 

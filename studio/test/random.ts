@@ -3,7 +3,7 @@
 import { AXES, LEVELS, QUANTITIES, SCALES, VIEWS } from "../src/types.ts";
 import type { Obstacle, State, Vec3 } from "../src/types.ts";
 
-/** Numbers of [0, 1) by mulberry32. */
+/** Returns a generator of numbers in [0, 1), mulberry32. */
 export function generator(seed: number): () => number {
   let state = seed;
   return () => {
@@ -14,7 +14,7 @@ export function generator(seed: number): () => number {
   };
 }
 
-/** A state whose lengths are whole hundredths of a millimetre; its array is a preset. */
+/** Returns a state whose lengths are multiples of 0.01 mm; its array is a preset. */
 export function randomState(random: () => number): State {
   const below = (count: number) => Math.floor(random() * count);
   const one = <T>(of: readonly T[]): T => of[below(of.length)];

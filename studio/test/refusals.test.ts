@@ -1,4 +1,5 @@
-// Lines of the core as the page tells them: no file's places and examples; what is said most is Japanese on the Japanese page.
+// Error messages as the page shows them: without positions in files and examples; the most common are in Japanese on the
+// Japanese page.
 import { readFileSync } from "node:fs";
 
 import { expect, test } from "vitest";
@@ -8,7 +9,7 @@ import { plain, report } from "../src/refusals.ts";
 
 const door = openDoor(await compile(readFileSync(`${import.meta.dirname}/../built/midair.wasm`)));
 
-/** The core's messages about points over an array. */
+/** Returns the core's messages about points over an array. */
 function said(points: object[], more: object = {}): string {
   try {
     door.open(JSON.stringify({ array: { preset: "sonicsurface" }, points, solver: { name: "uniform" }, ...more }));
@@ -49,7 +50,7 @@ test("other lines stay as they are", () => {
 
 const MESSAGES = `${import.meta.dirname}/../src`;
 
-/** The file that makes a line of the page, words of the line there, the line, and its beginning in Japanese. */
+/** The source file of a message, a part of it as written there, the message, and its beginning in Japanese. */
 test.each([
   ["exchange.ts", "give .toml, .json", "a.txt: give .toml, .json, .csv, .svg, .png or .jpg", "a.txt: 開けるファイルは .toml"],
   ["scene_file.ts", "the page has at most", "points is 80: the page has at most 64", "点が 80 個あります: "],

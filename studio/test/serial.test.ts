@@ -8,7 +8,7 @@ const SILENCE = Uint8Array.of(0, 0);
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => void vi.useRealTimers());
 
-/** A port that keeps its bytes; `fault` makes writes fail, hang or take this many ms. */
+/** A simulated port that stores its bytes; with `fault`, writes fail, hang or take this many ms. */
 function fakePort() {
   const port = {
     given: [] as number[][],
@@ -112,7 +112,7 @@ test("frames come no faster than the line carries them", async () => {
     player.play(frame);
     await vi.advanceTimersByTimeAsync(1);
   }
-  // 230 bytes of 10 bits are 10 ms at 230400 Bd; two more may be in the line, and one was silence.
+  // A frame of 230 bytes of 10 bits takes 10 ms at 230400 Bd. Two more frames may be in the line, and one write was silence.
   expect(port.given.length).toBeGreaterThan(90);
   expect(port.given.length).toBeLessThanOrEqual(103);
 });
@@ -180,7 +180,7 @@ test("a first silence that fails is a player that is gone", async () => {
   expect(reports).toHaveLength(1);
 });
 
-/** A document that is seen and has the focus. */
+/** Returns a document that is visible and has the focus. */
 const seen = () => Object.assign(new EventTarget(), { hidden: false as boolean, hasFocus: (): boolean => true });
 
 test("blur, a hidden or left page and Escape turn off, until that is ended", () => {
@@ -216,7 +216,7 @@ test.each(["hashchange", "popstate", "pagehide"])("%s lets go of the port: nothi
   player.play(drive(1));
   await vi.runAllTimersAsync();
   window.dispatchEvent(new Event(kind));
-  // Another page led this one to another scene, whose drive comes at once.
+  // Another page has opened another scene here, whose drive follows at once.
   expect(player.state).not.toBe("playing");
   player.play(drive(9));
   await vi.runAllTimersAsync();

@@ -9,7 +9,7 @@ import type { Vec3 } from "../src/types.ts";
 
 const door = openDoor(await compile(readFileSync(`${import.meta.dirname}/../built/midair.wasm`)));
 
-/** Distance in m at which the core puts neighbours, if there are points enough for the whole shape. */
+/** The distance in m of neighbouring points, if there are enough points for the whole shape. */
 const STEP = 2.125e-3;
 
 const along = (contours: Contour[], most = 64) => door.along(contours, most);
@@ -20,7 +20,7 @@ const nearest = (points: Vec3[]) =>
 
 test("a line has both ends and equal steps", () => {
   const points = along([[[-0.03, 0, 0.15], [0.03, 0, 0.15]]]);
-  // 60 / 2.125 = 28.2 is nearest to 28 steps.
+  // 60 / 2.125 = 28.2 is rounded to 28 steps.
   expect(points).toHaveLength(29);
   expect(points[0]).toEqual([-0.03, 0, 0.15]);
   expect(points[28]).toEqual([0.03, 0, 0.15]);
@@ -44,7 +44,7 @@ test("every letter is drawn, as high as requested, and none of its points are to
   for (const letter of "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789") {
     const points = written(letter, 1000);
     const up = points.map((at) => at[1]);
-    // A step around a corner may miss it by half a step.
+    // Around a corner, points can miss it by half a step.
     expect(Math.abs(Math.max(...up) - 0.015), letter).toBeLessThan(0.00107);
     expect(Math.abs(Math.min(...up) + 0.015), letter).toBeLessThan(0.00107);
     expect(nearest(points), letter).toBeGreaterThanOrEqual((STEP / 2) * (1 - 1e-8));
@@ -89,7 +89,7 @@ test("many letters are broken into lines where they are larger then, and say how
   expect(two.high).toBeGreaterThan(2 * one.high);
   expect(two.apart).toBeGreaterThan(1.5 * one.apart);
   for (const { wide, high } of [one, two, size("FOUR WORDS IN LINES")]) expect(Math.max(wide, high)).toBeLessThan(0.16 + 1e-9);
-  // Half a wavelength is 4.3 mm: ten letters on 160 mm are too near, in two lines they are not.
+  // Half a wavelength is 4.3 mm: ten letters on a line of 160 mm are too dense, on two lines they are not.
   expect(one.apart).toBeLessThan(0.0062);
   expect(size("ABCDEFGHIJKLMNOPQRSTUVWX").apart).toBeLessThan(0.0043);
 });

@@ -1,5 +1,5 @@
-// Words: none is missing in either language, and both put in the same; Japanese has the glossary's terms.
-// That none is cut on the page: browser/looks.test.ts.
+// Texts: none is missing in either language, and both contain the same values; Japanese texts have the glossary's terms.
+// browser/looks.test.ts checks that no text is cut on the page.
 import { readFileSync, readdirSync } from "node:fs";
 
 import { expect, test } from "vitest";
@@ -30,7 +30,7 @@ test("no key is there twice, and each is used", () => {
   expect(keys.filter((key) => !spoken.has(key) && !spoken.has(key.replace(/Tip$/, "")))).toEqual([]);
 });
 
-/** What the glossary (docs/ja/glossary.md) calls by another name. */
+/** Words that are not the terms of the glossary (docs/ja/glossary.md). */
 const OTHERS = /解法|一様性|均一さ|基板|ばらつき σ|トランスデューサ|ユーザー|スピーカー|駆動(?!信号)/;
 
 test("the glossary's terms, with a space between Japanese and Latin letters", () => {

@@ -1,8 +1,8 @@
-/** The camera of the 3-D view: it turns about a target, sees in perspective, z is up. */
+/** The camera of the 3-D view: it turns around a target, with perspective; z is up. */
 
 import type { Axis, Vec3 } from "../types.ts";
 
-/** Turned by `yaw` (rad, 0: looks along +y, x to the right) and raised by `pitch` (rad, pi/2: from above). */
+/** `yaw` in rad (0: looks along +y, with x to the right), `pitch` in rad (pi/2: looks down from above). */
 export interface Camera {
   target: Vec3;
   yaw: number;
@@ -11,18 +11,18 @@ export interface Camera {
   distance: number;
 }
 
-/** Focal length over the view's height: 35 degrees of view from bottom to top. */
+/** Focal length relative to the view's height: an angle of view of 35 degrees from bottom to top. */
 export const FOCAL = 1.6;
 
 export const dot = (a: Vec3, b: Vec3): number => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-/** a + f b. */
+/** Returns a + f b. */
 export const along = (a: Vec3, f: number, b: Vec3): Vec3 => [
   a[0] + f * b[0],
   a[1] + f * b[1],
   a[2] + f * b[2],
 ];
 
-/** The camera's own axes, of length 1, and its place (m). */
+/** Returns the camera's own axes, of length 1, and its place (m). */
 export function frame({ target, yaw, pitch, distance }: Camera): {
   right: Vec3;
   up: Vec3;
@@ -34,7 +34,7 @@ export function frame({ target, yaw, pitch, distance }: Camera): {
   return { right: [cy, sy, 0], up: [-sy * sp, cy * sp, cp], ahead, eye: along(target, -distance, ahead) };
 }
 
-/** Where `place` (m) is seen: x, y (CSS px of the view, y down), depth (m; 0 or less: behind the camera). */
+/** Returns where `place` (m) is seen: x, y (CSS px of the view, y down) and depth (m; 0 or less: behind the camera). */
 export function project(camera: Camera, place: Vec3, width: number, height: number): Vec3 {
   const { right, up, ahead, eye } = frame(camera);
   const d = along(place, -1, eye);
@@ -43,7 +43,10 @@ export function project(camera: Camera, place: Vec3, width: number, height: numb
   return [width / 2 + scale * dot(d, right), height / 2 - scale * dot(d, up), depth];
 }
 
-/** The line of sight at x, y (CSS px of the view) is from + t along, t > 0; `along` is 1 deep, not 1 long. */
+/**
+ * Returns the line of sight at x, y (CSS px of the view): from + t along, t > 0. `along` has a depth of 1, not a
+ * length of 1.
+ */
 export function ray(
   camera: Camera,
   x: number,
@@ -59,7 +62,7 @@ export function ray(
   };
 }
 
-/** Where the ray through `at` (px) meets the plane with that normal through `place`; null: it does not. */
+/** Returns where the ray through `at` (px) meets the plane with this normal through `place`; null if it does not. */
 function meet(
   camera: Camera,
   at: [number, number],
@@ -69,19 +72,19 @@ function meet(
 ): Vec3 | null {
   const { from, along: way } = ray(camera, at[0], at[1], size[0], size[1]);
   const t = dot(along(place, -1, from), normal) / dot(way, normal);
-  // Beyond the horizon, or so near to it that a pixel is metres.
+  // No result beyond the horizon, or so near to it that a pixel is metres.
   return t > 0 && t < 20 * camera.distance ? along(from, t, way) : null;
 }
 
-/** A vector of length 1 along an axis, by its number. */
+/** Returns the unit vector along an axis, given by number. */
 const unit = (axis: number) => [0, 0, 0].with(axis, 1) as Vec3;
 
-/** Where the ray through `at` (px) meets the plane through `place` (m) normal to an axis; null: it does not. */
+/** Returns where the ray through `at` (px) meets the plane through `place` (m) normal to an axis; null if it does not. */
 export const meetPlane = (camera: Camera, at: [number, number], size: [number, number], place: Vec3, axis: number) => meet(camera, at, size, place, unit(axis));
 
 /**
- * The shift (m) of a drag from `from` to `to` (CSS px of the view of that size) in the plane through `place` (m) normal to
- * an axis: the difference of two rays, so that nothing jumps when a drag begins. Null: beyond the horizon.
+ * Returns the shift (m) of a drag from `from` to `to` (CSS px of the view) in the plane through `place` (m) normal to an axis,
+ * null beyond the horizon. It is the difference of two rays, so that nothing jumps when a drag begins.
  */
 export function slide(
   camera: Camera,
@@ -96,7 +99,10 @@ export function slide(
   return a && b && along(b, -1, a);
 }
 
-/** The shift (m) along an axis for a drag of the object at `place` (m), by the plane along the axis that faces the camera. */
+/**
+ * Returns the shift (m) along an axis for a drag of the object at `place` (m), in the plane along the axis that faces the
+ * camera.
+ */
 export function lift(
   camera: Camera,
   from: [number, number],
@@ -120,17 +126,17 @@ function extent(positions: Float32Array, axis: number): number {
 }
 
 /**
- * A camera that shows all transducers (N x 3, m) and points (m) in a view of that size (CSS px), and the slice normal to an
- * axis well; `way`: turned and raised so.
+ * Returns a camera that shows all transducers (N x 3, m) and points (m) in a view of this size (CSS px). `way` is its yaw and
+ * pitch; without it they suit the slice normal to `axis`.
  */
 export function fit(positions: Float32Array, points: Vec3[], width: number, height: number, axis: Axis = "z", way?: [number, number]): Camera {
-  // From so high that points at one height lie apart, but not from above a board that hangs over them.
+  // High enough that points at the same height appear apart, but not above a board that covers them.
   const roofed = positions.some((z, i) => i % 3 === 2 && points.every((point) => point[2] < z));
   const [yaw, pitch] = way ?? [axis === "x" ? Math.PI / 2 - 0.5 : 0.5, axis !== "z" ? 0.3 : roofed ? 0.45 : 0.72];
   const camera: Camera = { target: [0, 0, 0], yaw, pitch, distance: 1 };
   const { right, up, ahead } = frame(camera);
   const all = [...points];
-  // Each with room about it for the axes and their marks at the array's edge.
+  // Margin around each transducer, for the axes and their marks at the array's edge.
   const room = 0.1 * Math.max(...[0, 1].map((axis) => extent(positions, axis)), 0.1);
   for (let i = 0; i < positions.length; i += 3) {
     const [x, y, z] = positions.subarray(i, i + 3);
@@ -142,7 +148,8 @@ export function fit(positions: Float32Array, points: Vec3[], width: number, heig
     ])
       all.push([x + a, y + b, z]);
   }
-  // Of q's coordinate c and depth d, seen from e: |c - e| <= slope (d + back), linear in e and `back`.
+  // A point q is in view if |c - e| <= slope (d + back). c and e are the coordinates of q and of the camera across the view, d
+  // is q's depth, and `back` the camera's distance behind depth 0. The condition is linear in e and `back`.
   const side = (axis: Vec3, slope: number) => {
     let [most, least] = [-Infinity, Infinity];
     for (const q of all) {
@@ -154,7 +161,7 @@ export function fit(positions: Float32Array, points: Vec3[], width: number, heig
   const wide = (0.91 * width) / 2 / (FOCAL * height);
   const high = 0.91 / 2 / FOCAL;
   const back = Math.max(side(right, wide).back, side(up, high).back);
-  // From there one side has room to spare: a narrower slope that just holds all puts it in the middle.
+  // At this distance one direction has space left: a smaller slope that just contains all points centres them.
   const centre = (axis: Vec3, slope: number) => {
     for (let i = 0; i < 8; i++) slope *= side(axis, slope).back / back;
     return side(axis, slope).middle;

@@ -1,4 +1,4 @@
-/** The painter without WebGL2: slices pixel by pixel, the 3-D view as dots and lines. */
+/** The painter for browsers without WebGL2: slices pixel by pixel, the 3-D view as dots and lines. */
 
 import type { Lattice, Look, Vec3 } from "../types.ts";
 import { project } from "./camera.ts";
@@ -6,10 +6,10 @@ import { sampleAt } from "./lattice.ts";
 import { colour } from "./maps.ts";
 import type { Box, Painter, Picture } from "./picture.ts";
 
-/** No slice has more pixels along a side: the rest is scaled. */
+/** The largest number of pixels along a side of a slice; larger slices are scaled up. */
 const MOST = 256;
 
-/** The slice in its own pixels, `v` up. */
+/** Draws the slice in pixels of `onto`, with `v` up. */
 export function drawSlice(onto: HTMLCanvasElement, lattice: Lattice, look: Look): void {
   const { width, height } = onto;
   const pen = onto.getContext("2d")!;
@@ -23,7 +23,7 @@ export function drawSlice(onto: HTMLCanvasElement, lattice: Lattice, look: Look)
   pen.putImageData(image, 0, 0);
 }
 
-/** A painter by the canvas's 2-D context, for where `createPainter` gives null. */
+/** Makes a painter with the canvas's 2-D context, for browsers where `createPainter` returns null. */
 export function createFlat(canvas: HTMLCanvasElement): Painter {
   const pen = canvas.getContext("2d")!;
   const kept = new Map<string, { sheet: HTMLCanvasElement; values: Float32Array | null; look: string }>();

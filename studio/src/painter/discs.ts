@@ -1,4 +1,7 @@
-/** The transducers: small lit cans that face their normals, in neutral ink, which pulses with the wave; or in the colours of their phases. */
+/**
+ * The transducers: small shaded cylinders along their normals. They are grey and pulse with the wave, or have the colours of
+ * their phases.
+ */
 
 import { changes } from "../changes.ts";
 import { COLOUR, type FieldPainter } from "./field.ts";
@@ -6,14 +9,17 @@ import { type Gl, LOOK_UP, type Program, program, vectors } from "./gl.ts";
 import type { Picture } from "./picture.ts";
 import { aim, type View } from "./view.ts";
 
-/** Strips across the visible half of a can's side; fewer if there are this many cans, which are then small: software takes 1 us for a vertex. */
+/**
+ * Strips on the visible half of a cylinder's side; fewer above this number of cylinders, which are then small. Software
+ * rendering takes 1 us per vertex.
+ */
 const STRIPS = [5, 3];
 const MANY = 400;
 
-/** Height of a can, in radii. */
+/** Height of a cylinder, in radii. */
 export const HEIGHT = 0.9;
 
-/** The common part of all parts of a can: its axis and two directions across it. */
+/** GLSL for all parts of a cylinder: `across` gives one of the directions perpendicular to the axis. */
 const CAN = `${LOOK_UP}
 uniform sampler2D positions, normals, drives;
 uniform mat4 matrix;
@@ -21,11 +27,11 @@ uniform vec3 eye, metal, off;
 uniform float radius;
 const vec3 light = vec3(-.3216, -.4594, .8270);
 vec3 across(vec3 n) {
-  // By Frisvad's formula, which needs no branch except straight down.
+  // Frisvad's formula, which needs a branch only for normals straight down.
   return n.z < -.9999 ? vec3(0, -1, 0) : vec3(1. - n.x*n.x/(1. + n.z), -n.x*n.y/(1. + n.z), -n.x);
 }`;
 
-/** A strip around the half of the side that faces the eye. */
+/** A strip around the half of the side that faces the camera. */
 const SIDE_VERTEX = `${CAN}
 uniform float strips;
 out vec3 paint;
@@ -56,17 +62,17 @@ void main() {
   vec3 position = vectorOf(positions, can).xyz, normal = vectorOf(normals, can).xyz;
   vec2 drive = vectorOf(drives, can).xy;
   vec3 a = across(normal), to = normalize(eye - position);
-  // A triangle around the circle.
+  // A triangle that contains the disc.
   at = vec2[3](vec2(0, 2), vec2(-1.7320508, -1), vec2(1.7320508, -1))[gl_VertexID % 3];
   outward = a * at.x + cross(normal, a) * at.y;
   axis = normal;
   halfway = normalize(light + to);
   bool back = dot(normal, to) < 0.;
-  // Dim, so that the field is the brightest part; a crest is lit.
+  // The discs are dim, so that the field is the brightest part; at a crest of the wave a disc is bright.
   float t = shade(drive), share = quantity < .5 ? 0. : quantity < 1.5 ? t * t : .72 * min(length(drive), 1.);
   face = back ? metal * .45 : mix(off, quantity < 1.5 ? lit : entry(t), known * share);
   rim = back ? face : metal * (.5 + .5 * max(dot(normal, light), 0.));
-  // A transducer is a can, which is closed at the back.
+  // A transducer is a cylinder, closed at its back.
   gl_Position = matrix * vec4(position + radius * (back ? outward - normal * ${HEIGHT} : outward), 1);
 }`;
 
@@ -79,7 +85,7 @@ out vec4 colour;
 void main() {
   float r = length(at), soft = max(fwidth(r), 1e-4), alpha = 1. - smoothstep(1. - soft, 1., r);
   if (alpha <= 0.) discard;
-  // A dished face in a ring of metal.
+  // A concave face inside a metal ring.
   vec3 dish = normalize(axis - .5 * smoothstep(.1, .8, r) * outward);
   float gloss = pow(max(dot(dish, halfway), 0.), 96.);
   vec3 inner = face * (.62 + .42 * max(dot(dish, light), 0.)) + .10 * gloss;
@@ -90,7 +96,10 @@ void main() {
 
 const radii = new WeakMap<Float32Array, number>();
 
-/** The radius (m) of cans that do not touch, at most 5 mm, by the distances from the first 64; found once. */
+/**
+ * Returns the radius (m) of cylinders that do not touch, at most 5 mm, from the distances to the first 64 transducers. It is
+ * computed once for each array.
+ */
 export function canRadius(positions: Float32Array): number {
   const known = radii.get(positions);
   if (known) return known;
@@ -106,7 +115,7 @@ export function canRadius(positions: Float32Array): number {
   return 0.46 * least;
 }
 
-/** Paints the transducers of a picture. */
+/** Returns a function that paints the transducers of a picture. */
 export function createDiscs(gl: Gl, field: FieldPainter): (view: View, picture: Picture) => void {
   const sides = program(gl, SIDE_VERTEX, SIDE_FRAGMENT);
   const faces = program(gl, FACE_VERTEX, FACE_FRAGMENT);

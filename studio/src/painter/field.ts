@@ -1,4 +1,4 @@
-/** The field on the graphics card: textures of spline coefficients and of maps, slices drawn with them. */
+/** The field on the graphics card: textures of spline coefficients and of colour maps, and the slices drawn with them. */
 
 import { QUANTITIES, SCALES, type Lattice, type Look } from "../types.ts";
 import { type Gl, type Program, program, texture } from "./gl.ts";
@@ -40,7 +40,7 @@ vec2 pressure(vec2 st) {
   return sum;
 }`;
 
-/** The field from a spread lattice: its places are so near to one another that straight lines between them do. */
+/** The field from a refined lattice, whose samples are so dense that linear interpolation suffices. */
 const SPREAD = `
 uniform sampler2D field;
 vec2 pressure(vec2 st) {
@@ -68,31 +68,34 @@ void main() {
   colour = vec4(entry(shade(p)) * alpha, alpha);
 }`;
 
-/** The values at each place of a spread lattice. */
+/** Computes the samples of a refined lattice. */
 const SPREADING = `${SAMPLE}
 uniform vec2 size;
 in vec2 st;
 out vec4 colour;
 void main() { colour = vec4(pressure((gl_FragCoord.xy - .5) / (size - 1.)), 0, 1); }`;
 
-/** This many places of a spread lattice lie along a side of a cell, in a lattice of at most this many along its own side. */
+/**
+ * A refined lattice has this many samples along a side of a cell; only lattices of at most LARGEST samples per side are
+ * refined.
+ */
 const FINER = 6;
 const LARGEST = 160;
 
-/** Takes the unit square to all of the view. */
+/** A matrix that maps the unit square to the whole view. */
 const FLAT = [2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, -1, -1, 0, 1];
 
-/** The range of a lattice, right and up, in its sides. */
+/** A part of a lattice: left, bottom, right, top, from 0 to 1 along its sides. */
 export type Part = readonly [number, number, number, number];
 export const ALL: Part = [0, 0, 1, 1];
 
-/** The functions of fields that the painter and the volume need. */
+/** The functions for fields that the painter and the volume need. */
 export interface FieldPainter {
-  /** The uniforms of `look` that COLOUR needs; the map goes to texture unit 3. */
+  /** Sets the uniforms of `look` that COLOUR needs; the colour map is bound to texture unit 3. */
   setLook(program: Program, look: Look): void;
-  /** The lattice over all of the view, opaque. */
+  /** Paints the lattice over the whole view, opaque. */
   flat(lattice: Lattice, key: string, look: Look): void;
-  /** Part of the lattice where it lies, clear where it is quiet: there its opacity is `least`. */
+  /** Paints a part of the lattice at its place in the scene. Where the field is quiet the opacity is `least`. */
   placed(view: View, lattice: Lattice, key: string, look: Look, least: number, part: Part): void;
 }
 
@@ -100,7 +103,7 @@ export function createField(gl: Gl): FieldPainter {
   const slices = program(gl, VERTEX, fragment(SAMPLE));
   const quick = program(gl, VERTEX, fragment(SPREAD));
   const spreading = program(gl, VERTEX, SPREADING);
-  // Without it a spread lattice cannot be painted: waves are then as slow as all else.
+  // Without this extension no refined lattice can be painted; an animated wave is then as slow as other pictures.
   const spreads = gl.getExtension("EXT_color_buffer_float") !== null;
   const frame = gl.createFramebuffer();
   const maps = new Map(
@@ -131,7 +134,10 @@ export function createField(gl: Gl): FieldPainter {
     return kept.texture;
   }
 
-  /** A lattice as half floats between which the card interpolates; made when a wave first shows it. */
+  /**
+   * Returns the refined lattice as half floats, which the card interpolates; it is made when a wave first shows the
+   * lattice.
+   */
   function spreadOut(lattice: Lattice, key: string): WebGLTexture {
     const kept = spread.get(key) ?? { texture: texture(gl, gl.TEXTURE_2D, gl.LINEAR), values: null };
     spread.set(key, kept);
@@ -160,7 +166,7 @@ export function createField(gl: Gl): FieldPainter {
     return kept.texture;
   }
 
-  /** Over all of the view. */
+  /** Sets the uniforms for the whole view. */
   function flatten(by: Program): void {
     by.set("matrix", FLAT);
     by.set("corner", [0, 0, 0]);
@@ -177,9 +183,12 @@ export function createField(gl: Gl): FieldPainter {
     to.set("turn", [Math.cos(look.turn), Math.sin(look.turn)]);
   }
 
-  /** Draws the lattice by a program that `aims` where; a wave, which is painted again and again, from a spread lattice. */
+  /**
+   * Draws the lattice with a program whose matrix `aims` sets. A wave is painted again and again, so it uses a refined
+   * lattice.
+   */
   function draw(lattice: Lattice, key: string, look: Look, least: number, part: Part, aims: (by: Program) => void): void {
-    // A field that changes from picture to picture is not spread: that would take too long.
+    // A field that changes from picture to picture is not refined, because that takes too long.
     const still = fields.get(key)?.values === lattice.values;
     const is = still && spreads && look.quantity === "wave" && Math.max(lattice.nu, lattice.nv) <= LARGEST;
     const data = is ? spreadOut(lattice, key) : upload(lattice, key);

@@ -1,4 +1,4 @@
-/** The floor: a grid that fades into the distance. */
+/** The floor: a grid that fades with the distance. */
 
 import { type Gl, program } from "./gl.ts";
 import type { Bounds } from "./stage.ts";
@@ -20,7 +20,7 @@ in vec2 place;
 out vec4 colour;
 float grid(float step) {
   vec2 x = place / step, wide = max(fwidth(x), 1e-6), away = abs(fract(x - .5) - .5) / wide;
-  // Lines closer than a few px would flicker: they go.
+  // Lines less than a few px apart would flicker, so they fade out.
   vec2 line = (1. - clamp(away, 0., 1.)) * smoothstep(.3, .05, wide);
   return max(line.x, line.y);
 }
@@ -30,7 +30,7 @@ void main() {
   colour = vec4(ink.rgb * alpha, alpha);
 }`;
 
-/** Paints the floor at height z (m) with lines `step` and step/5 apart. */
+/** Returns a function that paints the floor at height z (m), with lines `step` and step/5 apart. */
 export function createFloor(gl: Gl) {
   const floor = program(gl, VERTEX, FRAGMENT);
   return (view: View, { least, most }: Bounds, z: number, step: number, dark: boolean): void => {

@@ -1,19 +1,19 @@
-/** Short forms of WebGL2: programs, textures, vectors that shaders look up. */
+/** Short functions for WebGL2: programs, textures, and vectors that shaders read by index. */
 
 export type Gl = WebGL2RenderingContext;
 
-/** A program with its uniforms by name. */
+/** A program, with its uniforms by name. */
 export interface Program {
   use(): void;
-  /** One number, or a vector of 2, 3 or 4, or a matrix of 16. */
+  /** Sets a uniform: one number, a vector of 2, 3 or 4 numbers, or a matrix of 16. */
   set(name: string, value: number | readonly number[]): void;
-  /** The texture goes to that unit. */
+  /** Binds the texture to this unit. */
   bind(name: string, unit: number, target: number, texture: WebGLTexture): void;
 }
 
 const HEAD = "#version 300 es\nprecision highp float;precision highp int;precision highp sampler3D;\n";
 
-/** Compiles and links. There are no attributes: gl_VertexID distinguishes the vertices. */
+/** Compiles and links a program. It has no attributes: shaders use gl_VertexID to tell vertices apart. */
 export function program(gl: Gl, vertex: string, fragment: string): Program {
   const linked = gl.createProgram();
   for (const [type, text] of [
@@ -53,21 +53,24 @@ export function program(gl: Gl, vertex: string, fragment: string): Program {
   };
 }
 
-/** Vectors that vertex shaders look up by number: software draws instances one by one, and slowly. */
+/** Vectors in a texture, which vertex shaders read by index. Instanced drawing would be slow with software rendering. */
 export interface Vectors {
   set(data: ArrayLike<number>): void;
   readonly texture: WebGLTexture;
 }
 
-/** Vectors in a row of their texture. */
+/** Vectors per row of the texture. */
 const ROW = 1024;
 
-/** `vectorOf` of a texture of vectors; and which corner of its quad, 0 to 3, a vertex of two triangles is. */
+/**
+ * GLSL: `vectorOf` reads a vector of a texture; `corner` returns the corner, 0 to 3, of the quad (two triangles) of a
+ * vertex.
+ */
 export const LOOK_UP = `
 vec4 vectorOf(sampler2D vectors, int index) { return texelFetch(vectors, ivec2(index % ${ROW}, index / ${ROW}), 0); }
 int corner() { return int[6](0, 1, 2, 2, 1, 3)[gl_VertexID % 6]; }`;
 
-/** Vectors of this many numbers. */
+/** Makes a texture of vectors of this many numbers. */
 export function vectors(gl: Gl, size: 2 | 3 | 4): Vectors {
   const made = texture(gl, gl.TEXTURE_2D, gl.NEAREST);
   const [kept, given] = { 2: [gl.RG32F, gl.RG], 3: [gl.RGB32F, gl.RGB], 4: [gl.RGBA32F, gl.RGBA] }[size];
@@ -84,7 +87,7 @@ export function vectors(gl: Gl, size: 2 | 3 | 4): Vectors {
   };
 }
 
-/** A new texture, bound to unit 0, that ends at its edges. */
+/** Makes a texture, bound to unit 0, which is clamped at its edges. */
 export function texture(gl: Gl, target: number, filter: number): WebGLTexture {
   const made = gl.createTexture();
   gl.activeTexture(gl.TEXTURE0);

@@ -5,7 +5,7 @@ import { type Gl, LOOK_UP, program, texture, vectors } from "./gl.ts";
 import type { Ink } from "./lines.ts";
 import { aim, type View } from "./view.ts";
 
-/** A text beside `place` (m) on the side `away` (of length 1, to the right and up), clear of other parts. */
+/** A text beside `place` (m), in the direction `away` (of length 1: right, up), where it does not cover other parts. */
 export interface Label {
   place: Vec3;
   away: [number, number];
@@ -25,7 +25,7 @@ void main() {
   vec2 to = vec2(k & 1, k >> 1);
   vec4 box = vectorOf(signs, sign + 1);
   vec2 wide = box.xy;
-  // Whole px: the letters are then as sharp as they were drawn. At the view's edge they are not cut.
+  // Whole px keep the letters sharp. Labels are shifted so that the view's edge does not cut them.
   vec2 middle = (p.xy / p.w * .5 + .5) * size, left = floor(middle + (box.zw - 1.) * wide / 2. + .5);
   if (clamp(middle, vec2(0), size) == middle) left = clamp(left, vec2(0), size - wide);
   gl_Position = vec4(((left + to * wide) / size * 2. - 1.) * p.w, p.zw);
@@ -43,7 +43,10 @@ void main() {
   colour = vec4(paint.rgb * cover, cover);
 }`;
 
-/** Paints labels of 11 CSS px or more; each text is a row of one texture, made again when the texts change. */
+/**
+ * Returns a function that paints labels of 11 CSS px or more. Each text is a row of one texture, which is made again when the
+ * texts change.
+ */
 export function createLabels(gl: Gl): (view: View, labels: Label[]) => void {
   const letters = program(gl, VERTEX, FRAGMENT);
   const signs = vectors(gl, 4);
@@ -72,7 +75,7 @@ export function createLabels(gl: Gl): (view: View, labels: Label[]) => void {
 
   return (view, labels) => {
     const texts = [...new Set(labels.map((label) => label.text))].sort();
-    // Larger on a large screen, as the text around is.
+    // Larger on a large screen, like the other texts of the page.
     const ratio = Math.max(view.ratio, view.size[1] / 1300);
     write(texts, ratio);
     const high = Math.ceil(16 * ratio);

@@ -1,14 +1,14 @@
-/** The field between the places of a lattice: cubic B-splines through re and im. */
+/** The field between the samples of a lattice: cubic B-splines through re and im. */
 
-// A field has no detail below half a wavelength, so splines of the complex pressure through places lambda/5.5
-// apart give it to a fraction of a per cent; |p| has kinks at its zeros and must not be interpolated.
-// The coefficients are found here once for each field; `sample` and the shaders then sum 4 x 4 of them.
+// A field has no detail below half a wavelength. So splines of the complex pressure through samples lambda/5.5 apart have
+// errors of a fraction of a per cent. |p| has kinks at its zeros and must not be interpolated. The coefficients are computed
+// here once per field; `sampleAt` and the shaders then sum 4 x 4 of them.
 
 import type { Lattice, Vec3 } from "../types.ts";
 
 /**
- * Replaces n values (of `stride`, from `start`) at slots 1 to n by their spline's n + 2 coefficients at slots
- * 0 to n + 1. The spline is one cubic over the first two and over the last two intervals ("not a knot").
+ * Replaces n values (with this stride, from `start`) at slots 1 to n by the n + 2 coefficients of their spline, at slots 0 to n
+ * + 1. The spline is one cubic over the first two and over the last two intervals ("not a knot").
  */
 function filterLine(
   c: Float64Array | Float32Array,
@@ -24,7 +24,7 @@ function filterLine(
   const l0 = c[at(n)];
   const second = (8 * f1 - f0 - c[at(3)]) / 6;
   const last = (8 * l1 - l0 - c[at(n - 2)]) / 6;
-  // Between them c[i - 1] + 4 c[i] + c[i + 1] = 6 f[i]: elimination, then back.
+  // In between, c[i - 1] + 4 c[i] + c[i + 1] = 6 f[i]: forward elimination, then back substitution.
   c[at(2)] = second;
   for (let i = 3; i <= n - 2; i++) c[at(i)] = (6 * c[at(i)] - c[at(i - 1)]) * ratios[i];
   c[at(n - 1)] = last;
@@ -35,7 +35,7 @@ function filterLine(
   c[at(n + 1)] = 6 * l0 - 4 * c[at(n)] - c[at(n - 1)];
 }
 
-/** The pivots' reciprocals of the elimination in `filterLine`: 1 / (4 - the one before). */
+/** Returns the reciprocal pivots of the elimination in `filterLine`: each is 1 / (4 - the one before). */
 function pivots(n: number): Float64Array {
   const ratios = new Float64Array(n + 2);
   for (let i = 3; i <= n; i++) ratios[i] = 1 / (4 - ratios[i - 1]);
@@ -45,8 +45,8 @@ function pivots(n: number): Float64Array {
 const known = new WeakMap<Float32Array, Float32Array<ArrayBuffer>>();
 
 /**
- * The spline coefficients of `lattice`: (nu + 2) x (nv + 2) pairs of re and im, i fastest, a border of one
- * about the places. They are kept for as long as `lattice.values` is: a new field is a new array.
+ * Returns the spline coefficients of `lattice`: (nu + 2) x (nv + 2) pairs of re and im, i fastest, with a border of one around
+ * the samples. They are cached per `lattice.values`: a new field must be a new array.
  */
 export function coefficients(lattice: Lattice): Float32Array<ArrayBuffer> {
   const { nu, nv, values } = lattice;
@@ -67,7 +67,7 @@ export function coefficients(lattice: Lattice): Float32Array<ArrayBuffer> {
   return c;
 }
 
-/** The four weights of a cubic B-spline at `f` (0 to 1) of an interval. */
+/** Returns the four weights of a cubic B-spline at the part `f` (0 to 1) of an interval. */
 function weights(f: number): [number, number, number, number] {
   const g = 1 - f;
   return [
@@ -78,7 +78,7 @@ function weights(f: number): [number, number, number, number] {
   ];
 }
 
-/** re and im of p (Pa) at `s`, `t` (0 to 1) along the lattice's `u` and `v`; beyond it, those of its edge. */
+/** Returns re and im of p (Pa) at `s`, `t` (0 to 1) along the lattice's `u` and `v`; outside of it, the values at its edge. */
 export function sampleAt(lattice: Lattice, s: number, t: number): [number, number] {
   const { nu, nv } = lattice;
   const c = coefficients(lattice);
@@ -100,7 +100,7 @@ export function sampleAt(lattice: Lattice, s: number, t: number): [number, numbe
   return [re, im];
 }
 
-/** re and im of p (Pa) at `place` (m), brought to the lattice's plane; `u` and `v` are at right angles. */
+/** Returns re and im of p (Pa) at `place` (m), projected onto the lattice's plane; `u` and `v` must be at right angles. */
 export function sample(lattice: Lattice, place: Vec3): [number, number] {
   const { corner, u, v } = lattice;
   const d = [place[0] - corner[0], place[1] - corner[1], place[2] - corner[2]];

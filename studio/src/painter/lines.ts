@@ -26,7 +26,7 @@ void main() {
   int line = 3 * (gl_VertexID / 6), k = corner();
   vec4 a = vectorOf(ends, line), ink = vectorOf(ends, line + 2);
   vec4 p = matrix * vec4(a.xyz, 1), q = matrix * vec4(vectorOf(ends, line + 1).xyz, 1);
-  // The part behind the camera is cut off, so that the division below is sound.
+  // The part behind the camera is cut off, because the division below needs w > 0.
   float near = .001;
   if (p.w < near) p = mix(p, q, (near - p.w) / max(q.w - p.w, 1e-9));
   if (q.w < near) q = mix(q, p, (near - q.w) / max(p.w - q.w, 1e-9));
@@ -46,14 +46,14 @@ flat in float half_;
 out vec4 colour;
 void main() { colour = paint * clamp(half_ + .5 - abs(across), 0., 1.); }`;
 
-/** The four sides of the parallelogram at `corner`. */
+/** Returns the four sides of the parallelogram at `corner`. */
 export function outline(corner: Vec3, u: Vec3, v: Vec3, ink: Ink, width: number): Line[] {
   const at = (s: number, t: number): Vec3 => [0, 1, 2].map((k) => corner[k] + s * u[k] + t * v[k]) as Vec3;
   const corners = [at(0, 0), at(1, 0), at(1, 1), at(0, 1)];
   return corners.map((a, i) => ({ a, b: corners[(i + 1) % 4], ink, width }));
 }
 
-/** A horizontal circle. */
+/** Returns the lines of a horizontal circle. */
 export function ring(center: Vec3, radius: number, ink: Ink, width: number): Line[] {
   const at = (i: number): Vec3 => {
     const angle = (2 * Math.PI * i) / 28;
@@ -62,7 +62,7 @@ export function ring(center: Vec3, radius: number, ink: Ink, width: number): Lin
   return Array.from({ length: 28 }, (_, i) => ({ a: at(i), b: at(i + 1), ink, width }));
 }
 
-/** Paints lines; later parts are painted over them. */
+/** Returns a function that paints lines; later ones are painted over earlier ones. */
 export function createLines(gl: Gl): (view: View, lines: Line[]) => void {
   const strokes = program(gl, VERTEX, FRAGMENT);
   const ends = vectors(gl, 4);

@@ -1,22 +1,25 @@
-/** Colour maps, and how p becomes a colour: the arithmetic of the shaders, for all that is not a shader. */
+/** Colour maps, and how p becomes a colour: the same arithmetic as in the shaders, for all other code. */
 
 import colours from "../../../python/midair/_pictures/colours.json";
 import type { Look } from "../types.ts";
 
-/** The range of the decibel scale below its top, dB. */
+/** The range of the decibel scale below its top, in dB. */
 export const RANGE = 30;
 
-/** A table of the colours that `at` gives from 0 to 1. */
+/** Returns a table of 256 colours, from `at` at 0 to 1. */
 const tableOf = (at: (t: number) => number[]) => new Uint8Array(Array.from({ length: 256 }, (_, i) => [...at(i / 255), 255].map(Math.round)).flat());
 
-/** The colour at `t` of stops that lie evenly from 0 to 1. */
+/** Returns a function of `t` (0 to 1) that interpolates between evenly spaced colours. */
 const between = (stops: number[][]) => (t: number) => {
   const i = Math.min(Math.floor(t * (stops.length - 1)), stops.length - 2);
   const f = t * (stops.length - 1) - i;
   return stops[i].map((value, channel) => value * (1 - f) + stops[i + 1][channel] * f);
 };
 
-/** The maps as 256 colours of four bytes (red, green, blue, 255): |p| and the wave on dark and light ground, silence as the ground is; the phase. */
+/**
+ * The colour maps as 256 colours of four bytes (red, green, blue, 255): |p| and the wave on a dark and a light page, where
+ * silence has the page's colour; and the phase.
+ */
 export const TABLES = {
   field: tableOf(between(colours.field)),
   field_light: tableOf(between(colours.field_light)),
@@ -26,11 +29,11 @@ export const TABLES = {
 };
 export type MapName = keyof typeof TABLES;
 
-/** The name of the colour map of a look. */
+/** Returns the name of the colour map of a look. */
 export const mapOf = ({ quantity, theme }: Look): MapName =>
   quantity === "phase" ? quantity : `${quantity === "wave" ? "wave" : "field"}${theme === "dark" ? "" : "_light"}`;
 
-/** Where `modulus` (|p| in Pa) lies on the map, 0 to 1. */
+/** Returns where `modulus` (|p| in Pa) is on the map, 0 to 1. */
 export function tone(look: Look, modulus: number): number {
   const ratio = modulus / look.top;
   const t =
@@ -42,7 +45,10 @@ export function tone(look: Look, modulus: number): number {
   return Math.min(Math.max(t, 0), 1);
 }
 
-/** Where p = re + j im (Pa) lies on its map, 0 to 1: |p| by `tone`, Re(p e^{-jwt}) from -top to top, the phase from -pi to pi. */
+/**
+ * Returns where p = re + j im (Pa) is on its map, 0 to 1: |p| by `tone`, Re(p e^{-jwt}) from -top to top, the phase from -pi to
+ * pi.
+ */
 export function shade(look: Look, re: number, im: number): number {
   if (look.quantity === "modulus") return tone(look, Math.hypot(re, im));
   if (look.quantity === "phase") return 0.5 + Math.atan2(im, re) / (2 * Math.PI);
@@ -50,12 +56,12 @@ export function shade(look: Look, re: number, im: number): number {
   return Math.min(Math.max(0.5 + now / look.top / 2, 0), 1);
 }
 
-/** The |p| (Pa) that lies at `t` (0 to 1) on the map: `tone` read backwards. */
+/** Returns the |p| (Pa) at `t` (0 to 1) of the map: the inverse of `tone`. */
 export function modulusAt({ scale, top }: Look, t: number): number {
   return top * (scale === "linear" ? t : scale === "squared" ? Math.sqrt(t) : 10 ** ((RANGE * (t - 1)) / 20));
 }
 
-/** The colour at `t` (0 to 1) of a map: red, green, blue, 0 to 255, linear between the map's entries. */
+/** Returns the colour at `t` (0 to 1) of a map: red, green, blue, 0 to 255, interpolated linearly. */
 export function entry(map: MapName, t: number): [number, number, number] {
   const table = TABLES[map];
   const i = Math.min(Math.floor(t * 255), 254);
@@ -64,28 +70,28 @@ export function entry(map: MapName, t: number): [number, number, number] {
   return [mix(0), mix(1), mix(2)];
 }
 
-/** The colour of p = re + j im (Pa): red, green, blue, 0 to 255. */
+/** Returns the colour of p = re + j im (Pa): red, green, blue, 0 to 255. */
 export function colour(look: Look, re: number, im = 0): [number, number, number] {
   return entry(mapOf(look), shade(look, re, im));
 }
 
-/** A mark of the colour bar: its |p| or Re p in Pa, or phase in rad, its place on the bar (0 bottom, 1 top), its text. */
+/** A mark of the colour bar: its |p| or Re p in Pa or phase in rad, its place on the bar (0 bottom, 1 top), its text. */
 export interface Tick {
   value: number;
   at: number;
   label: string;
 }
 
-/** The least of 1, 2, 5, 10, 20, ... (times a power of ten) that is not below `least`. */
+/** Returns the least of 1, 2, 5, 10, 20, ... (times a power of ten) that is not below `least`. */
 export function roundStep(least: number): number {
   const power = 10 ** Math.floor(Math.log10(least));
   return power * ([1, 2, 5].find((digit) => digit * power >= least * 0.999) ?? 10);
 }
 
-/** The marks of the colour bar of `look`: |p| or Re p in Pa or kPa, |p| in dB below the top, or the phase in rad. */
+/** Returns the marks of the colour bar of `look`: |p| or Re p in Pa or kPa, |p| in dB below the top, or the phase in rad. */
 export function ticks(look: Look): Tick[] {
   const waves = look.quantity === "wave";
-  // The wave at the instant when all of p is real.
+  // At w t = 0 the wave is Re p.
   const tick = (value: number, label: string) => ({ value, at: shade({ ...look, turn: 0 }, value, 0), label });
   if (look.quantity === "phase") {
     return ["\u2212π", "\u2212π/2", "0", "π/2", "π"].map((name, k) => ({ value: (Math.PI * (k - 2)) / 2, at: k / 4, label: k === 2 ? name : `${name} rad` }));

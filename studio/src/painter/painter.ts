@@ -1,4 +1,4 @@
-/** The painter: one WebGL2 context, one canvas behind the page, any number of views on it. */
+/** The painter: one WebGL2 context for one canvas behind the page, with any number of views on it. */
 
 import type { Lattice, Vec3 } from "../types.ts";
 import { along, dot } from "./camera.ts";
@@ -15,13 +15,13 @@ import { axes, boundsOf, guides, scaleBar } from "./stage.ts";
 import { type Area, areaOf, enter, makeView } from "./view.ts";
 import { createVolume } from "./volume.ts";
 
-/** Steps of a ray through the volume, at rest and while something moves. */
+/** Steps of a ray through the volume: at rest, and while something moves. */
 const STEPS = [96, 48];
 
 /** The quarters of a slice. */
 const QUARTERS: Part[] = [0, 0.5].flatMap((s) => [0, 0.5].map((t): Part => [s, t, s + 0.5, t + 0.5]));
 
-/** The scene, from programs of that context. */
+/** Makes the functions that paint flat slices and the 3-D scene, with programs of this context. */
 function createScene(gl: Gl) {
   const field = createField(gl);
   const volume = createVolume(gl, field);
@@ -57,7 +57,7 @@ function createScene(gl: Gl) {
     };
     const opacity = dark ? 0.34 : 0.42;
     if (slices.length > 1) {
-      // Slices that cross are quarters, the furthest first.
+      // Slices that cross are painted in quarters, the most distant first.
       const place = ({ corner, u, v }: Lattice, [s, t]: number[]) => along(along(corner, s, u), t, v);
       const away = ({ lattice, part: [a, b, c, d] }: (typeof quarters)[number]) => {
         const to = along(place(lattice, [(a + c) / 2, (b + d) / 2]), -1, view.eye);
@@ -69,7 +69,7 @@ function createScene(gl: Gl) {
       gl.depthMask(true);
     } else if (slices.length) {
       const [slice] = slices;
-      // A glow behind the slice is seen through it, a glow before the slice covers it.
+      // The glow behind the slice is painted before it, the glow in front of it after it.
       const { corner, u, v } = slice.lattice;
       const away: Vec3 = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
       const size = Math.sqrt(dot(away, away)) * (dot(along(view.eye, -1, corner), away) < 0 ? -1 : 1);
@@ -89,7 +89,7 @@ function createScene(gl: Gl) {
   return { flat: field.flat, scene };
 }
 
-/** A painter by WebGL2 on `canvas`; null: there is no WebGL2 (then `createFlat`). */
+/** Makes a WebGL2 painter on `canvas`; returns null if the browser has no WebGL2 (then use `createFlat`). */
 export function createPainter(canvas: HTMLCanvasElement): Painter | null {
   const gl = canvas.getContext("webgl2", {
     alpha: false,
@@ -102,7 +102,7 @@ export function createPainter(canvas: HTMLCanvasElement): Painter | null {
   let built = createScene(gl);
 
   const lose = (event: Event) => {
-    // Without this the context never comes back.
+    // Without this call the browser does not restore the context.
     event.preventDefault();
     lost = true;
   };

@@ -1,4 +1,4 @@
-/** Obstacles: balls, shaded, and walls, as translucent squares about where they are nearest. */
+/** Obstacles: shaded spheres, and walls as translucent squares near the scene. */
 
 import type { Obstacle, Vec3 } from "../types.ts";
 import { along, dot } from "./camera.ts";
@@ -13,7 +13,7 @@ uniform vec3 center;
 uniform float radius;
 out vec3 n, place;
 void main() {
-  // A sphere of 24 rings with 48 quads each, without a mesh.
+  // A sphere of 24 rings with 48 quads each, computed without a mesh.
   int quad = gl_VertexID / 6, corner = int[6](0, 1, 2, 2, 1, 3)[gl_VertexID % 6];
   float yaw = float(quad % 48 + (corner & 1)) / 48. * 6.2831853;
   float down = float(quad / 48 + (corner >> 1)) / 24. * 3.1415927;
@@ -45,7 +45,7 @@ uniform vec4 ink;
 out vec4 colour;
 void main() { colour = vec4(ink.rgb * ink.a, ink.a); }`;
 
-/** The part of a wall that is shown: corner and sides (m) of a square, level with the middle of `bounds`. */
+/** Returns the shown part of a wall: corner and sides (m) of a square, at the height of the middle of `bounds`. */
 export function wallSquare(point: Vec3, normal: Vec3, bounds: Bounds): { corner: Vec3; u: Vec3; v: Vec3 } {
   const size = Math.sqrt(dot(normal, normal));
   const n: Vec3 = [normal[0] / size, normal[1] / size, normal[2] / size];
@@ -59,7 +59,7 @@ export function wallSquare(point: Vec3, normal: Vec3, bounds: Bounds): { corner:
   return { corner, u: along([0, 0, 0], 2 * reach, across), v: along([0, 0, 0], 2 * reach, up) };
 }
 
-/** The edges of the walls, warm for soft ones. */
+/** Returns the edges of the walls, in a warm colour for soft walls. */
 export function wallLines(obstacles: Obstacle[], bounds: Bounds): Line[] {
   return obstacles.flatMap((wall) => {
     if ("radius" in wall) return [];
@@ -70,7 +70,7 @@ export function wallLines(obstacles: Obstacle[], bounds: Bounds): Line[] {
 
 const tint = (obstacle: Obstacle): Vec3 => (obstacle.kind === "rigid" ? [0.56, 0.62, 0.7] : [0.78, 0.6, 0.5]);
 
-/** `balls` hide the parts behind them, `walls` let them through: balls first. */
+/** Makes the functions that paint obstacles. Spheres are opaque and walls are translucent, so paint spheres first. */
 export function createSolids(gl: Gl) {
   const balls = program(gl, BALL_VERTEX, BALL_FRAGMENT);
   const walls = program(gl, WALL_VERTEX, WALL_FRAGMENT);

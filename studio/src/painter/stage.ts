@@ -1,4 +1,4 @@
-/** Stage: the axes with their marks, the lines down from the points. */
+/** Stage: the axes with their marks, the vertical lines below points, and a bar of one wavelength. */
 
 import type { Vec3 } from "../types.ts";
 import { along, type Camera, dot, frame } from "./camera.ts";
@@ -13,7 +13,7 @@ export interface Bounds {
   most: Vec3;
 }
 
-/** The box that holds the array and the points, at least 5 cm high. */
+/** Returns the box that contains the array and the points, at least 5 cm high. */
 export function boundsOf(positions: Float32Array, points: Vec3[]): Bounds {
   const least: Vec3 = [Infinity, Infinity, Infinity];
   const most: Vec3 = [-Infinity, -Infinity, -Infinity];
@@ -32,7 +32,7 @@ const INKS = {
   light: { faint: [0.3, 0.35, 0.44, 0.6], strong: [0.1, 0.13, 0.2, 0.75], text: [0.32, 0.36, 0.44, 1] },
 } satisfies Record<string, Record<string, Ink>>;
 
-/** The axes along the edges of `bounds` that face the camera, marked in mm. */
+/** Returns the axes along the edges of `bounds` that face the camera, with marks in mm. */
 export function axes(camera: Camera, bounds: Bounds, floor: number, theme: Picture["theme"]) {
   const { ahead, right, up } = frame(camera);
   const { faint: ink, text } = INKS[theme];
@@ -40,7 +40,7 @@ export function axes(camera: Camera, bounds: Bounds, floor: number, theme: Pictu
   const room = 0.05 * Math.max(most[0] - least[0], most[1] - least[1], 0.1);
   const low: Vec3 = [least[0] - room, least[1] - room, floor];
   const high: Vec3 = [most[0] + room, most[1] + room, most[2]];
-  // The two floor edges nearest to the camera, and the upright one at the left.
+  // The two edges of the floor nearest to the camera, and the vertical edge at the left.
   const x = ahead[0] > 0 ? low[0] : high[0];
   const y = ahead[1] > 0 ? low[1] : high[1];
   const other = (value: number, k: 0 | 1) => (value === low[k] ? high[k] : low[k]);
@@ -71,7 +71,7 @@ export function axes(camera: Camera, bounds: Bounds, floor: number, theme: Pictu
         ink: text,
       });
     }
-    // The name of an axis stands between two marks of the floor's axes, or on top of the upright one.
+    // An axis on the floor has its name between two marks, the vertical axis at its top.
     const between = (Math.floor((low[axis] + high[axis]) / 2 / step) + 0.5) * step;
     const name = axis === 2 ? { place: place(high[2] + 1.2 * room), away: [0, 1] } : { place: place(between, 0.5 * room), away };
     labels.push({ ...(name as Label), text: `${"xyz"[axis]} mm`, ink: text });
@@ -79,7 +79,7 @@ export function axes(camera: Camera, bounds: Bounds, floor: number, theme: Pictu
   return { lines, labels };
 }
 
-/** A bar of one wavelength at the foot of the first slice, with its length in mm. */
+/** Returns a bar of one wavelength at the lower edge of the first slice, with its length in mm. */
 export function scaleBar({ slices, wavelength, theme }: Picture): { lines: Line[]; labels: Label[] } {
   if (!slices.length) return { lines: [], labels: [] };
   const { corner, u, v } = slices[0].lattice;
@@ -92,7 +92,7 @@ export function scaleBar({ slices, wavelength, theme }: Picture): { lines: Line[
   };
 }
 
-/** Lines from each point down to the plane of the array, with a ring at its foot; and the slices' borders. */
+/** Returns lines from each point down to the plane of the array, each with a ring at its end; and the slices' borders. */
 export function guides(picture: Picture, plane: number): Line[] {
   const { faint, strong } = INKS[picture.theme];
   const foot = picture.points.flatMap(([x, y, z]): Line[] => [

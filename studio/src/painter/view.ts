@@ -1,14 +1,14 @@
-/** The camera as the shaders take it. */
+/** The camera in the form that shaders need. */
 
 import { type Camera, FOCAL, frame } from "./camera.ts";
 import type { Gl, Program } from "./gl.ts";
 import type { Box } from "./picture.ts";
 import type { Vec3 } from "../types.ts";
 
-/** Left, bottom, width, height of a part of the canvas, device px. */
+/** Left, bottom, width, height of a part of the canvas, in device px. */
 export type Area = [number, number, number, number];
 
-/** One view while it is painted: its part of the canvas, its matrix, its size in device px, the eye. */
+/** A view while it is painted: its part of the canvas, its matrix, its size in device px, the place of the camera. */
 export interface View {
   area: Area;
   matrix: number[];
@@ -17,7 +17,7 @@ export interface View {
   eye: Vec3;
 }
 
-/** The same projection as `project`, as a matrix from m to clip space. */
+/** Returns the view of a camera; its matrix from m to clip space is the same projection as `project`. */
 export function makeView(camera: Camera, box: Box, area: Area, ratio: number): View {
   const { right, up, ahead, eye } = frame(camera);
   const near = 0.02 * camera.distance;
@@ -38,20 +38,20 @@ export function makeView(camera: Camera, box: Box, area: Area, ratio: number): V
   return { area, matrix, size: [area[2], area[3]], ratio, eye };
 }
 
-/** `box` of a page `height` CSS px high. */
+/** Returns the part of the canvas for `box`, on a page `height` CSS px high. */
 export function areaOf(box: Box, height: number, ratio: number): Area {
   const left = Math.round(box.x * ratio);
   const bottom = Math.round((height - box.y - box.height) * ratio);
   return [left, bottom, Math.round(box.width * ratio), Math.round(box.height * ratio)];
 }
 
-/** Draws from now on go to `area` and nowhere else, and of that to `clip`. */
+/** Restricts drawing to `clip`, by default all of `area`, from now on. */
 export function enter(gl: Gl, area: Area, clip = area): void {
   gl.viewport(...area);
   gl.scissor(...clip);
 }
 
-/** The uniforms that every program of the 3-D view shares. */
+/** Sets the uniforms that all programs of the 3-D view have. */
 export function aim(program: Program, view: View): void {
   program.use();
   program.set("matrix", view.matrix);

@@ -1,4 +1,4 @@
-/** The volume of |p| as a glow: a march along each ray through a 3-D texture, front to back. */
+/** The volume of |p| as a glow: each ray sums samples of a 3-D texture, front to back. */
 
 import type { Look, Obstacle, Vec3, Volume } from "../types.ts";
 import { dot } from "./camera.ts";
@@ -8,10 +8,10 @@ import { changes } from "../changes.ts";
 import { type Gl, program, texture } from "./gl.ts";
 import { aim, enter, type View } from "./view.ts";
 
-/** Balls that hide the glow behind them; a scene rarely has more. */
+/** Number of spheres that can hide the glow behind them; a scene rarely has more. */
 const BALLS = 8;
 
-/** Where on the map the glow begins; most of the room is below it and costs one look each step. */
+/** Value on the colour map above which the volume glows. Most samples are below it and need one texture read per step. */
 const FAINT = { linear: 0.18, squared: 0.06, decibel: 0.5 };
 
 const VERTEX = `
@@ -19,7 +19,7 @@ uniform mat4 matrix;
 uniform vec3 least, most;
 out vec3 place;
 void main() {
-  // The cube as one strip of 14 vertices; its far side is drawn, so that the eye may be inside.
+  // The cube as one strip of 14 vertices. Only its far faces are drawn, so that the camera can be inside.
   int bit = 1 << gl_VertexID;
   place = mix(least, most, vec3((0x287a & bit) != 0, (0x02af & bit) != 0, (0x31e3 & bit) != 0));
   gl_Position = matrix * vec4(place, 1);
@@ -49,7 +49,7 @@ void main() {
   else if (w < 0.) to = min(to, -e / w);
   if (to <= from) discard;
   float stride = length(size) / steps / length(way);
-  // Noise instead of bands.
+  // A random start of each ray avoids visible bands.
   float start = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(.06711056, .00583715))));
   vec3 cells = vec3(textureSize(moduli, 0));
   vec4 sum = vec4(0);
@@ -81,7 +81,7 @@ in vec2 st;
 out vec4 colour;
 void main() { colour = texture(sheet, st); }`;
 
-/** Paints the part of the volume on the positive side of n . x + d = 0, or all of it. */
+/** Paints the part of the volume on the side of the plane `through` to which `normal` points, or all of it. */
 export type VolumePainter = (
   view: View,
   volume: Volume,
@@ -94,7 +94,7 @@ export type VolumePainter = (
 export function createVolume(gl: Gl, field: FieldPainter): VolumePainter {
   const glow = program(gl, VERTEX, FRAGMENT);
   const data = texture(gl, gl.TEXTURE_3D, gl.LINEAR);
-  // A glow is smooth: it is marched at half the resolution, a quarter of the rays, and then spread.
+  // A glow is smooth: it is computed at half the resolution, a quarter of the rays, and then scaled up.
   const spread = program(gl, SPREAD_VERTEX, SPREAD_FRAGMENT);
   const sheet = texture(gl, gl.TEXTURE_2D, gl.LINEAR);
   const frame = gl.createFramebuffer();

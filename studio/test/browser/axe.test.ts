@@ -1,4 +1,4 @@
-// Accessibility: axe finds nothing serious, in both themes and languages, at three sizes, in each level and in the gallery.
+// Accessibility: axe finds nothing serious in both themes and languages, at three sizes, in each level and in the gallery.
 import { readFile } from "node:fs/promises";
 import { createRequire } from "node:module";
 
@@ -16,7 +16,7 @@ interface Axe {
 const open = shared();
 const axe = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
-/** The faults that axe calls serious or critical. */
+/** Returns the faults that axe calls serious or critical. */
 async function faults(page: Page): Promise<string[]> {
   const { violations } = await page.evaluate(() => (window as unknown as { axe: Axe }).axe.run());
   return violations

@@ -1,4 +1,4 @@
-// Exchange with the page: files, links, exports, refusals; that nothing leaves the page's origin, and how large it is.
+// Files, links, exports and error messages of the page; that the page sends nothing to other origins; and its size.
 import { readFile, readdir } from "node:fs/promises";
 import { gzipSync } from "node:zlib";
 
@@ -58,7 +58,7 @@ test("a file of another kind gets the list of readable kinds, a damaged picture 
 });
 
 test("a picture that is dropped in becomes points on the slice, by their brightness", async () => {
-  // White at the left, grey at the right, a dark gap between; twice as wide as high.
+  // A picture twice as wide as high: white at the left, grey at the right, and a dark gap between.
   await page.evaluate(async () => {
     const canvas = new OffscreenCanvas(120, 60);
     const pen = canvas.getContext("2d")!;

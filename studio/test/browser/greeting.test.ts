@@ -1,4 +1,4 @@
-// The first view: three foci, their wave on an upright slice, one sentence, and a hand that drags a focus once.
+// The first view: three foci, their wave on an upright slice, one sentence, and an animated hand that drags a focus once.
 import type { Page } from "playwright-core";
 import { expect, test } from "vitest";
 

@@ -1,5 +1,5 @@
-// A real JupyterLab, which `make test-studio` puts into studio/.venv: the view in a cell; points from Python to the page and
-// from the page to Python; and what is left when the cell has run ten times.
+// A real JupyterLab, which `make test-studio` installs in studio/.venv: the page in a cell; points sent from Python to the page
+// and back; and what remains after the cell has run ten times.
 import { type ChildProcess, spawn } from "node:child_process";
 import { existsSync } from "node:fs";
 import { mkdtemp, rm, writeFile } from "node:fs/promises";
@@ -32,7 +32,7 @@ let lab: ChildProcess;
 let browser: Browser;
 let page: Page;
 
-/** A free port of this machine. */
+/** Returns a free port of this machine. */
 async function free(): Promise<number> {
   const server = createServer();
   await new Promise<void>((done) => server.listen(0, "127.0.0.1", done));
@@ -41,7 +41,7 @@ async function free(): Promise<number> {
   return port;
 }
 
-/** Runs in the page before all else: keeps every WebGL context that is made. */
+/** Runs in the page before all other scripts: stores every WebGL context that is made. */
 function watch() {
   const made = Object.assign(window, { contexts: [] as WebGL2RenderingContext[] }).contexts;
   const get = HTMLCanvasElement.prototype.getContext as (this: HTMLCanvasElement, ...given: unknown[]) => unknown;
@@ -64,10 +64,10 @@ async function run(k: number) {
   await page.keyboard.press("Shift+Enter");
 }
 
-/** The output of the last cell for the view, in m. */
+/** Returns the points that the last cell prints for the view, in m. */
 async function received(): Promise<number[][]> {
   await run(2);
-  // A "*" stands at a running cell.
+  // JupyterLab shows "*" beside a running cell.
   await expect.poll(() => cell(2).locator(".jp-InputPrompt").innerText()).toMatch(/\d/);
   const [, points] = /points (\[\[.*\]\]) levels/.exec(await cell(2).locator(".jp-OutputArea").innerText())!;
   return JSON.parse(points);
@@ -90,7 +90,7 @@ beforeAll(async () => {
   await page.goto(url);
   await cell(2).waitFor({ timeout: 90_000 });
   await run(0);
-  // A cell that fails says why: without `make studio` the package has no view, and no point would ever come.
+  // Without `make studio` the package has no page, and the test would wait for points in vain: report the cell's error.
   const failed = cell(0).locator(".jp-OutputArea-output", { hasText: "Error" });
   await point(page, 2).or(failed).first().waitFor({ timeout: 90_000 });
   if (await failed.count()) throw new Error(await failed.first().innerText());

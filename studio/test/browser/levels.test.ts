@@ -1,4 +1,4 @@
-// The page's three levels, its drawer, a phone's sheet, the wiper, the tips on numbers, and the link that skips the bar.
+// The page's three levels, its drawer, the sheet on a phone, the wiper, the tips on numbers, and the link that skips the bar.
 import type { Locator, Page } from "playwright-core";
 import { expect, test } from "vitest";
 
@@ -61,7 +61,7 @@ test("on a phone the stage stays on top while the sheet of tabs below it scrolls
   await context.close();
 });
 
-/** Red, green and blue of a pixel of the screen. */
+/** Returns red, green and blue of a pixel of the screen. */
 async function pixel(page: Page, x: number, y: number): Promise<number[]> {
   const shot = [...(await page.screenshot({ clip: { x: Math.round(x), y: Math.round(y), width: 1, height: 1 } }))];
   return page.evaluate(async (shot) => {

@@ -1,4 +1,4 @@
-// A typed text is in links and in undo; a long link is whole on the exported sheet.
+// Links and undo contain a typed text; an exported sheet contains a long link completely.
 import { readFile } from "node:fs/promises";
 
 import type { Page } from "playwright-core";

@@ -1,5 +1,5 @@
-// How the gallery's scenes look, wide and on a phone: numbers cover neither rings nor one another, all that the 3-D view has is
-// inside of it, no text is cut, nothing overflows, and the canvas has the pixels that it was given.
+// Layout of the gallery's scenes, on a wide screen and on a phone: numbers cover neither rings nor each other, the 3-D view
+// contains all its parts, no text is cut, nothing overflows, and the canvas has the right number of pixels.
 import type { Page } from "playwright-core";
 import { expect, test } from "vitest";
 
@@ -9,7 +9,7 @@ import { visit } from "./site.ts";
 
 const open = shared();
 
-/** Visible faults, a line each. */
+/** Returns the visible faults, one line each. */
 const faults = (page: Page) =>
   page.evaluate(() => {
     const found: string[] = [];

@@ -1,4 +1,4 @@
-// Motion: both methods frame by frame, with the numbers of the frame; played, stopped, sought and filmed.
+// Motion: both methods frame by frame, with the frame's metrics; playing, stopping, seeking and recording.
 import { readFile } from "node:fs/promises";
 
 import type { Page } from "playwright-core";
@@ -49,7 +49,7 @@ test("at each frame B's numbers are those of its method at that frame's points, 
   const shown = await Promise.all(["Uniformity", "Weakest"].map(row));
   const angle = 2 * Math.PI * (60 / 250);
   const points = START.points.map(([x, y, z]): Vec3 => [x + 0.01 * Math.cos(angle), y + 0.01 * Math.sin(angle), z]);
-  // The rings are where the points are.
+  // The rings are at the points.
   const [left, top] = await page.evaluate((place) => window.midair!.project(place), points[0]);
   const ring = (await page.getByRole("button", { name: /^Point 1:/ }).boundingBox())!;
   expect(Math.hypot(ring.x + ring.width / 2 - left, ring.y + ring.height / 2 - top)).toBeLessThan(1);
@@ -57,7 +57,7 @@ test("at each frame B's numbers are those of its method at that frame's points, 
   await page.evaluate(() => window.midair!.settled());
   const there = await Promise.all(["Uniformity", "Weakest"].map(row));
   shown.forEach((cells, k) => expect(cells[1]).toBe(there[k][1]));
-  // Glide goes from frame to frame, greedy begins again.
+  // Glide continues from frame to frame; greedy starts anew.
   expect(shown[1][0]).toMatch(/Pa$/);
 });
 

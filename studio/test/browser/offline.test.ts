@@ -1,4 +1,4 @@
-// The page without a network, once it was loaded.
+// The page works without a network after it was loaded once.
 import { expect, test } from "vitest";
 
 import { shared } from "./setup.ts";

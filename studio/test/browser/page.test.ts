@@ -1,4 +1,4 @@
-// The page as a person uses it: drag, keys, undo, what is typed, motion.
+// The page as a person uses it: dragging, keys, undo, typed values, motion.
 import type { Page } from "playwright-core";
 import { beforeEach, expect, test } from "vitest";
 
@@ -141,7 +141,7 @@ test("solve times are those of the methods shown, warm", async () => {
   await expect.poll(async () => Number.isNaN((await times())[0]), { timeout: 20_000, interval: 20 }).toBe(true);
 });
 
-/** A machine that is busy with other work takes its time. */
+/** A time limit that a busy machine can meet. */
 const PATIENT = { timeout: 20_000 };
 
 test("eight letters are typed, drawn by Enter, and fit the slice", async () => {
@@ -161,7 +161,7 @@ test("a character without strokes of ours is traced from a font; one that no fon
   const field = page.getByRole("textbox", { name: "Letters" });
   await field.fill("Ω");
   await field.press("Enter");
-  // A bow that is open below, with two feet.
+  // The shape has an arc that is open at the bottom, and two feet.
   await expect.poll(async () => (await points()).some(([x, y]) => Math.abs(x) < 0.004 && y > 0.015), PATIENT).toBe(true);
   const all = await points();
   const [x, y] = [0, 1].map((axis) => all.map((at) => at[axis]));

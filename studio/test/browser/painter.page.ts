@@ -1,4 +1,4 @@
-/** The part of painter.test.ts that runs in the page: slices are painted and read back. */
+/** The part of painter.test.ts that runs in the page: it paints slices and reads their pixels. */
 
 import { createFlat } from "../../src/painter/canvas2d.ts";
 import { sampleAt } from "../../src/painter/lattice.ts";
@@ -22,7 +22,7 @@ function read(from: HTMLCanvasElement, x: number, y: number): number[] {
   return [...pen.getImageData(0, 0, 1, 1).data];
 }
 
-/** The greatest difference (of 255) of a painted slice from `colour(look, sample)` at 50 places a look. */
+/** Returns the greatest difference (of 255) between a painted slice and `colour(look, sample)`, at 50 places per look. */
 function worst(painter: Painter, on: HTMLCanvasElement): number {
   const positions = square(10);
   const lattice = plane(
@@ -75,7 +75,7 @@ export const checks = {
     on.remove();
     return most;
   },
-  /** Loses the context and gets it back; true if the slice is then as it was. */
+  /** Loses and restores the context; returns true if the slice then looks as before. */
   async restored(): Promise<boolean> {
     const on = canvas();
     const painter = createPainter(on)!;

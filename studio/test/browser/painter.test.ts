@@ -1,4 +1,4 @@
-// The painter alone: slices have the colours that the arithmetic of the maps gives, also after a lost context.
+// The painter alone: slices have the colours that maps.ts computes, also after a lost context.
 import { join } from "node:path";
 
 import type { Page } from "playwright-core";
@@ -25,7 +25,7 @@ beforeAll(async () => {
 const run = (name: keyof typeof checks): Promise<number | boolean> =>
   page.evaluate(async (name: string) => (window as unknown as { checks: Record<string, () => number> }).checks[name](), name);
 
-// A map's colour is a byte, and so is its place between two entries on some cards.
+// A map's colour is a byte; some cards also round the place between two entries to a byte.
 test.each(["webgl", "flat"] as const)("%s: slices are colour(look, sample)", async (name) => {
   expect(await run(name)).toBeLessThanOrEqual(8);
 });

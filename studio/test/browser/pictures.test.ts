@@ -1,4 +1,4 @@
-// The pictures' pixels: colours by map and scale, the wave's course, resolution; and where the camera looks.
+// Pixels of the pictures: colours by map and scale, the animated wave, resolution; and the direction of the camera.
 import type { Page } from "playwright-core";
 import { beforeEach, expect, test } from "vitest";
 
@@ -18,7 +18,7 @@ beforeEach(async () => {
 const points = () => page.evaluate(() => window.midair!.state().points as Vec3[]);
 const settled = () => page.evaluate(() => window.midair!.settled());
 
-/** The colour of the screen at a place, in CSS px. */
+/** Returns the colour of the screen at a place, in CSS px. */
 async function pixel(x: number, y: number): Promise<number[]> {
   const clip = { x: Math.floor(x), y: Math.floor(y), width: 1, height: 1 };
   const shot = [...(await page.screenshot({ clip, timeout: 150_000 }))];
@@ -41,7 +41,7 @@ test("what was painted coarsely in a drag is painted in full at rest, where the 
   await expect.poll(width).toBe(1440);
 });
 
-/** The pixels of the first three points on the slice, all of it B's, its field there, and the state. */
+/** Returns the pixels of the first three points on the slice while it shows only B, B's field there, and the state. */
 async function onSlice() {
   await page.getByLabel("Wiper between A and B").fill("0");
   const state = (await page.evaluate(() => window.midair!.state())) as unknown as Look & {
@@ -50,7 +50,7 @@ async function onSlice() {
   const { plane } = state;
   const box = (await page.getByRole("img", { name: /^Slice/ }).boundingBox())!;
   const metres = plane.size / box.width;
-  // A pixel's colour is that of its middle, up to half a pixel beside the point.
+  // A pixel shows the colour of its middle, which is up to half a pixel away from the point.
   const pixels = (await points()).slice(0, 3).map(([x, y]) => [
     Math.floor(box.x + box.width / 2 + (x - plane.center[0]) / metres) + 0.5,
     Math.floor(box.y + box.height / 2 - (y - plane.center[1]) / metres) + 0.5,
@@ -76,14 +76,14 @@ test.each(["linear", "squared", "decibel"] as const)("a point on a slice has the
   }
 });
 
-/** The button of a quantity that the slices can show. */
+/** Returns the button of a quantity that the slices can show. */
 const shows = (name: string) => page.getByRole("group", { name: "What the slices show" }).getByRole("button", { name, exact: true });
 
 test("at the points the wave follows the cosine of their phases, half a period a quarter of a second", async () => {
-  // Software paints running pictures at half the resolution: a narrow slice, so that a pixel is small nonetheless.
+  // Software renders animations at half the resolution: on a small slice a pixel is still small.
   await page.evaluate(() => window.midair!.set({ plane: { z: 0.18, size: 0.05, center: [0.032, 0.016] } }));
   await settled();
-  // The page's clock is the test's.
+  // The test replaces the page's clock.
   await page.evaluate(() => {
     const soon = window.requestAnimationFrame.bind(window);
     const clock = window as unknown as { instant: number };
@@ -95,7 +95,7 @@ test("at the points the wave follows the cosine of their phases, half a period a
   const { pixels, field, state: { top } } = await onSlice();
   for (const instant of [0, 125, 200, 250, 375, 1000]) {
     await page.evaluate((instant) => void Object.assign(window, { instant }), instant);
-    // The third point is beside the slice.
+    // The third point is not on the slice.
     for (const [k, [x, y]] of pixels.slice(0, 2).entries()) {
       const [re, im] = field[k];
       const now = (Math.hypot(re, im) / top) * Math.cos(Math.atan2(im, re) - (2 * Math.PI * instant) / 500);

@@ -1,4 +1,4 @@
-// A board through a port that the browser is given: silence first, frames while it plays, silence when the page is left.
+// A board at a simulated serial port: silence first, frames while it plays, silence when the page is left.
 import type { BrowserContext, Page } from "playwright-core";
 import { expect, test } from "vitest";
 
@@ -7,7 +7,10 @@ import { built, point, ready, serve, visit } from "./site.ts";
 
 const open = shared();
 
-/** A port in place of the browser's own; it remembers its bytes longer than the page lives. `led`: another page replaces this one meanwhile. */
+/**
+ * Replaces the browser's serial port. Its bytes are stored longer than the page exists. With `led`, another page opens this
+ * address meanwhile.
+ */
 async function withPort(page: Page, led = "") {
   await page.evaluate((led) => {
     localStorage.given = "[]";
@@ -20,7 +23,7 @@ async function withPort(page: Page, led = "") {
     };
     const requestPort = async () => {
       if (led) location.hash = led;
-      // The event of the new address comes while the person chooses.
+      // The event of the new address comes while the person chooses a port.
       await new Promise((done) => setTimeout(done, 300));
       return port;
     };
@@ -32,7 +35,7 @@ const given = (page: Page) => page.evaluate(() => JSON.parse(localStorage.given)
 const HERE = "#v=1&a=sonicsurface&p=0,0,150";
 const ELSEWHERE = "#v=1&a=sonicsurface&p=60,60,80";
 
-/** Connects a board and lets it play; its silence. */
+/** Connects a board and plays; returns its bytes of silence. */
 async function connected(page: Page): Promise<number[]> {
   await withPort(page);
   await page.getByRole("button", { name: /connect/i }).click();
@@ -79,7 +82,7 @@ test("an array that no serial board plays is rejected with a reason", async () =
   await context.close();
 });
 
-/** Leads a page that plays to another address. */
+/** Ways to lead a page that plays to another address. */
 const LEADING: [string, (context: BrowserContext) => Promise<[Page, () => Promise<unknown>]>][] = [
   [
     "by itself",

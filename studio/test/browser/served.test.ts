@@ -1,4 +1,4 @@
-// A board of `midair studio --on`: Python's own server and page, the drive that it plays, and rejected clients.
+// A board of `midair studio --on`: Python's own server and page, the drive that the board plays, and rejected clients.
 import { type ChildProcess, spawn } from "node:child_process";
 import { mkdtemp, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
@@ -13,7 +13,7 @@ import { point, serve, visit } from "./site.ts";
 const open = shared();
 const root = join(import.meta.dirname, "../../..");
 
-/** Serves a board that is not there, and prints its state and loudest transducer whenever that changes. */
+/** A program that serves a simulated board; it prints the state and the loudest transducer whenever they change. */
 const PROGRAM = `
 import contextlib, threading, time
 import numpy as np, midair
@@ -60,7 +60,7 @@ test("the page plays the board through Python, and it is off by Escape, blur, si
   await button.click();
   await expect.poll(state).toBe("playing");
   await expect.poll(() => button.innerText()).toBe("Playing: turn off");
-  // The board plays on for as long as the message is repeated.
+  // The board continues to play while the drive is sent again and again.
   await page.waitForTimeout(2500);
   expect(state()).toBe("playing");
   const before = states.at(-1);
@@ -101,7 +101,7 @@ test("a page that dies leaves silence within the second and a half", async () =>
 });
 
 test("a page of another origin cannot play it", async () => {
-  // A page whose own policy forbids nothing.
+  // A page without a policy of its own that would forbid the request.
   const folder = await mkdtemp(join(tmpdir(), "foreign-"));
   await writeFile(join(folder, "index.html"), "<!doctype html><title>foreign</title>");
   const foreign = await serve(folder, false);

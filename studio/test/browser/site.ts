@@ -1,4 +1,4 @@
-// The built site behind a strict server on loopback, and a browser that looks at it.
+// The built site behind a local server with a strict policy, and a browser that opens it.
 import { existsSync } from "node:fs";
 import { readFile } from "node:fs/promises";
 import { createServer } from "node:http";
@@ -30,7 +30,7 @@ const POLICY =
   "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' data: blob:; " +
   "connect-src 'self'; worker-src 'self' blob:; base-uri 'none'; form-action 'none'";
 
-/** Serves a folder, by a strict policy or none; the address, and how to end it. */
+/** Serves a folder, with the strict policy or none; returns the address, and a function that ends it. */
 export async function serve(folder: string, strict = true): Promise<{ url: string; close(): void }> {
   const server = createServer(async (request, answer) => {
     const name = normalize(new URL(request.url!, "http://x").pathname);
@@ -45,7 +45,7 @@ export async function serve(folder: string, strict = true): Promise<{ url: strin
   return { url: `http://127.0.0.1:${port}/`, close: () => server.close() };
 }
 
-/** A browser without a GPU; more switches may be given. */
+/** Starts a browser without a GPU, with further command-line switches. */
 export function launch(...switches: string[]): Promise<Browser> {
   const place = process.env.CHROMIUM ?? "/usr/bin/chromium";
   if (!existsSync(place)) throw new Error(`${place} is missing: install chromium, or set CHROMIUM to where one is`);
@@ -65,14 +65,14 @@ export function launch(...switches: string[]): Promise<Browser> {
   });
 }
 
-/** The built site and a browser that looks at it, until they are closed. */
+/** The served site and a browser, until they are closed. */
 export interface Open {
   browser: Browser;
   url: string;
   close(): Promise<void>;
 }
 
-/** Serves the built site and starts a browser; more switches may be given. */
+/** Serves the built site and starts a browser, with further command-line switches. */
 export async function start(...switches: string[]): Promise<Open> {
   const [site, browser] = [await serve(`${built}/site`), await launch(...switches)];
   return {
@@ -85,7 +85,7 @@ export async function start(...switches: string[]): Promise<Open> {
   };
 }
 
-/** All of the page, seven points on a ring of 40 mm and one in its middle, 180 mm above four AUTD3 boards. */
+/** A link with all controls, seven points on a ring of 40 mm radius and one in its middle, 180 mm above four AUTD3 boards. */
 export const EIGHT =
   "#v=1&h=engineer&a=autd3.2x2&m=uniform.naive&z=180,180&w=both&d=modulus&p=40,0,180_24.94,31.27,180_-8.9,39,180_-36.04,17.36,180_-36.04,-17.36,180_" +
   "-8.9,-39,180_24.94,-31.27,180_0,0,180";
@@ -99,9 +99,12 @@ export async function fromMenu(page: Page, name: string): Promise<void> {
   await page.getByRole("button", { name, exact: true }).click();
 }
 
-/** A page that is ready, with all of its requests and errors; `before` runs in it ahead of its own scripts. */
+/**
+ * Opens a page, waits until it is ready, and returns it with its requests and errors. `before` runs before the page's own
+ * scripts.
+ */
 export async function visit(browser: Browser, url: string, options: BrowserContextOptions = {}, before?: () => void) {
-  // A page without a link greets by a hand that drags a point, unless less motion is wanted.
+  // Reduced motion prevents the animated hand that a page without a link shows at first.
   const reducedMotion = url.includes("#") ? "no-preference" : "reduce";
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, locale: "en-GB", reducedMotion, ...options });
   if (before) await context.addInitScript(before);
@@ -120,16 +123,16 @@ export async function visit(browser: Browser, url: string, options: BrowserConte
   return { page, context, requests, complaints };
 }
 
-/** Waits for the first answers. */
+/** Waits for the first solutions. */
 export async function ready(page: Page): Promise<void> {
   await page.waitForFunction(() => window.midair?.state().ready, undefined, { timeout: 60_000 });
   await page.evaluate(() => window.midair!.settled());
 }
 
-/** The button of a point. */
+/** Returns the button of a point. */
 export const point = (page: Page, n: number) => page.getByRole("button", { name: new RegExp(`^Point ${n}:`) });
 
-/** Takes hold of a point with the mouse; where its middle is. */
+/** Presses the mouse on a point; returns the middle of its button. */
 export async function grab(page: Page, n: number): Promise<[number, number]> {
   await point(page, n).scrollIntoViewIfNeeded();
   const box = (await point(page, n).boundingBox())!;

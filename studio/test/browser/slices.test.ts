@@ -1,4 +1,4 @@
-// Upright slices in the page: handles, the choice of the slice, points that take it along, axes and the values under the pointer.
+// Upright slices in the page: handles, the choice of the slice, points that move it, axes, and the values at the pointer.
 import type { Page } from "playwright-core";
 import { beforeEach, expect, test } from "vitest";
 
@@ -56,7 +56,7 @@ test("the slice is chosen by its axes, three can be shown, and undo goes back", 
 test("a handle pushes its slice along its normal, by the pointer and by keys", async () => {
   await set({ view: "planes" });
   const before = (await state()).plane;
-  // The slices of the state before may still be seen.
+  // The slices of the last state may still be shown.
   await handle("x").waitFor();
   const box = (await handle("z").boundingBox())!;
   await page.mouse.move(box.x + 12, box.y + 12);
@@ -109,7 +109,7 @@ test("the values under the pointer are those of the core, on the slice and in sp
   expect(Number(shown) * (unit === "kPa" ? 1000 : 1)).toBeCloseTo(peak, -1);
   expect(Number(text.match(/([\d.]+) dB SPL/)![1])).toBeCloseTo(20 * Math.log10(peak / Math.SQRT2 / 20e-6), 1);
   expect(Number(text.match(/phase (\S+) rad/i)![1])).toBeCloseTo(Math.atan2(im, re), 1);
-  // |p|^2/(rho c^2) of air at 25 degrees C.
+  // |p|^2/(rho c^2) in air at 25 degrees C.
   expect(Number(text.match(/pressure ([\d.]+) Pa/)![1]) / (peak ** 2 / (1.184 * 346.1 ** 2))).toBeCloseTo(1, 1);
   await page.mouse.move(box.x - 40, box.y - 20);
   await expect.poll(() => readout.isVisible()).toBe(false);

@@ -1,4 +1,4 @@
-// A minute of dragging: no memory, element, texture or worker is left over.
+// After a minute of dragging, no memory, element, texture or worker is left over.
 import { expect, test } from "vitest";
 
 import { shared } from "./setup.ts";

@@ -1,4 +1,4 @@
-// The notebook's widget with a model in place of Jupyter's: two ways, and nothing left when its cell runs again.
+// The notebook widget with a simulated Jupyter model: both directions, and nothing remains when its cell runs again.
 import { cp, mkdtemp, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
