@@ -7,7 +7,7 @@ use numpy::{PyArray1, PyArray2, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::ctrl_c::attend;
-use crate::error::{invalid, warn};
+use crate::error::{invalid, warn, warn_all};
 use crate::getters::getters;
 use crate::give::{self, rows};
 use crate::limits;
@@ -214,7 +214,7 @@ getters! {
 /// Warns
 /// -----
 /// SceneWarning
-///     Of a given plane that contains no point.
+///     Of a given plane that contains no point, and of points that are far from the array.
 ///
 /// Notes
 /// -----
@@ -254,6 +254,10 @@ pub(crate) fn field<'py>(
         let better = inner.planes_around()[0].rounded();
         warn(py, &format!("no point lies in {plane}: leave it out, or give one through the points, {better}"))?;
     }
+    let doubt = match places.first() {
+        Some(Places::Points(points)) => inner.doubt_places(points, |k| format!("field points[{k}]")),
+        _ => None,
+    };
     let threads = limits::threads(py)?;
     let mut others = attend(py, None, |control| {
         let control = &mut control.on(threads);
@@ -266,6 +270,7 @@ pub(crate) fn field<'py>(
         };
         places.into_iter().map(&mut sample).collect::<Result<Vec<_>, _>>()
     })?;
+    warn_all(py, doubt)?;
     let picture = others.remove(0);
     Ok(Field { scene: scene.get().clone(), solution, picture, others })
 }

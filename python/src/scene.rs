@@ -236,6 +236,13 @@ impl Scene {
     }
 
     /// From its parts.
+    /// A warning of places (K, 3) in m that are so far from the array that their unit is probably wrong, or None.
+    fn _far(&self, name: &str, places: &Bound<'_, PyAny>) -> PyResult<Option<String>> {
+        let places = read::vectors(name, places)?;
+        let named = |k: usize| if places.len() == 1 { name.to_owned() } else { format!("{name}[{k}]") };
+        Ok(self.inner.doubt_places(&places, named).map(|doubt| doubt.to_string()))
+    }
+
     #[staticmethod]
     #[allow(clippy::too_many_arguments, reason = "as many as it has")]
     fn _restore(

@@ -151,3 +151,9 @@ def test_a_place_behind_every_transducer_is_a_warning() -> None:
     solution = midair.solve(midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15]]))
     with pytest.warns(midair.SceneWarning, match=r'places\["wall"\] is behind every transducer'):
         midair.exposure(solution, {"ear": [0, 0, 0.3], "wall": [[-0.02, 0, -0.3], [0.02, 0.01, -0.29]]})
+
+
+def test_places_without_a_drive_are_an_error_that_shows_the_call() -> None:
+    scene = midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15]])
+    with pytest.raises(midair.SceneError, match=r"give exposure\(scene, solution, places\)"):
+        midair.exposure(scene, {"ear": [0, 0, 0.3]})

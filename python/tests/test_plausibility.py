@@ -132,3 +132,19 @@ def test_a_kilometre_away_is_refused() -> None:
     apart = np.concatenate([ARRAY.positions, ARRAY.positions + np.array([0, 1e3, 0])])
     with pytest.raises(midair.SceneError, match=r"array.positions\[0\] is .*: bring it within"):
         midair.Scene(midair.Array(apart), POINTS)
+
+
+def test_places_of_results_in_millimetres_have_a_warning() -> None:
+    still = midair.Scene(ARRAY, [[0, 0, 0.1]])
+    solution = midair.solve(still)
+    moved = midair.sequence(ARRAY, midair.path.circle([0, 0, 0.1], 0.01, speed=0.5), rate=4e3)
+    calls: dict[str, Callable[[], object]] = {
+        "field points[1]": lambda: solution.field([[0, 0, 0.1], [0, 0, 100]]),
+        "place": lambda: moved.felt([0, 0, 100]),
+        'places["ear"]': lambda: midair.exposure(solution, {"ear": [0, 0, 100]}),
+    }
+    for item, call in calls.items():
+        with pytest.warns(midair.SceneWarning, match="give m .100 mm are 0.1 m.") as found:
+            call()
+        assert [str(warning.message).startswith(f"{item} is [0, 0, 100] m") for warning in found] == [True]
+        assert found[0].filename == __file__

@@ -230,6 +230,7 @@ def test_bad_requests_are_refused_in_a_line(board, given, reported):
     assert "\n" not in str(refused.value)
 
 
+@pytest.mark.filterwarnings("ignore:.*nearer than a quarter of the wavelength:midair.SceneWarning")
 def test_a_point_on_a_transducer_and_frames_of_other_sizes_are_named(board):
     through = np.array([[[0.005, 0.005, z]] for z in (2e-4, 1e-4, 0.0)])
     with pytest.raises(midair.SceneError, match=r"frames\[2\]"):

@@ -9,6 +9,7 @@ const JAPANESE: [RegExp, string][] = [
   [/point (\d+) is .* from transducer .*/, "点 $1 が振動子に近すぎます: 離してください"],
   [/point (\d+)\.position is .*where no sound is.*/, "点 $1 は障害物の中か裏です: 動かしてください"],
   [/point (\d+)\.position is .*behind every transducer.*/, "点 $1 はアレイの裏側です: 前に移してください"],
+  [/point (\d+)\.position is .*in the plane of the transducers.*/, "点 $1 はアレイと同じ平面にあります: 前に移してください"],
   [/point (\d+)\.position is .*(far beyond an array|bring it within).*/, "点 $1 はアレイから遠すぎます: 近づけてください"],
   [/point (\d+)\.pressure is .*at most (.*) there.*/, "点 $1 の音圧には届きません: アレイの最大は $2 です"],
   [/point (\d+)\.pressure is .* from point (\d+) with.*/, "点 $1 と点 $2 は近すぎて、音圧に差をつけられません: 同じ音圧にするか、離してください"],

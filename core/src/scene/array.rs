@@ -214,9 +214,20 @@ impl Array {
     /// Returns whether a point lies behind every transducer: in the half space that none of them looks into.
     #[must_use]
     pub fn is_behind(&self, point: [f64; 3]) -> bool {
-        let ahead =
-            |(place, normal): (&[f64; 3], &[f64; 3])| (0..3).map(|k| (point[k] - place[k]) * normal[k]).sum::<f64>();
-        self.positions.iter().zip(&*self.normals).all(|transducer| ahead(transducer) < 0.0)
+        self.heights(point).all(|height| height < 0.0)
+    }
+
+    /// Returns whether a point lies in front of a transducer.
+    pub(crate) fn is_in_front(&self, point: [f64; 3]) -> bool {
+        self.heights(point).any(|height| height > 0.0)
+    }
+
+    /// Distances of a point from the plane of each transducer in m, positive in front of it.
+    fn heights(&self, point: [f64; 3]) -> impl Iterator<Item = f64> {
+        let height = move |(place, normal): (&[f64; 3], &[f64; 3])| {
+            (0..3).map(|k| (point[k] - place[k]) * normal[k]).sum::<f64>()
+        };
+        self.positions.iter().zip(&*self.normals).map(height)
     }
 
     /// Unit normals (N, 3).

@@ -46,7 +46,7 @@ pub use origin::Origin;
 pub use part::{Part, PartKind, PartValue};
 pub use plane::{Axis, Plane};
 pub use plausibility::Doubt;
-pub(crate) use plausibility::{Vicinity, contrary, short};
+pub(crate) use plausibility::{Vicinity, beside, contrary, short};
 pub use request::Request;
 pub use signature::Signature;
 pub use start::Start;
@@ -229,10 +229,17 @@ impl Scene {
     #[must_use]
     pub fn own_doubts(&self) -> Vec<Doubt> {
         let mut doubts = Vec::new();
-        doubts.extend(Vicinity::of(&self.array).doubt(&self.points, |j| format!("points[{j}].position")));
+        let far = Vicinity::of(&self.array).doubt(&self.points, |j| format!("points[{j}].position"));
+        doubts.extend(far.or_else(|| beside(&self.array, self.medium, &self.points)));
         doubts.extend(contrary(self.medium, &self.points, &self.request));
         doubts.extend(self.plane.and_then(|plane| plane.doubt()));
         doubts
+    }
+
+    /// Returns a warning if a place in m is so far from the array that its unit is probably wrong; `name` names place k.
+    #[must_use]
+    pub fn doubt_places(&self, places: &[[f64; 3]], name: impl Fn(usize) -> String) -> Option<Doubt> {
+        Vicinity::of(&self.array).far(places, name)
     }
 
     /// The planes for pictures of this scene: its own plane, or [`Scene::planes_around`] if it has none.

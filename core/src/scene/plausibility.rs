@@ -162,13 +162,16 @@ fn of_speed(speed: f64, celsius: f64) -> (String, String) {
     (value, format!("air has 293 to 366 m/s, at -60 to 60 degrees C: {cure}"))
 }
 
+/// Returns whether the wavelength is plausible; distances cannot be judged by a doubtful one.
+fn is_sure(medium: Medium) -> bool {
+    FREQUENCY.contains(&medium.frequency) && TEMPERATURE.contains(&medium.temperature())
+}
+
 /// Returns a probable mistake in positions: neighbours too close or too far apart, or an array too large.
 fn extent(array: &Array, medium: Medium) -> Option<Doubt> {
     let places = array.positions();
     let wavelength = medium.wavelength();
-    // If the wavelength itself is in doubt, distances cannot be judged by it.
-    let sure = FREQUENCY.contains(&medium.frequency) && TEMPERATURE.contains(&medium.temperature());
-    if sure && places.len() > 1 {
+    if is_sure(medium) && places.len() > 1 {
         let usual = &(wavelength / 4.0..=wavelength * 3.0);
         let [close, far] = [*SPACING.start(), *SPACING.end()].map(|part| part * wavelength);
         let reported = |pair: Option<[usize; 2]>, length: f64, what: &str| {
@@ -214,24 +217,64 @@ impl Vicinity {
     /// Returns the first point outside of the box or, if all are inside, the first one behind every transducer. The text also
     /// gives the number of such points; `name` makes the name from the index.
     pub(crate) fn doubt(&self, points: &[[f64; 3]], name: impl Fn(usize) -> String) -> Option<Doubt> {
-        let outside = |point: &[f64; 3]| point.iter().zip(&self.bounds).any(|(x, [low, high])| x < low || x > high);
-        let first = |doubtful: &dyn Fn(&[f64; 3]) -> bool| {
-            let all =
-                points.iter().enumerate().filter(|(_, point)| point.iter().all(|x| x.is_finite()) && doubtful(point));
-            let indices: Vec<usize> = all.map(|(j, _)| j).collect();
-            let &j = indices.first()?;
-            let others = if indices.len() > 1 { format!(" (and {} more)", indices.len() - 1) } else { String::new() };
-            let [x, y, z] = points[j].map(short);
-            Some((j, format!("[{x}, {y}, {z}] m{others}")))
-        };
-        if let Some((j, value)) = first(&outside) {
-            let away = points[j].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-            let length = metres(away, &(0.01..=2.0));
-            return Some(doubt(name(j), value, format!("far beyond an array of {} m: {length}", short(self.size))));
+        if let Some(far) = self.far(points, &name) {
+            return Some(far);
         }
-        let (j, value) = first(&|point| self.array.is_behind(*point))?;
+        let (j, value) = first(points, |point| self.array.is_behind(point))?;
         Some(doubt(name(j), value, "behind every transducer, where a board sends no sound: give a point in front"))
     }
+
+    /// Returns the first point outside of the box, and the number of such points.
+    pub(crate) fn far(&self, points: &[[f64; 3]], name: impl Fn(usize) -> String) -> Option<Doubt> {
+        let outside = |point: [f64; 3]| point.iter().zip(&self.bounds).any(|(x, [low, high])| x < low || x > high);
+        let (j, value) = first(points, outside)?;
+        let away = points[j].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let length = metres(away, &(0.01..=2.0));
+        Some(doubt(name(j), value, format!("far beyond an array of {} m: {length}", short(self.size))))
+    }
+}
+
+/// Returns the index of the first doubtful point, and a text of its coordinates and of the number of further such points.
+fn first(points: &[[f64; 3]], doubtful: impl Fn([f64; 3]) -> bool) -> Option<(usize, String)> {
+    let finite = |point: [f64; 3]| point.iter().all(|x| x.is_finite());
+    let mut found = (0..points.len()).filter(|&j| finite(points[j]) && doubtful(points[j]));
+    let j = found.next()?;
+    let [x, y, z] = points[j].map(short);
+    let others = match found.count() {
+        0 => String::new(),
+        more => format!(" (and {more} more)"),
+    };
+    Some((j, format!("[{x}, {y}, {z}] m{others}")))
+}
+
+/// Returns the first point that is too near to a transducer, or that is in front of no transducer.
+///
+/// Within a quarter of the wavelength the model of a point source is wrong. A point within a hundredth of the wavelength is an
+/// error, reported elsewhere.
+pub(crate) fn beside(array: &Array, medium: Medium, points: &[[f64; 3]]) -> Option<Doubt> {
+    let [error, within] = [100.0, 4.0].map(|part| medium.wavelength() / part);
+    let bounds = array.bounds();
+    let close = |(x, [low, high]): (&f64, &[f64; 2])| (low - within..=high + within).contains(x);
+    let found = |point: &[f64; 3]| {
+        let apart = |i: &usize| distance(array.positions()[*i], *point);
+        let inside = is_sure(medium) && point.iter().zip(&bounds).all(close);
+        let nearest = if inside { (0..array.len()).min_by(|i, k| apart(i).total_cmp(&apart(k))) } else { None };
+        match nearest.map(|i| (i, apart(&i))) {
+            Some((_, length)) if length < error => None,
+            Some((i, length)) if length < within => Some((
+                format!(", {} m from transducer {i}", short(length)),
+                "nearer than a quarter of the wavelength a transducer is no point source: give a point farther away",
+            )),
+            _ if array.is_in_front(*point) => None,
+            _ => Some((
+                String::new(),
+                "in the plane of the transducers, where a board sends no sound: give a point in front",
+            )),
+        }
+    };
+    let (j, (value, cure)) = points.iter().enumerate().find_map(|(j, point)| Some((j, found(point)?)))?;
+    let [x, y, z] = points[j].map(short);
+    Some(doubt(format!("points[{j}].position"), format!("[{x}, {y}, {z}] m{value}"), cure))
 }
 
 /// Returns two points that are too close for their different pressures: over a distance d, the pressure of a wave changes by at

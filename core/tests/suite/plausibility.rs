@@ -188,4 +188,15 @@ fn points_behind_every_transducer_are_doubted() {
     let heights: Vec<f64> = preset("openmpd_pair").positions().iter().map(|place| place[2]).collect();
     let middle = heights.iter().sum::<f64>() / heights.len() as f64;
     assert!(behind("openmpd_pair", [0.0, 0.0, middle]).is_empty());
+    // A board sends no sound along its own plane.
+    let text = &behind("autd3", [0.3, 0.0, 0.0])[0];
+    assert!(text.starts_with("points[0].position is [0.3, 0, 0] m: in the plane of the transducers"), "{text}");
+}
+
+#[test]
+fn points_beside_a_transducer_are_doubted() {
+    let near = |x, z| reported(Array::grid(2, 2, 10e-3).unwrap(), Medium::default(), vec![[x, 5e-3, z]], None);
+    let text = "points[0].position is [0.005, 0.005, 0.002] m, 0.002 m from transducer 3: nearer than a quarter";
+    assert!(near(5e-3, 2e-3)[0].starts_with(text), "{:?}", near(5e-3, 2e-3));
+    assert!(near(0.0, 2e-3).is_empty() && near(5e-3, 3e-3).is_empty());
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
@@ -10,7 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Scene, SceneError, Solution, about, field
+from .._midair import Scene, SceneError, SceneWarning, Solution, about, field
 from .._motion import Sequence
 from .._motion.propagation import rows
 from .._points.ear import REFERENCE, Ear
@@ -313,6 +314,11 @@ def exposure(
     """
     if isinstance(scene, Sequence):
         scene, drive, places = scene.scene(0), scene, drive if places is None else places
+    elif isinstance(scene, Scene) and drive is not None and places is None:
+        raise SceneError(
+            "places is None: a scene alone has no drive, give exposure(scene, solution, places)"
+            " or exposure(solution, places)"
+        )
     else:
         scene, drive, places = about(scene, drive, places)
     named = limit_of(scene, limit)
@@ -325,6 +331,8 @@ def exposure(
     found = []
     for name, (low, high) in boxes.items():
         place = low
+        if far := scene._far(f'places["{name}"]', high[None]):
+            warn(far)
         _keep_off(scene, name, low, high)
         if all(scene.array._is_behind(corner) for corner in product(*zip(low, high, strict=True))):
             why = "behind every transducer, where the model has no sound that leaks: give a place in front"
@@ -378,7 +386,11 @@ def _of_one(scene: Scene, drive: ArrayLike | Solution) -> Blocks:
     """Return a function that yields |p| (P, 1) of one drive."""
 
     def blocks(points: Points) -> Iterator[NDArray[np.float64]]:
-        yield np.abs(field(scene, drive, points).pressure)[:, None].astype(np.float64)
+        with warnings.catch_warnings():
+            # `exposure` has warned of far places by their names.
+            warnings.simplefilter("ignore", SceneWarning)
+            pressure = field(scene, drive, points).pressure
+        yield np.abs(pressure)[:, None].astype(np.float64)
 
     return blocks
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Field, Plane, Scene, field
 from .._support import text
-from .._support.arguments import number
+from .._support.arguments import number, warn
 from . import arguments
 from .drives import blocks
 from .envelope import Envelope, Hold
@@ -330,6 +330,8 @@ class JudgedFrames(Frames):
         of the force of full amplitude as its static part, sqrt((1 + cos)/2) has 1/2 and one line.
         """
         places = arguments.places(place)
+        if far := self._scene._far("place", places):
+            warn(far)
         size = None if area is None else number("area", area, above=0)
         read = arguments.bands(bands)
         values = np.concatenate(

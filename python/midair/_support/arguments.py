@@ -11,6 +11,7 @@ import warnings
 from contextlib import suppress
 from os import PathLike
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 import numpy as np
@@ -31,9 +32,14 @@ def refused(item: str, value: Any, cure: str) -> SceneError:
 def warn(text: str) -> None:
     """Warns by a SceneWarning, at the line that called the package."""
     level, frame = 1, sys._getframe()
-    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "midair":
+    while frame.f_back is not None and _is_inside(frame):
         level, frame = level + 1, frame.f_back
     warnings.warn(text, SceneWarning, stacklevel=level)
+
+
+def _is_inside(frame: FrameType) -> bool:
+    """Returns whether a frame is of the package, or of a decorator of NumPy around one of its functions."""
+    return frame.f_globals.get("__name__", "").partition(".")[0] in ("midair", "numpy")
 
 
 def shown(value: Any) -> str:
