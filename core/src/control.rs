@@ -1,4 +1,4 @@
-//! Control of a running computation: progress, stop request, trace of the residual, threads and memory.
+//! Control of a running computation: progress, stop, trace of the residual, threads and memory.
 
 use alloc::vec::Vec;
 use core::fmt;
@@ -8,18 +8,18 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use crate::error::Error;
 use crate::threads::Threads;
 
-/// The progress of a solve.
+/// How far a solve has progressed.
 #[derive(Clone, Copy)]
 pub struct Progress<'a> {
-    /// Steps done.
+    /// The number of steps done.
     pub step: usize,
-    /// Steps in all.
+    /// The number of all steps.
     pub steps: usize,
     residual: &'a dyn Fn() -> f64,
 }
 
 impl Progress<'_> {
-    /// The residual so far (see [`crate::Metrics`]); computed only on request.
+    /// The residual so far (see [`crate::Metrics`]). It is computed when this function is called.
     #[must_use]
     pub fn residual(&self) -> f64 {
         (self.residual)()
@@ -32,12 +32,12 @@ impl fmt::Debug for Progress<'_> {
     }
 }
 
-/// Observer of a computation. A closure of [`Progress`] is called after every step.
+/// An observer of a computation. A closure that takes a [`Progress`] is one, called after every step.
 pub trait Observe {
-    /// Called after every step.
+    /// Called after every step. `Break` stops the computation.
     fn step(&mut self, progress: Progress<'_>) -> ControlFlow<()>;
 
-    /// Called within long steps, many times a second: is it to go on?
+    /// Called many times per second within long steps. `Break` stops the computation.
     fn pulse(&mut self) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
@@ -49,17 +49,17 @@ impl<F: FnMut(Progress<'_>) -> ControlFlow<()>> Observe for F {
     }
 }
 
-/// Bytes that a computation may take at once by default.
+/// The default limit on the memory of one computation, in bytes.
 const MEMORY: u64 = 8_000_000_000;
 
-/// One pulse of this many is passed on: a row of G takes but ten times as long as asking does.
+/// Only one pulse in this many is passed on, because a row of G takes only ten times as long as the call.
 const PULSES: u32 = 8;
 
-/// Fewer bytes than this are taken without a check.
+/// Up to this many bytes are allowed without a test of the free memory.
 const SMALL: u64 = 1 << 26;
 
-/// The caller's control over a running computation: a function that is called once a step and answers go or stop; and
-/// the allowed threads and memory.
+/// The caller's control over a running computation: an observer, which is called after each step and may stop it, and the
+/// allowed threads and memory.
 ///
 /// ```
 /// use core::ops::ControlFlow;
@@ -77,10 +77,10 @@ const SMALL: u64 = 1 << 26;
 /// ```
 pub struct Control<'a> {
     observer: Option<&'a mut (dyn Observe + 'a)>,
-    /// Whether steps are reported in addition to pulses.
+    /// Whether steps are passed on to the observer, in addition to pulses.
     reported: bool,
     stop: Option<&'a AtomicBool>,
-    /// Whether a stop was noticed: the final work is not interrupted again.
+    /// Whether a stop was noticed. The final work after it is not interrupted again.
     received: bool,
     pulses: u32,
     trace: Option<Vec<f64>>,
@@ -105,53 +105,53 @@ impl Default for Control<'_> {
 }
 
 impl<'a> Control<'a> {
-    /// Without an observer.
+    /// Returns a control without an observer.
     #[must_use]
     pub fn none() -> Self {
         Self::default()
     }
 
-    /// `observer` is called after every step.
+    /// Returns a control whose `observer` is called after every step.
     pub fn watched(observer: &'a mut (dyn Observe + 'a)) -> Self {
         Self { observer: Some(observer), ..Self::default() }
     }
 
-    /// Also keeps the residual after every step.
+    /// Also stores the residual after every step.
     #[must_use]
     pub fn traced(mut self) -> Self {
         self.trace = Some(Vec::new());
         self
     }
 
-    /// The threads that share work.
+    /// Sets the threads that share the work.
     #[must_use]
     pub fn on(mut self, threads: Threads) -> Self {
         self.threads = threads;
         self
     }
 
-    /// Rejects requests for more than this many bytes at once; 8 GB by default.
+    /// Sets the limit on memory in bytes, 8 GB by default. A computation that needs more is an error.
     #[must_use]
     pub fn with_memory(mut self, bytes: u64) -> Self {
         self.memory = bytes;
         self
     }
 
-    /// The residuals kept, one a step.
+    /// The stored residuals, one for each step; `None` without [`Control::traced`].
     #[must_use]
     pub fn into_trace(self) -> Option<Vec<f64>> {
         self.trace
     }
 
-    /// Replaces the last residual kept: for a method whose steps know only an estimate, once its answer is made.
+    /// Replaces the last stored residual. A method whose steps estimate the residual calls this when its solution is complete.
     pub fn correct(&mut self, residual: impl Fn() -> f64) {
         if let Some(last) = self.trace.as_mut().and_then(|trace| trace.last_mut()) {
             *last = residual();
         }
     }
 
-    /// Called by a solver after step `step` of `steps` (counted from 1); `residual` is computed only if the caller
-    /// needs it. `Break` asks the solver to end with what it has.
+    /// Solvers call this after step `step` of `steps`, counted from 1. `residual` is computed only if the caller needs it.
+    /// After `Break` the solver must end with its best result so far.
     pub fn step(&mut self, step: usize, steps: usize, residual: impl Fn() -> f64) -> ControlFlow<()> {
         if let Some(trace) = &mut self.trace {
             trace.push(residual());
@@ -164,10 +164,10 @@ impl<'a> Control<'a> {
         answer
     }
 
-    /// A call within a long step: once a row or so, many times a millisecond.
+    /// Solvers call this within a long step, about once for each row of G, many times per millisecond.
     ///
     /// # Errors
-    /// [`Error::Stopped`] once, if it is not to go on: a solver ends with the best it has, if it has anything.
+    /// [`Error::Stopped`] once, if the caller stops. A solver then ends with its best result so far, if it has any.
     #[inline]
     pub fn pulse(&mut self) -> Result<(), Error> {
         self.pulses = self.pulses.wrapping_add(1);
@@ -177,7 +177,7 @@ impl<'a> Control<'a> {
         self.beat()
     }
 
-    /// A pulse that is passed on.
+    /// Passes a pulse on.
     #[inline(never)]
     fn beat(&mut self) -> Result<(), Error> {
         self.received = self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
@@ -185,10 +185,10 @@ impl<'a> Control<'a> {
         if self.received { Err(Error::Stopped) } else { Ok(()) }
     }
 
-    /// Requests memory before it is taken: `bytes` for `what`, of N transducers and M points.
+    /// Checks that `bytes` of memory can be allocated. `what` names the purpose for N transducers and M points.
     ///
     /// # Errors
-    /// [`Error::Memory`] above the limit, or if they cannot be had.
+    /// [`Error::Memory`] if this exceeds the limit or the free memory.
     pub fn room(&self, what: &str, [transducers, points]: [usize; 2], bytes: u64) -> Result<(), Error> {
         let spare = || Vec::<u8>::new().try_reserve_exact(usize::try_from(bytes).unwrap_or(usize::MAX)).is_ok();
         if bytes <= SMALL.min(self.memory) || (bytes <= self.memory && spare()) {
@@ -197,12 +197,12 @@ impl<'a> Control<'a> {
         Err(Error::Memory { what: what.into(), transducers, points, bytes, limit: self.memory })
     }
 
-    /// The number of parts that [`Control::each`] does at once.
+    /// The number of parts that [`Control::each`] runs at the same time.
     pub(crate) fn threads(&self) -> usize {
         self.threads.count()
     }
 
-    /// The control of a part of the work: pulses pass through, steps do not.
+    /// Returns the control for a part of the work, which passes pulses on, but no steps.
     pub(crate) fn part(&mut self) -> Control<'_> {
         Control {
             observer: self.observer.as_mut().map(|observer| &mut **observer as &mut dyn Observe),
@@ -213,7 +213,8 @@ impl<'a> Control<'a> {
         }
     }
 
-    /// Every part in the hands of `run`, over all threads, while this one listens; the first error by index.
+    /// Calls `run` for every part, on all threads. This thread waits for a stop. Returns the error of the first part that has
+    /// one.
     pub(crate) fn each<T: Send>(
         &mut self,
         parts: Vec<T>,
@@ -234,7 +235,7 @@ impl fmt::Debug for Control<'_> {
     }
 }
 
-/// Bytes of this many numbers of `size` bytes, `sides` multiplied.
+/// The bytes of a list of numbers with `size` bytes each; its length is the product of `sides`.
 pub(crate) fn bytes(size: usize, sides: &[usize]) -> u64 {
     sides.iter().fold(size as u64, |product, &side| product.saturating_mul(side as u64))
 }

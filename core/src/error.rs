@@ -1,4 +1,4 @@
-//! Errors: one line that names the item, its value and the cure.
+//! Errors: each is one line that names the item, its value and the cure.
 
 use alloc::boxed::Box;
 use alloc::format;
@@ -6,30 +6,30 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt::Display;
 
-/// A request that cannot be answered. The text of each is one line for a person.
+/// A request that cannot be fulfilled. Its text is one line for users.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A value that cannot be meant.
+    /// An invalid value.
     #[error("{item} is {value}: {cure}")]
     Invalid {
-        /// The item, as in the scene file: `points[3].pressure`.
+        /// The name of the value, as in a scene file: `points[3].pressure`.
         item: String,
-        /// The value found.
+        /// The value itself.
         value: String,
-        /// The cure.
+        /// How to correct it.
         cure: String,
     },
     /// An unknown name.
     #[error("unknown {kind} \"{name}\": {hint}known are {known}")]
     Unknown {
-        /// The kind of name that is wrong: `solver`, `preset`, `option of greedy`.
+        /// The kind of the name: `solver`, `preset`, `option of greedy`.
         kind: String,
-        /// The name given.
+        /// The unknown name.
         name: String,
-        /// A suggestion that ends in a blank, or an empty text if no known name is near.
+        /// A suggestion that ends in a space, or an empty text if no known name is similar.
         hint: String,
-        /// The names that would have done, separated by commas.
+        /// The known names, separated by commas.
         known: String,
     },
     /// A point closer to a transducer than a hundredth of the wavelength, where 1/r has no meaning.
@@ -51,58 +51,58 @@ pub enum Error {
     Unreached {
         /// Index of the point.
         point: usize,
-        /// The cure.
+        /// How to correct it.
         cure: &'static str,
     },
-    /// One problem of a batch that cannot be answered.
+    /// A problem of a batch that cannot be solved.
     #[error("problems[{index}]: {error}")]
     InBatch {
-        /// Which one.
+        /// Index of the problem.
         index: usize,
-        /// Why.
+        /// Its error.
         error: Box<Error>,
     },
-    /// One frame of a sequence that cannot be answered.
+    /// A frame of a sequence that cannot be solved.
     #[error("frames[{index}]: {error}")]
     InFrame {
-        /// Which one.
+        /// Index of the frame.
         index: usize,
-        /// Why.
+        /// Its error.
         error: Box<Error>,
     },
-    /// More memory than allowed, or than the machine has.
+    /// More memory than the limit, or than the machine has.
     #[error(
         "{what} of N = {transducers} transducers and M = {points} points needs {:.3} GB, the limit is {:.3} GB: give fewer points or transducers, a method without it, or a higher limit",
         *bytes as f64 * 1e-9,
         *limit as f64 * 1e-9
     )]
     Memory {
-        /// Its purpose.
+        /// What the memory is for.
         what: String,
-        /// N.
+        /// The number of transducers N.
         transducers: usize,
-        /// M.
+        /// The number of points M.
         points: usize,
-        /// Bytes wanted.
+        /// The bytes that are needed.
         bytes: u64,
-        /// Bytes allowed.
+        /// The limit in bytes.
         limit: u64,
     },
-    /// The caller requested a stop before there was an answer.
+    /// The caller requested a stop before there was a result.
     #[error("stopped before there was an answer")]
     Stopped,
-    /// A scene file, or one that it names, that cannot be read as one.
+    /// A scene file, or a file that it names, that cannot be read.
     #[error("{place}: {reason}")]
     File {
-        /// Its name, and the line and column where they are known.
+        /// The name of the file, with line and column if they are known.
         place: String,
-        /// The fault there and its cure.
+        /// The error there and how to correct it.
         reason: String,
     },
 }
 
 impl Error {
-    /// An [`Error::Invalid`].
+    /// Returns an [`Error::Invalid`].
     pub fn invalid(item: impl Into<String>, value: impl Display, cure: impl Into<String>) -> Self {
         Self::of_value(&item.into(), &value, cure.into())
     }
@@ -111,19 +111,19 @@ impl Error {
         Self::Invalid { item: one_line(item), value: one_line(&value.to_string()), cure }
     }
 
-    /// An answer that f32 has lost.
+    /// The error for a result that is not finite, because numbers exceeded the range of f32.
     pub(crate) fn lost() -> Self {
         let cure = "G and the pressures span too many orders of magnitude for this solver: \
                     leave out the points it hardly reaches (weight 0), or choose another";
         Self::invalid("drive", "not finite", cure)
     }
 
-    /// Points for a given G, which has its own points.
+    /// The error for points beside a user's own G, which belongs to fixed points.
     pub(crate) fn given_points() -> Self {
         Self::invalid("points", "given", "a matrix of your own belongs to its points: leave them out")
     }
 
-    /// An [`Error::Unknown`] that lists the names known.
+    /// Returns an [`Error::Unknown`] that lists the known names.
     pub fn unknown<'a>(
         kind: impl Into<String>,
         name: impl Into<String>,
@@ -138,10 +138,10 @@ impl Error {
     }
 }
 
-/// Characters kept of the beginning and the end of a text too long to be read.
+/// How many characters of the beginning and of the end are kept if a text is too long.
 const KEPT: [usize; 2] = [240, 160];
 
-/// Text on one line, whatever a user typed: without its middle, where that would fill a page.
+/// Returns a text on one line, without its middle if it is very long.
 pub(crate) fn one_line(text: &str) -> String {
     let words = text.split(|c: char| c.is_whitespace() || c.is_control()).filter(|word| !word.is_empty());
     let line = words.collect::<Vec<_>>().join(" ");
@@ -154,18 +154,18 @@ pub(crate) fn one_line(text: &str) -> String {
     format!("{head}...{}", &line[skipped..])
 }
 
-/// The letters of a name that tell it from others: case, "-" and "_" do not.
+/// The letters of a name that are compared, in lower case; "-" and "_" are ignored.
 fn letters(name: &str) -> impl Iterator<Item = char> {
     name.chars().filter(|letter| !matches!(letter, '-' | '_')).map(|letter| letter.to_ascii_lowercase())
 }
 
-/// Whether two names differ at most in case, "-" and "_".
+/// Whether two names are the same except for case, "-" and "_".
 #[must_use]
 pub fn same_name(a: &str, b: &str) -> bool {
     letters(a).eq(letters(b))
 }
 
-/// Names in other packages, and the names here.
+/// Names in other packages, each with the name that midair has for it.
 const ELSEWHERE: [(&str, &str); 11] = [
     ("method", "solver"),
     ("algorithm", "solver"),
@@ -180,8 +180,8 @@ const ELSEWHERE: [(&str, &str); 11] = [
     ("px", "pixels"),
 ];
 
-/// The known name that a mistyped one probably means: one with at most a third of its letters different, one that
-/// begins with it, or the name in other packages.
+/// Returns the known name that a mistyped name probably means. Either at most a third of the letters are different, or the
+/// known name begins with the typed one, or other packages use the typed name.
 pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     let called_so = |ours: &str| ELSEWHERE.iter().any(|(theirs, other)| *other == ours && same_name(theirs, name));
     if let Some(ours) = known.iter().find(|ours| called_so(ours)) {
@@ -196,7 +196,7 @@ pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     (least <= ((typed.len() + 1) / 3).max(1)).then_some(near)
 }
 
-/// Letters to insert, remove, replace or swap with their neighbour (optimal string alignment distance).
+/// The number of letters to insert, remove, replace or swap with their neighbour (optimal string alignment distance).
 fn edits(a: &[char], b: &[char]) -> usize {
     let mut rows: Vec<Vec<usize>> = (0..=a.len()).map(|i| (0..=b.len()).map(|j| i.max(j)).collect()).collect();
     for i in 1..=a.len() {
@@ -211,13 +211,13 @@ fn edits(a: &[char], b: &[char]) -> usize {
     rows[a.len()][b.len()]
 }
 
-/// The entry of a list that has this name, whatever its case, "-" and "_".
+/// Returns the entry with this name from a list; case, "-" and "_" do not matter.
 pub(crate) fn find<'a, T>(kind: &str, name: &str, list: &'a [T], of: impl Fn(&T) -> &str) -> Result<&'a T, Error> {
     let found = list.iter().find(|entry| same_name(of(entry), name));
     found.ok_or_else(|| Error::unknown(kind, name, list.iter().map(of)))
 }
 
-/// Refuses a list of `found` entries where `count` are needed, one for each of `owners`.
+/// Checks that there are `count` entries, one for each of `owners`; `found` is their number.
 pub(crate) fn one_each(item: &str, found: usize, entries: &str, count: usize, owners: &str) -> Result<(), Error> {
     if found == count {
         return Ok(());
@@ -225,7 +225,7 @@ pub(crate) fn one_each(item: &str, found: usize, entries: &str, count: usize, ow
     Err(Error::invalid(item, format!("{found} {entries}"), format!("give one for each of the {count} {owners}")))
 }
 
-/// `value` if it is finite and at least `least` (or above it when `strict`), else an error naming `item`.
+/// Returns `value` if it is finite and at least `least` (above it if `strict`); else an error that names `item`.
 pub(crate) fn real(item: &str, value: f64, least: f64, strict: bool) -> Result<f64, Error> {
     if !value.is_finite() {
         return Err(Error::invalid(item, format_args!("{value:?}"), "give a finite number"));

@@ -38,7 +38,7 @@
 #![cfg_attr(not(feature = "std"), no_std)]
 
 extern crate alloc;
-// A solver reads the same here and in a crate of its own (docs/extending.md).
+// This name lets solvers in this crate be written exactly as in a crate of your own (docs/extending.md).
 extern crate self as midair;
 
 // Only `kernels::simd` may contain unsafe code.

@@ -1,8 +1,8 @@
 //! Elementary functions with the same bits on every platform.
 //!
-//! A platform's own `sin` or `exp` may differ in the last bit from another's, and one such bit can
-//! decide a tie of the greedy search; so the pure-Rust `libm` is used with and without `std`. Square roots are
-//! exact by IEEE 754 and come from the hardware where `std` gives access to it.
+//! The `sin` or `exp` of two platforms may differ in the last bit, and one such bit can decide between two equally good choices
+//! of the greedy search. Therefore the pure-Rust `libm` is used, with and without `std`. Square roots are exact by IEEE 754,
+//! and come from the hardware if `std` is available.
 
 use num_complex::{Complex32, Complex64};
 
@@ -19,12 +19,12 @@ pub(crate) fn sqrt(x: f64) -> f64 {
     return libm::sqrt(x);
 }
 
-/// e^{j phase} of a phase in rad.
+/// e^{j phase} for a phase in rad.
 pub(crate) fn phasor(phase: f64) -> Complex64 {
     Complex64::new(cos(phase), sin(phase))
 }
 
-/// |z| in double precision: of single precision squares are exact, and neither over- nor underflow.
+/// The modulus |z|, computed in double precision, where the squares of f32 are exact and cannot overflow or underflow.
 #[inline(always)]
 pub(crate) fn modulus(z: Complex32) -> f64 {
     let (re, im) = (f64::from(z.re), f64::from(z.im));
@@ -43,9 +43,9 @@ pub(crate) fn phase(z: Complex32) -> f64 {
     if positive < TAU { positive.abs() } else { 0.0 }
 }
 
-/// z/|z| of z = re + j im; 1 where it is 0.
+/// z/|z| for z = re + j im; 1 if z is 0.
 pub(crate) fn unit(re: f32, im: f32) -> (f32, f32) {
-    /// Smaller squares have fewer digits.
+    /// Smaller squares lose digits; such numbers are scaled up first.
     const LEAST: f32 = 1e-30;
     const UP: f32 = (1_u64 << 60) as f32;
     let square = re * re + im * im;
@@ -56,7 +56,7 @@ pub(crate) fn unit(re: f32, im: f32) -> (f32, f32) {
     if modulus > 0.0 { (re / modulus, im / modulus) } else { (1.0, 0.0) }
 }
 
-/// Square root in single precision, vectorised by the compiler where `std` is there.
+/// Square root in single precision; with `std` the compiler can vectorise it.
 #[inline(always)]
 pub(crate) fn sqrtf(x: f32) -> f32 {
     #[cfg(feature = "std")]

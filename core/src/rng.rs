@@ -1,8 +1,8 @@
 //! SplitMix64, the seeded generator behind every random choice.
 //!
-//! `SplitMix64` (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014):
-//! eight bytes of state, no bad seeds, the same numbers on every platform. A seed is part of a result, so
-//! changing this file is a breaking change; `golden/` and a test of its first values pin it.
+//! `SplitMix64` (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014) has eight bytes of
+//! state, no bad seeds, and the same numbers on every platform. Results depend on the seed, so a change of this file is a
+//! breaking change. `golden/` and a test of the first values detect it.
 
 /// A `SplitMix64` generator.
 ///
@@ -18,13 +18,13 @@
 pub struct Rng(u64);
 
 impl Rng {
-    /// A generator that is a function of `seed` alone.
+    /// Returns a generator that depends only on `seed`.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self(seed)
     }
 
-    /// The next 64 random bits.
+    /// Returns the next 64 random bits.
     pub fn next_u64(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
@@ -33,24 +33,24 @@ impl Rng {
         z ^ (z >> 31)
     }
 
-    /// A number in `0..bound`, by the high half of a 128-bit product (a bias of at most `bound` in 2^64).
+    /// Returns a number in `0..bound`: the high half of a 128-bit product. The bias is at most `bound` in 2^64.
     pub fn below(&mut self, bound: u64) -> u64 {
         ((u128::from(self.next_u64()) * u128::from(bound)) >> 64) as u64
     }
 
-    /// A number in [0, 1) with 53 random bits.
+    /// Returns a number in [0, 1) with 53 random bits.
     pub fn uniform(&mut self) -> f64 {
         (self.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Shuffles `items` (Fisher and Yates, from the last to the second).
+    /// Shuffles `items` (Fisher and Yates, from the last item to the second).
     pub fn shuffle<T>(&mut self, items: &mut [T]) {
         for last in (1..items.len()).rev() {
             items.swap(last, self.below(last as u64 + 1) as usize);
         }
     }
 
-    /// A random order of `0..count`.
+    /// Returns the numbers `0..count` in random order.
     #[must_use]
     pub fn permutation(&mut self, count: u32) -> alloc::vec::Vec<u32> {
         let mut order: alloc::vec::Vec<u32> = (0..count).collect();

@@ -1,7 +1,7 @@
-//! Threads: parts of one task over several threads, while the calling thread checks for signals.
+//! Threads: runs the parts of a task on several threads, while the calling thread checks whether to stop.
 //!
-//! With the feature `parallel` they are those of a pool of rayon's. With `std` alone they are made for the work and end with
-//! it, and there is one unless more are wanted.
+//! With the feature `parallel` the threads are those of a rayon pool. With `std` alone, they are created for the task and end
+//! with it; then only one thread is used unless more are requested.
 
 use alloc::vec::Vec;
 use core::sync::atomic::AtomicBool;
@@ -9,8 +9,8 @@ use core::sync::atomic::AtomicBool;
 #[cfg(feature = "parallel")]
 use alloc::sync::Arc;
 
-/// The number of threads that work at once, and their pool: by default as many as rayon's own pool has, or one
-/// without rayon.
+/// The number of threads that work at the same time, and their pool. The default is all threads of rayon's global pool, or one
+/// thread without rayon.
 #[derive(Clone, Debug, Default)]
 pub struct Threads {
     #[cfg(feature = "parallel")]
@@ -19,23 +19,23 @@ pub struct Threads {
 }
 
 impl Threads {
-    /// The threads of a pool.
+    /// Uses the threads of this pool.
     #[cfg(feature = "parallel")]
     #[must_use]
     pub fn of(pool: Arc<rayon::ThreadPool>) -> Self {
         Self { pool: Some(pool), most: None }
     }
 
-    /// Limits the threads that work at once to `most`, at least 1.
+    /// Limits the number of threads to `most`, at least 1.
     #[must_use]
     pub fn at_most(mut self, most: usize) -> Self {
         self.most = Some(most.max(1));
         self
     }
 
-    /// The number of threads that work at once.
+    /// The number of threads that work at the same time.
     pub(crate) fn count(&self) -> usize {
-        // One needs no pool, not even to be counted.
+        // With one thread, the pool must not even be created.
         if self.most == Some(1) {
             return 1;
         }
@@ -48,9 +48,9 @@ impl Threads {
         self.most.map_or(all, |most| most.min(all))
     }
 
-    /// Runs every part on a thread of its own (at most [`Threads::count`] parts); the results in order. Meanwhile `listen`
-    /// is called every few milliseconds and decides whether to continue; once it returns no, `stop` is set for the parts to see. `None` if
-    /// they are better run here: a single one, or where this thread is itself one of a pool's.
+    /// Runs each part on its own thread, at most [`Threads::count`] parts, and returns the results in order. Meanwhile calls
+    /// `listen` every 20 ms; when it returns false, sets `stop`, which the parts read. Returns the parts unchanged if the
+    /// caller should run them itself: if there is only one part or one thread, or if this thread belongs to a pool.
     #[cfg(feature = "std")]
     pub(crate) fn spread<T: Send, R: Send>(
         &self,
@@ -62,7 +62,7 @@ impl Threads {
         use core::sync::atomic::Ordering::Relaxed;
         use std::sync::mpsc::{RecvTimeoutError, channel};
         use std::time::Duration;
-        /// Often enough that a stop feels immediate, seldom enough to cost nothing.
+        /// Short enough for an immediate reaction to a stop, long enough to cost nothing.
         const INTERVAL: Duration = Duration::from_millis(20);
 
         if parts.len() < 2 || self.count() < 2 {
@@ -93,7 +93,7 @@ impl Threads {
         Ok(results.into_iter().flatten().collect())
     }
 
-    /// Every task on a thread of the pool's, or of rayon's own, and `meanwhile` on this one.
+    /// Runs each task on a thread of the pool, or of rayon's global pool, and `meanwhile` on this thread.
     #[cfg(feature = "parallel")]
     fn run<'s>(&self, tasks: Vec<impl FnOnce() + Send + 's>, meanwhile: impl FnOnce()) {
         let body = |scope: &rayon::Scope<'s>| {
@@ -108,7 +108,7 @@ impl Threads {
         }
     }
 
-    /// Every task on a thread that ends with it, and `meanwhile` on this one.
+    /// Runs each task on a new thread, and `meanwhile` on this thread.
     #[cfg(all(feature = "std", not(feature = "parallel")))]
     #[allow(clippy::unused_self, reason = "a pool's threads are its own")]
     fn run(&self, tasks: Vec<impl FnOnce() + Send>, meanwhile: impl FnOnce()) {
@@ -120,7 +120,7 @@ impl Threads {
         });
     }
 
-    /// Without threads all parts are run here.
+    /// Without threads, the caller runs all parts.
     #[cfg(not(feature = "std"))]
     pub(crate) fn spread<T, R>(
         &self,

@@ -1,4 +1,4 @@
-//! Workspace: reusable memory of solves.
+//! Workspace: memory that solves reuse.
 
 use alloc::vec::Vec;
 use core::cell::{Cell, RefCell};
@@ -9,33 +9,34 @@ use num_complex::Complex32;
 
 use crate::kernels::PointGroup;
 
-/// Numbers in a line of the cache.
+/// The number of f32 in a cache line.
 const LINE: usize = 16;
 
-/// Buffers of one kind that wait to be used again.
+/// Unused buffers of one type, ready to be used again.
 #[derive(Debug, Default)]
 pub struct Pool<T> {
     free: RefCell<Vec<Vec<T>>>,
-    /// The number of buffers that it has made and can take back.
+    /// How many buffers were allocated: as many may come back.
     made: Cell<usize>,
 }
 
 impl<T: Clone + Default> Pool<T> {
-    /// A buffer of `len` defaults: the smallest free one that holds them, else a new one. It goes back when dropped.
+    /// Returns a buffer of `len` default values: the smallest unused one that is large enough, or a new one. It returns to the
+    /// pool when it is dropped.
     pub fn take(&self, len: usize) -> Buffer<'_, T> {
         let mut list = self.empty(len);
         list.resize(len, T::default());
         Buffer { list, pool: self }
     }
 
-    /// Memory for a list that is written as a whole before it is read: it may hold anything.
+    /// Returns a buffer whose contents are arbitrary, for a list that is written completely before it is read.
     pub(crate) fn take_any(&self, len: usize) -> Buffer<'_, T> {
         let mut list = self.fitting(len);
         list.resize(len, T::default());
         Buffer { list, pool: self }
     }
 
-    /// An empty list that holds `len` without allocating.
+    /// Returns an empty list with a capacity of at least `len`.
     pub(crate) fn empty(&self, len: usize) -> Vec<T> {
         let mut list = self.fitting(len);
         list.clear();
@@ -44,14 +45,14 @@ impl<T: Clone + Default> Pool<T> {
 }
 
 impl<T> Pool<T> {
-    /// Bytes of the buffers that wait.
+    /// The bytes of all unused buffers.
     fn bytes(&self) -> usize {
         self.free.borrow().iter().map(|list| list.capacity() * size_of::<T>()).sum()
     }
 
     fn fitting(&self, len: usize) -> Vec<T> {
         if len == 0 {
-            // The buffer must not be one that another user could take.
+            // An empty list takes no buffer, which others could use.
             return Vec::new();
         }
         let mut free = self.free.borrow_mut();
@@ -65,7 +66,7 @@ impl<T> Pool<T> {
         Vec::with_capacity(len)
     }
 
-    /// Gives a list back that was taken out of its buffer.
+    /// Returns a list to the pool that was taken out of its buffer by [`Buffer::into_vec`].
     pub fn give(&self, list: Vec<T>) {
         if list.capacity() > 0 {
             self.free.borrow_mut().push(list);
@@ -73,7 +74,7 @@ impl<T> Pool<T> {
     }
 }
 
-/// A slice on loan from a [`Pool`], given back when dropped.
+/// A slice from a [`Pool`], to which it returns when it is dropped.
 #[derive(Debug)]
 pub struct Buffer<'w, T> {
     list: Vec<T>,
@@ -81,7 +82,7 @@ pub struct Buffer<'w, T> {
 }
 
 impl<T> Buffer<'_, T> {
-    /// The list itself, to be kept: [`Pool::give`] gives it back.
+    /// Takes the list out of the buffer; [`Pool::give`] returns it.
     #[must_use]
     pub fn into_vec(mut self) -> Vec<T> {
         mem::take(&mut self.list)
@@ -126,7 +127,7 @@ impl<'a, T> IntoIterator for &'a mut Buffer<'_, T> {
     }
 }
 
-/// Numbers that begin where a line of the cache does: of others, each group of lanes would lie across two.
+/// Numbers that begin at the start of a cache line. Otherwise each group of SIMD lanes would lie across two lines.
 #[derive(Debug)]
 pub(crate) struct Aligned<'w> {
     memory: Buffer<'w, f32>,
@@ -135,7 +136,7 @@ pub(crate) struct Aligned<'w> {
 }
 
 impl<'w> Aligned<'w> {
-    /// `len` numbers that may be anything.
+    /// Returns `len` numbers with arbitrary contents.
     pub(crate) fn take(len: usize, work: &'w Workspace) -> Self {
         let memory = work.floats.take_any(len + LINE);
         let start = memory.as_ptr().align_offset(LINE * size_of::<f32>()).min(LINE);
@@ -157,8 +158,8 @@ impl DerefMut for Aligned<'_> {
     }
 }
 
-/// The memory that solvers work in. The second solve of a size through one workspace allocates nothing, once
-/// the first one's solution was given back with [`crate::Solution::recycle`].
+/// The memory that solvers use. The second solve with the same sizes allocates nothing, if the solution of the first was
+/// returned by [`crate::Solution::recycle`].
 #[derive(Debug, Default)]
 #[non_exhaustive]
 pub struct Workspace {
@@ -170,25 +171,25 @@ pub struct Workspace {
     pub complexes: Pool<Complex32>,
     /// Indices of transducers.
     pub indices: Pool<u32>,
-    /// Values of its points that the greedy search keeps.
+    /// Point values that the greedy search stores.
     pub(crate) points: Pool<PointGroup>,
 }
 
 impl Workspace {
-    /// An empty workspace.
+    /// Returns an empty workspace.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Bytes of memory that waits for the next solve.
+    /// The bytes of unused memory, ready for the next solve.
     #[must_use]
     pub fn bytes(&self) -> usize {
         let Self { floats, doubles, complexes, indices, points } = self;
         floats.bytes() + doubles.bytes() + complexes.bytes() + indices.bytes() + points.bytes()
     }
 
-    /// 0, 1, 2 and so on.
+    /// Returns the indices 0, 1, 2, ... in a buffer.
     pub(crate) fn counting(&self, len: usize) -> Buffer<'_, u32> {
         let mut indices = self.indices.take(len);
         indices.iter_mut().zip(0..).for_each(|(index, k)| *index = k);

@@ -1,4 +1,4 @@
-//! Board: conversion of drives to the bytes of an array's boards, and back.
+//! Board: converts drives to the bytes that an array's boards receive, and back.
 
 use alloc::borrow::Cow;
 use alloc::format;
@@ -18,10 +18,10 @@ use crate::error::{self, Error, one_each};
 use crate::kernels::pulses::Pulses;
 use crate::math;
 
-/// A drive may exceed 1 by its rounding to f32.
+/// The tolerance for drives above 1 because of rounding to f32.
 const SLACK: f64 = 1e-6;
 
-/// The boards behind an array of N transducers.
+/// The boards that drive an array of N transducers.
 ///
 /// ```
 /// use midair::{Board, Complex32};
@@ -42,22 +42,22 @@ const SLACK: f64 = 1e-6;
 pub struct Board {
     format: &'static Format,
     boards: usize,
-    /// The pulses that it makes, if it makes pulses.
+    /// The pulses that the board can make; `None` if it makes no pulses.
     pulses: Option<Pulses>,
     /// Which transducers one channel drives; `None` if each has its own. The lists below have one entry for each driven
     /// channel.
     wiring: Option<Channels>,
-    /// Which drive each channel of the boards has.
+    /// For each channel of the boards, the index of its drive; `None` if the channel is unused.
     driven: Vec<Option<usize>>,
-    /// The channel of each drive.
+    /// For each drive, its channel.
     channels: Vec<usize>,
-    /// The delay of each drive's transducers themselves, in turns.
+    /// For each drive, the phase that its transducers add by themselves, in turns.
     corrections: Vec<f64>,
     live: Vec<bool>,
 }
 
 impl Board {
-    /// As many boards of a kind as `transducers` need, in the order of its preset. [`Board::names`] lists the kinds.
+    /// Returns as many boards of this kind as `transducers` need, in the order of its preset. [`Board::names`] lists the kinds.
     ///
     /// # Errors
     /// An unknown name, no transducers, or more than the boards have channels.
@@ -82,10 +82,10 @@ impl Board {
         board.with_channels((0..transducers).map(|i| format.channel(i)).collect())
     }
 
-    /// As many boards of a kind as the driven channels of an array need, several transducers on each.
+    /// Returns as many boards of this kind as the channels of an array need; one channel drives several transducers.
     ///
     /// # Errors
-    /// An unknown name, more of them than the boards have channels.
+    /// An unknown name, more channels than the boards have.
     pub fn wired(name: &str, channels: &Channels) -> Result<Self, Error> {
         let (format, count) = (format(name)?, channels.count());
         let most = format.channels * format.most_boards;
@@ -96,16 +96,16 @@ impl Board {
         Ok(Self { wiring: Some(channels.clone()), ..Self::new(name, count)? })
     }
 
-    /// The names of the kinds of boards.
+    /// The names of all kinds of boards.
     pub fn names() -> impl Iterator<Item = &'static str> {
         FORMATS.iter().map(|format| format.name)
     }
 
-    /// The same with transducers at other channels (N,), those of a second board after those of the first; of an array with
-    /// channels (C,), one for each of these.
+    /// Returns the boards with another channel for each transducer (N,); the channels of a second board follow those of the
+    /// first. For an array with channels, there is one entry for each of these (C,).
     ///
     /// # Errors
-    /// Another number of them, a channel that no board has, or one given twice.
+    /// Another number of entries, a channel that no board has, a channel given twice.
     pub fn with_channels(mut self, channels: Vec<usize>) -> Result<Self, Error> {
         self.one_a_drive("channels", channels.len())?;
         let count = self.boards * self.format.channels;
@@ -122,11 +122,12 @@ impl Board {
         Ok(self)
     }
 
-    /// The same with phases (N,) in rad that each transducer, or (C,) each of the array's channels, adds by itself, by its
-    /// polarity or wiring: the phase sent is the one wanted less the correction, before it is rounded.
+    /// Returns the boards with corrections: phases (N,) in rad that each transducer adds by itself because of its polarity or
+    /// wiring; (C,) for an array with channels. The phase that is sent is the phase of the drive less the correction, then
+    /// rounded.
     ///
     /// # Errors
-    /// Another number of them, or one that is not finite.
+    /// Another number of entries, one that is not finite.
     pub fn with_corrections(mut self, corrections: &[f64]) -> Result<Self, Error> {
         self.one_a_drive("corrections", corrections.len())?;
         for (i, (own, &correction)) in self.corrections.iter_mut().zip(corrections).enumerate() {
@@ -136,10 +137,11 @@ impl Board {
         Ok(self)
     }
 
-    /// The same with transducers (N,) that are always off where `live` is false, and channels of none but these.
+    /// Returns the boards with transducers (N,) that are always off where `live` is false. A channel is off if all its
+    /// transducers are.
     ///
     /// # Errors
-    /// Another number of them.
+    /// Another number of entries.
     pub fn with_live(mut self, live: Vec<bool>) -> Result<Self, Error> {
         one_each("live", live.len(), "of them", self.len(), "transducers")?;
         self.live = match &self.wiring {
@@ -149,94 +151,95 @@ impl Board {
         Ok(self)
     }
 
-    /// Its name.
+    /// The name of the kind of board.
     #[must_use]
     pub fn name(&self) -> &'static str {
         self.format.name
     }
 
-    /// Its description in one line.
+    /// The description of the kind of board in one line.
     #[must_use]
     pub fn summary(&self) -> &'static str {
         self.format.summary
     }
 
-    /// Where its bytes are read.
+    /// The publication or source code that defines the bytes.
     #[must_use]
     pub fn source(&self) -> &'static str {
         self.format.source
     }
 
-    /// Number of transducers N.
+    /// The number of transducers N.
     #[must_use]
     #[allow(clippy::len_without_is_empty, reason = "a board is never empty")]
     pub fn len(&self) -> usize {
         self.wiring.as_ref().map_or(self.live.len(), |wiring| wiring.of().len())
     }
 
-    /// Refuses another number of values than drives.
+    /// Checks that a list has one value for each drive.
     fn one_a_drive(&self, item: &str, found: usize) -> Result<(), Error> {
         let owners = if self.wiring.is_some() { "channels of the array" } else { "transducers" };
         one_each(item, found, "of them", self.live.len(), owners)
     }
 
-    /// Number of boards.
+    /// The number of boards.
     #[must_use]
     pub fn boards(&self) -> usize {
         self.boards
     }
 
-    /// Number of lines: one for all boards, or one each. A frame is as many parts of one length, one after the other.
+    /// The number of lines: one for all boards, or one for each board. A frame consists of one part for each line, all of the
+    /// same length.
     #[must_use]
     pub fn lines(&self) -> usize {
         if let Link::Fifo { .. } = self.format.link { self.boards } else { 1 }
     }
 
-    /// The most boards that play together.
+    /// The most boards of this kind that can play together.
     #[must_use]
     pub fn most_boards(&self) -> usize {
         self.format.most_boards
     }
 
-    /// Number of channels of its boards.
+    /// The number of channels of all boards.
     #[must_use]
     pub fn channel_count(&self) -> usize {
         self.driven.len()
     }
 
-    /// The channel of each transducer (N,), or (C,) of each of the array's channels.
+    /// The channel of each transducer (N,), or (C,) for an array with channels.
     #[must_use]
     pub fn channels(&self) -> &[usize] {
         &self.channels
     }
 
-    /// Bytes of a frame, for all lines.
+    /// The bytes of a frame, for all lines together.
     #[must_use]
     pub fn frame_size(&self) -> usize {
         (self.format.size)(self.boards)
     }
 
-    /// The link over which its bytes go.
+    /// The type of link over which the bytes are sent.
     #[must_use]
     pub fn link(&self) -> Link {
         self.format.link
     }
 
-    /// Hz that it emits.
+    /// The ultrasound frequency in Hz.
     #[must_use]
     pub fn frequency(&self) -> f64 {
         self.format.frequency
     }
 
-    /// The response of each transducer (N,) to a drive of 1, or `None` where all are 1: delays of the firmware that
-    /// are no whole steps. It is the response of its presets' arrays; whole steps are in its bytes.
+    /// The response of each transducer (N,) to a drive of 1, `None` if all are 1. It describes the delays of the firmware that
+    /// are not a whole number of steps; arrays made from the board's preset have it. Whole steps are corrected in the bytes.
     #[must_use]
     pub fn response(&self) -> Option<Vec<Complex64>> {
         let own = self.format.response(self.channels.iter().copied())?;
         Some(self.wiring.as_ref().map_or_else(|| own.clone(), |wiring| wiring.spread(&own)))
     }
 
-    /// Bits a second of its serial line, `None` where it is on no such line.
+    /// Bits per second on a serial line; `None` for other links.
     #[must_use]
     pub fn baud(&self) -> Option<u32> {
         match self.format.link {
@@ -245,7 +248,7 @@ impl Board {
         }
     }
 
-    /// Frames a second that its line can carry; a byte takes ten bits of a serial line.
+    /// The most frames per second that the link can transmit; on a serial line, a byte takes ten bits.
     #[must_use]
     pub fn rate(&self) -> f64 {
         match self.format.link {
@@ -254,24 +257,24 @@ impl Board {
         }
     }
 
-    /// The most frames a second that it takes and still emits as at rest, at most [`Board::rate`].
+    /// The most frames per second during which the emitted sound is not disturbed, at most [`Board::rate`].
     #[must_use]
     pub fn steady_rate(&self) -> f64 {
         self.rate().min(self.format.steady / self.boards as f64)
     }
 
-    /// The phases and amplitudes that it plays exactly. Drives off this grid may meet further pulse widths.
+    /// The phases and amplitudes that the board can play. Drives between them may get other pulse widths.
     ///
     /// # Errors
-    /// None of the boards listed.
+    /// None, for the boards of [`Board::names`].
     pub fn quantization(&self) -> Result<Quantization, Error> {
         self.format.steps.quantization()
     }
 
-    /// The codes (channels,) of a drive (N,), off where no transducer is.
+    /// Writes the code of each channel for a drive (N,); channels without a transducer are off.
     ///
     /// # Errors
-    /// Another number of drives, one that is not finite or above 1, or two of one channel that differ.
+    /// Another number of drives, a drive that is not finite or above 1, two different drives on one channel.
     pub fn codes(&self, drive: &[Complex32], codes: &mut [Code]) -> Result<(), Error> {
         let drive = &*self.drives(drive)?;
         one_each("codes", codes.len(), "of them", self.driven.len(), "channels")?;
@@ -281,10 +284,11 @@ impl Board {
         Ok(())
     }
 
-    /// Writes the frame (of [`Board::frame_size`] bytes) of a drive (N,).
+    /// Writes the frame for a drive (N,), of [`Board::frame_size`] bytes.
     ///
     /// # Errors
-    /// Another number of drives, one that is not finite or above 1, two of one channel that differ, or a frame of another size.
+    /// Another number of drives, a drive that is not finite or above 1, two different drives on one channel, a frame of another
+    /// size.
     pub fn encode(&self, drive: &[Complex32], frame: &mut [u8]) -> Result<(), Error> {
         let drive = &*self.drives(drive)?;
         if frame.len() != self.frame_size() {
@@ -295,10 +299,10 @@ impl Board {
         Ok(())
     }
 
-    /// The drive (N,) that a frame plays.
+    /// Writes the drive (N,) that a frame plays.
     ///
     /// # Errors
-    /// A frame that the board would not take for one, by the first byte that is wrong; another number of drives.
+    /// A frame that the board would not accept, by its first wrong byte; another number of drives.
     pub fn decode(&self, frame: &[u8], drive: &mut [Complex32]) -> Result<(), Error> {
         one_each("drive", drive.len(), "of them", self.len(), "transducers")?;
         let mut own = vec![Complex32::ZERO; self.live.len()];
@@ -315,7 +319,7 @@ impl Board {
         Ok(())
     }
 
-    /// The frame of a board that plays nothing.
+    /// The frame that switches all channels off.
     #[must_use]
     pub fn off_frame(&self) -> Vec<u8> {
         let mut frame = vec![0; self.frame_size()];
@@ -323,7 +327,7 @@ impl Board {
         frame
     }
 
-    /// Bytes that silence the boards from any state, in both banks of those that have two.
+    /// Bytes that switch the boards off from any state. For boards with two banks, both are off.
     #[must_use]
     pub fn silence(&self) -> Vec<u8> {
         (self.format.silence)(self.boards, &self.off_frame())
@@ -339,16 +343,16 @@ impl Board {
         }
     }
 
-    /// Turns that the bytes make up for.
+    /// The phase in turns that the bytes correct, for drive `k`.
     fn late(&self, k: usize) -> f64 {
         let (steps, _) = (self.format.late)(self.channels[k]);
         self.corrections[k] + f64::from(steps) / f64::from(self.format.steps.phases)
     }
 
-    /// One drive of each channel driven, of drives (N,), checked.
+    /// Checks a drive (N,), and returns the drive of each driven channel.
     fn drives<'a>(&self, drive: &'a [Complex32]) -> Result<Cow<'a, [Complex32]>, Error> {
         one_each("drive", drive.len(), "of them", self.len(), "transducers")?;
-        // First in f32, where the result is certain.
+        // First in f32, which is faster; only values close to 1 need double precision.
         let fits = |q: &Complex32| q.norm_sqr() <= 1.0 || (q.is_finite() && math::modulus(*q) <= 1.0 + SLACK);
         if let Some(i) = drive.iter().position(|q| !fits(q)) {
             let value = format!("{} + {}j", drive[i].re, drive[i].im);
@@ -358,7 +362,7 @@ impl Board {
     }
 }
 
-/// Facts about a kind of board.
+/// The description of a kind of board.
 pub(crate) fn format(name: &str) -> Result<&'static Format, Error> {
     error::find("board", name, &FORMATS, |format| format.name)
 }

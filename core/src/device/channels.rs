@@ -1,4 +1,4 @@
-//! Channels: transducers that are wired together and driven by one output of a board.
+//! Channels: transducers that are wired together, so that one output of a board drives them.
 
 use alloc::format;
 use alloc::sync::Arc;
@@ -9,11 +9,11 @@ use num_complex::Complex32;
 
 use crate::error::{Error, one_each};
 
-/// Drives of one channel differ by less.
+/// Drives on one channel may differ by this much.
 const ALIKE: f32 = 1e-6;
 
-/// The driven channel of each transducer (N,), 0 to C - 1. A channel's transducers have one drive q_c, so that
-/// `p_j = sum_c (sum_i G_ji) q_c` with i over its transducers: solvers see C columns.
+/// The channel of each transducer (N,), 0 to C - 1. All transducers i of a channel c have the same drive q_c, so
+/// `p_j = sum_c (sum_i G_ji) q_c`, and solvers see C columns.
 ///
 /// ```
 /// use midair::{Array, Control, Medium, Problem, Request, Scene, Workspace, solvers};
@@ -37,10 +37,11 @@ pub struct Channels {
 }
 
 impl Channels {
-    /// Channels of each transducer (N,); `None` where they are 0 to N - 1 in order, each transducer on its own.
+    /// Returns the channels for the channel of each transducer (N,). Returns `None` if they are 0 to N - 1 in order, because
+    /// each transducer then has its own.
     ///
     /// # Errors
-    /// Another number of them, one of N or above, a number below the highest that no transducer has.
+    /// Another number of entries, a channel of N or above, a channel without transducers below the highest one.
     pub fn new(channels: Vec<usize>, transducers: usize) -> Result<Option<Self>, Error> {
         one_each("array.channels", channels.len(), "values", transducers, "transducers")?;
         if let Some((i, channel)) = channels.iter().enumerate().find(|(_, channel)| **channel >= transducers) {
@@ -64,38 +65,38 @@ impl Channels {
         &self.of
     }
 
-    /// Number of channels C.
+    /// The number of channels C.
     #[must_use]
     pub fn count(&self) -> usize {
         self.first.len()
     }
 
-    /// The transducers of a channel.
+    /// The indices of the transducers of a channel.
     pub(crate) fn members(&self, channel: usize) -> impl Iterator<Item = usize> + '_ {
         (0..self.of.len()).filter(move |&i| self.of[i] == channel)
     }
 
-    /// A value of each channel (C,) as one of each transducer (N,).
+    /// Converts a value for each channel (C,) to one for each transducer (N,).
     pub(crate) fn spread<T: Copy>(&self, values: &[T]) -> Vec<T> {
         self.of.iter().map(|&channel| values[channel]).collect()
     }
 
-    /// The first transducer's value of each channel: (C,) of (N,).
+    /// Returns for each channel (C,) the value of its first transducer, from values (N,).
     pub(crate) fn gather<T: Copy>(&self, values: &[T]) -> Vec<T> {
         self.first.iter().map(|&i| values[i]).collect()
     }
 
-    /// Sums (C,) of a value of each transducer (N,).
+    /// Returns for each channel (C,) the sum over its transducers, from values (N,).
     pub(crate) fn sums<T: Copy + core::ops::AddAssign + Default>(&self, values: &[T]) -> Vec<T> {
         let mut sums = vec![T::default(); self.count()];
         self.of.iter().zip(values).for_each(|(&channel, value)| sums[channel] += *value);
         sums
     }
 
-    /// The drives (C,) of the channels of drives (N,) that have been checked.
+    /// Returns the drive of each channel (C,) from checked drives (N,).
     ///
     /// # Errors
-    /// Two drives of one channel that differ.
+    /// Two different drives on one channel.
     pub(crate) fn drives(&self, drive: &[Complex32]) -> Result<Vec<Complex32>, Error> {
         let other = |i: usize| self.first[self.of[i]];
         match (0..drive.len()).find(|&i| (drive[i] - drive[other(i)]).norm_sqr() > ALIKE * ALIKE) {
@@ -108,7 +109,7 @@ impl Channels {
         }
     }
 
-    /// The middle (C, 3) of each channel's transducers at `positions` (N, 3).
+    /// The mean position (C, 3) of each channel's transducers, from `positions` (N, 3).
     pub(crate) fn middles(&self, positions: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let sums = [0, 1, 2].map(|axis| self.sums(&positions.iter().map(|place| place[axis]).collect::<Vec<_>>()));
         let counts = self.sums(&vec![1.0; positions.len()]);

@@ -1,4 +1,4 @@
-//! Code: phase and amplitude of one transducer as whole numbers of its board.
+//! Code: the phase and amplitude of one channel as the whole numbers that its board uses.
 
 use alloc::vec::Vec;
 use core::f64::consts::{PI, TAU};
@@ -11,38 +11,40 @@ use crate::kernels::pulses::Pulses;
 use crate::math;
 use crate::math::sqrtf;
 
-/// Ten times the largest error of steps computed in f32.
+/// Ten times the largest error of a number of steps computed in f32.
 const DOUBT: f32 = 1e-3;
 
-/// The whole number nearest to some steps, up to a few hundred, that are `quick` in f32 and known better in f64: a processor
-/// without doubles takes twenty times as long for these, and hardly ever needs them.
+/// Returns the whole number nearest to some steps, up to a few hundred. `quick` is their number in f32, `exact` computes it in
+/// f64. On a processor without doubles the latter takes twenty times as long, so it is only used close to the middle between
+/// two whole numbers.
 fn nearest(quick: f32, exact: impl FnOnce() -> f64) -> i32 {
     let near = math::floorf(quick + 0.5);
     let beside = (quick - near).abs();
     if beside < 0.5 - DOUBT { near as i32 } else { math::floor(exact() + 0.5) as i32 }
 }
 
-/// Phase step and amplitude step of one channel.
+/// The phase step and the amplitude step of one channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Code {
-    /// Step l of the phases, or the tick that a pulse begins with; 0 where the channel is off.
+    /// The step l of the phase, or the tick at which a pulse begins; 0 if the channel is off.
     pub phase: u16,
-    /// Step of the amplitudes, or the ticks of a pulse; 0 is off.
+    /// The step of the amplitude, or the length of a pulse in ticks; 0 is off.
     pub level: u16,
 }
 
-/// The amplitudes of a board's levels.
+/// The amplitudes that the levels of a board stand for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Levels {
-    /// Off and on.
+    /// Level 0 is off, level 1 is on.
     OnOff,
-    /// k/n of level k = 0 to n.
+    /// Level k = 0 to n has the amplitude k/n.
     Even(u16),
-    /// Pulses of w = 0 to L/2 of the L ticks of a period, which have these lengths in any unit: their first harmonics.
+    /// Level w is a pulse of w = 0 to L/2 ticks, of the L ticks of a period. The list contains the lengths of the ticks in any
+    /// unit; the amplitude is that of the first harmonic.
     Pulses(&'static [u8]),
 }
 
-/// The steps of a board: L phases 2 pi l/L and its levels.
+/// The steps of a board: L phases 2 pi l/L, and its levels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Steps {
     pub(crate) phases: u16,
@@ -59,13 +61,13 @@ impl Steps {
         }
     }
 
-    /// Lengths of the ticks of a board that makes pulses.
+    /// The lengths of the ticks, if the board makes pulses.
     fn ticks(self) -> Option<Vec<f64>> {
         let Levels::Pulses(ticks) = self.levels else { return None };
         Some(ticks.iter().map(|&tick| f64::from(tick)).collect())
     }
 
-    /// The pulses of a board that makes them.
+    /// The pulses, if the board makes pulses.
     pub(crate) fn pulses(self) -> Option<Pulses> {
         self.ticks().map(|ticks| Pulses::new(&ticks))
     }
@@ -78,16 +80,17 @@ impl Steps {
         }
     }
 
-    /// The nearest level.
+    /// The level nearest to the modulus of a drive.
     fn level(self, drive: Complex32) -> u16 {
         let quick = sqrtf(drive.re * drive.re + drive.im * drive.im).min(1.0) * f32::from(self.most());
         nearest(quick, || math::modulus(drive).min(1.0) * f64::from(self.most())) as u16
     }
 
-    /// The code of the nearest phase and the nearest level to a finite drive.
+    /// Returns the code whose phase and level are nearest to a finite drive. `correction` in turns is subtracted from the
+    /// phase.
     ///
-    /// Steps are made whole before they are brought into 0 to L - 1: of a phase just below 0 the remainder in floating point
-    /// would be L, which is no phase, and on some boards off.
+    /// The number of steps is rounded before it is reduced to 0 to L - 1. Otherwise a phase just below 0 could give L, which is
+    /// no phase, and means off on some boards.
     pub(crate) fn code(self, drive: Complex32, correction: f64) -> Code {
         let level = self.level(drive);
         if level == 0 {
@@ -101,14 +104,14 @@ impl Steps {
         Code { phase: steps.rem_euclid(i32::from(self.phases)) as u16, level }
     }
 
-    /// The drive that a code plays.
+    /// Returns the drive that a code plays.
     pub(crate) fn drive(self, code: Code, correction: f64) -> Complex32 {
         let turns = f64::from(code.phase) / f64::from(self.phases) + correction;
         let drive = math::phasor(TAU * turns) * self.amplitude(code.level);
         Complex32::new(drive.re as f32, drive.im as f32)
     }
 
-    /// Its phases and amplitudes, or its pulses.
+    /// The phases and amplitudes, or the pulses, of the board.
     pub(crate) fn quantization(self) -> Result<Quantization, Error> {
         if let Some(ticks) = self.ticks() {
             return Quantization::of_pulses(&ticks);
@@ -118,13 +121,13 @@ impl Steps {
     }
 }
 
-/// The code of the pulse nearest to a finite drive: its start and its width.
+/// Returns the code of the pulse nearest to a finite drive: its first tick and its width. `correction` is in turns.
 pub(crate) fn of_pulse(pulses: &Pulses, drive: Complex32, correction: f64) -> Code {
     let [start, width] = pulses.nearest(turned(drive, -correction));
     Code { phase: start as u16, level: width as u16 }
 }
 
-/// The drive of a pulse.
+/// Returns the drive that the code of a pulse plays.
 pub(crate) fn pulse(pulses: &Pulses, code: Code, correction: f64) -> Complex32 {
     turned(pulses.drive(code.phase.into(), code.level.into()), correction)
 }

@@ -1,4 +1,4 @@
-//! Format: description of a kind of board: its bytes, its link and its array, as data and functions.
+//! Format: the description of a kind of board: its bytes, its link and its array, as data and functions.
 
 use alloc::format;
 use alloc::vec::Vec;
@@ -14,64 +14,65 @@ use crate::math;
 /// A kind of board.
 pub(crate) struct Format {
     pub(crate) name: &'static str,
-    /// Its description in one line.
+    /// The description in one line, for users.
     pub(crate) summary: &'static str,
-    /// Where its bytes are read.
+    /// The publication or source code that defines the bytes.
     pub(crate) source: &'static str,
-    /// Channels of one board.
+    /// The number of channels of one board.
     pub(crate) channels: usize,
-    /// Boards that can play together.
+    /// The most boards that can play together.
     pub(crate) most_boards: usize,
     pub(crate) steps: Steps,
     pub(crate) link: Link,
-    /// Hz that it emits.
+    /// The ultrasound frequency in Hz.
     pub(crate) frequency: f64,
-    /// Frames a second up to which it emits as at rest; infinite where it always does.
+    /// The most frames per second during which the emitted sound is not disturbed; infinite if it never is.
     pub(crate) steady: f64,
     pub(crate) layout: Layout,
     /// The channel of transducer i of one board, in the order of its preset.
     pub(crate) order: fn(usize) -> usize,
-    /// The delay of a channel, with those of a second board after those of the first: whole steps, which the bytes
-    /// correct, and the remaining turns, which are the response of the array.
+    /// The delay of a channel; the channels of a second board follow those of the first. It consists of whole steps, which the
+    /// bytes correct, and of the remaining turns, which become the response of the array.
     pub(crate) late: fn(usize) -> (u16, f64),
-    /// Bytes of a frame of this many boards.
+    /// The bytes of a frame for this many boards.
     pub(crate) size: fn(usize) -> usize,
-    /// Writes the codes of the channels of this many boards into a frame of that size.
+    /// Writes the codes of all channels of this many boards into a frame of that size.
     pub(crate) encode: Encode,
-    /// Reads them back.
+    /// Reads the codes from a frame.
     pub(crate) decode: Decode,
-    /// Silences this many boards from any state, half a frame included, by their off frame.
+    /// Returns bytes that switch this many boards off from any state, even in the middle of a frame; `off` is their off frame.
     pub(crate) silence: fn(boards: usize, off: &[u8]) -> Vec<u8>,
 }
 
 impl Format {
-    /// The channel of transducer i in the order of its preset, one board after the other.
+    /// The channel of transducer i, in the order of the preset, for several boards one after the other.
     pub(crate) fn channel(&self, transducer: usize) -> usize {
         transducer - transducer % self.channels + (self.order)(transducer % self.channels)
     }
 
-    /// The response of transducers at some channels for a drive of 1, if it is not 1 for all: the rest of their
-    /// delays.
+    /// The response to a drive of 1 of the transducers on these channels; `None` if it is 1 for all. It contains the part of
+    /// the delays that the bytes do not correct.
     pub(crate) fn response(&self, channels: impl Iterator<Item = usize>) -> Option<Vec<Complex64>> {
         let response: Vec<_> = channels.map(|channel| math::phasor(TAU * (self.late)(channel).1)).collect();
         response.iter().any(|&c| c != Complex64::ONE).then_some(response)
     }
 }
 
-/// Where the transducers of a kind of board are until the caller gives an array.
+/// The default positions of the transducers of a kind of board.
 pub(crate) enum Layout {
-    /// The places of the preset of that name.
+    /// The positions of the preset with this name.
     Preset(&'static str),
-    /// A grid of columns, rows and a pitch in m, because each owner of such a board wires it differently.
+    /// A grid (columns, rows, pitch in m), if each owner of such a board wires it differently.
     Grid(usize, usize, f64),
 }
 
-/// One off frame completes what was cut, the next is whole, and both banks of a board that has two are off.
+/// Two off frames: the first completes a frame that was cut off, the second is complete. Both banks of a board with two are
+/// then off.
 pub(crate) fn twice(_: usize, off: &[u8]) -> Vec<u8> {
     off.repeat(2)
 }
 
-/// As `twice`, for boards that go on with half a frame where it was cut: the frame that completes it is none.
+/// Three off frames, for boards that continue a frame where it was cut off: the completed frame is then not a valid one.
 pub(crate) fn thrice(_: usize, off: &[u8]) -> Vec<u8> {
     off.repeat(3)
 }
@@ -79,7 +80,7 @@ pub(crate) fn thrice(_: usize, off: &[u8]) -> Vec<u8> {
 pub(crate) type Encode = fn(boards: usize, code: &dyn Fn(usize) -> Code, frame: &mut [u8]);
 pub(crate) type Decode = fn(boards: usize, frame: &[u8], put: &mut dyn FnMut(usize, Code)) -> Result<(), Error>;
 
-/// Bytes that are written one after the other.
+/// Writes bytes one after the other.
 pub(crate) struct Writer<'a> {
     free: core::slice::IterMut<'a, u8>,
 }
@@ -90,14 +91,14 @@ impl<'a> Writer<'a> {
     }
 
     pub(crate) fn put(&mut self, byte: u8) {
-        // A frame has the size that its format tells.
+        // The buffer is as large as the frame of the format, so there is always space.
         if let Some(next) = self.free.next() {
             *next = byte;
         }
     }
 }
 
-/// Bytes that are read one after the other.
+/// Reads bytes one after the other.
 pub(crate) struct Reader<'a> {
     frame: &'a [u8],
     pub(crate) at: usize,
@@ -126,12 +127,12 @@ impl<'a> Reader<'a> {
         if fits(byte) { Ok(byte) } else { Err(self.fault(byte, what)) }
     }
 
-    /// Refuses the byte just read.
+    /// Returns an error about the byte just read.
     pub(crate) fn fault(&self, byte: u8, what: &str) -> Error {
         Error::invalid(format!("frame[{}]", self.at - 1), byte, format!("give {what}"))
     }
 
-    /// Refuses bytes that are left.
+    /// Checks that no bytes are left.
     pub(crate) fn end(&self) -> Result<(), Error> {
         if self.at == self.frame.len() {
             return Ok(());

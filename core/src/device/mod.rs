@@ -1,4 +1,4 @@
-//! Capabilities and bytes of boards; no sockets.
+//! Boards: what they can play and their bytes. Sockets and ports are elsewhere.
 
 pub(crate) mod board;
 mod boards;

@@ -1,4 +1,4 @@
-//! Quantization: a board's phases and amplitude table, and rounding a drive to them.
+//! Quantization: the phases and amplitudes that a board can play, and the rounding of drives to them.
 
 use alloc::boxed::Box;
 use alloc::format;
@@ -12,37 +12,37 @@ use crate::kernels::grid::{Amplitudes, Grid, Phases};
 use crate::kernels::pulses::Pulses;
 use crate::math;
 
-/// Phase counts that make sense: fewer than 2 are none, more than 2^16 are finer than f32 drives.
+/// The allowed numbers of phases: fewer than 2 are no choice, more than 2^16 are finer than f32.
 const PHASES: core::ops::RangeInclusive<u32> = 2..=1 << 16;
 
-/// The most ticks of a period of pulses.
+/// The most ticks in a period of pulses.
 const MOST_TICKS: usize = 1 << 12;
 
-/// The most amplitudes of a table.
+/// The most amplitudes in a table.
 const MOST_AMPLITUDES: usize = 1 << 16;
 
-/// Above this modulus a drive is at full power but for its rounding to f32.
+/// Drives with a modulus above this are at full amplitude; the difference to 1 is rounding to f32.
 const FULL: f64 = 1.0 - 1e-6;
 
-/// A level above the target by less than this is not too loud: half of the margin that `level` = "target" allows.
+/// An amplitude that exceeds the target by less than this part is allowed: half of the margin that the aim "target" allows.
 const SLACK: f64 = 5e-5;
 
-/// The part of a pressure that an amplitude of the table has to keep to be taken for it.
+/// The part of a pressure that an amplitude below it must reach, in order to be used alone.
 const KEPT: f64 = 0.9;
 
-/// The part of a pressure that may be lost to the amplitudes of a table.
+/// The part of a pressure that may be lost by rounding to an amplitude of the table.
 const LOST: f64 = 2e-3;
 
-/// The error that rounding leaves in a number of steps that should be whole.
+/// The allowed rounding error in a number of steps that should be whole.
 const STEP_ROUNDING: f64 = 1e-9;
 
-/// The whole steps of `phases` phases that are within a change in rad.
+/// The number of whole steps that fit into a change in rad, for `phases` phases.
 pub(crate) fn steps_within(change: f64, phases: u32) -> f64 {
     math::floor(change / core::f64::consts::TAU * f64::from(phases) + STEP_ROUNDING)
 }
 
-/// Capabilities of the channels of a device: L phases 2 pi l/L and a table of amplitudes, each of which may be left
-/// out for a device that is continuous in it.
+/// The phases and amplitudes that the channels of a device can play: L phases 2 pi l/L and a table of amplitudes. Either can be
+/// left out if the device has continuous phases or amplitudes.
 ///
 /// ```
 /// use midair::{Complex32, Quantization};
@@ -55,16 +55,16 @@ pub(crate) fn steps_within(change: f64, phases: u32) -> f64 {
 pub struct Quantization {
     amplitudes: Option<Vec<f64>>,
     grid: Grid,
-    /// Lengths of the ticks of a period, and the pulses of whole ones, where a board makes these alone.
+    /// The lengths of the ticks of a period, and the pulses; only for a board that makes pulses of whole ticks.
     pulses: Option<Box<(Vec<f64>, Pulses)>>,
 }
 
 impl Quantization {
-    /// A device of `phases` phases (2 to 65536) and the amplitudes of a table, ascending from 0 or above to 1.
+    /// Returns a quantization of `phases` phases (2 to 65536) and a table of amplitudes, ascending from 0 or more to 1.
     ///
     /// # Errors
-    /// A phase count out of range; a table that is empty, too long, not ascending, outside 0 to 1, or that does not
-    /// end in 1.
+    /// A number of phases out of range; a table that is empty, too long, not ascending, outside 0 to 1, or that does not end in
+    /// 1.
     pub fn new(phases: Option<u32>, amplitudes: Option<Vec<f64>>) -> Result<Self, Error> {
         if let Some(count) = phases
             && !PHASES.contains(&count)
@@ -79,9 +79,12 @@ impl Quantization {
         Ok(Self { amplitudes, grid, pulses: None })
     }
 
-    /// A device of pulses that are whole ticks of a period long, 1 to half of them; ticks have these lengths in any unit.
-    /// Searches go by as many even phases and by the amplitudes sin(pi w/L) of pulses about them; an answer is of pulses. Where
-    /// ticks are equal, all of these phases and amplitudes are pulses, and other pulses lie half a step between.
+    /// Returns the quantization of a device with pulses of 1 to L/2 whole ticks, for the L ticks of a period. `ticks` are their
+    /// lengths in any unit.
+    ///
+    /// Solvers search among L evenly spaced phases, with the amplitudes sin(pi w/L) of pulses of w ticks that are centred on
+    /// them. The final drives are rounded to pulses. If all ticks are equal, these phases and amplitudes are pulses, and there
+    /// are other pulses half a step between.
     ///
     /// # Errors
     /// An odd number of ticks or one out of range, a tick that is not above 0.
@@ -102,10 +105,10 @@ impl Quantization {
         Ok(Self { pulses, ..Self::new(Some(count as u32), Some(amplitudes))? })
     }
 
-    /// The pulses, if all other given phases and amplitudes are those of the pulses.
+    /// Returns the same pulses, if the given phases and amplitudes agree with them.
     ///
     /// # Errors
-    /// Others.
+    /// Other phases or amplitudes.
     pub fn agreeing(self, phases: Option<u32>, amplitudes: Option<&[f64]>) -> Result<Self, Error> {
         let same = |own: &[f64], given: &[f64]| {
             own.len() == given.len() && own.iter().zip(given).all(|(own, given)| (own - given).abs() < 1e-9)
@@ -122,7 +125,7 @@ impl Quantization {
         }
     }
 
-    /// The lengths of a period's ticks, where a board makes pulses of whole ones alone.
+    /// The lengths of the ticks of a period, for a board that makes pulses of whole ticks; else `None`.
     #[must_use]
     pub fn ticks(&self) -> Option<&[f64]> {
         self.pulses.as_ref().map(|pulses| &pulses.0[..])
@@ -132,38 +135,38 @@ impl Quantization {
         self.pulses.as_ref().map(|pulses| &pulses.1)
     }
 
-    /// The pulses where not every phase goes with every amplitude.
+    /// The pulses, if their ticks have different lengths. Then not every phase is possible with every amplitude.
     pub(crate) fn uneven(&self) -> Option<&Pulses> {
         self.pulses().filter(|_| self.ticks().is_some_and(|ticks| ticks.iter().any(|&tick| tick != ticks[0])))
     }
 
-    /// Number of phases L, `None` if the phase is continuous.
+    /// The number of phases L; `None` if the phase is continuous.
     #[must_use]
     pub fn phases(&self) -> Option<u32> {
         self.grid.phases.as_ref().map(|phases| phases.count() as u32)
     }
 
-    /// The amplitudes, ascending, the last 1; `None` if the amplitude is continuous.
+    /// The amplitudes in ascending order, the last is 1; `None` if the amplitude is continuous.
     #[must_use]
     pub fn amplitudes(&self) -> Option<&[f64]> {
         self.amplitudes.as_deref()
     }
 
-    /// The amplitudes above 0, empty if the amplitude is continuous.
+    /// The amplitudes above 0; empty if the amplitude is continuous.
     pub(crate) fn on(&self) -> &[f64] {
         let table = self.amplitudes().unwrap_or_default();
         &table[usize::from(table.first() == Some(&0.0))..]
     }
 
-    /// Whether every drive can be played.
+    /// Whether the device can play every drive.
     #[must_use]
     pub fn is_continuous(&self) -> bool {
         self.grid.phases.is_none() && self.amplitudes.is_none()
     }
 
-    /// The drive of the nearest phase and the nearest amplitude, of two as near the later phase and the larger amplitude; of uneven
-    /// ticks the nearest pulse.
-    /// 0 (dead, masked, not driven) stays 0. Phases are distinguished to 3e-8 turns.
+    /// Returns the drive with the nearest phase and the nearest amplitude. If two are equally near, it has the later phase and
+    /// the larger amplitude. For ticks of different lengths it is the nearest pulse. 0 (dead, masked, not driven) stays 0.
+    /// Phases are distinguished to 3e-8 turns.
     #[must_use]
     pub fn nearest(&self, drive: Complex32) -> Complex32 {
         if let Some(pulses) = self.uneven() {
@@ -174,13 +177,13 @@ impl Quantization {
         drive[0]
     }
 
-    /// Rounding, for many drives at once: the same bits by every instruction set.
+    /// Rounds many drives at once; all instruction sets give the same bits.
     pub(crate) fn grid(&self) -> &Grid {
         &self.grid
     }
 
-    /// The factor for supply or modulation if the largest requested drive is below the least amplitude above 0,
-    /// at which there would only be silence: the drives divided by this factor (at most 1) reach that amplitude.
+    /// Returns the factor for supply or modulation, below 1 if the largest drive is below the smallest amplitude above 0. Such
+    /// drives would all be rounded to 0; divided by this factor they reach that amplitude.
     pub(crate) fn scale(&self, largest: f64) -> f64 {
         match self.on().first() {
             Some(&least) if largest > 0.0 && largest < FULL * least => largest / least,
@@ -188,8 +191,8 @@ impl Quantization {
         }
     }
 
-    /// The two amplitudes above 0 next to `factor`, where the lower one alone would be more than a five hundredth too low and
-    /// the upper one is at most twice the lower.
+    /// Returns the two amplitudes next to `factor`, below and above it. Returns `None` if the lower one is accurate to 1/500,
+    /// or if the upper one is more than twice the lower.
     pub(crate) fn between(&self, factor: f64) -> Option<[f64; 2]> {
         let table = self.amplitudes()?;
         let next = table.partition_point(|&amplitude| amplitude <= factor);
@@ -197,12 +200,12 @@ impl Quantization {
         (above <= 2.0 * below && factor - below > LOST * factor).then_some([below, above])
     }
 
-    /// Full drive brought down to `factor` (at most 1) and no louder: the amplitude to drive at and the scale that is
-    /// left to supply or modulation. The highest amplitude that is not too loud; where more than a tenth would be lost
-    /// with it, the next one and a scale.
+    /// Lowers a full drive to `factor`, at most 1. Returns the amplitude, and the scale that supply or modulation must apply.
+    /// The amplitude is the highest one that does not exceed `factor`. If that would lose more than a tenth, it is the next
+    /// higher one with a scale below 1.
     pub(crate) fn lowered(&self, factor: f64) -> (f64, f64) {
         let Some(table) = self.amplitudes() else { return (factor, 1.0) };
-        // The last amplitude is 1.
+        // There always is an amplitude above, because the last one is 1.
         let above = table.partition_point(|&amplitude| amplitude <= factor * (1.0 + SLACK));
         let below = above.checked_sub(1).map_or(0.0, |k| table[k]);
         if below >= KEPT * factor { (below, 1.0) } else { (table[above], factor / table[above]) }

@@ -1,4 +1,4 @@
-//! Results of a batch: pressures, metrics, scale, status and steps of each problem.
+//! Batch: the results of many problems: pressures, metrics, scale, status and steps of each.
 
 use alloc::format;
 use alloc::string::String;
@@ -10,30 +10,30 @@ use crate::problem::{Metrics, Problem, Solution, Status};
 use crate::solvers::method::Solve;
 use crate::solvers::remark::{Remark, harmonic, weak_part};
 
-/// Results of [`crate::Session::solve_batch`] beside the drives, for B problems of M points.
+/// The results of [`crate::Session::solve_batch`] besides the drives, for B problems of M points.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::exhaustive_structs, reason = "a binding stores the lists and makes the batch from them")]
 pub struct Batch {
     /// Complex pressures (B, M) in Pa (peak).
     pub pressures: Vec<Complex32>,
-    /// Metrics (B,).
+    /// The metrics of each problem (B,).
     pub metrics: Vec<Metrics>,
     /// The factor (B,) that supply or modulation must apply to each drive, see [`crate::Solution::scale`].
     pub scale: Vec<f64>,
     /// The status of each problem (B,).
     pub status: Vec<Status>,
-    /// Steps of each (B,).
+    /// The number of steps of each problem (B,).
     pub steps: Vec<usize>,
-    /// Whether a target of each problem is above the array's reach there (B,).
+    /// Whether a target of each problem exceeds the pressure that the array can give there (B,).
     pub beyond: Vec<bool>,
-    /// Whether the targets of each problem are below half the balanced level, solved unbalanced (B,).
+    /// Whether each problem was solved without balancing although its targets are below half the balanced level (B,).
     pub weak: Vec<bool>,
-    /// Warnings about the answers: a line a kind, with counts.
+    /// Warnings about the solutions: one line for each kind, with the number of problems.
     pub remarks: Vec<String>,
 }
 
 impl Batch {
-    /// The problems' pressures, and how each ended.
+    /// Collects the results of all problems.
     pub(super) fn of(pressures: Vec<Complex32>, outcomes: &[Outcome]) -> Self {
         Self {
             pressures,
@@ -48,7 +48,7 @@ impl Batch {
     }
 }
 
-/// Shortfalls, a line a kind: in how many problems, and in which the most.
+/// Returns the warnings, one line for each kind: in how many problems it occurs, and the worst problem.
 fn remarks(outcomes: &[Outcome]) -> Vec<String> {
     let worst = |badness: fn(&Outcome) -> f64| {
         let bad = outcomes.iter().map(badness).enumerate().filter(|(_, badness)| *badness > 1.0);
@@ -76,27 +76,27 @@ fn remarks(outcomes: &[Outcome]) -> Vec<String> {
     [beyond, missed, weak, unused, scaled, harmonic].into_iter().flatten().collect()
 }
 
-/// The status of a problem.
+/// The results of one problem.
 #[derive(Clone, Copy)]
 pub(super) struct Outcome {
     pub(super) metrics: Metrics,
     scale: f64,
     status: Status,
     steps: usize,
-    /// Ratio of a target to its reach, if it is above 1.
+    /// The largest ratio of a target to its reach, if it is above 1; else 0.
     excess: f64,
-    /// The error by which the targets are missed, where that is reported; else 0.
+    /// The relative error of the pressures, if the targets are reported as missed; else 0.
     missed: f64,
-    /// The part of the balanced level that weak targets are; else 1.
+    /// The level of weak targets as a part of the balanced level; 1 if they are not weak.
     weak: f64,
-    /// Whether the targets have phases that the solver does not use.
+    /// Whether the targets have phases that the solver ignores.
     phases_unused: bool,
-    /// The second harmonic's share and |p|, where it is large.
+    /// The share of the second harmonic and |p| in Pa, if the share is large.
     harmonic: Option<(f64, f64)>,
 }
 
 impl Default for Outcome {
-    /// Not begun: the all-zero drive.
+    /// The result of a problem that was not solved: the all-zero drive.
     fn default() -> Self {
         let metrics = Metrics { residual: 1.0, ..Metrics::default() };
         let (scale, status, steps, phases_unused, harmonic) = (1.0, Status::Stopped, 0, false, None);

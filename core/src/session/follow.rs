@@ -1,4 +1,4 @@
-//! Follow: frames in time, one after another, each with the last one as its start.
+//! Follow: solves the frames of a motion one after another, each with the previous one as its start.
 
 use alloc::boxed::Box;
 use alloc::format;
@@ -11,28 +11,29 @@ use crate::problem::Status;
 use crate::scene::Start;
 use crate::session::{Session, SolveRequest};
 
-/// Points that move: T frames of M points.
+/// Moving points: T frames of M points.
 #[derive(Clone, Copy, Debug, Default)]
 #[allow(clippy::exhaustive_structs, reason = "lists and their lengths, checked where they are used")]
 pub struct Frames<'a> {
     /// Points (T + 2 margin, M, 3) in m.
     pub points: &'a [[f64; 3]],
-    /// Targets (T, M) in Pa, 0 where a point is not there in that frame; left out all are there, at the balanced level.
+    /// Targets (T, M) in Pa; 0 means that the point does not exist in that frame. Left out, all points have the balanced level.
     pub targets: Option<&'a [f64]>,
-    /// M.
+    /// The number of points M.
     pub count: usize,
-    /// This many frames of points come before the first and after the last. Traps then know the acceleration of their points
-    /// from frames so far on both sides; with 0 they estimate it from the frames so far.
+    /// How many additional frames of points there are before the first and after the last frame. Methods for traps then compute
+    /// accelerations from frames at this distance on both sides. With 0 they estimate them from earlier frames.
     pub margin: usize,
 }
 
 impl Session {
-    /// Solves T frames one after another into `drives` (T, N). A solver that remembers its last frame goes on from it, from
-    /// call to call until [`Session::last`] is cleared; with `starts` the others have the last drive as their start. `ask`
-    /// has the other parts of the request, and is reused. A frame without points is silent.
+    /// Solves T frames one after another and writes their drives into `drives` (T, N). A solver with a memory continues from
+    /// the last frame, also from one call to the next, until [`Session::last`] is cleared. With `starts`, other solvers start
+    /// from the previous drive. `ask` contains the other parts of the request; its lists are overwritten. The drive of a frame
+    /// without points is 0.
     ///
     /// # Errors
-    /// Lists that do not fit each other, what [`Session::solve`] refuses of a frame, named by its index; a stop.
+    /// Lists of lengths that do not fit, the errors of [`Session::solve`] with the index of the frame; a stop.
     ///
     /// ```
     /// use midair::{Array, SolveRequest, Complex32, Control, Frames, InstructionSet, Medium, Model, Session, solvers};

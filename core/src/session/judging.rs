@@ -1,4 +1,4 @@
-//! Judging many drives: the metrics of each at its own points, sixteen at a time, over all threads.
+//! Judging: computes the metrics of many drives, each at its own points, sixteen at a time, over all threads.
 
 use alloc::boxed::Box;
 use alloc::vec;
@@ -15,23 +15,23 @@ use crate::session::Session;
 use crate::session::worker::{Requests, SolveRequest, Task, Worker};
 use crate::solvers::common::interleaved_batch;
 
-/// Some drives in a row, and where their metrics are written.
+/// Consecutive drives, and where their metrics are written.
 struct Judged<'a> {
-    /// The first one's index in the batch.
+    /// The index of the first drive in the batch.
     first: usize,
     drives: &'a [Complex32],
     metrics: &'a mut [Metrics],
 }
 
 impl Session {
-    /// The metrics of `count` drives, (B, N), each for what `ask` writes of its index: points and request, all of as many
-    /// `points`. Each is bit for bit what [`crate::Problem::judge`] makes of it alone, whatever the number of threads.
+    /// Returns the metrics of `count` drives (B, N). `ask` writes the points and the request of a drive, given its index; all
+    /// have `points` points. Each result has the same bits as [`crate::Problem::judge`], whatever the number of threads.
     ///
-    /// `control` is called after every few drives (its residual is the mean so far); once it says stop, the metrics of the
-    /// rest are NaN.
+    /// `control` is called after every few drives, with the mean residual so far. After a stop, the metrics of the remaining
+    /// drives are NaN.
     ///
     /// # Errors
-    /// `drives` of another length; the first drive or request that is refused, named by its index.
+    /// `drives` of another length; the error of the first drive or request that is rejected, with its index.
     ///
     /// ```
     /// use midair::{Array, Complex32, Control, InstructionSet, Medium, Model, Precision, Session, SolveRequest, solvers};
@@ -85,7 +85,7 @@ impl Session {
 }
 
 impl Worker {
-    /// Reads the problems of a part and judges their drives.
+    /// Reads the problems of a part and computes the metrics of their drives.
     fn judge(
         &mut self,
         Judged { first, drives, metrics }: Judged<'_>,
@@ -107,7 +107,7 @@ impl Worker {
         Ok(())
     }
 
-    /// Judges the drives of the first `count` problems; an error has the number of its problem.
+    /// Computes the metrics of the drives of the first `count` problems. An error comes with the index of its problem.
     fn judge_prepared(
         &mut self,
         count: usize,

@@ -1,4 +1,4 @@
-//! Session: one array and one method for one request or many, with reused memory.
+//! Session: one array and one method for one request or many, with memory that is reused.
 
 pub(crate) mod batch;
 pub(crate) mod follow;
@@ -32,13 +32,13 @@ use crate::solvers::method::Solve;
 use crate::solvers::remark::Remark;
 use crate::solvers::solve::solve_after;
 
-/// Entries of G that a thread goes through between two calls of the control: some 100 us of `fast`, many times what it
-/// costs to wake a thread.
+/// How many entries of G a thread computes between two calls of the control. This takes `fast` about 100 us, much longer than
+/// to wake a thread.
 const STRETCH: usize = 1 << 17;
 
-/// A solver with its array, its memory and its last solution, for loops such as those that follow a hand.
+/// A solver with its array, its memory and its last solution, for loops such as the tracking of a hand.
 ///
-/// From the second call of a size on (all weights above 0) no memory is allocated.
+/// From the second call with the same sizes on, no memory is allocated if all weights are above 0.
 ///
 /// ```
 /// use midair::{Array, SolveRequest, Control, InstructionSet, Medium, Model, Session, solvers};
@@ -58,20 +58,20 @@ pub struct Session {
     task: Task,
     workers: Vec<Worker>,
     solution: Option<Solution>,
-    /// The last frame, where the solver remembers it.
+    /// The memory of the last frame, for solvers that use it.
     last: Last,
-    /// Which kinds of remark it has made.
+    /// For each kind of remark, whether it has been made.
     reported: [bool; 8],
-    /// Whether it has searched the proof that no drive gives all targets together.
+    /// Whether it has searched for a proof that no drive gives all targets together.
     looked: bool,
-    /// Where points are looked for, until one was found outside.
+    /// The region in which points are plausible; `None` after the first warning about a point outside of it.
     vicinity: Option<Vicinity>,
-    /// Whether points were checked for two pressures in one place.
+    /// Whether points have been checked for different pressures at one place.
     compared: bool,
 }
 
 impl Session {
-    /// A session of an array and a solver, which balances or not.
+    /// Returns a session for an array and a solver; `balance` says whether it balances.
     #[must_use]
     pub fn new(model: Model, solver: impl Into<Arc<dyn Solve + Send + Sync>>, balance: bool) -> Self {
         let setup = Arc::new(Setup::of(model.array(), model.medium()));
@@ -81,7 +81,7 @@ impl Session {
         Self::of(Task { transducers, setup, solver, balance }, vicinity)
     }
 
-    /// A session of a given G, the array behind it, and a solver: its requests have no points.
+    /// Returns a session for a user's own G, the setup of its array, and a solver. Its requests have no points.
     ///
     /// # Errors
     /// Another number of positions than transducers, a medium out of range.
@@ -111,11 +111,11 @@ impl Session {
         }
     }
 
-    /// Solves one request. The solution stays readable until the next call.
+    /// Solves one request. The solution is available until the next call.
     ///
     /// # Errors
-    /// As [`Model::propagation`], [`Problem::with_propagation`], [`Problem::with_start`] and the method's own; points
-    /// for a given G.
+    /// As [`Model::propagation`], [`Problem::with_propagation`], [`Problem::with_start`] and the errors of the method; points
+    /// for a user's own G.
     pub fn solve(&mut self, ask: &SolveRequest, control: &mut Control) -> Result<&Solution, Error> {
         if self.workers.is_empty() {
             self.workers.push(Worker::default());
@@ -132,23 +132,24 @@ impl Session {
         Ok(self.solution.insert(solution))
     }
 
-    /// The last frame as the solver remembers it; cleared, the next one is solved as the first.
+    /// The memory of the last frame. After it is cleared, the next frame is solved like the first one.
     pub fn last(&mut self) -> &mut Last {
         &mut self.last
     }
 
-    /// Solves B = `count` requests of M = `points` points each. `ask` is called with a problem's index and writes down
-    /// what that problem asks for, over what an earlier one did; its drive is then written into its row of `drives`
-    /// (B, N). Each is bit for bit what [`Session::solve`] makes of it alone, whatever the number of threads. Memory:
-    /// the output, and a workspace and 16 problems a thread; where all weights are above 0 and `ask` writes into the
-    /// memory it is given, a further problem allocates nothing.
+    /// Solves B = `count` requests of M = `points` points each. `ask` is called with the index of a problem and writes its
+    /// request over that of an earlier one. The drive of the problem is written into its row of `drives` (B, N). Each result
+    /// has the same bits as that of [`Session::solve`], whatever the number of threads.
     ///
-    /// `control` is called after every few problems (its residual is the mean so far); once it says stop, the
-    /// problems not yet begun keep a drive of 0 and the status [`crate::Status::Stopped`].
+    /// The memory is that of the output, and a workspace and 16 problems for each thread. More problems allocate nothing if all
+    /// weights are above 0 and `ask` reuses the lists of the request.
+    ///
+    /// `control` is called after every few problems, with the mean residual so far. After a stop, the remaining problems have a
+    /// drive of 0 and the status [`crate::Status::Stopped`].
     ///
     /// # Errors
-    /// `drives` of another length; the first problem that is refused or asks for another number of points, named by
-    /// its index.
+    /// `drives` of another length; the error of the first problem that is rejected or has another number of points, with its
+    /// index.
     ///
     /// ```
     /// use midair::{Array, SolveRequest, Complex32, Control, InstructionSet, Medium, Model, Session, solvers};
@@ -204,7 +205,8 @@ impl Session {
         Ok(Batch::of(pressures, &outcomes))
     }
 
-    /// Checks a batch's size: transducers, threads, each with a worker, and how many problems a thread takes at once.
+    /// Checks the size of a batch. Returns the number of transducers, the number of threads, and how many problems a thread
+    /// takes at a time; there is then a worker for each thread.
     fn shared_out(
         &mut self,
         count: usize,
@@ -228,8 +230,8 @@ impl Session {
         Ok((transducers, threads, LANES * (STRETCH / (LANES * transducers * points)).max(1)))
     }
 
-    /// Warnings for the last solution that this session has not yet given: each kind once. Only the first search for the
-    /// proof of [`Problem::beyond`] takes time.
+    /// Returns the warnings about the last solution, each kind once in a session. Only the first search for a proof of
+    /// [`Problem::beyond`] takes time.
     pub fn remarks(&mut self) -> impl Iterator<Item = Remark> + use<> {
         let (Some(problem), Some(solution)) = (self.problem(), self.solution()) else {
             return [None; 8].into_iter().flatten();
@@ -254,8 +256,9 @@ impl Session {
         remarks.into_iter().flatten()
     }
 
-    /// Returns doubts about the points of a request that was answered: one far beyond the array or behind it, until there
-    /// was one; and, of the first request, two pressures in one place. Costs a comparison a coordinate.
+    /// Returns probable mistakes in the points of a request. A point far beyond the array or behind it is reported once in a
+    /// session; different pressures at one place only for the first request. The check takes one comparison for each
+    /// coordinate.
     pub fn doubts(&mut self, ask: &SolveRequest) -> Vec<Doubt> {
         let far = self.far(&ask.points, |j| format!("points[{j}].position"));
         let first = !core::mem::replace(&mut self.compared, true);
@@ -263,7 +266,8 @@ impl Session {
         far.into_iter().chain(contrary).collect()
     }
 
-    /// As [`Session::doubts`], of all points (B, M, 3) of a batch far beyond the array or behind it.
+    /// Does the same as [`Session::doubts`] for all points (B, M, 3) of a batch, with `each` = M; only points far beyond the
+    /// array or behind it.
     pub fn batch_doubts(&mut self, points: &[[f64; 3]], each: usize) -> Vec<Doubt> {
         let far = self.far(points, |k| format!("problems[{}].points[{}].position", k / each, k % each));
         far.into_iter().collect()
@@ -275,30 +279,30 @@ impl Session {
         Some(far)
     }
 
-    /// The problem of the last request that was read.
+    /// The problem of the last request.
     #[must_use]
     pub fn problem(&self) -> Option<&Problem> {
         self.workers.first()?.problems.first()
     }
 
-    /// The last solution, if the last call had one.
+    /// The last solution, if the last call was successful.
     #[must_use]
     pub fn solution(&self) -> Option<&Solution> {
         self.solution.as_ref()
     }
 
-    /// The last solution, moved out: the next call allocates another.
+    /// Takes the last solution out of the session; the next call then allocates memory for another.
     pub fn take(&mut self) -> Option<Solution> {
         self.solution.take()
     }
 
-    /// Number of transducers N.
+    /// The number of transducers N.
     #[must_use]
     pub fn transducers(&self) -> usize {
         self.task.transducers.count(&self.task.setup)
     }
 
-    /// Number of points M where G is given, and with it the points.
+    /// The number of points M of a user's own G; `None` for other sessions.
     #[must_use]
     pub fn given_points(&self) -> Option<usize> {
         self.task.transducers.points()

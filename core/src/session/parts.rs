@@ -1,4 +1,4 @@
-//! Parts of a batch's output for the workers.
+//! Parts of the output of a batch, one for each worker.
 
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -8,9 +8,9 @@ use num_complex::Complex32;
 use crate::problem::Solution;
 use crate::session::batch::Outcome;
 
-/// Where the solutions of some problems in a row are written.
+/// Where the solutions of consecutive problems are written.
 pub(super) struct Part<'a> {
-    /// The first problem's index in the batch.
+    /// The index of the first problem in the batch.
     pub(super) first: usize,
     drives: &'a mut [Complex32],
     pressures: &'a mut [Complex32],
@@ -18,18 +18,18 @@ pub(super) struct Part<'a> {
 }
 
 impl Part<'_> {
-    /// Number of problems.
+    /// The number of problems.
     pub(super) fn len(&self) -> usize {
         self.outcomes.len()
     }
 
-    /// Leaves the part's problems from `k` on silent.
+    /// Sets the drives of the part's problems from `k` on to 0.
     pub(super) fn silence(&mut self, k: usize) {
         let transducers = self.drives.len() / self.len();
         self.drives[k * transducers..].fill(Complex32::ZERO);
     }
 
-    /// Keeps the solution of the part's problem `k`.
+    /// Stores the solution of the part's problem `k`.
     pub(super) fn keep(&mut self, k: usize, solution: &Solution, outcome: Outcome) {
         let (transducers, points) = (solution.drive.len(), solution.pressures.len());
         self.drives[k * transducers..(k + 1) * transducers].copy_from_slice(&solution.drive);
@@ -38,7 +38,7 @@ impl Part<'_> {
     }
 }
 
-/// Parts of the whole batch's drives, pressures and outcomes: those of problems `range`, `share` problems a part.
+/// Splits the drives, pressures and outcomes of the problems `range` into parts of `share` problems.
 pub(super) fn parts<'a>(
     (drives, pressures, outcomes): (&'a mut [Complex32], &'a mut [Complex32], &'a mut [Outcome]),
     range: Range<usize>,

@@ -23,18 +23,18 @@ use crate::workspace::Workspace;
 #[derive(Clone, Debug, Default)]
 #[allow(clippy::exhaustive_structs, reason = "a session's request, in one piece")]
 pub struct SolveRequest {
-    /// Points (M, 3) in m; empty where G is given.
+    /// Points (M, 3) in m; empty for a user's own G.
     pub points: Vec<[f64; 3]>,
-    /// Pressures and weights.
+    /// The targets and weights.
     pub request: Request,
-    /// Where an iterative method begins.
+    /// The start of an iterative method.
     pub start: Option<Start>,
-    /// The aim, for a method that uses one; left out it is the problem's own.
+    /// The aim, for a method that has one; `None` stands for the aim of the problem.
     pub aim: Option<Aim>,
 }
 
 impl SolveRequest {
-    /// The request of a scene: its points, pressures and weights, and the aim of its solver.
+    /// Returns the request of a scene: its points, targets and weights, and the aim of its solver.
     #[must_use]
     pub fn of_scene(scene: &Scene) -> Self {
         Self {
@@ -46,11 +46,11 @@ impl SolveRequest {
     }
 }
 
-/// Where a session's G comes from.
+/// Where the matrix G of a session comes from.
 pub(super) enum Transducers {
-    /// Computed at the points of each request.
+    /// G is computed at the points of each request.
     Model(Model),
-    /// One matrix for all requests.
+    /// G is the same matrix for all requests, given by the user.
     Given(Propagation),
 }
 
@@ -70,7 +70,7 @@ impl Transducers {
     }
 }
 
-/// The parts that all requests of a session share.
+/// What all requests of a session have in common.
 pub(super) struct Task {
     pub(super) transducers: Transducers,
     pub(super) setup: Arc<Setup>,
@@ -79,7 +79,8 @@ pub(super) struct Task {
 }
 
 impl Task {
-    /// Writes a request over problem `k`, or makes that problem: the sums of |G| and the targets come next.
+    /// Writes a request into problem `k`, which is added if there is none. The sums of |G| and the targets are still missing
+    /// then.
     pub(super) fn read(&self, problems: &mut Vec<Problem>, k: usize, ask: &SolveRequest) -> Result<(), Error> {
         let points = match &self.transducers {
             Transducers::Model(_) => Some(&ask.points[..]),
@@ -100,7 +101,7 @@ impl Task {
     }
 }
 
-/// The memory that a thread keeps from problem to problem.
+/// The memory that a thread reuses from problem to problem.
 #[derive(Default)]
 pub(super) struct Worker {
     pub(super) problems: Vec<Problem>,
@@ -108,7 +109,7 @@ pub(super) struct Worker {
     ask: SolveRequest,
 }
 
-/// The number of points of all problems of a batch, and the function that gives each request.
+/// The number of points in each problem of a batch, and the function that writes the request of a problem.
 #[derive(Clone, Copy)]
 pub(super) struct Requests<'a> {
     pub(super) points: usize,
@@ -116,7 +117,7 @@ pub(super) struct Requests<'a> {
 }
 
 impl Worker {
-    /// Reads and solves the problems of a part; after a stop the rest is silent.
+    /// Reads and solves the problems of a part; after a stop, the remaining drives are 0.
     pub(super) fn run(
         &mut self,
         mut part: Part<'_>,
@@ -143,7 +144,7 @@ impl Worker {
         Ok(())
     }
 
-    /// Reads and solves problems `range` of a part; the error has the number of the problem in the part.
+    /// Reads and solves the problems `range` of a part. An error comes with the index of the problem in the part.
     fn solve_range(
         &mut self,
         part: &mut Part<'_>,
@@ -180,8 +181,8 @@ impl Worker {
         refused
     }
 
-    /// Reads up to 16 problems, from `first` of the batch on: how many come before one that is refused, and that one, by its
-    /// number among them. Those before may be refused later on, and are the first then.
+    /// Reads up to 16 problems, from `first` of the batch on. Returns how many come before the first one with an error, and the
+    /// error with its index. A problem before it can still fail later; then that is the first error.
     pub(super) fn prepare(
         &mut self,
         first: usize,

@@ -14,7 +14,7 @@ pub(crate) const FORMAT: Format = Format {
     channels: CHANNELS,
     most_boards: 128,
     steps: Steps { phases: 256, levels: Levels::Even(255) },
-    // Frames are acknowledged (up to 1500 a second over loopback), and phases take 1 ms to follow.
+    // Frames are acknowledged, up to 1500 per second over loopback; phases need 1 ms to change.
     link: Link::Udp { rate: 1000.0 },
     frequency: 40e3,
     steady: f64::INFINITY,

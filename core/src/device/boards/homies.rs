@@ -1,4 +1,5 @@
-//! ultrasonic-homies rev 1: two FPGAs of 128 channels; words switch channels off, a burst sets phases and switches on.
+//! ultrasonic-homies rev 1: two FPGAs of 128 channels. Words of 8 bytes switch channels off; a burst of bytes sets phases and
+//! switches channels on.
 
 use crate::device::code::{Code, Levels, Steps};
 use crate::device::format::{Format, Layout, Reader, Writer, twice};
@@ -6,15 +7,15 @@ use crate::device::link::Link;
 use crate::error::Error;
 
 const CHANNELS: usize = 128;
-/// The lowest byte of a word, sent first, and the highest, sent last.
+/// The first byte of a word is SUFFIX, its lowest byte; the last is PREFIX, its highest byte.
 const SUFFIX: u8 = 0x55;
 const PREFIX: u8 = 0xaa;
-/// A word of phase, channel and enable bit.
+/// The command of a word with a phase, a channel and an enable bit.
 const ENABLE: u8 = 1;
-/// A word that tells how many bytes follow: phase and channel of each transducer that is on.
+/// The command of a word with the number of bytes that follow: a phase and a channel for each transducer that is on.
 const BURST: u8 = 2;
-/// A frame of one FPGA is longest where each channel needs a word of its own: all off but one. Zeros, which the
-/// receiver ignores, make all frames as long.
+/// The longest frame of one FPGA has a word for each channel: all channels but one are off. All frames get this length by
+/// zeros, which the receiver ignores.
 const SIZE: usize = 8 * CHANNELS;
 
 pub(crate) const FORMAT: Format = Format {
@@ -24,7 +25,7 @@ pub(crate) const FORMAT: Format = Format {
     channels: CHANNELS,
     most_boards: 2,
     steps: Steps { phases: 256, levels: Levels::OnOff },
-    // The FIFO runs at 1 MB/s, far below its limit.
+    // At this rate the FIFO transfers 1 MB/s, far below its limit.
     link: Link::Fifo { rate: 900.0, one_chip: true },
     frequency: 40e3,
     steady: f64::INFINITY,
@@ -37,7 +38,8 @@ pub(crate) const FORMAT: Format = Format {
     silence: twice,
 };
 
-/// A receiver that is out of step takes these bytes for the ends of a word: it plays the phase step beside them.
+/// Avoids the two bytes that begin and end a word: a receiver that has lost a byte would mistake them. The neighbouring phase
+/// step is played instead.
 fn spared(phase: u16) -> u8 {
     match phase as u8 {
         SUFFIX => SUFFIX - 1,

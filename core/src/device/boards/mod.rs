@@ -1,4 +1,4 @@
-//! The bytes of each board, one family a file, and the list of them.
+//! The bytes of each kind of board, one family in each file, and the list of all kinds.
 
 mod autd3;
 mod homies;
@@ -9,7 +9,7 @@ mod ultraino;
 
 use crate::device::format::Format;
 
-/// Every board.
+/// All kinds of boards.
 pub(super) const FORMATS: [Format; 7] = [
     autd3::FORMAT,
     sonicsurface::FORMAT,

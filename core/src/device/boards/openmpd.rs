@@ -1,4 +1,4 @@
-//! OpenMPD: for each board 256 bytes of phases, then 256 of pulse widths, by pin.
+//! OpenMPD: for each board 256 bytes of phases, then 256 bytes of pulse widths, in the order of the pins.
 
 use crate::device::boards::planes;
 use crate::device::code::{Levels, Steps};
@@ -6,7 +6,7 @@ use crate::device::format::{Format, Layout, thrice};
 use crate::device::link::Link;
 
 const CHANNELS: usize = 256;
-/// The bit that marks the first byte of a board's frame.
+/// This bit is set in the first byte of each board's frame.
 const BEGIN: u8 = 0x80;
 
 pub(crate) const FORMAT: Format = Format {
@@ -16,7 +16,7 @@ pub(crate) const FORMAT: Format = Format {
     channels: CHANNELS,
     most_boards: 2,
     steps: Steps { phases: 128, levels: Levels::Pulses(&[1; 128]) },
-    // 40 kHz by the divider it begins with, 4.
+    // The board emits 40 kHz with its initial clock divider, 4.
     link: Link::Fifo { rate: 10e3, one_chip: false },
     frequency: 40e3,
     steady: f64::INFINITY,
@@ -29,7 +29,8 @@ pub(crate) const FORMAT: Format = Format {
     silence: thrice,
 };
 
-/// Transducers with x slow and y downwards; pins in squares of four columns, two rows at a time.
+/// The pin of a transducer. Transducers are numbered with y fastest, from + to -, pins in squares of four columns, two rows at
+/// a time.
 fn order(transducer: usize) -> usize {
     const PAIR: [[usize; 4]; 2] = [[1, 0, 3, 2], [5, 4, 6, 7]];
     let [x, y] = [transducer / 16, transducer % 16];

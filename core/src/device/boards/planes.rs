@@ -1,10 +1,10 @@
-//! Planes: for each board the phases of all N channels, a byte each, then their levels.
+//! Planes: frames with the phases of all N channels of a board, one byte each, followed by their levels.
 
 use crate::device::code::Code;
 use crate::device::format::Reader;
 use crate::error::Error;
 
-/// Writes N phases, then N levels of each board. The bit `begin` marks the first byte of a board; 0 means no mark.
+/// Writes N phases and then N levels for each board. The bit `begin` is set in the first byte of a board; 0 means no mark.
 pub(super) fn write<const N: usize>(boards: usize, begin: u8, code: &dyn Fn(usize) -> Code, frame: &mut [u8]) {
     for (board, bytes) in frame.chunks_exact_mut(2 * N).take(boards).enumerate() {
         for channel in 0..N {
@@ -16,7 +16,7 @@ pub(super) fn write<const N: usize>(boards: usize, begin: u8, code: &dyn Fn(usiz
     }
 }
 
-/// `most` is the highest level.
+/// Reads a frame that `write` wrote; `most` is the highest level.
 pub(super) fn read<const N: usize>(
     boards: usize,
     [begin, most]: [u8; 2],

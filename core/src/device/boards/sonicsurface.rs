@@ -1,4 +1,5 @@
-//! SonicSurface: codes of 256 channels between a start and a swap byte; two boards are selected in turn and swap at once.
+//! SonicSurface: the codes of 256 channels between a start and a swap byte. Two boards are selected one after the other, and
+//! both swap at the same time.
 
 use alloc::vec::Vec;
 
@@ -10,12 +11,12 @@ use crate::error::Error;
 const CHANNELS: usize = 256;
 /// The phase code that switches a channel off.
 const OFF: u8 = 32;
-/// Selects the primary board for the following bytes; the secondary is the next number.
+/// Selects the primary board for the following bytes. SELECT + 1 selects the secondary board.
 const SELECT: u8 = 192;
 const START: u8 = 254;
 /// Exchanges the two banks of every board.
 const SWAP: u8 = 253;
-/// Lets the shift clocks run, which a stray 150 stops.
+/// Starts the shift clocks; a byte of 150, received by mistake, stops them.
 const CLOCKS: u8 = 151;
 
 pub(crate) const FORMAT: Format = Format {
@@ -37,22 +38,23 @@ pub(crate) const FORMAT: Format = Format {
     silence,
 };
 
-/// The multiplexer samples every eighth channel a tick late. The secondary's counter begins again where the primary's is at half
-/// a period, behind a filter: of five taps, as in its diagram, 186.3 degrees late, of eight, as in the primary's, 189.0. Which
-/// its published binary has cannot be seen. The middle is 17 steps less .32.
+/// The delay of each channel. The multiplexer samples every eighth channel one tick late. The secondary's counter restarts at
+/// half a period of the primary's, after a filter. With a filter of five taps, as in the secondary's diagram, it is 186.3
+/// degrees late; with eight, as in the primary's, 189.0 degrees. The published binary does not show which it has. The value
+/// here is the mean: 17 steps less 0.32.
 fn late(channel: usize) -> (u16, f64) {
     let (steps, rest) = if channel < CHANNELS { (0, 0.0) } else { (17, -0.32 / 32.0) };
     (steps + u16::from(channel % 8 == 3), rest)
 }
 
-/// Transducers row by row; channels in squares of four columns, two rows at a time.
+/// The channel of a transducer. Transducers are numbered row by row, channels in squares of four columns, two rows at a time.
 fn order(transducer: usize) -> usize {
     const PAIR: [[usize; 4]; 2] = [[0, 7, 1, 2], [4, 3, 6, 5]];
     let [row, column] = [transducer / 16, transducer % 16];
     64 * (column / 4) + 8 * (row / 2) + PAIR[row % 2][column % 4]
 }
 
-/// Both boards, twice for both banks; one that plays alone, which is a primary, is the one selected at the end.
+/// Writes off frames to both boards, twice, for both banks. A board that plays alone is a primary, and is selected last.
 fn silence(boards: usize, _: &[u8]) -> Vec<u8> {
     let select = if boards == 1 { [SELECT + 1, SELECT] } else { [SELECT, SELECT + 1] };
     let off = select.map(|board| [&[board, START][..], &[OFF; CHANNELS]].concat()).concat();

@@ -1,4 +1,4 @@
-//! Ultraino's Arduinos: the high pins in each tick of a period, a bit a pin, four bits a byte.
+//! Ultraino's Arduinos: in each tick of a period, one bit for each pin says whether it is high; a byte contains four bits.
 
 use alloc::format;
 
@@ -9,7 +9,7 @@ use crate::error::Error;
 
 /// Exchanges the two buffers.
 const SWAP: u8 = 0x00;
-/// A Nano's: back to the first byte of the buffer.
+/// On a Nano, returns to the first byte of the buffer.
 const RESET: u8 = 0x10;
 
 const ARDUINO: Link = Link::Serial { baud: 115_200, swap: None, restarts: true };
@@ -24,7 +24,8 @@ pub(crate) const MEGA64: Format = Format {
     steps: Steps { phases: 10, levels: Levels::Pulses(&TICKS) },
     link: ARDUINO,
     frequency: MEGA64_HZ,
-    // Each byte's interrupt stops the pins for half a period: at 55 frames/s they emit 35 kHz, at .55 of the amplitude.
+    // The interrupt for each byte stops the pins for half a period. At 55 frames per second the boards emit 35 kHz with 0.55 of
+    // the amplitude.
     steady: 10.0,
     layout: Layout::Preset("ultraino_flat8x8"),
     order: |transducer| transducer,
@@ -50,20 +51,21 @@ pub(crate) const MEGA64: Format = Format {
     silence: thrice,
 };
 
-/// The length of each of the ten ticks of a period in clock cycles of 16 MHz, as the published binary plays them.
+/// The length of each of the ten ticks of a period, in clock cycles at 16 MHz, as in the published binary.
 const TICKS: [u8; 10] = [38, 42, 34, 35, 35, 36, 43, 43, 34, 56];
 const PERIOD: f64 = 396.0;
-/// Cycles by which these ticks begin before ticks of equal length, on average.
+/// How many cycles these ticks begin before ticks of equal length, on average.
 const BEFORE: f64 = 8.8;
 const MEGA64_HZ: f64 = 16e6 / PERIOD;
 
-/// Cycles from the first port to each, in the order of [`PINS`]: they are written one after the other.
+/// Cycles from the first port to each port, in the order of [`PINS`]: the ports are written one after another.
 const PORTS_LATE: [f64; 10] = [0.0, 3.0, 7.0, 10.0, 14.0, 17.0, 20.0, 24.0, 27.0, 30.0];
 
-/// One pattern for one period, over and over: durations 1 and 0, two bits a byte, most significant first, taken by the last.
+/// The durations that repeat one pattern of one period: 1 and 0, two bits in each byte, the most significant first. The last
+/// byte ends them.
 const DURATIONS: [u8; 9] = [0x30, 0x30, 0x30, 0x70, 0x30, 0x30, 0x30, 0x30, 0x10];
 
-/// The pin of each channel of a MEGA64: its port, in the order A C L B K F H D G J, times 8 and the bit of the port.
+/// The pin of each channel of a MEGA64: 8 times the index of its port in A C L B K F H D G J, plus its bit in the port.
 const PINS: [usize; 64] = [
     51, 52, 53, 54, 28, 29, 30, 31, 47, 46, 45, 44, 43, 42, 41, 40, 56, 57, 58, 59, 48, 49, 72, 69, 39, 38, 37, 36, 35,
     34, 33, 32, 21, 23, 65, 63, 9, 11, 13, 15, 20, 22, 64, 66, 8, 10, 12, 14, 24, 25, 26, 27, 16, 17, 18, 19, 7, 6, 5,
@@ -108,7 +110,7 @@ pub(crate) const NANO: Format = Format {
     silence: thrice,
 };
 
-/// A Nano's pulses are half a period long: level 1 is as many ticks.
+/// Writes the frame of a Nano. Its pulses are half a period long, so level 1 becomes `ticks` / 2.
 fn write_nano<const N: usize>(ticks: u16, code: &dyn Fn(usize) -> Code, frame: &mut [u8]) {
     let mut bytes = Writer::new(frame);
     let pulse = |channel| {
@@ -127,8 +129,8 @@ fn read_nano<const N: usize>(ticks: u16, frame: &[u8], put: &mut dyn FnMut(usize
     bytes.end()
 }
 
-/// The ports in each tick of a board's N channels: high for `level` ticks from `phase` on. The low half of a byte is the
-/// number of the board, counted from 1, which each board of a chain counts down and passes on.
+/// Writes the ports of a board's N channels in each tick: a pin is high for `level` ticks from `phase` on. The lower half of a
+/// byte is the number of the board, counted from 1. Each board of a chain subtracts 1 and passes the byte on.
 fn write<const N: usize>(
     ticks: u16,
     ports: usize,
@@ -154,7 +156,7 @@ fn write<const N: usize>(
     }
 }
 
-/// Pulses back from their ticks; each is in one piece, `width` ticks long where that is given.
+/// Reads the pulses back from their ticks. Each channel has one pulse, of `width` ticks if that is given.
 fn read<const N: usize>(
     ticks: u16,
     ports: usize,

@@ -1,4 +1,4 @@
-//! Codes against the same in double precision, at random and beside the middles between steps.
+//! Compares codes with those computed in double precision only, for random drives and close to the middle between two steps.
 
 use core::f64::consts::TAU;
 
@@ -8,7 +8,7 @@ use super::{Code, Levels, Steps};
 use crate::math;
 use crate::rng::Rng;
 
-/// [`Steps::code`] without a short way.
+/// Computes [`Steps::code`] in double precision only.
 fn exact(steps: Steps, drive: Complex32, correction: f64) -> Code {
     let (phases, amplitude) = (f64::from(steps.phases), math::modulus(drive).min(1.0));
     let level = math::floor(amplitude * f64::from(steps.most()) + 0.5) as u16;
@@ -28,7 +28,7 @@ fn codes_are_those_of_double_precision() {
         let steps = Steps { phases, levels };
         for _ in 0..20_000 {
             let correction = if rng.uniform() < 0.5 { 0.0 } else { rng.uniform() };
-            // Half of them lie within 1e-5 steps of the end of a step.
+            // Half of the phases are within 1e-5 steps of the middle between two steps.
             let phase = (rng.uniform() * f64::from(phases)).floor() + 0.5 + 2e-5 * (rng.uniform() - 0.5);
             let turns = if rng.uniform() < 0.5 { phase / f64::from(phases) + correction } else { rng.uniform() };
             let level = (rng.uniform() * f64::from(steps.most())).floor() + 0.5 + 2e-5 * (rng.uniform() - 0.5);

@@ -21,7 +21,7 @@ fn full_drive_is_lowered_by_the_table_and_what_it_cannot_by_the_scale() {
     assert_eq!(lowered(&table, 0.42), (0.4, 1.0));
     assert_eq!(lowered(&table, 0.79), (0.76, 1.0));
     assert_eq!(lowered(&table, 0.8 / (1.0 + 4e-5)), (0.8, 1.0));
-    // The next lower amplitude would lose more than a tenth: the next higher one is used, with a scale.
+    // The next lower amplitude would lose more than a tenth, so the next higher one is used with a scale.
     assert_eq!(lowered(&table, 0.5), (0.76, 0.5 / 0.76));
     assert_eq!(lowered(&table, 0.95), (1.0, 0.95));
     assert_eq!(lowered(&table, 0.1), (0.15, 0.1 / 0.15));
