@@ -1,7 +1,8 @@
-//! Board's grid over any drive, and real transducers over point sources: ratios in one run, at a hand's few points too.
+//! Compares boards with quantization to unlimited drives, and real transducers to point sources: ratios from one run, also at
+//! the few points of a hand.
 //!
-//! `cargo bench -p midair --features parallel --bench boards`. Calls of a session on moving points and batches of 1024,
-//! on one thread, N = 996. Answers are checked first; then all sides alternate, and medians are compared.
+//! `cargo bench -p midair --features parallel --bench boards`. Measures session calls with moving points and batches of 1024,
+//! on one thread, N = 996. Results are checked first; then all variants alternate, and their medians are compared.
 #![forbid(unsafe_code)]
 
 use std::hint::black_box;
@@ -12,13 +13,13 @@ use midair::{
     Session, SolveRequest, Threads, Transducer, Value, solvers,
 };
 
-/// A measurement takes at least this long, by solving again.
+/// A measurement takes at least this long: the work is repeated.
 const LEAST: Duration = Duration::from_micros(1500);
 
-/// Scenes that a session goes through.
+/// The number of scenes that a session solves in turn.
 const SCENES: usize = 8;
 
-/// A measured function: it repeats its work a given number of times.
+/// A measured function: repeats its work a given number of times.
 type Side<'a> = Box<dyn FnMut(usize) + 'a>;
 
 fn timed(side: &mut Side<'_>, times: usize) -> Duration {
@@ -27,7 +28,7 @@ fn timed(side: &mut Side<'_>, times: usize) -> Duration {
     start.elapsed()
 }
 
-/// Median time of each side's work, over rounds in which all alternate.
+/// Returns the median time of the work of each side, over rounds in which all sides alternate.
 fn medians(sides: &mut [Side<'_>], rounds: usize) -> Vec<Duration> {
     let enough = |side: &mut Side<'_>| (LEAST.as_nanos() / timed(side, 2).as_nanos().max(1) * 2).max(1) as usize;
     let counts: Vec<usize> = sides.iter_mut().map(enough).collect();
@@ -45,7 +46,7 @@ fn medians(sides: &mut [Side<'_>], rounds: usize) -> Vec<Duration> {
     times.into_iter().map(median).collect()
 }
 
-/// A method under its label.
+/// A method with a label for the table.
 struct Method {
     label: &'static str,
     name: &'static str,
@@ -55,7 +56,7 @@ struct Method {
 const FAST: Method = Method { label: "fast", name: "fast", options: &[] };
 const UNIFORM: Method = Method { label: "uniform", name: "uniform", options: &[] };
 
-/// Greedy of this many phases at full amplitude: the same search whatever the board.
+/// Greedy with this many phases at full amplitude: the same search for any board.
 const fn greedy(label: &'static str, options: &'static [(&'static str, i128)]) -> Method {
     Method { label, name: "greedy", options }
 }
@@ -74,7 +75,7 @@ impl Method {
     }
 }
 
-/// Scenes of this many points in a square of 100 mm at 200 mm, as loud as the array can.
+/// Returns scenes of this many points in a square of 100 mm at a height of 200 mm, with the aim of the highest level.
 fn scenes(count: usize, points: usize) -> Vec<SolveRequest> {
     let mut rng = Rng::new(points as u64);
     let mut coordinate = || 0.1 * rng.uniform() - 0.05;
@@ -82,7 +83,7 @@ fn scenes(count: usize, points: usize) -> Vec<SolveRequest> {
     (0..count).map(|_| SolveRequest { points: scene(), ..SolveRequest::default() }).collect()
 }
 
-/// A session's answer to the first scene, on the grid of its array.
+/// Returns the metrics of the first scene. Checks that the drive is one that the board can play.
 fn checked(session: &mut Session, array: &Array, ask: &SolveRequest) -> Metrics {
     let solution = session.solve(ask, &mut Control::none()).expect("an answer");
     if let Some(quantization) = array.quantization() {
@@ -91,13 +92,13 @@ fn checked(session: &mut Session, array: &Array, ask: &SolveRequest) -> Metrics 
     solution.metrics()
 }
 
-/// Times of single calls on each array, in us: the first's, and the others over it.
+/// Returns the times of single calls: for the first array in us, for the others relative to the first.
 fn calls(arrays: &[Array], method: &Method, points: usize, rounds: usize) -> Vec<f64> {
     let scenes = scenes(SCENES, points);
     let mut sessions: Vec<Session> = arrays.iter().map(|array| method.session(array)).collect();
     let pairs = sessions.iter_mut().zip(arrays);
     let metrics: Vec<Metrics> = pairs.map(|(session, array)| checked(session, array, &scenes[0])).collect();
-    // Sixteenths of a turn lose 2 % of the pressure, and an uneven field may lose more.
+    // Rounding to 16 phases loses 2 % of the pressure, and in an uneven field it may lose more.
     assert!(metrics.iter().all(|m| m.accuracy > 0.8 * metrics[0].accuracy), "{}: {metrics:?}", method.label);
     let side = |mut session: Session| -> Side<'_> {
         let (scenes, mut next) = (&scenes, 0);
@@ -111,7 +112,7 @@ fn calls(arrays: &[Array], method: &Method, points: usize, rounds: usize) -> Vec
     over_first(&mut sessions.into_iter().map(side).collect::<Vec<_>>(), 1, rounds)
 }
 
-/// Times of one problem of a batch on each array, likewise.
+/// Returns the times of one problem of a batch: for the first array in us, for the others relative to the first.
 fn batches(arrays: &[Array], method: &Method, (count, points): (usize, usize), rounds: usize) -> Vec<f64> {
     let scenes = scenes(count, points);
     let ask = |k: usize, ask: &mut SolveRequest| {
@@ -137,7 +138,7 @@ fn over_first(sides: &mut [Side<'_>], count: usize, rounds: usize) -> Vec<f64> {
     times.iter().enumerate().map(|(k, time)| if k == 0 { time * 1e6 / count as f64 } else { time / first }).collect()
 }
 
-/// A table: a row a method, a group of columns a number of points.
+/// Prints a table: one row for each method, one group of columns for each number of points.
 fn table(title: &str, methods: &[&Method], points: &[usize], cells: impl Fn(&Method, usize) -> Vec<f64>) {
     println!("\n{title}");
     for method in methods {
@@ -153,7 +154,7 @@ fn table(title: &str, methods: &[&Method], points: &[usize], cells: impl Fn(&Met
 }
 
 fn main() {
-    // `cargo test` runs benches too, to see that they work; it asks for no figures.
+    // `cargo test` runs benches too, without this argument; a short run is then enough.
     let full = std::env::args().any(|argument| argument == "--bench");
     let (tiles, rounds, few) = if full { ([2, 2], 15, 5) } else { ([1, 1], 1, 1) };
     let (hand, count) = if full { (&[1, 4, 8, 16, 64][..], 1024) } else { (&[3][..], 20) };

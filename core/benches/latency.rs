@@ -1,7 +1,7 @@
-//! How long one call of a session takes, and how much longer the slowest calls: 100,000 solves of moving points.
+//! The time of one call of a session, and of the slowest calls: 100,000 solves of moving points.
 //!
-//! `cargo bench -p midair --bench latency`. On an idle core the 99th percentile is the median and a little; what lies
-//! beyond is the machine's.
+//! `cargo bench -p midair --bench latency`. On an idle core the 99th percentile is only slightly above the median. Longer calls
+//! are caused by the machine.
 #![forbid(unsafe_code)]
 
 use std::time::Instant;
@@ -10,7 +10,7 @@ use midair::{
     Array, Control, InstructionSet, Medium, Model, Options, Request, Rng, Session, SolveRequest, Transducer, solvers,
 };
 
-/// Nanoseconds of each of `calls` solves.
+/// Returns the time of each of `calls` solves in nanoseconds.
 fn measured(tiles: [usize; 2], points: usize, name: &str, calls: usize) -> Vec<u64> {
     let array = Array::preset("autd3", tiles).expect("boards").with_quantization(None);
     let array = array.with_transducer(Transducer::default()).expect("point sources");
@@ -24,7 +24,7 @@ fn measured(tiles: [usize; 2], points: usize, name: &str, calls: usize) -> Vec<u
     let mut times = Vec::with_capacity(calls);
     for call in 0..calls + 100 {
         for point in &mut ask.points {
-            // Half a millimetre a call: a hand at 0.5 m/s, 1000 times a second.
+            // Up to half a millimetre in each call: a hand moves at 0.5 m/s with 1000 calls per second.
             point[0] += 1e-3 * (rng.uniform() - 0.5);
         }
         let start = Instant::now();

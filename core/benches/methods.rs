@@ -1,7 +1,7 @@
-//! Time and memory of every method over M and N: the growth that its documentation states, shown.
+//! Time and memory of every method for different M and N, to compare with the growth that the documentation states.
 //!
-//! `cargo bench -p midair --bench methods`. Medians of a few solves through one workspace, G included; memory is
-//! the most that the solve holds at once. Each answer is checked to be one before the clock is read.
+//! `cargo bench -p midair --bench methods`. Medians of a few solves with one workspace, including G. The memory is the largest
+//! amount allocated at one time. Each result is checked before the time is measured.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
@@ -16,17 +16,17 @@ static MOST: AtomicUsize = AtomicUsize::new(0);
 struct Counting;
 
 #[allow(unsafe_code, reason = "a global allocator cannot be had otherwise; it only counts and passes on")]
-// SAFETY: every call is the system allocator's own.
+// SAFETY: every call is passed on to the system allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         MOST.fetch_max(KEPT.fetch_add(layout.size(), Relaxed) + layout.size(), Relaxed);
-        // SAFETY: as the caller's.
+        // SAFETY: the caller's guarantees are passed on.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
         KEPT.fetch_sub(layout.size(), Relaxed);
-        // SAFETY: as the caller's.
+        // SAFETY: the caller's guarantees are passed on.
         unsafe { System.dealloc(block, layout) }
     }
 }
@@ -44,7 +44,7 @@ fn problem(side: usize, count: usize) -> Problem {
         .expect("a problem")
 }
 
-/// Median time, steps taken and memory of one solve.
+/// Returns the median time, the number of steps and the memory of one solve.
 fn measured(entry: &Entry, problem: &Problem) -> (Duration, usize, usize) {
     let solver = entry.configure(&Options::new()).expect("defaults").solver;
     let before = KEPT.load(Relaxed);
@@ -85,7 +85,7 @@ fn sweep(title: &str, sizes: &[(usize, usize)]) {
 }
 
 fn main() {
-    // `cargo test` runs benches too, to see that they work; it asks for no figures.
+    // `cargo test` runs benches too, without this argument; a short run is then enough.
     if std::env::args().any(|argument| argument == "--bench") {
         sweep("over M", &[(20, 4), (20, 16), (20, 64), (20, 256)]);
         sweep("over N", &[(10, 64), (20, 64), (36, 64), (64, 64)]);

@@ -1,8 +1,9 @@
-//! Speed as ratios in one run: the answer is checked first, then rounds alternate, and medians are compared.
+//! Speed as ratios from one run: results are checked first, then the variants alternate in rounds, and medians are compared.
 //!
-//! `cargo bench -p midair --features parallel --bench side_by_side`. CPU frequency and neighbours affect all sides
-//! alike, so the ratio counts. "textbook" is Algorithm 2 as one writes it down: complex f64, |P + G q| by the complex
-//! modulus, energies summed again for each candidate, G of eq. (5) computed by libm as ours computes its own.
+//! `cargo bench -p midair --features parallel --bench side_by_side`. CPU frequency and other programs slow all variants alike,
+//! so only the ratio counts. "textbook" is a direct implementation of Algorithm 2 of Suzuki et al. 2021. It uses complex f64,
+//! computes |P + G q| as the complex modulus and each candidate's energy anew. Its G of eq. (5) is computed with the same libm
+//! as ours.
 #![forbid(unsafe_code)]
 
 use std::hint::black_box;
@@ -15,7 +16,7 @@ use midair::{
     Propagation, Request, Rng, Scene, Session, Setup, SolveRequest, Transducer, Value, Workspace,
 };
 
-/// Algorithm 2, by the book.
+/// Algorithm 2 of Suzuki et al. 2021, implemented directly.
 fn textbook(scene: &Scene, targets: &[f64], phases: usize, order: &[u32]) -> Vec<Complex64> {
     let positions = scene.array().positions();
     let (strength, k) = (scene.array().transducer().source_pressure, scene.medium().wavenumber());
@@ -59,7 +60,7 @@ fn timed<T>(work: impl FnOnce() -> T) -> Duration {
     start.elapsed()
 }
 
-/// Points in a square of 200 mm, all at p1/sqrt(M): what the array can give at (0, 0, 150 mm), shared.
+/// Points in a square of 200 mm, all with the target p1/sqrt(M); p1 is the pressure of all transducers at (0, 0, 150 mm).
 fn scene(array: Array, count: usize) -> Scene {
     let mut rng = Rng::new(count as u64);
     let mut coordinate = || (2.0 * rng.uniform() - 1.0) * 0.1;
@@ -70,7 +71,7 @@ fn scene(array: Array, count: usize) -> Scene {
     Scene::new(array, Medium::default(), points, Request { pressures, ..Request::default() }).expect("a scene")
 }
 
-/// One of ours: a method and its options at a set.
+/// One of our methods, with its options and its instruction set.
 struct Entrant {
     name: String,
     set: InstructionSet,
@@ -87,7 +88,7 @@ impl Entrant {
         Self { name: format!("{label} at {set}"), set, configured }
     }
 
-    /// Everything from the scene on.
+    /// Solves a scene, including G and the targets.
     fn solve(&self, scene: &Scene, work: &mut Workspace) -> Metrics {
         let propagation = Propagation::of(scene).with_instruction_set(self.set);
         let problem = Problem::with_propagation(propagation, Setup::of(scene.array(), scene.medium()), scene.request())
@@ -100,7 +101,7 @@ impl Entrant {
     }
 }
 
-/// Greedy and `fast` at every set against the textbook.
+/// Compares greedy and `fast`, for each instruction set, with the textbook implementation.
 fn against_the_textbook(array: &Array, points: usize, rounds: usize) {
     let scene = scene(array.clone(), points);
     let count = array.len();
@@ -124,7 +125,7 @@ fn against_the_textbook(array: &Array, points: usize, rounds: usize) {
     let mut work = Workspace::new();
     for entrant in &entrants {
         let ours = entrant.solve(&scene, &mut work);
-        // The same choices but for near-ties; the other methods must be no worse than a few points.
+        // Greedy makes the same choices except for near-ties. The accuracy of the other methods is at most 0.08 lower.
         let same = entrant.name.starts_with("greedy K=1 ");
         let apart = ours.accuracy - theirs.accuracy;
         assert!(if same { apart.abs() < 1e-2 } else { apart > -0.08 }, "{}: {ours:?} for {theirs:?}", entrant.name);
@@ -147,7 +148,7 @@ fn against_the_textbook(array: &Array, points: usize, rounds: usize) {
     }
 }
 
-/// Greedy's search of 4096 candidates against that of 16.
+/// Compares greedy's search among 4096 candidates with that among 16.
 fn many_candidates(array: &Array, points: usize, rounds: usize) {
     let scene = scene(array.clone(), points);
     let order = Rng::new(0).permutation(array.len() as u32);
@@ -169,7 +170,7 @@ fn many_candidates(array: &Array, points: usize, rounds: usize) {
     println!("greedy N={} M={points}: K=16 L=256 {many:.2?}, {ratio:.2} times K=1 L=16, {few:.2?}", array.len());
 }
 
-/// A batch on one thread against a loop of single solves, each problem made again on both sides.
+/// Compares a batch on one thread with a loop of single solves; both make each problem anew.
 fn batch(array: &Array, name: &str, points: usize, count: usize, rounds: usize) {
     let model = Model::new(array, Medium::default(), InstructionSet::best()).expect("an array with a medium");
     let mut rng = Rng::new(points as u64);
@@ -219,7 +220,7 @@ fn batch(array: &Array, name: &str, points: usize, count: usize, rounds: usize) 
     );
 }
 
-/// A field of 500 x 500 pixels.
+/// Measures a field of 500 x 500 pixels.
 fn field() {
     let scene = scene(Array::grid(36, 36, 10e-3).expect("a grid"), 38);
     let drive = vec![Complex32::ONE; scene.array().len()];
@@ -235,7 +236,7 @@ fn field() {
 
 fn main() {
     let grid = |side| Array::grid(side, side, 10e-3).expect("a grid");
-    // `cargo test` runs benches too, to see that they work; it asks for no figures.
+    // `cargo test` runs benches too, without this argument; a short run is then enough.
     if std::env::args().any(|argument| argument == "--bench") {
         for points in [4, 16, 64] {
             against_the_textbook(&grid(20), points, 15);

@@ -1,4 +1,4 @@
-//! The second solve of a size through one workspace allocates nothing: counted, for every registered solver.
+//! Counts allocations: for every registered solver, the second solve of the same size with one workspace has none.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -16,16 +16,16 @@ thread_local! {
 }
 
 #[allow(unsafe_code, reason = "a global allocator cannot be had otherwise; it only counts and passes on")]
-// SAFETY: every call is the system allocator's own.
+// SAFETY: every call is passed on to the system allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         COUNT.with(|count| count.set(count.get() + 1));
-        // SAFETY: as the caller's.
+        // SAFETY: the caller's guarantees are passed on.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
-        // SAFETY: as the caller's.
+        // SAFETY: the caller's guarantees are passed on.
         unsafe { System.dealloc(block, layout) }
     }
 }
@@ -43,7 +43,8 @@ fn problem(seed: u64, pressure: Option<f64>, quantization: Option<&Quantization>
 
 #[test]
 fn the_second_solve_of_a_size_allocates_nothing() {
-    // The balanced level; far below it with and without balancing, another path through `solve`.
+    // The cases: without pressures, and with pressures far below the balanced level. With and without balancing, these go
+    // through different code in `solve`.
     let board = Quantization::new(Some(32), Some(vec![0.0, 0.25, 1.0])).expect("quantization");
     for (pressure, balance, quantization) in [
         (None, false, None),
@@ -109,7 +110,7 @@ fn a_session_allocates_nothing_from_its_second_call_on() {
             let solution = session.solve(&ask, &mut Control::none()).expect("an answer");
             assert!(solution.drive.iter().any(|q| q.norm() > 0.0));
             let allocations = COUNT.get() - before;
-            // Two calls take all the buffers that a method swaps about.
+            // A method may exchange its buffers, so that all of them are allocated only after two calls.
             assert!(call < 2 || allocations == 0, "{}: {allocations} in call {call}", entry.info.name);
         }
     }
@@ -136,7 +137,8 @@ fn a_batch_allocates_nothing_for_a_further_problem() {
             session.solve_batch(count, points, &ask, &mut drives, none).expect("answers");
             COUNT.get() - before
         };
-        // All in one stretch, which this thread solves. Sixteen solved together come in one vector.
+        // All problems are one part, which this thread solves. Sixteen problems that are solved together are returned in one
+        // vector.
         let (few, many) = (allocations(64), allocations(96));
         let name = entry.info.name;
         assert!(few > 0 && many <= few + 2, "{name}, M = {points}: {few} for 64 problems, {many} for 96");

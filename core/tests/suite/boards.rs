@@ -1,12 +1,12 @@
-//! Boards: codes to bytes and back, rounding, off, refusals, and golden bytes, also for other languages.
+//! Tests of boards: codes to bytes and back, rounding, switching off, errors, and golden bytes, which other languages test too.
 //!
-//! `make golden` writes `golden/boards/` again, which is a breaking change: boards in the field read these bytes.
+//! `make golden` writes `golden/boards/` again. That is a breaking change, because existing boards read these bytes.
 
 use std::f32::consts::TAU;
 
 use midair::{Board, Code, Complex32, Link, Origin, Rng, presets};
 
-/// Every kind with one board and with several.
+/// Every kind of board, alone and several together.
 const BOARDS: [(&str, usize); 11] = [
     ("autd3", 249),
     ("autd3", 2 * 249),
@@ -58,12 +58,13 @@ fn what_a_frame_plays_makes_the_same_frame() {
             let sent = frame(&board, &drive);
             let received = played(&board, &sent);
             assert_eq!(frame(&board, &received), sent, "{name}");
-            // homies has two phases moved by a step.
+            // The board homies replaces two phase values by their neighbours.
             assert!(name == "homies" || codes(&board, &received) == codes(&board, &drive), "{name}");
             for (requested, got) in drive.iter().zip(&received).filter(|(_, got)| got.norm() > 0.0) {
                 let phases = board.quantization().expect("a grid").phases().expect("phases") as f32;
                 let turned = (requested * got.conj()).arg().abs();
-                // homies has two phases moved by a step; a mega64's narrow pulses have amplitudes of their own.
+                // homies replaces two phase values by their neighbours; a mega64's short pulses have other amplitudes and
+                // phases.
                 let steps = if name == "homies" {
                     1.5
                 } else if name == "mega64" {
@@ -85,7 +86,7 @@ fn drives_on_a_boards_grid_come_back() {
         let grid = board.quantization().expect("a grid");
         let drive: Vec<_> = random(&mut rng, transducers).into_iter().map(|q| grid.nearest(q)).collect();
         for (requested, got) in drive.iter().zip(played(&board, &frame(&board, &drive))) {
-            // homies has two phases moved by a step.
+            // The board homies replaces two phase values by their neighbours.
             let spared = name == "homies" && requested.norm() > 0.0 && (requested - got).norm() < 0.03;
             assert!((requested - got).norm() < 1e-6 || spared, "{name}: {requested} became {got}");
         }
@@ -129,7 +130,7 @@ fn what_is_dead_or_driven_by_nothing_is_off() {
         let nothing = vec![Complex32::ZERO; transducers];
         assert_eq!(frame(&board, &nothing), board.off_frame(), "{name}");
         assert!(played(&board, &board.off_frame()).iter().all(|q| q.norm() == 0.0), "{name}");
-        // One SonicSurface is silenced as the two that may be there.
+        // The bytes that silence one SonicSurface also silence a second board, if there is one.
         assert!(board.silence().ends_with(&board.off_frame()[1..]), "{name}");
         let one = (0..transducers).map(|i| if i == 5 { Complex32::I } else { Complex32::ZERO }).collect::<Vec<_>>();
         assert_eq!(played(&board, &frame(&board, &one)).iter().filter(|q| q.norm() > 0.0).count(), 1, "{name}");
@@ -244,7 +245,7 @@ mod golden {
 
     use super::{BOARDS, Complex32, board, frame};
 
-    /// Amplitude in thousandths and phase in ten-thousandths of a turn, some of them off.
+    /// Random drives: amplitude in thousandths, 0 for some of them, and phase in ten-thousandths of a turn.
     fn drive(rng: &mut Rng, count: usize) -> Vec<[u64; 2]> {
         let mut below = |limit: u64| rng.next_u64() % limit;
         (0..count).map(|_| [below(1200).saturating_sub(199), below(10_000)]).collect()

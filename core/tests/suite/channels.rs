@@ -1,4 +1,4 @@
-//! Channels: transducers wired together, every method against sums of columns in double precision.
+//! Tests of channels: transducers that are wired together. Every method is compared with sums of columns in double precision.
 
 use midair::motion::{Ahead, Ends, ahead};
 use midair::solvers::SOLVERS;
@@ -9,7 +9,7 @@ use midair::{
 
 const POINTS: [[f64; 3]; 2] = [[-0.02, 0.004, 0.11], [0.021, -0.003, 0.12]];
 
-/// 8 x 8 transducers whose rows are wired together in pairs of neighbours, unlike responses, one dead.
+/// Returns 8 x 8 transducers with neighbours wired together in pairs. Their responses are different, and one is 0.
 fn array() -> Array {
     let response = (0..64)
         .map(|i| Complex64::from_polar(if i == 9 { 0.0 } else { 0.8 + 0.003 * f64::from(i) }, 0.1 * f64::from(i % 7)));
@@ -22,7 +22,7 @@ fn scene(signature: Option<Signature>) -> Scene {
     scene.and_then(|scene| scene.with_signature(signature)).expect("a scene")
 }
 
-/// Entry (j, c) of G in double precision, summed over the channel's transducers.
+/// The entries (j, c) of G in double precision, each summed over the transducers of channel c.
 fn summed(scene: &Scene) -> Vec<Complex64> {
     let propagation = Model::of(scene, InstructionSet::best()).propagation(scene.points()).expect("a matrix");
     let channels = scene.array().channels().expect("channels").to_vec();
@@ -38,7 +38,7 @@ fn solved(problem: &Problem, name: &str) -> Solution {
     midair::solve(problem, &*solver.solver, true, &mut Workspace::new(), &mut Control::none()).expect(name)
 }
 
-/// The drives of the channels, after a look at those of their transducers.
+/// The drive of each channel; checks that all transducers of a channel have the same drive.
 fn of_channels(array: &Array, drive: &[Complex32]) -> Vec<Complex32> {
     let channels = array.channels().expect("channels");
     let mut own = vec![None; 32];
@@ -145,7 +145,8 @@ fn a_tinylev_has_two_channels_that_a_nano_plays() {
     let scene = Scene::new(array.clone(), None, vec![[0.0; 3]], Request::default()).expect("a scene");
     let scene = scene.with_signature(Some(Signature::Trap)).expect("a trap");
     let solution = solved(&Problem::new(&scene).expect("a problem"), "uniform");
-    // The node lies above the point by what the weight pulls a bead down: the foci lose a little of their level.
+    // The trap's node lies slightly above the point, because the weight pulls the bead down; so the foci lose a little of their
+    // level.
     assert!(solution.metrics().accuracy > 1.0 - 1e-4);
     for kind in ["nano", "nano16", "mega64"] {
         let (wired, plain) = (array.board(kind).expect(kind), Board::new(kind, 2).expect(kind));
@@ -156,7 +157,8 @@ fn a_tinylev_has_two_channels_that_a_nano_plays() {
         let mut back = vec![Complex32::ZERO; 72];
         wired.decode(&frames[0], &mut back).expect(kind);
         assert!(back[..36].iter().all(|q| *q == back[0]) && back[36..].iter().all(|q| *q == back[36]));
-        // A node in the middle: the caps differ by half a turn, of a MEGA64's uneven ticks by about as much.
+        // The trap has a node in the middle, so the two caps differ by half a turn. With the unequal ticks of a MEGA64 the
+        // difference is only approximate.
         let grid = wired.quantization().expect(kind);
         assert!([0, 36].iter().all(|&i| (back[i] - grid.nearest(solution.drive[i])).norm() < 1e-6), "{kind}");
         let apart = (back[0] + back[36]).norm();

@@ -1,4 +1,4 @@
-//! Inputs of every result beside arithmetic: the random numbers and the presets' geometry, by their sources.
+//! Tests of the constants behind all results: the random numbers, and the geometry of the presets compared with their sources.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use crate::scenes::preset;
 
 #[test]
 fn random_numbers_are_those_of_splitmix64() {
-    // The widely published first values of the generator for this seed.
+    // The first values of the generator for this seed, as published in several places.
     let wanted = [
         6_457_827_717_110_365_317,
         3_203_168_211_198_807_973,
@@ -33,11 +33,11 @@ fn every_permutation_is_as_likely_as_any_other() {
         *seen.entry(Rng::new(seed).permutation(4)).or_default() += 1;
     }
     assert_eq!(seen.len(), 24);
-    // 1000 each with a standard deviation of 31: five of them.
+    // Each permutation occurs about 1000 times, with a standard deviation of 31. The bounds are five standard deviations away.
     assert!(seen.values().all(|&count| (845..1155).contains(&count)), "{seen:?}");
 }
 
-/// x and y in micrometres, sorted.
+/// The positions (x, y) of an array in micrometres, sorted.
 fn sites(array: &Array) -> Vec<[i64; 2]> {
     let micron = |x: f64| (x * 1e6).round() as i64;
     let mut sites: Vec<_> = array.positions().iter().map(|[x, y, _]| [micron(*x), micron(*y)]).collect();
@@ -51,7 +51,7 @@ fn an_autd3_is_18_by_14_sites_less_three() {
     let mut wanted = Vec::new();
     for (x, y) in (0..18).flat_map(|x| (0..14).map(move |y| (x, y))) {
         if ![(1, 1), (2, 1), (16, 1)].contains(&(x, y)) {
-            // 10.16 mm, the middle of the lattice at the origin.
+            // Sites 10.16 mm apart, the middle of the lattice at the origin.
             wanted.push([10_160 * x - 86_360, 10_160 * y - 66_040]);
         }
     }
@@ -77,7 +77,7 @@ fn the_papers_arrays_are_centred_grids_in_the_papers_unit() {
         let array = preset(name);
         let grid = Array::grid(side, side, 10e-3).expect("a grid");
         assert_eq!(sites(&array), sites(&grid));
-        // x fastest, from the (-x, -y) corner.
+        // The order is x fastest, from the corner with the lowest x and y.
         let (first, second) = (array.positions()[0], array.positions()[1]);
         assert!(first[0] < second[0] && first[1].to_bits() == second[1].to_bits());
         assert!(array.in_paper_unit() && !grid.in_paper_unit());
@@ -91,7 +91,8 @@ fn every_preset_makes_the_array_it_describes() {
         assert_eq!(array.len(), entry.count, "{}", entry.name);
         assert_eq!(array.transducer(), entry.transducer, "{}", entry.name);
         assert!(!entry.summary.is_empty() && !entry.source.is_empty(), "{} has no source", entry.name);
-        // In z = 0 and radiating to +z, around the origin and facing it, or a bowl around an axis.
+        // Each preset is of one of three kinds: flat at z = 0 and radiating to +z, around the origin and facing it, or a bowl
+        // around an axis.
         let flat = array.positions().iter().all(|p| p[2] == 0.0) && array.normals().iter().all(|n| n[2] == 1.0);
         let faces = |(p, n): (&[f64; 3], &[f64; 3])| p[2] * n[2] < 0.0 && (0..3).all(|axis| p[axis] * n[axis] <= 0.0);
         let around = array.positions().iter().zip(array.normals()).all(faces);

@@ -1,4 +1,5 @@
-//! Tables of a scene file that a binding draws: passed to it once each, joined in order, refused with their place.
+//! Tests of tables that a binding draws: each is passed to the binding once, the points are joined in order, and errors have
+//! their place.
 
 use midair::Request;
 use midair::files::{Drawing, Format, Source, read, read_drawn, references};
@@ -30,7 +31,7 @@ z = 0.15
 
 const SOURCE: Source<'static> = Source { name: "drawn.toml", folder: None };
 
-/// Draws two points for each table, as a binding does: with a pressure each and without weights.
+/// Returns two points for each table, with pressures and without weights, as a binding could.
 fn pair(name: &str) -> Drawing {
     let z = if name == "image" { 0.2 } else { 0.1 };
     let request = Request { pressures: Some(vec![700.0, 800.0]), ..Request::default() };
@@ -64,7 +65,7 @@ fn files_of_drawn_tables_belong_to_the_scene() {
     assert_eq!(named, [std::path::PathBuf::from("folder/logo.svg"), "folder/logo.png".into()]);
 }
 
-/// The error of a document that is rejected, if the binding reports one.
+/// Returns the error of a document when the drawing function returns `answer`.
 fn reported(text: &str, format: Format, answer: &Result<Drawing, String>) -> String {
     let error = read_drawn(text.as_bytes(), format, SOURCE, &mut |_, _| answer.clone()).expect_err(text).to_string();
     assert!(!error.contains('\n'), "{error}");
@@ -140,7 +141,7 @@ fn a_reader_without_a_door_says_who_draws() {
     assert!(error.starts_with(begin), "{error}");
 }
 
-/// A scene with a table `[shape]`.
+/// Returns a scene file with a table `[shape]`.
 fn shaped(shape: &str) -> String {
     format!("[array]\npreset = \"paper20\"\n[shape]\n{shape}\n")
 }

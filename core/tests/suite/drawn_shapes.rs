@@ -1,4 +1,5 @@
-//! Usual drawings: lines, rings, discs, grids and pictures, dense as they come, by `uniform`, `best` and `descent`.
+//! Tests of common drawings with dense points: lines, rings, discs, grids and pictures, solved by `uniform`, `best` and
+//! `descent`.
 
 use std::f64::consts::TAU;
 
@@ -21,7 +22,7 @@ fn ring(count: usize, radius: f64) -> Vec<[f64; 3]> {
     (0..count).map(|k| [radius * at(k).cos(), radius * at(k).sin(), 0.15]).collect()
 }
 
-/// `across` by `across` points.
+/// Returns a square grid of `across` x `across` points.
 fn grid(across: usize, pitch: f64) -> Vec<[f64; 3]> {
     let at = |k: usize| (k as f64 - 0.5 * (across - 1) as f64) * pitch;
     (0..across * across).map(|k| [at(k % across), at(k / across), 0.15]).collect()
@@ -32,12 +33,12 @@ fn disc(radius: f64, pitch: f64) -> Vec<[f64; 3]> {
     grid(2 * (radius / pitch) as usize + 1, pitch).into_iter().filter(inside).collect()
 }
 
-/// Point sources at the places of four AUTD3 boards.
+/// Returns point sources at the positions of four AUTD3 boards.
 fn array() -> Array {
     Array::new(Array::preset("autd3", [2, 2]).expect("a preset").positions().to_vec(), None).expect("positions")
 }
 
-/// Points, all with the target `factor` times the balanced level.
+/// Returns a problem where all points have the target `factor` times the balanced level.
 fn requested(points: Vec<[f64; 3]>, factor: f64) -> Problem {
     let reach = problem(&scene(array(), points.clone(), None)).targets_in_pascals()[0];
     let pressures = vec![factor * reach; points.len()];
@@ -62,7 +63,8 @@ fn dense_sets_are_met_up_to_the_balanced_level_and_by_a_board_too() {
 #[test]
 #[ignore = "slow"]
 fn discs_that_are_finer_than_the_field_are_met_and_loud() {
-    // From random phases, or from all transducers in phase, zeros stay between the points: errors of .02 to .1.
+    // A start from random phases, or with all transducers in phase, would leave zeros between the points and errors of 0.02 to
+    // 0.1.
     for points in [disc(0.03, 3e-3), disc(0.02, 2e-3), disc(0.05, 4e-3)] {
         let count = points.len();
         let solution = solved(&requested(points, 1.0), &Uniform::default());
@@ -77,7 +79,7 @@ fn discs_that_are_finer_than_the_field_are_met_and_loud() {
 #[test]
 #[ignore = "slow"]
 fn dense_sets_are_nearly_as_loud_as_the_best_that_is_known() {
-    // The highest level over the balanced one that long runs of L-BFGS in f64 found.
+    // The highest level, relative to the balanced level, that long runs of L-BFGS in f64 found.
     for (points, known) in [(line(0.08, 2.5e-3), 1.34), (ring(126, 0.04), 1.60), (disc(0.025, 4e-3), 1.38)] {
         let highest = |solver: &dyn Solve| {
             let solution = solved(&requested(points.clone(), 1.0).with_aim(Aim::Max), solver);
@@ -108,7 +110,7 @@ fn regular_sets_are_as_loud_as_the_best_of_many_starts() {
     assert!(sum / f64::from(count) >= 0.99, "{sum} of {count}");
 }
 
-/// A blot with a bright diagonal, the brightest 1.
+/// Returns a picture: a round spot with a bright diagonal. The brightest value is 1.
 fn picture(across: usize) -> (Vec<[f64; 3]>, Vec<f64>) {
     let points = grid(across, 0.08 / (across - 1) as f64);
     let bright = |p: &[f64; 3]| {
@@ -119,7 +121,7 @@ fn picture(across: usize) -> (Vec<[f64; 3]>, Vec<f64>) {
     (points, values)
 }
 
-/// ||  |p| - target || / || target || over all points, dark ones too.
+/// The relative error || |p| - target || / || target || over all points, including dark ones.
 fn error(solution: &Solution) -> f64 {
     let pairs = || solution.pressures.iter().map(|p| f64::from(p.norm())).zip(solution.targets());
     let miss: f64 = pairs().map(|(p, target)| (p - target) * (p - target)).sum();
@@ -134,14 +136,14 @@ fn pictures_end_where_long_descents_end_and_the_default_takes_them_to_descent() 
     let pressures = values.iter().map(|value| value * factor).collect();
     let problem = problem(&scene(array(), points, Some(pressures)));
     let (own, usual) = (solved(&problem, &Descent::default()), solved(&problem, &Uniform::default()));
-    // L-BFGS in f64 on the moduli, two seconds from each of ten starts: .038 to .058.
+    // For comparison, L-BFGS in f64 on the moduli reaches 0.038 to 0.058, with two seconds for each of ten starts.
     assert!(error(&own) <= 0.055, "{}", error(&own));
     assert_eq!(own.drive, usual.drive);
-    // A missed target is not called done.
+    // The status of missed targets is not `Done`.
     assert_eq!(usual.status, Status::Missed);
 }
 
-/// Points all around a ball of 12 mm.
+/// Returns points on the surface of a sphere of 12 mm.
 fn shell(count: usize) -> Vec<[f64; 3]> {
     let turn = core::f64::consts::PI * (1.0 + 5.0_f64.sqrt());
     let on = |i: usize| {
@@ -158,7 +160,7 @@ fn below_the_balanced_level_amplitudes_meet_what_phases_miss() {
     let half = disc(0.02, 4.25e-3);
     let (picture, values) = picture(20);
     let scenes = [
-        // Least squares over phases and amplitudes in f64, from four starts: 0, .020, .001.
+        // For comparison, least squares over phases and amplitudes in f64, from four starts, reaches 0, 0.020 and 0.001.
         (half.clone(), half.iter().map(chequers).collect(), 0.9, 0.003),
         (shell(100), vec![1.0; 100], 0.9, 0.022),
         (picture, values, 0.3, 0.008),

@@ -1,4 +1,4 @@
-//! `uniform` and `best`: even, loud, as loud as requested.
+//! Tests of `uniform` and `best`: their fields are even, and as loud as possible or as requested.
 
 use midair::solvers::{Best, Naive, Uniform, find};
 use midair::{
@@ -7,14 +7,14 @@ use midair::{
 
 use crate::scenes::{preset, problem, random_points, scene};
 
-/// p1 of the 20 x 20 array at (0, 0, 150 mm), in Pa for P0 = 4.386 Pa m.
+/// The pressure p1 of the 20 x 20 array at (0, 0, 150 mm), in Pa for P0 = 4.386 Pa m.
 const P1: f64 = 2.36066 * 4386.0;
 
 fn solved(problem: &Problem, solver: &dyn Solve) -> Solution {
     midair::solve(problem, solver, true, &mut Workspace::new(), &mut Control::none()).expect("an answer")
 }
 
-/// The paper's random points: M of them over the array, p1/sqrt(M) each.
+/// Returns a random problem as in Suzuki et al. 2021: M points above the array, each with the target p1/sqrt(M).
 fn random(count: usize, seed: u64) -> Problem {
     let pressures = vec![P1 / (count as f64).sqrt(); count];
     problem(&scene(array(), random_points(count, 0.1, seed), Some(pressures)))
@@ -28,13 +28,14 @@ fn max(problem: Problem) -> Problem {
     problem.with_aim(Aim::Max)
 }
 
-/// Scenes of `count` points; the mean accuracy of a solver at the highest level, every field even.
+/// Returns the mean accuracy of a solver over scenes of `count` points with the aim of the highest level. Checks that every
+/// field is even.
 fn mean(count: usize, trials: u64, solver: &dyn Solve) -> f64 {
     let accuracy = |seed: u64| {
         let solution = solved(&max(random(count, seed)), solver);
         let Metrics { accuracy, sigma, uniformity, .. } = solution.metrics();
         assert_eq!(solution.status, Status::Done, "M = {count}, seed {seed}");
-        // The tolerance of 1e-5, of a mean level and to either side.
+        // The solver's tolerance is 1e-5 around the mean level, in both directions.
         assert!(sigma <= 1e-5 && uniformity >= 1.0 - 2.1e-5, "M = {count}, seed {seed}: {sigma} {uniformity}");
         accuracy
     };
@@ -43,8 +44,8 @@ fn mean(count: usize, trials: u64, solver: &dyn Solve) -> f64 {
 
 #[test]
 fn uniform_is_even_and_loud() {
-    // Over 1000 scenes the means are .8645, .8824, .9148, .9640 and 1.031; one of 40 scenes has a standard error of .004
-    // at 4 points, falling to .002 at 64. What is requested lies below by two of them at 4 points, by five at 64.
+    // Over 1000 scenes the means are 0.8645, 0.8824, 0.9148, 0.9640 and 1.031. The standard error for 40 scenes is 0.004 at 4
+    // points and falls to 0.002 at 64. The bounds are two standard errors lower at 4 points, five at 64.
     for (count, trials, least) in [(4, 80, 0.859), (8, 40, 0.873), (16, 40, 0.901), (32, 40, 0.947), (64, 20, 1.01)] {
         let mean = mean(count, trials, &Uniform::default());
         assert!(mean >= least, "M = {count}: {mean}");
@@ -78,7 +79,7 @@ fn many_points_get_their_targets_where_the_array_can() {
 #[test]
 #[ignore = "slow"]
 fn a_target_above_free_steps_level_is_met_at_its_own() {
-    // The shortest steps to an even field of 256 points end at 1.11 p1/sqrt(M); 1.15 is in reach all the same.
+    // The shortest path to an even field of 256 points ends at 1.11 p1/sqrt(M), but 1.15 p1/sqrt(M) can be reached too.
     let pressures = vec![1.15 * P1 / 16.0; 256];
     let problem = problem(&scene(array(), random_points(256, 0.1, 0), Some(pressures)));
     assert!(solved(&max(problem.clone()), &Uniform::default()).metrics().level > 0.99);
@@ -86,7 +87,7 @@ fn a_target_above_free_steps_level_is_met_at_its_own() {
     assert!(metrics.residual <= 1e-6, "{metrics:?}");
 }
 
-/// max |p|/target over the points.
+/// The largest |p|/target over the points.
 fn loudest(solution: &Solution) -> f64 {
     let loud = solution.pressures.iter().zip(solution.targets()).filter(|(_, target)| **target > 0.0);
     loud.map(|(p, target)| f64::from(p.norm()) / target).fold(0.0, f64::max)
@@ -106,7 +107,7 @@ fn no_point_is_louder_than_requested() {
             let solution = solved(&problem, solver);
             assert!(loudest(&solution) <= 1.0 + 1e-4, "seed {seed}: {}", loudest(&solution));
             assert!(solution.metrics().sigma <= 1e-5, "seed {seed}: {:?}", solution.metrics());
-            // In reach all are as loud as requested; out of reach some drive is full.
+            // If the targets can be reached, all points have them; otherwise some transducer has full amplitude.
             let full = solution.drive.iter().any(|q| q.norm() > 0.9999);
             assert!(full || solution.metrics().level > 1.0 - 1e-4, "seed {seed}: {:?}", solution.metrics());
         }
@@ -124,7 +125,7 @@ fn a_level_out_of_reach_is_the_highest() {
     let highest = solved(&max(ask(2.0)), &Uniform::default());
     assert_eq!(out_of_reach.drive, highest.drive);
     assert!(highest.metrics().level < 0.5 && (weak.metrics().level - 1.0).abs() < 1e-4);
-    // The weak answer is the strong one brought down: nothing is smeared.
+    // The drive for weak targets is the loud drive times a factor, so no focus is smeared.
     let part = weak.drive[0] / highest.drive[0];
     for (weak, strong) in weak.drive.iter().zip(&highest.drive) {
         assert!((weak / strong / part - 1.0).norm() < 1e-5);
@@ -152,7 +153,7 @@ fn points_in_one_place_get_the_mean_of_their_targets() {
     let problem = problem(&scene(array(), points, Some(vec![1000.0, 500.0, 1000.0, 1500.0, 1500.0])));
     let solution = solved(&problem, &Uniform::default());
     for (p, wanted) in solution.pressures.iter().zip([1000.0, 1000.0, 1000.0, 1500.0, 1000.0]) {
-        // They lie 2 um apart, which is 1e-3 of their pressure's phase at most.
+        // The points are 2 um apart, which changes the phases of the waves by at most 1e-3.
         assert!((f64::from(p.norm()) / wanted - 1.0).abs() < 1e-3, "{p} for {wanted}");
     }
 }
@@ -165,7 +166,7 @@ fn an_answer_is_no_worse_than_its_start() {
         let again = requested.with_start(Start::Drive(first.drive.clone())).expect("a drive");
         for solver in [&Uniform::default() as &dyn Solve, &Best::default()] {
             let again = solved(&again, solver).metrics();
-            // The sweeps may find more; rounding is all that may be lost.
+            // The sweeps may improve the level, and rounding may lower it slightly.
             assert!(again.level >= first.metrics().level * (1.0 - 1e-5) && again.sigma <= 1e-5, "{again:?}");
         }
     }
@@ -186,7 +187,7 @@ fn no_point_is_below_what_superposed_foci_reach() {
 
 #[test]
 fn what_cannot_be_even_is_out_of_steps() {
-    // More points than transducers.
+    // An even field is impossible, because there are more points than transducers.
     let small = Array::grid(4, 4, 10e-3).expect("a grid");
     let crowded = problem(&scene(small, random_points(40, 0.05, 3), None));
     assert_eq!(solved(&crowded, &Uniform::default()).status, Status::OutOfSteps);

@@ -1,4 +1,4 @@
-//! The field of a drive: on planes, at points, on transducers, over threads, and stopped.
+//! Tests of fields: on planes, at points, on transducers, with several threads, and when stopped.
 
 use std::ops::ControlFlow;
 
@@ -10,7 +10,7 @@ use midair::{
 use crate::oracle;
 use crate::scenes::{model, preset, random_points, scene, widen};
 
-/// A drive of random phases and amplitudes, every seventh transducer off.
+/// Returns random phases and amplitudes, with every seventh transducer off.
 fn random_drive(count: usize, seed: u64) -> Vec<Complex32> {
     let mut rng = Rng::new(seed);
     let mut random = |high: f64| (high * rng.uniform()) as f32;
@@ -27,7 +27,7 @@ fn field(scene: &Scene, drive: &[Complex32], points: &[[f64; 3]]) -> Vec<Complex
     midair::field(&model_of(scene), drive, points, &mut Control::none()).expect("a field")
 }
 
-/// Real air and transducers.
+/// Returns a scene with absorption in air, and with the directivity and different responses of real transducers.
 fn real() -> Scene {
     let transducer = Transducer { directivity: Directivity::T4010A1, ..Transducer::default() };
     let array = preset("autd3").with_transducer(transducer).expect("a transducer");
@@ -44,7 +44,7 @@ fn assert_field(scene: &Scene, points: &[[f64; 3]]) {
     for ((found, exact), reach) in
         widen(&field(scene, &drive, points)).iter().zip(exact).zip(oracle::reach(&propagation))
     {
-        // Within 0.3 m an entry is good to 3e-5 of its modulus, and so is the sum to that part of all moduli.
+        // Within 0.3 m an entry of G is accurate to 3e-5 of its modulus. The sum is accurate to that part of the sum of moduli.
         assert!((found - exact).norm() < 3e-5 * reach, "{found} for {exact} where {reach} is the most");
     }
 }
@@ -61,7 +61,7 @@ fn planes_and_points_have_the_oracles_field() {
 fn a_field_that_is_kept_is_the_field_of_every_drive() {
     let scene = real();
     let model = model_of(&scene);
-    // Some places lie on transducers.
+    // Some of the places are positions of transducers.
     let mut places = Plane::new(0.0, 0.2, 21, [0.01, -0.02]).expect("a plane").points();
     places.extend_from_slice(&scene.array().positions()[..9]);
     places.extend(random_points(100, 0.1, 1));
@@ -109,7 +109,7 @@ fn an_upright_plane_has_its_axes_across_and_up() {
     assert_eq!(side.points()[1], [0.3, side.samples(0)[1], side.samples(1)[0]]);
 }
 
-/// The axis, places, size and centre of the planes around points, of a wavelength of 8.5 mm.
+/// Returns the axis, the places, the size and the centre of the planes around points, for a wavelength of 8.5 mm.
 fn around(points: &[[f64; 3]]) -> (Axis, Vec<f64>, f64, [f64; 2]) {
     let planes = Plane::around(points, 8.5e-3);
     for plane in &planes {
@@ -124,11 +124,11 @@ fn planes_left_out_go_through_the_points_and_two_wavelengths_around_them() {
     for (points, axis, center) in [
         (vec![[0.01, 0.02, 0.15]], Axis::Z, [0.01, 0.02]),
         (vec![[0.0, 0.0, 0.15], [0.04, 0.02, 0.15]], Axis::Z, [0.02, 0.01]),
-        // On the axis of a levitator, and on lines along x and y.
+        // Points on the axis of a levitator, and on lines along x and y.
         (vec![[0.0, 0.0, -0.02], [0.0, 0.0, 0.02]], Axis::Y, [0.0, 0.0]),
         (vec![[-0.02, 0.0, 0.1], [0.02, 0.0, 0.1]], Axis::Z, [0.0, 0.0]),
         (vec![[0.0, -0.02, 0.1], [0.0, 0.02, 0.1]], Axis::Z, [0.0, 0.0]),
-        // Three in a plane normal to x; two whose heights differ by less than a picture can tell.
+        // Three points in a plane normal to x, and two points whose heights are so similar that one plane shows both.
         (vec![[0.01, 0.0, 0.1], [0.01, 0.02, 0.14], [0.01, 0.01, 0.1]], Axis::X, [0.01, 0.12]),
         (vec![[0.0, 0.0, 0.1], [0.02, 0.01, 0.1005]], Axis::Z, [0.01, 0.005]),
     ] {
@@ -155,11 +155,11 @@ fn planes_left_out_go_through_the_points_and_two_wavelengths_around_them() {
 
 #[test]
 fn points_that_no_plane_goes_through_have_one_for_each_place_at_most_four() {
-    // Two heights, the lower with two points.
+    // Points at two heights; most of them, three, at the lower one.
     let (axis, at, ..) =
         around(&[[0.0, 0.0, 0.2], [0.03, 0.01, 0.1], [-0.03, 0.02, 0.1], [-0.02, -0.02, 0.2], [0.0, 0.03, 0.1]]);
     assert_eq!((axis, at), (Axis::Z, vec![0.1, 0.2]));
-    // As many of x and y as of z: a flat array's pictures.
+    // Equally many different places along x, y and z: planes normal to z are preferred, as for flat arrays.
     let (axis, at, ..) = around(&[[0.0, 0.0, 0.1], [0.02, 0.03, 0.12], [0.05, 0.06, 0.15]]);
     assert_eq!((axis, at), (Axis::Z, vec![0.1, 0.12, 0.15]));
     let spiral: Vec<_> = (0..50).map(|i| f64::from(i) * 0.01).map(|x| [x, x + 1.0, x + 2.0]).collect();
@@ -198,7 +198,7 @@ fn a_body_that_no_plane_through_the_points_cuts_has_an_upright_one() {
     for place in [[0.03, -0.02, 0.18], [-0.03, -0.02, 0.18], [0.01, -0.02, 0.08]] {
         assert!(body.shows(place, scene.medium().wavelength()), "{place:?}");
     }
-    // A ball that the plane through the points cuts is seen there.
+    // The plane through the points already shows the sphere if it cuts it.
     assert_eq!(with(0.195).len(), 1);
 }
 
@@ -221,7 +221,7 @@ fn a_plane_shows_what_lies_in_its_square_and_a_tenth_of_the_wavelength_around_it
 fn a_point_has_the_same_bits_in_any_company() {
     let scene = real();
     let drive = random_drive(scene.array().len(), 2);
-    // Beyond one chunk of threads and one step of the control.
+    // More points than one chunk of a thread, and more than one step of the control.
     let points = random_points(8_500, 0.1, 2);
     let all = field(&scene, &drive, &points);
     for part in [0..1, 0..255, 255..257, 200..713, 8_000..8_500] {
@@ -233,7 +233,7 @@ fn a_point_has_the_same_bits_in_any_company() {
 fn on_a_transducer_r_is_a_hundredth_of_the_wavelength() {
     let single = scene(Array::grid(1, 1, 1e-2).expect("a grid"), vec![[0.0, 0.0, 0.1]], None);
     let wavelength = single.medium().wavelength();
-    // From 4.386 Pa m; a hundredth of a wavelength is a hundredth of a turn.
+    // At a hundredth of a wavelength from a source of 4.386 Pa m, the phase is a hundredth of a turn.
     let wanted = Complex64::from_polar(4.386 / (wavelength / 100.0), std::f64::consts::TAU / 100.0);
     for height in [0.0, 0.003 * wavelength, -0.009_99 * wavelength] {
         let [found] = widen(&field(&single, &[Complex32::ONE], &[[0.0, 0.0, height]]))[..] else { panic!("one value") };

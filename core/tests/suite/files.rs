@@ -1,4 +1,4 @@
-//! The scene file and its content.
+//! Tests of reading and writing scene files.
 
 use midair::files::{Format, Provenance, Source, read, read_from, references, write};
 use midair::{Axis, Directivity, Error, Plane, Scene, Signature, Value};
@@ -39,7 +39,7 @@ fn toml(text: &str) -> Result<Scene, Error> {
     read(text.as_bytes(), Format::Toml)
 }
 
-/// `WHOLE` with one part replaced.
+/// Returns `WHOLE` with one part replaced.
 fn with(part: &str, other: &str) -> String {
     assert!(WHOLE.contains(part), "{part}");
     WHOLE.replacen(part, other, 1)
@@ -90,13 +90,13 @@ response = [[1, 0], [0.5, -0.25]]";
 fn a_plane_left_out_in_part_follows_the_points() {
     let at = |text: &str| toml(&with("z = 0.15\nsize = 0.1", text)).expect("a scene").plane.expect("a plane");
     let around = at("");
-    // Two points 10 mm apart around x = 5 mm, and two wavelengths on each side.
+    // Two points 10 mm apart, with the middle at x = 5 mm, and two wavelengths on each side.
     let wavelength = toml(WHOLE).expect("a scene").medium().wavelength();
     assert_eq!((around.axis, around.at, around.pixels), (Axis::Z, 0.15, 200));
     assert!((around.size - 0.01 - 4.0 * wavelength).abs() < 1e-12);
     assert!((around.center[0] - 0.005).abs() < 1e-12 && around.center[1] == 0.0);
     assert_eq!(at("size = 0.2\npixels = 50"), Plane::new(0.15, 0.2, 50, [0.0, 0.0]).expect("a plane"));
-    // An upright plane of the user's own size stays at the array's axis across, and follows the points up.
+    // An upright plane with a given size is centred horizontally on the array's axis, vertically on the points.
     let upright = |at, size, center| Plane::normal_to(Axis::Y, at, size, 200, center).expect("a plane");
     assert_eq!(at("axis = \"y\"\nat = 0.01\nsize = 0.2"), upright(0.01, 0.2, [0.0, 0.15]));
     assert_eq!(at("axis = \"Y\""), upright(0.0, around.size, [around.center[0], 0.15]));
@@ -132,7 +132,7 @@ fn positions_may_lie_in_a_file_beside_the_scene() {
     ] {
         let scene = read(csv).expect(csv);
         assert_eq!((scene.array().positions(), scene.array().normals()[1]), (&flat[..], [0.0, 0.0, 1.0]), "{csv}");
-        // A scene that is written holds its positions itself.
+        // A written scene contains the positions, not the name of their file.
         for format in [Format::Toml, Format::Json] {
             let written = write(&scene, format, &Provenance::default()).expect("text");
             assert_eq!(midair::files::read(written.as_bytes(), format).expect("a scene"), scene);

@@ -1,4 +1,4 @@
-//! Errors of scene files are one line: file, place, item, and a correct line as an example.
+//! Tests of errors in scene files: each is one line with file, place, item, and a correct line as an example.
 
 use midair::files::{Format, MOST_BYTES, Source, read, read_from};
 
@@ -34,7 +34,7 @@ z = 0.15
 size = 0.1
 "#;
 
-/// Messages of the libraries underneath, which do not help a user with a scene file.
+/// Words of messages from the parsing libraries, which do not help a user with a scene file.
 const FOREIGN: [&str; 14] = [
     "serde",
     "expected",
@@ -52,13 +52,13 @@ const FOREIGN: [&str; 14] = [
     "$__",
 ];
 
-/// `WHOLE` with one part replaced.
+/// Returns `WHOLE` with one part replaced.
 fn with(part: &str, other: &str) -> String {
     assert!(WHOLE.contains(part), "{part}");
     WHOLE.replacen(part, other, 1)
 }
 
-/// Documents, the error of each, and the line that is shown for a correct one.
+/// Checks the cases: a document, its error, and the example of a correct line.
 fn check(cases: &[(String, impl AsRef<str>, impl AsRef<str>)], format: Format) {
     let source = Source { name: "my scene", folder: None };
     let wrong = cases.iter().filter_map(|(text, reported, example)| {

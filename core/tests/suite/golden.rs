@@ -1,4 +1,4 @@
-//! Golden vectors: scenes and the very bits of their answers, read by every language's tests.
+//! Golden vectors: scenes with the exact bits of their results, which the tests of every language read.
 //!
 //! `make golden` writes `golden/` again from the scenes below, which is a breaking change.
 
@@ -12,7 +12,7 @@ use midair::{
 };
 use serde_json::{Value, json};
 
-/// Name, array, points (x, y, z in mm, pressure in Pa, weight), solver table, balance.
+/// For each scene: name, array, points (x, y, z in mm, pressure in Pa, weight), table of the solver, balance.
 const SCENES: [(&str, &str, &str, &str, bool); 18] = [
     ("focus", "preset = \"autd3\"", "0 0 150 500 1", "name = \"greedy\"\nseed = 1", false),
     (
@@ -130,7 +130,7 @@ fn folder() -> PathBuf {
 
 fn scene((_, array, points, solver, _): &(&str, &str, &str, &str, bool)) -> Scene {
     let mut text = format!("[medium]\nabsorption = 0.15\n[array]\n{array}\n[solver]\n{solver}\n");
-    // A seed of 64 bits is more than TOML holds; JSON holds it, and takes it in below.
+    // TOML cannot express a seed of 64 bits; JSON can, and the seed is added below.
     text = text.replace("seed = 18446744073709551615\n", "");
     for point in points.split(',') {
         let mut fields = point.split(' ');
@@ -194,7 +194,7 @@ fn golden_vectors_come_out_bit_for_bit_under_the_scalar_set() {
         let scene = read(text.as_bytes(), Format::Json).expect("a scene");
         let balance = record["balance"].as_bool().expect("yes or no");
         for level in InstructionSet::all() {
-            // Greedy meets near-ties, which rounding decides.
+            // Greedy has near-ties, which rounding may decide differently on each instruction set.
             let metrics = solved(&scene, balance, level).metrics();
             let near = |name: &str, ours: f64, within: f64| {
                 let theirs = record["metrics"][name].as_f64().expect("a number");
@@ -214,13 +214,14 @@ fn golden_vectors_come_out_bit_for_bit_under_the_scalar_set() {
         }
         for (name, theirs) in record["metrics"].as_object().expect("a table") {
             let ours = metrics(solution.metrics())[name].as_f64().expect("a number");
-            // Written as decimal text and read back.
+            // The number was written as decimal text.
             assert!((theirs.as_f64().expect("a number") - ours).abs() < 1e-12, "{}: {name} is {ours}", case.0);
         }
     }
 }
 
-/// simd128 has the bits of the scalar set: plain loops of it are what the scalar set is compiled to.
+/// simd128 gives the same bits as the scalar instruction set, because that is compiled to plain loops with simd128
+/// instructions.
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 #[test]
 fn every_method_has_the_bits_of_the_scalar_set() {
@@ -229,7 +230,7 @@ fn every_method_has_the_bits_of_the_scalar_set() {
         let transducer = Transducer { directivity, ..Transducer::default() };
         let array = Array::grid(9, 7, 10e-3).and_then(|array| array.with_transducer(transducer));
         let medium = Medium { absorption: 0.15, ..Medium::default() };
-        // More points than lanes, and no multiple of them.
+        // More points than SIMD lanes, and not a multiple of their number.
         let points: Vec<[f64; 3]> =
             (0..19).map(|j| [f64::from(j % 5) * 0.012 - 0.02, f64::from(j / 5) * 0.013 - 0.02, 0.12]).collect();
         let request = Request { weights: Some(vec![1.5; points.len()]), ..Request::default() };

@@ -1,4 +1,4 @@
-//! Greedy against the plain double-precision search, choice by choice.
+//! Compares greedy with a plain search in double precision, choice by choice.
 
 use midair::solvers::{Greedy, Objective, Order};
 use midair::{
@@ -9,7 +9,7 @@ use midair::{
 use crate::oracle::{self, Search};
 use crate::scenes::{preset, problem, propagation, random_points, scene, smiley, widen};
 
-/// The regret allowed: 1e-6 of E(0), the rule of docs/reproducibility.md.
+/// The allowed regret of a choice: 1e-6 of E(0), as docs/reproducibility.md states.
 const REGRET: f64 = 1e-6;
 
 fn order(greedy: &Greedy, scene: &Scene) -> Vec<usize> {
@@ -31,7 +31,7 @@ fn solved(greedy: &Greedy, scene: &Scene) -> Solution {
     greedy.solve(&problem(scene), &mut Workspace::new(), &mut Control::none()).expect("solvable")
 }
 
-/// Calls `check` with the oracle's search over the same problem.
+/// Calls `check` with the reference search for the same problem.
 fn with_oracle(greedy: &Greedy, scene: &Scene, check: impl FnOnce(&Search)) {
     let problem = problem(scene);
     check(&Search {
@@ -110,7 +110,7 @@ fn every_choice_is_within_the_regret_at_ten_thousand_transducers() {
     assert_regrets(&Greedy::default(), &scene(array, random_points(16, 0.4, 1), None));
 }
 
-/// Real air, real transducers, one of them dead, unequal targets and weights.
+/// Returns a scene with absorption, real transducers, one of which is dead, and unequal targets and weights.
 fn crooked(points: usize, seed: u64) -> Scene {
     let mut rng = Rng::new(seed);
     let mut random = |low: f64, high: f64| low + (high - low) * rng.uniform();
@@ -145,7 +145,7 @@ fn on_small_scenes_the_choices_are_the_oracles() {
                 let ours = widen(&drive);
                 let same = |i: usize| (ours[i] - search.greedy()[i]).norm() < 1e-6;
                 if !(0..ours.len()).all(same) {
-                    // G in f32 (its phases good to 1e-5) may turn a near-tie, and then all that follows.
+                    // The phases of G in f32 are accurate to 1e-5, which may change a near-tie and then all later choices.
                     let worst = search.regrets(&ours).into_iter().fold(0.0, f64::max);
                     assert!(worst < REGRET, "seed {seed}: regret {worst:e}");
                     apart += 1;
@@ -153,19 +153,19 @@ fn on_small_scenes_the_choices_are_the_oracles() {
             });
         }
     }
-    // Of 1200 choices one is so near to a tie; a second would be a fault.
+    // Of the 1200 choices, one is so close to a tie. A second scene with other choices would be an error.
     assert!(apart <= 1, "{apart} of 100 scenes have other choices");
 }
 
 #[test]
 fn the_first_transducer_takes_phase_0_and_ties_go_to_the_first_candidate() {
     let alone = scene(Array::grid(1, 1, 1e-2).expect("a grid"), vec![[0.0, 0.0, 0.1]], Some(vec![30.0]));
-    // 4.386/0.1 = 43.86 Pa at full drive: of 43.86 k/4 the third, 32.9 Pa, is nearest to 30 Pa.
+    // The pressure at full drive is 4.386/0.1 = 43.86 Pa. Of its four quarters, the third, 32.9 Pa, is nearest to 30 Pa.
     let greedy = Greedy { amplitudes: 4, ..Greedy::default() };
     let drive = solved(&greedy, &alone).drive;
     assert_eq!(drive[0], midair::Complex32::new(0.75, 0.0));
-    // Far too weak a target at a point that both see alike: the second transducer ties at +-90 degrees or so;
-    // whatever it takes, a tie between phase l and L - l goes to the smaller l.
+    // The target is far too low at a point that both transducers reach equally. The second transducer then has a tie between
+    // about +90 and -90 degrees. A tie between the phases l and L - l goes to the smaller l.
     let pair = Array::new(vec![[-0.01, 0.0, 0.0], [0.01, 0.0, 0.0]], None).expect("an array");
     let pair = scene(pair, vec![[0.0, 0.0, 0.1]], Some(vec![43.0]));
     let rows = Greedy { order: Order::Rows, ..Greedy::default() };

@@ -1,4 +1,4 @@
-//! Greedy from a start: the exchange within a bound on the change of phase, against plain double precision.
+//! Tests of greedy with a start: the exchange of drives with a bound on the phase change, compared with plain double precision.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use midair::{
 use crate::oracle::{self, Search};
 use crate::scenes::{preset, problem, propagation, random_points, scene, widen};
 
-/// The regret allowed: 1e-6 of E(0), the rule of docs/reproducibility.md.
+/// The allowed regret of a choice: 1e-6 of E(0), as docs/reproducibility.md states.
 const REGRET: f64 = 1e-6;
 
 fn started(problem: Problem, start: &[Complex32]) -> Problem {
@@ -23,7 +23,8 @@ fn solved(greedy: &Greedy, problem: &Problem) -> Solution {
     midair::solve(problem, greedy, false, &mut Workspace::new(), &mut Control::none()).expect("an answer")
 }
 
-/// Phases of a grid of L, or any for L = 0, one in ten of them silent, the amplitudes 1 or any above a tenth.
+/// Returns random drives with L = `phases` phases (any phase for 0). One in ten is 0; the amplitudes are 1 if `loud`, else
+/// anything above a tenth.
 fn drive(count: usize, phases: u32, loud: bool, seed: u64) -> Vec<Complex32> {
     let mut rng = Rng::new(seed);
     let mut one = || {
@@ -36,7 +37,7 @@ fn drive(count: usize, phases: u32, loud: bool, seed: u64) -> Vec<Complex32> {
     (0..count).map(|_| one()).collect()
 }
 
-/// The angle between two drives, 0 where one is silent.
+/// The angle between two drives in rad, 0 if one of them is 0.
 fn turn(a: Complex32, b: Complex32) -> f64 {
     let [a, b] = [a, b].map(|z| Complex64::new(z.re.into(), z.im.into()));
     (a * b.conj()).arg().abs()
@@ -83,7 +84,7 @@ fn every_exchange_is_the_best_within_its_bound_at_every_instruction_set() {
                     let regrets = search.exchange_regrets(&widen(&start), &widen(&found.drive), change);
                     let worst = regrets.into_iter().fold(0.0, f64::max);
                     assert!(worst < REGRET, "{set}, M = {points}: regret {worst:e} with {greedy:?}");
-                    // The field that the solver kept is that of its drive.
+                    // The pressures, from the field that the solver updated, are those of its drive.
                     let field = oracle::field(&rows, &widen(&found.drive));
                     let loudest = field.iter().map(|p| p.norm()).fold(0.0, f64::max);
                     for (ours, theirs) in widen(&found.pressures).iter().zip(&field) {
@@ -95,14 +96,14 @@ fn every_exchange_is_the_best_within_its_bound_at_every_instruction_set() {
     }
 }
 
-/// Four AUTD3 boards (N = 996) of 256 phases and some amplitudes.
+/// Four AUTD3 boards (N = 996) with 256 phases and these amplitudes.
 fn boards(amplitudes: &[f64], points: &[[f64; 3]], pressures: Option<Vec<f64>>) -> Problem {
     let quantization = Quantization::new(Some(256), Some(amplitudes.to_vec())).expect("quantization");
     let array = Array::preset("autd3", [2, 2]).expect("boards").with_quantization(Some(quantization));
     problem(&scene(array, points.to_vec(), pressures))
 }
 
-/// M points on circles of 10 mm at .5 m/s, 10 kHz.
+/// M points that move on circles of 10 mm at 0.5 m/s, with 10,000 frames per second.
 fn circles(points: usize, frame: usize) -> Vec<[f64; 3]> {
     let mut rng = Rng::new(5);
     let one = |_| {
@@ -113,14 +114,14 @@ fn circles(points: usize, frame: usize) -> Vec<[f64; 3]> {
     (0..points).map(one).collect()
 }
 
-/// The phase of each drive in whole steps of 1/256 turn.
+/// The phase of each drive as a number of steps of 1/256 turn.
 fn codes(drive: &[Complex32]) -> Vec<i64> {
     let steps = |q: &Complex32| f64::from(q.im).atan2(q.re.into()) / TAU * 256.0;
     assert!(drive.iter().all(|q| (steps(q) - steps(q).round()).abs() < 1e-4), "off the grid");
     drive.iter().map(|q| steps(q).round() as i64).collect()
 }
 
-/// The largest change of a code between two drives.
+/// The largest change of a phase between two drives, in steps.
 fn largest_step(now: &[Complex32], last: &[Complex32]) -> i64 {
     let step = |(now, last): (&i64, &i64)| ((now - last + 128).rem_euclid(256) - 128).abs();
     codes(now).iter().zip(&codes(last)).map(step).max().expect("some")
@@ -156,10 +157,10 @@ fn a_frame_at_rest_is_never_worse_than_the_last_and_change_0_keeps_it() {
         let mut last = solved(&greedy, &requested);
         for frame in 0..10 {
             let now = solved(&greedy, &started(requested.clone(), &last.drive));
-            // The pressures' own rounding.
+            // The tolerance covers the rounding of the pressures.
             let [before, after] = [&last, &now].map(|solution| solution.metrics().residual);
             assert!(after <= before + 1e-6, "M = {points}, frame {frame}: {after} after {before}");
-            // Of one focus all phases are right but for one that all share.
+            // With one focus, all relative phases soon become right; a common phase does not matter.
             assert!(points > 1 || frame < 5 || now.drive == last.drive, "frame {frame}");
             last = now;
         }
@@ -184,7 +185,8 @@ fn a_balanced_answer_is_carried_on_at_its_own_level() {
     for frame in 1..20 {
         let found = balanced(frame, Some(&last));
         let Metrics { accuracy, uniformity, .. } = found.metrics();
-        // Taken for the field of the balanced level, the weak drives would be next to none, and all be turned again.
+        // If the start were compared with the balanced level, it would seem almost silent, and all phases would be changed
+        // again.
         assert!((accuracy - 1.0).abs() < 2e-3 && uniformity > 0.98, "frame {frame}: {accuracy}, {uniformity}");
         assert!(largest_step(&found.drive, &last) <= 8, "frame {frame}");
         last = found.drive;

@@ -1,4 +1,5 @@
-//! The law book: what every registered solver keeps. Nothing here names a solver; registering one runs it.
+//! Laws: what every registered solver guarantees. These tests name no solver, so a new one is tested as soon as it is
+//! registered.
 
 use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
@@ -38,7 +39,7 @@ fn assert_usable(name: &str, solution: &Solution) {
     assert!(metrics.iter().all(|metric| metric.is_finite()), "{name}: {metrics:?}");
 }
 
-/// `count` points at least 10 mm (a focal width and more) apart.
+/// Returns `count` points that are at least 10 mm apart, more than a focal width.
 fn apart(count: usize, seed: u64) -> Vec<[f64; 3]> {
     let mut points: Vec<[f64; 3]> = Vec::new();
     for candidate in random_points(1000, 0.07, seed) {
@@ -119,15 +120,15 @@ fn one_strong_focus_gets_the_conjugate_phases() {
     let scene = scene(preset("paper20"), vec![[0.013, -0.021, 0.15]], Some(vec![2.0 * 2.4]));
     for entry in SOLVERS {
         let solution = raw(entry, &scene);
-        // Modulo one global phase: every q_i G_i turned by the field's own phase.
+        // The phases may differ by a common phase: q_i G_i is compared with the phase of the whole field.
         let total: Complex64 = propagation(&scene).iter().zip(widen(&solution.drive)).map(|(g, q)| g[0] * q).sum();
-        // Drives on a coarse grid may differ by one step of it, others by what is left when the method ends.
+        // Drives with few phases may be wrong by one step; others by the method's remaining error.
         let turns = (0..solution.drive.len()).map(|i| (solution.phase(i) / TAU * 65536.0).round() as i64 % 65536);
         let phases = turns.collect::<BTreeSet<_>>().len();
         let allowed = if phases <= 16 { TAU / phases as f64 } else { 0.01 };
         for (i, (g, q)) in propagation(&scene).iter().zip(widen(&solution.drive)).enumerate() {
             let off = (g[0] * q / total).arg().abs();
-            // A silent transducer has no phase to be wrong.
+            // The phase of a drive of 0 would not be defined.
             assert!(q.norm() > 0.0, "{}: transducer {i} is left off", entry.info.name);
             assert!(off <= allowed, "{}: transducer {i} is {off} rad off", entry.info.name);
         }
@@ -143,7 +144,7 @@ fn reported_pressures_are_the_field_of_the_drive() {
             let field = oracle::field(&propagation(&crooked), &widen(&solution.drive));
             let loudest = field.iter().map(|p| p.norm()).fold(0.0, f64::max);
             for (ours, theirs) in widen(&solution.pressures).iter().zip(&field) {
-                // 249 rows with phases good to 1e-4 rad, of random sign.
+                // The tolerance is for 249 rows with phases accurate to 1e-4 rad and errors of random sign.
                 assert!((ours - theirs).norm() < 1e-4 * loudest, "{}: {ours} for {theirs}", entry.info.name);
             }
         }
@@ -178,7 +179,7 @@ fn a_stop_request_gives_a_usable_answer() {
             let solution = solution.expect("an answer");
             assert_usable(entry.info.name, &solution);
             assert!(calls > 0, "{} never asks", entry.info.name);
-            // A method of fewer steps than that ends by itself.
+            // A method with fewer steps ends by itself.
             if calls == stop {
                 assert_eq!(solution.status, Status::Stopped, "{}", entry.info.name);
                 assert_eq!(solution.steps, stop, "{}", entry.info.name);
@@ -199,7 +200,7 @@ fn a_trace_ends_in_the_residual_of_the_answer() {
             let trace = control.into_trace().expect("a trace");
             assert_eq!(trace.len(), solution.steps, "{}", entry.info.name);
             let (last, residual) = (trace[trace.len() - 1], solution.metrics().residual);
-            // The solver's own field against one more pass in f32.
+            // The residual from the solver's own field may differ from one computed again in f32.
             assert!((last - residual).abs() < 1e-4 * residual.max(1.0), "{}: {last} for {residual}", entry.info.name);
         }
     }
@@ -214,7 +215,7 @@ fn balancing_keeps_weak_foci_as_good_as_strong_ones() {
     assert!(problem(&weak).is_weak() && !problem(&strong).is_weak());
     for entry in SOLVERS {
         let (strong, weak) = (raw(entry, &strong).metrics(), solved(entry, &problem(&weak), true).metrics());
-        // The drive, reduced to the targets: a rounded target may turn a tie, and f32 rounds.
+        // The drive is lowered to the targets. Rounded targets may change a tie, and f32 rounds.
         assert!((1.0 - weak.accuracy).abs() < 0.02, "{}: {strong:?} {weak:?}", entry.info.name);
         assert!(weak.sigma < strong.sigma + 0.02, "{}: {strong:?} {weak:?}", entry.info.name);
     }
@@ -255,7 +256,7 @@ fn dead_transducers_are_not_driven() {
             assert_eq!([0, 17, 399].contains(&i), *q == Complex32::ZERO, "{}: drive[{i}] = {q}", entry.info.name);
         }
     }
-    // Where all are in phase at the outset, the first drive may be the last.
+    // If all transducers are in phase at the start, the first drive may be the final one.
     let mask = Some(vec![false, true, true, true]);
     let array = Array::grid(2, 2, 10e-3).and_then(|array| array.with_mask(mask)).expect("a mask");
     let requested = problem(&self::scene(array, vec![[0.0, 0.0, 0.1]], None));
@@ -309,7 +310,7 @@ fn phases_of_the_targets_change_the_answers_of_those_who_use_them() {
             assert_eq!(free.drive, given.drive, "{name}");
             continue;
         }
-        // Free phases are 0; a common phase turns the whole answer.
+        // Free phases are 0. A common phase added to all targets turns the whole drive.
         assert_eq!(free.drive, zero.drive, "{name}");
         assert!(free.drive != given.drive, "{name}");
         let errors = [&given, &later].map(|solution| solution.complex_error().expect("phases"));

@@ -1,11 +1,11 @@
-//! The modules that each module may use: every module uses those below it and no other, no files import each other,
-//! and no method uses another method's file.
+//! Tests the layers of the core: a module uses only modules of lower layers, no two files import each other, and no method uses
+//! a file of another method.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The modules of `core/src` from the lowest layer up; one may use those before it, and itself.
+/// The modules of `core/src`, the lowest layer first. A module may use itself and those before it.
 const CORE: &[&str] = &[
     "error",
     "threads",
@@ -27,7 +27,7 @@ const CORE: &[&str] = &[
     "lib",
 ];
 
-/// The files of `core/src/solvers` that serve several methods; every other file or folder there is a method.
+/// The files of `core/src/solvers` that several methods use. Each other file or folder there is a method.
 const SHARED: &[&str] = &[
     "amplitude_limit",
     "common",
@@ -42,7 +42,7 @@ const SHARED: &[&str] = &[
     "solve",
 ];
 
-/// The files of a tree by their module paths, such as `kernels::simd`; tests are left out.
+/// The text of each file under its module path, such as `kernels::simd`, without tests.
 type Files = BTreeMap<String, String>;
 
 fn sources(folder: &Path, module: &str, files: &mut Files) {
@@ -68,7 +68,8 @@ fn tree(folder: &str) -> Files {
     files
 }
 
-/// The paths that a text begins with, braces expanded: `a::{b, c::{self, d}}` is `a::b`, `a::c` and `a::c::d`.
+/// Returns the paths at the beginning of a text, with braces expanded: `a::{b, c::{self, d}}` gives `a::b`, `a::c` and
+/// `a::c::d`.
 fn expanded(text: &str) -> Vec<String> {
     let head: String = text.chars().take_while(|c| c.is_alphanumeric() || "_:".contains(*c)).collect();
     let Some(braced) = text[head.len()..].strip_prefix('{') else { return vec![head] };
@@ -94,10 +95,10 @@ fn expanded(text: &str) -> Vec<String> {
     paths
 }
 
-/// The modules that the `use crate::...` lines and paths of a file name: the longest part of each that is a file.
+/// Returns the modules that a file uses in `use crate::...` lines and other paths: for each, the longest part that is a file.
 fn used(text: &str, files: &Files) -> BTreeSet<String> {
     let code: String = text.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n");
-    // `midair::` is the core by its name, too.
+    // The core may also be called `midair::`.
     let code = if files.contains_key("kernels") { code.replace("midair::", "crate::") } else { code };
     let paths = code.split("crate::").skip(1).flat_map(expanded).filter_map(|path| {
         let parts: Vec<&str> = path.split("::").collect();
@@ -112,7 +113,7 @@ fn uses(files: &Files) -> Uses<'_> {
     files.iter().map(|(module, text)| (module.as_str(), used(text, files))).collect()
 }
 
-/// Imports of a module by one of a lower layer.
+/// Returns the uses of a module by one in a lower layer.
 fn upward(files: &Files, layers: &[&str]) -> Vec<String> {
     let layer = |module: &str| {
         let top = module.split("::").next().unwrap_or_default();
@@ -126,10 +127,10 @@ fn upward(files: &Files, layers: &[&str]) -> Vec<String> {
     found
 }
 
-/// Files that import each other.
+/// Returns files that import each other.
 fn circles(files: &Files) -> Vec<String> {
     let mut left = uses(files);
-    // A file that uses nothing that is left, or that nothing left uses, is taken away; a circle stays.
+    // Removes files that use none of the remaining ones, or that none of them uses, until only circles remain.
     loop {
         let leaf = |module: &str, used: &BTreeSet<String>| !used.iter().any(|u| u != module && left.contains_key(&**u));
         let root = |module: &str| !left.iter().any(|(other, used)| *other != module && used.contains(module));
@@ -140,7 +141,7 @@ fn circles(files: &Files) -> Vec<String> {
     left.into_keys().map(str::to_owned).collect()
 }
 
-/// Methods that use another method's file.
+/// Returns methods that use a file of another method.
 fn entangled(files: &Files) -> Vec<String> {
     let method = |module: &str| {
         let name = module.strip_prefix("solvers::")?.split("::").next()?.to_owned();
@@ -174,7 +175,7 @@ fn no_files_of_the_python_binding_import_each_other() {
     assert_eq!(circles(&files), [""; 0]);
 }
 
-/// The core with a line at the end of a file.
+/// Returns the core's files with one line added to a file.
 fn pasted(module: &str, line: &str) -> Files {
     let mut files = tree("src");
     files.get_mut(module).expect("a file of the core").push_str(line);

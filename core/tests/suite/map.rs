@@ -1,4 +1,4 @@
-//! docs/map.md: every source file with its first line. `make map` writes it again.
+//! docs/map.md lists every source file with its first line; `make map` writes it again.
 
 use std::fmt::Write;
 use std::fs;
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 const HEAD: &str = "# Map of the sources\n\nEvery source file with its first line. `make map` writes this page.\n\n";
 
-/// A file's first line, which describes its content.
+/// The first line of a file, which describes its contents.
 fn first_line(path: &Path) -> String {
     let text = fs::read_to_string(path).expect("text");
     let line = text.lines().next().unwrap_or_default();
@@ -14,7 +14,7 @@ fn first_line(path: &Path) -> String {
     begun.trim_end_matches("\"\"\"").trim_end_matches("*/").trim().to_owned()
 }
 
-/// A folder and those in it, files first: a line a file.
+/// Writes a folder and its subfolders to the map, files first, one line for each file.
 fn draw(root: &Path, folder: &str, map: &mut String) {
     let mut paths: Vec<PathBuf> =
         fs::read_dir(root.join(folder)).expect("a folder").map(|entry| entry.expect("an entry").path()).collect();

@@ -1,4 +1,5 @@
-//! Reported metrics of an answer against the oracle: golden files pin the numbers, these say that they are right.
+//! Compares the reported metrics with a reference. Golden files only detect changes; these tests show that the values are
+//! right.
 
 use std::f64::consts::TAU;
 
@@ -31,8 +32,8 @@ fn assert_metrics(found: Metrics, wanted: oracle::Metrics, allowed: f64) {
     }
 }
 
-/// |p|, targets and weights of `count` points: about a third of the targets and of the weights are 0, but not the
-/// first point's.
+/// Random |p|, targets and weights of `count` points. About a third of the targets and of the weights are 0, but not those of
+/// the first point.
 fn readings(count: usize, seed: u64) -> [Vec<f64>; 3] {
     let mut rng = Rng::new(seed);
     [0.0, -1.0, -1.0].map(|low| {
@@ -52,7 +53,7 @@ fn metrics_are_their_definitions_for_any_targets_and_weights() {
     let (mut quiet, mut uncounted) = (0, 0);
     for seed in 0..400 {
         let [pressures, targets, weights] = readings(1 + seed as usize % 40, seed);
-        // Sums of at most 40 numbers in f64, in another order.
+        // The tolerance is for sums of at most 40 numbers in f64, in a different order.
         assert_metrics(of(&pressures, &targets, &weights), oracle::metrics(&pressures, &targets, &weights), 1e-12);
         quiet += targets.iter().filter(|&&target| target == 0.0).count();
         uncounted += weights.iter().filter(|&&weight| weight == 0.0).count();
@@ -73,7 +74,7 @@ fn metrics_do_not_depend_on_the_unit() {
     let [pressures, targets, weights] = readings(20, 1);
     let scaled = |list: &[f64], factor: f64| list.iter().map(|x| x * factor).collect::<Vec<_>>();
     let plain = fields(of(&pressures, &targets, &weights));
-    // Squares of the first and the last do not fit in f64.
+    // The squares of the first and the last factor exceed the range of f64.
     for factor in [1e-200, 1e-3, 1e3, 1e200] {
         for (pascals, weight) in [(factor, 1.0), (1.0, factor), (factor, factor)] {
             let other = of(&scaled(&pressures, pascals), &scaled(&targets, pascals), &scaled(&weights, weight));
@@ -84,7 +85,7 @@ fn metrics_do_not_depend_on_the_unit() {
     }
 }
 
-/// Seven points over an AUTD3: one quiet, one of weight 0, the rest unequal.
+/// Seven points above an AUTD3 board: one is quiet, one has weight 0, the others are unequal.
 fn uneven() -> Scene {
     let pressures = vec![900.0, 300.0, 0.0, 500.0, 700.0, 400.0, 600.0];
     let weights = vec![1.0, 2.0, 3.0, 0.0, 0.5, 1.0, 1.5];
@@ -121,7 +122,7 @@ fn judge_gives_the_metrics_of_the_exact_field() {
     let drive = solved(&Greedy::default(), &problem).drive;
     let moduli: Vec<f64> = oracle::field(&propagation(&scene), &widen(&drive)).iter().map(|p| p.norm()).collect();
     let wanted = oracle::metrics(&moduli, problem.targets_in_pascals(), problem.point_weights());
-    // Both in f64; 249 phases of 200 rad.
+    // Both are computed in f64; the tolerance is for 249 phases of about 200 rad.
     assert_metrics(
         problem.judge(&drive, Precision::Double, &mut Control::none()).expect("its own drive"),
         wanted,
@@ -144,7 +145,7 @@ fn amplitude_and_phase_are_the_drives_polar_form() {
     for (i, q) in widen(&solution.drive).into_iter().enumerate() {
         let (amplitude, phase) = (solution.amplitude(i), solution.phase(i));
         assert!((0.0..=1.0).contains(&amplitude) && (0.0..TAU).contains(&phase));
-        // A clamped modulus may exceed 1 by f32 rounding, and is then reported as 1.
+        // Rounding in f32 may raise the modulus of a full drive above 1; it is reported as 1.
         assert!((Complex64::from_polar(amplitude, phase) - q).norm() < 2e-7, "{amplitude} at {phase} for {q}");
         off += usize::from(amplitude < 0.999);
     }
@@ -157,7 +158,7 @@ fn balance_is_the_factor_to_the_balanced_level() {
     let problem = problem(&scene);
     let reach = oracle::reach(&propagation(&scene));
     let wanted = oracle::balanced_factor(&reach, problem.targets_in_pascals(), problem.point_weights());
-    // f32 moduli, good to 2e-6 of each.
+    // The moduli in f32 are accurate to 2e-6 each.
     assert!((problem.balance() / wanted - 1.0).abs() < 1e-6, "{} for {wanted}", problem.balance());
 }
 

@@ -1,4 +1,4 @@
-//! Motion: consecutive frames, judged in f64: bounds, evenness, rest, and refusals.
+//! Tests of motion, with fields in f64: bounds between consecutive frames, evenness, rest and errors.
 
 use std::f64::consts::PI;
 
@@ -16,7 +16,7 @@ fn array(phases: Option<u32>) -> Array {
     Array::grid(SIDE, SIDE, 10e-3).expect("a grid").with_quantization(board)
 }
 
-/// Three points on circles of their own at .5 m/s and 10 kHz.
+/// Three points on circles of different radius at 0.5 m/s, with 10,000 frames per second.
 fn circles(frames: usize) -> Vec<[f64; 3]> {
     let at = |t: usize, j: usize| {
         let (radius, middle) = (0.01 + 0.003 * j as f64, 0.04 * j as f64 - 0.04);
@@ -38,7 +38,7 @@ fn followed(session: &mut Session, points: &[[f64; 3]]) -> Vec<Complex32> {
     drives
 }
 
-/// |p| of a frame in f64.
+/// The moduli |p| of a frame, computed in f64.
 fn moduli(array: &Array, points: &[[f64; 3]], drive: &[Complex32]) -> Vec<f64> {
     let wavenumber = 2.0 * PI * 40e3 / Medium::default().sound_speed;
     let pressure = |point: &[f64; 3]| {
@@ -81,7 +81,7 @@ fn points_in_motion_are_even_within_the_bound() {
 
 #[test]
 fn above_the_speed_limit_points_are_still_even() {
-    // Sixteen points at 6 m/s where 1.6 m/s can be followed.
+    // Sixteen points at 6 m/s, although the bound only allows 1.6 m/s.
     let at = |t: usize, j: usize| {
         let angle = 6.0 / 0.01 * t as f64 / 10e3 + j as f64;
         let middle = [j % 4, j / 4].map(|k| 0.03 * k as f64 - 0.045);
@@ -129,7 +129,7 @@ fn points_at_rest_leave_every_code_where_it_is() {
     let drives = followed(&mut session(&array(Some(256)), Glide::default()), &points);
     let frames: Vec<&[Complex32]> = drives.chunks(SIDE * SIDE).collect();
     assert!(frames[20..].windows(2).all(|pair| pair[0] == pair[1]));
-    // Many points, which grow louder slowly, and keep the codes of the first frame that was loud enough.
+    // Many points whose level rises slowly. The phases stay those of the first frame that was loud enough.
     let many: Vec<[f64; 3]> = (0..4).flat_map(|t| circles(4)[t * COUNT..][..COUNT].to_vec()).collect();
     let spread = |j: usize, [x, y, z]: [f64; 3]| [x + 0.02 * (j / COUNT) as f64 - 0.03, y + 0.015 * (j % 5) as f64, z];
     let many: Vec<[f64; 3]> = many.iter().enumerate().map(|(j, &point)| spread(j, point)).collect();
@@ -169,7 +169,7 @@ fn a_frame_goes_on_from_a_drive_and_refuses_one_without_a_phase() {
         solve(&problem(1).with_start(Start::Drive(start)).expect("a start")).expect("a drive").drive
     };
     let next = after(first.clone());
-    // Only the phases of a start count, also where the squares of its drives underflow.
+    // Only the phases of a start matter, even if the squares of its drives underflow.
     assert_eq!(after(first.iter().map(|q| q * 0.5_f32.powi(76)).collect()), next);
     assert!(first.iter().zip(&next).all(|(a, b)| change(*a, *b) <= PI / 16.0 + 1e-6));
     let mut off = first;

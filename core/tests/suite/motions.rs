@@ -1,5 +1,5 @@
-//! Place and order of a scene change no answer: permuted, moved and mirrored scenes, for every
-//! registered solver, with real transducers that a mistake in their normals or responses would show.
+//! Tests that a scene's place and order do not change results: permuted, moved and mirrored scenes, for every registered
+//! solver. The transducers have normals and responses, so that an error in these would be found.
 
 use midair::solvers::{Entry, SOLVERS};
 use midair::{
@@ -8,7 +8,7 @@ use midair::{
 
 use crate::scenes::{problem, random_points};
 
-/// A scene taken apart.
+/// The parts of a scene, so that they can be changed.
 #[derive(Clone)]
 struct Parts {
     positions: Vec<[f64; 3]>,
@@ -20,8 +20,8 @@ struct Parts {
 }
 
 impl Parts {
-    /// 14 x 14 transducers of unequal strength and phase, turned inwards and askew; five points at least 10 mm apart
-    /// near the balanced level, the last one quiet.
+    /// Returns 14 x 14 transducers with different responses and tilted normals, and five points at least 10 mm apart. Their
+    /// targets are near the balanced level; the last point is quiet.
     fn new(seed: u64) -> Self {
         let mut rng = Rng::new(seed);
         let grid = Array::grid(14, 14, 10e-3).expect("a grid");
@@ -60,7 +60,7 @@ impl Parts {
         Scene::new(array, medium, self.points.clone(), request).expect("a scene")
     }
 
-    /// Every place put elsewhere and every normal turned along.
+    /// Returns the scene with every position and every normal mapped.
     fn carried(&self, place: impl Fn([f64; 3]) -> [f64; 3], turn: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
         let map = |list: &[[f64; 3]], by: &dyn Fn([f64; 3]) -> [f64; 3]| list.iter().map(|&x| by(x)).collect();
         Self {
@@ -71,7 +71,7 @@ impl Parts {
         }
     }
 
-    /// The transducers in another order.
+    /// Returns the scene with its transducers in another order.
     fn transducers_shuffled(&self) -> Self {
         let order = Rng::new(99).permutation(196);
         let by = |i: &u32| *i as usize;
@@ -83,7 +83,7 @@ impl Parts {
         }
     }
 
-    /// The points in another order.
+    /// Returns the scene with its points in another order.
     fn points_shuffled(&self) -> Self {
         let order = [3, 0, 4, 2, 1];
         Self {
@@ -115,8 +115,8 @@ fn permuting_moving_or_mirroring_a_whole_scene_changes_no_metric() {
     ];
     let parts: Vec<Parts> = (0..20).map(|seed| Parts::new(200 + seed)).collect();
     for entry in SOLVERS {
-        // A method that draws lots draws others for the same scene in another order: its answers agree in the mean
-        // alone. Any other must give the same answer each time, so that its changes may not even cancel.
+        // A method with a seed makes other random choices if the order changes, so only means are equal. Any other method must
+        // give the same metrics for each scene.
         let drawn = entry.options().iter().any(|option| option.name == "seed");
         let before: Vec<_> = parts.iter().map(|parts| metrics(entry, parts)).collect();
         for (what, change) in changes {

@@ -1,4 +1,5 @@
-//! The optimum of few points against an oracle that tries phases and weights one by one, and the climb of `best`.
+//! Compares the optimum for few points with a reference that tries phases and weights one by one, and tests the ascent of
+//! `best`.
 
 use std::f64::consts::TAU;
 
@@ -8,7 +9,7 @@ use midair::{Aim, Array, Complex64, Control, Problem, Quantization, Rng, Scene, 
 use crate::oracle;
 use crate::scenes::{problem, propagation, random_points, scene, widen};
 
-/// The least of a convex function over [0, 1], by ternary search.
+/// The minimum of a convex function over [0, 1], by ternary search.
 fn least(function: &dyn Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..36 {
@@ -18,7 +19,7 @@ fn least(function: &dyn Fn(f64) -> f64) -> f64 {
     function(0.5 * (low + high))
 }
 
-/// The highest level of two or three points whose phases are given: the least of `sum_i |sum_j w_j conj(v_j) h_ji|`.
+/// The highest level of two or three points with given phases: the minimum of `sum_i |sum_j w_j conj(v_j) h_ji|` over weights.
 fn dual(rows: &[Vec<Complex64>], phases: &[f64]) -> f64 {
     let turned: Vec<Vec<Complex64>> = rows
         .iter()
@@ -33,7 +34,7 @@ fn dual(rows: &[Vec<Complex64>], phases: &[f64]) -> f64 {
     least(&|a| least(&|b| sum([a, (1.0 - a) * b, (1.0 - a) * (1.0 - b)])))
 }
 
-/// The highest level, by all phases on a grid and halved steps from the best of these.
+/// The highest level over all phases: tries a grid, then halves the steps around its best point.
 fn optimum(rows: &[Vec<Complex64>]) -> f64 {
     let points = rows[0].len();
     let steps = if points == 2 { 96 } else { 20 };
@@ -63,13 +64,13 @@ fn loudest(problem: &Problem, solver: &dyn Solve) -> Solution {
     midair::solve(&problem, solver, true, &mut Workspace::new(), &mut Control::none()).expect("an answer")
 }
 
-/// The least |p_j| / target_j of a drive, in double precision.
+/// The smallest |p_j| / target_j of a drive, in double precision.
 fn level(scene: &Scene, solution: &Solution, targets: &[f64]) -> f64 {
     let field = oracle::field(&propagation(scene), &widen(&solution.drive));
     field.iter().zip(targets).map(|(p, target)| p.norm() / target).fold(f64::INFINITY, f64::min)
 }
 
-/// `count` points at least 12 mm apart, with targets from 1 to `most`.
+/// Returns `count` points at least 12 mm apart, with targets from 1 to `most`.
 fn apart(array: Array, count: usize, most: f64, seed: u64) -> (Scene, Vec<f64>) {
     let mut points: Vec<[f64; 3]> = Vec::new();
     for point in random_points(400, 0.06, seed) {
@@ -133,8 +134,8 @@ fn no_field_exceeds_the_bound_of_any_number_of_points() {
 
 #[test]
 fn the_climb_ends_no_lower_than_it_began_and_where_it_did() {
-    // Levels of `best` as they were first reached, in units of the balanced level; those of `uniform` before the climb of
-    // unequal targets were .92 to .98 of them.
+    // The levels of `best` when it was first implemented, in units of the balanced level. Before the ascent, `uniform` reached
+    // 0.92 to 0.98 of them for unequal targets.
     for (count, most, seed, kept) in KEPT {
         let (scene, targets) = apart(Array::grid(18, 14, 10e-3).expect("a grid"), count, most, seed);
         let problem = problem(&scene);
@@ -165,6 +166,6 @@ fn two_phases_have_louder_weakest_points_and_some_transducers_off() {
     }
 }
 
-/// Points, largest target over the least, seed, level.
+/// Number of points, largest target over the smallest, seed, level.
 const KEPT: [(usize, f64, u64, f64); 5] =
     [(4, 1.0, 1, 0.9521), (8, 10.0, 2, 0.9666), (12, 1.0, 3, 0.9693), (24, 10.0, 4, 0.9961), (24, 1.0, 5, 1.0193)];

@@ -1,37 +1,37 @@
-//! Double-precision reference for the kernels: plain loops that follow the definitions.
+//! Oracle: a reference in double precision for the kernels: plain loops that follow the definitions.
 //!
-//! SI units, time factor e^{-jwt}: an outgoing wave runs as e^{+jkr}. Propagation are stored
-//! transducer-major, `propagation[i][j]` being transducer i at point j.
+//! SI units and the time factor e^{-jwt}: an outgoing wave is e^{+jkr}. `propagation[i][j]` is the pressure of transducer i at
+//! point j.
 
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
 const ZERO: Complex64 = Complex64::new(0.0, 0.0);
 
-/// Part of E(0) by which a later candidate has to beat an earlier one, so that rounding does not
-/// decide between candidates that are equal on paper.
+/// A later candidate must be better than an earlier one by this part of E(0), so that rounding does not decide between
+/// candidates that are mathematically equal.
 const TIE: f64 = 1e-12;
 
-/// D of the T4010A1 at 0, 10, ..., 90 degrees.
+/// The directivity D of the T4010A1 at 0, 10, ..., 90 degrees.
 const T4010A1: [f64; 10] = [1.0, 1.0, 1.0, 0.8913, 0.7079, 0.5012, 0.3548, 0.2512, 0.1995, 0.1778];
 
-/// Far-field pattern of one transducer. All but `Point` are baffled: silent behind.
+/// The directivity of a transducer. All except `Point` are baffled: 0 behind.
 #[derive(Clone, Copy, Debug)]
 pub enum Directivity {
-    /// Radiates alike in every direction, also backwards.
+    /// Equal in all directions, also behind.
     Point,
-    /// Circular piston of this radius.
+    /// A circular piston with this radius.
     Piston(f64),
-    /// Strip of this width.
+    /// A strip of this width.
     Sinc(f64),
-    /// Cosine of the angle to this power.
+    /// The cosine of the angle to this power.
     Cos(f64),
-    /// Measured pattern, interpolated.
+    /// Measured values, interpolated.
     T4010a1,
 }
 
-/// An array of transducers in a medium. Normals may have any length; `response` is `c_i`,
-/// `source_pressure` is in Pa m and `absorption` in Np/m.
+/// An array of transducers in a medium. Normals may have any length. `response` is `c_i`, `source_pressure` is in Pa m and
+/// `absorption` in Np/m.
 #[derive(Clone, Debug)]
 pub struct Model {
     pub positions: Vec<[f64; 3]>,
@@ -50,8 +50,8 @@ fn norm(a: [f64; 3]) -> f64 {
 
 /// `2 J1(x) / x`, from Poisson's integral `(2/pi) int_0^pi cos(x cos t) sin(t)^2 dt`.
 ///
-/// The quotient is integrated as a whole, hence no loss of digits at small x. The integrand is
-/// smooth and periodic, so the trapezoid rule converges exponentially once nodes outnumber x.
+/// The quotient is integrated as a whole, so no digits are lost for small x. The integrand is smooth and periodic, so the
+/// trapezoidal rule converges exponentially as soon as there are more nodes than x.
 fn jinc(x: f64) -> f64 {
     let nodes = 256;
     let mut sum = 0.0;
@@ -62,7 +62,7 @@ fn jinc(x: f64) -> f64 {
     2.0 * sum / f64::from(nodes)
 }
 
-/// Monotone cubic (Fritsch-Butland slopes) through values 1 apart, the first at x = 0.
+/// The monotone cubic with Fritsch-Butland slopes through values at x = 0, 1, 2, ...
 fn monotone_cubic(values: &[f64], x: f64) -> f64 {
     let last = values.len() - 1;
     let secant = |m: usize| values[m + 1] - values[m];
@@ -82,7 +82,7 @@ fn monotone_cubic(values: &[f64], x: f64) -> f64 {
     (values[m] * (1.0 + 2.0 * u) + slope(m) * u) * v * v + (values[m + 1] * (1.0 + 2.0 * v) - slope(m + 1) * v) * u * u
 }
 
-/// Pattern towards an angle given by its cosine and sine, `wavenumber` in rad/m.
+/// The directivity at an angle, given by its cosine and sine; `wavenumber` is in rad/m.
 fn pattern(directivity: Directivity, wavenumber: f64, cos: f64, sin: f64) -> f64 {
     match directivity {
         Directivity::Point => 1.0,
@@ -97,7 +97,7 @@ fn pattern(directivity: Directivity, wavenumber: f64, cos: f64, sin: f64) -> f64
     }
 }
 
-/// Pressure at each point per unit of drive, `[i][j]`. No point may sit on a transducer.
+/// Returns the pressure of each transducer i at each point j for drive 1, as `[i][j]`. No point may be on a transducer.
 pub fn propagation(model: &Model, points: &[[f64; 3]]) -> Vec<Vec<Complex64>> {
     let wavenumber = TAU * model.frequency / model.sound_speed;
     let mut rows = Vec::new();
@@ -109,7 +109,7 @@ pub fn propagation(model: &Model, points: &[[f64; 3]]) -> Vec<Vec<Complex64>> {
             let r = norm([dx, dy, dz]);
             let unit = r * norm([nx, ny, nz]);
             let cos = (nx * dx + ny * dy + nz * dz) / unit;
-            // From the cross product: sqrt(1 - cos^2) loses digits near the axis.
+            // The sine comes from the cross product, because sqrt(1 - cos^2) loses digits near the axis.
             let sin = norm([ny * dz - nz * dy, nz * dx - nx * dz, nx * dy - ny * dx]) / unit;
             let size = model.source_pressure / r
                 * pattern(model.directivity, wavenumber, cos, sin)
@@ -121,28 +121,28 @@ pub fn propagation(model: &Model, points: &[[f64; 3]]) -> Vec<Vec<Complex64>> {
     rows
 }
 
-/// Pressure at each point under the drive.
+/// Returns the pressure at each point for a drive.
 pub fn field(propagation: &[Vec<Complex64>], drive: &[Complex64]) -> Vec<Complex64> {
     let at = |j: usize| propagation.iter().zip(drive).map(|(row, q)| row[j] * q).sum();
     (0..propagation[0].len()).map(at).collect()
 }
 
-/// The highest pressure that drives of at most 1 can give at each point alone.
+/// Returns the highest pressure at each point alone that drives with |q| <= 1 can give.
 pub fn reach(propagation: &[Vec<Complex64>]) -> Vec<f64> {
     let at = |j: usize| propagation.iter().map(|row| row[j].norm()).sum();
     (0..propagation[0].len()).map(at).collect()
 }
 
-/// Factor s for which the sum of `(s t / p1)^2` over points of weight > 0 is 1.
+/// Returns the factor s for which the sum of `(s t / p1)^2` over the points of weight above 0 is 1.
 ///
-/// Targets of 0 add nothing. A target out of reach gives 0, no target above 0 gives infinity.
+/// Targets of 0 add nothing. If a target cannot be reached, s is 0; without targets above 0 it is infinity.
 pub fn balanced_factor(reach: &[f64], targets: &[f64], weights: &[f64]) -> f64 {
     let part = |j: usize| (targets[j] / reach[j]).powi(2);
     let counted = (0..targets.len()).filter(|&j| weights[j] > 0.0 && targets[j] > 0.0);
     1.0 / counted.map(part).sum::<f64>().sqrt()
 }
 
-/// The energy that the greedy search lowers.
+/// The energy that the greedy search minimises.
 #[derive(Clone, Copy, Debug)]
 pub enum Objective {
     /// Sum of `w (t - |P|)^2`.
@@ -151,8 +151,8 @@ pub enum Objective {
     L1,
 }
 
-/// The greedy search of Suzuki et al. 2021 (Algorithm 2). Points of weight 0 take no part; there
-/// are `phases` per turn and `amplitudes` evenly spaced up to 1; `order` is a permutation.
+/// The greedy search of Suzuki et al. 2021 (Algorithm 2). Points of weight 0 are ignored. There are `phases` phases per turn
+/// and `amplitudes` evenly spaced amplitudes up to 1; `order` is a permutation of the transducers.
 #[derive(Clone, Copy, Debug)]
 pub struct Search<'a> {
     pub propagation: &'a [Vec<Complex64>],
@@ -165,7 +165,7 @@ pub struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Drive found by walking along the order once.
+    /// Returns the drive after one pass through the order.
     pub fn greedy(&self) -> Vec<Complex64> {
         let tie = TIE * self.silent_energy();
         let mut drive = vec![ZERO; self.propagation.len()];
@@ -183,8 +183,8 @@ impl Search<'_> {
         drive
     }
 
-    /// For each step along the order, the energy with this drive's value less the least among the
-    /// candidates, over E(0) unless that is 0. Below 0 for a value between candidates that beats all.
+    /// Returns for each step of the order the energy with this drive's value, less the smallest energy of all candidates,
+    /// divided by E(0) unless that is 0. The result is negative if the value is better than all candidates.
     pub fn regrets(&self, drive: &[Complex64]) -> Vec<f64> {
         let unit = Some(self.silent_energy()).filter(|&energy| energy > 0.0).unwrap_or(1.0);
         let mut field = vec![ZERO; self.targets.len()];
@@ -199,8 +199,8 @@ impl Search<'_> {
         regrets
     }
 
-    /// As [`Search::regrets`] for an exchange: each step takes the transducer's part in `start` out of the field before, and
-    /// its candidates are those within `change` rad of that part's phase, or `start` where there are none.
+    /// Does the same as [`Search::regrets`] for an exchange. Each step first removes the transducer's part of `start` from the
+    /// field. Its candidates are those within `change` rad of the phase in `start`, or the value in `start` if there are none.
     pub fn exchange_regrets(&self, start: &[Complex64], drive: &[Complex64], change: f64) -> Vec<f64> {
         let unit = Some(self.silent_energy()).filter(|&energy| energy > 0.0).unwrap_or(1.0);
         let mut field = field(self.propagation, start);
@@ -227,8 +227,8 @@ impl Search<'_> {
         }
     }
 
-    /// Candidates for transducer i, each with the change of energy it makes. None where the
-    /// transducer reaches no point; phase 0 alone in silence, where all phases are equal.
+    /// Returns the candidates for transducer i, each with its change of the energy. There are none if the transducer reaches no
+    /// point. In a silent field only phase 0 is a candidate, because all phases are equal.
     fn candidates(&self, field: &[Complex64], i: usize) -> Vec<(Complex64, f64)> {
         let mut all = Vec::new();
         if self.live().all(|j| self.propagation[i][j] == ZERO) {
@@ -245,7 +245,7 @@ impl Search<'_> {
         all
     }
 
-    /// E(0).
+    /// The energy E(0) without sound.
     fn silent_energy(&self) -> f64 {
         let cost = |j: usize| match self.objective {
             Objective::L2 => self.weights[j] * self.targets[j].powi(2),
@@ -254,14 +254,14 @@ impl Search<'_> {
         self.live().map(cost).sum()
     }
 
-    /// E(P + G q) - E(P), summed as differences: one transducer changes a large field by little,
-    /// and two whole energies would cancel.
+    /// Returns E(P + G q) - E(P) as a sum of differences. One transducer changes a large field only slightly, so the difference
+    /// of two whole energies would lose digits.
     fn change(&self, field: &[Complex64], i: usize, q: Complex64) -> f64 {
         let mut total = 0.0;
         for j in self.live() {
             let step = self.propagation[i][j] * q;
             let both = field[j].norm() + (field[j] + step).norm();
-            // |P + s|^2 - |P|^2 = Re(conj(s) (2 P + s)), over the sum of both magnitudes.
+            // |P + s|^2 - |P|^2 = Re(conj(s) (2 P + s)); divided by the sum of both moduli it is their difference.
             let squares = (step.conj() * (2.0 * field[j] + step)).re;
             let rise = if both > 0.0 { squares / both } else { 0.0 };
             let gap = self.targets[j] - field[j].norm();
@@ -275,18 +275,18 @@ impl Search<'_> {
     }
 }
 
-/// The rule that limits a drive to what the transducers can play.
+/// How drives are limited to a modulus of at most 1.
 #[derive(Clone, Copy, Debug)]
 pub enum AmplitudeLimit {
-    /// Magnitudes above 1 become 1.
+    /// Moduli above 1 become 1.
     Clamp,
-    /// The largest magnitude becomes 1, the ratios stay.
+    /// The largest modulus becomes 1; the ratios stay the same.
     Normalize,
-    /// Every magnitude becomes 1, but 0 stays 0.
+    /// Every modulus becomes 1, except that 0 stays 0.
     Full,
 }
 
-/// Sum of the back-propagated single foci, then limited. Points out of reach add nothing.
+/// Returns the sum of the back-propagated single foci, limited. Points out of reach add nothing.
 pub fn naive(propagation: &[Vec<Complex64>], targets: &[f64], limit: AmplitudeLimit) -> Vec<Complex64> {
     let mut drive = vec![ZERO; propagation.len()];
     for (j, &target) in targets.iter().enumerate() {
@@ -308,8 +308,8 @@ pub fn naive(propagation: &[Vec<Complex64>], targets: &[f64], limit: AmplitudeLi
     drive
 }
 
-/// How well magnitudes meet their targets: sums of both compared, spread, minimum over maximum
-/// and mean of `|p| / t`, weighted squared error, and the most at points of target 0.
+/// How well moduli meet their targets: ratio of the sums, spread, minimum over maximum and mean of `|p| / t`, weighted squared
+/// error, and the maximum at points of target 0.
 #[derive(Clone, Copy, Debug)]
 pub struct Metrics {
     pub accuracy: f64,
@@ -320,7 +320,7 @@ pub struct Metrics {
     pub leak: f64,
 }
 
-/// Metrics of the magnitudes `pressures`; some point must have target > 0 and weight > 0.
+/// Returns the metrics of the moduli `pressures`. At least one point must have a target and a weight above 0.
 pub fn metrics(pressures: &[f64], targets: &[f64], weights: &[f64]) -> Metrics {
     let live = (0..targets.len()).filter(|&j| weights[j] > 0.0);
     let (foci, quiet): (Vec<usize>, Vec<usize>) = live.partition(|&j| targets[j] > 0.0);
@@ -329,7 +329,7 @@ pub fn metrics(pressures: &[f64], targets: &[f64], weights: &[f64]) -> Metrics {
     let ratios: Vec<f64> = pressures.iter().zip(targets).map(|(p, t)| p / t).collect();
     let count = foci.len() as f64;
     let level = sum(&|j| ratios[j]) / count;
-    // In silence there is no largest ratio to divide by; sigma and uniformity are then 0.
+    // In a silent field there is no largest ratio to divide by; sigma and uniformity are then 0.
     let unit = Some(max(&ratios, &foci)).filter(|&most| most > 0.0).unwrap_or(1.0);
     let least = foci.iter().map(|&j| ratios[j]).fold(f64::INFINITY, f64::min);
     Metrics {

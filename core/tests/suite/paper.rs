@@ -1,4 +1,4 @@
-//! Results of the paper in numbers: fig. 2's smiley, fig. 3's accuracies, fig. 7's widths.
+//! Reproduces numbers of Suzuki et al. 2021: the smiley of fig. 2, the accuracies of fig. 3, the widths of fig. 7.
 
 use midair::solvers::{Greedy, Order};
 use midair::{Control, InstructionSet, Metrics, Model, Scene, Solution, Workspace};
@@ -14,12 +14,12 @@ fn greedy_draws_the_smiley() {
     let scene = scene(preset("paper36"), smiley(), Some(vec![1.0; 38]));
     for seed in 1..=5 {
         let metrics = solved(&scene, &Greedy { seed, ..Greedy::default() }, false).metrics();
-        // Over seeds 1 to 40 it lies between 0.921 and 0.978, sigma between 0.021 and 0.044.
+        // For the seeds 1 to 40 the accuracy is between 0.921 and 0.978, sigma between 0.021 and 0.044.
         assert!((0.92..0.985).contains(&metrics.accuracy) && metrics.sigma < 0.05, "seed {seed}: {metrics:?}");
     }
 }
 
-/// Means over random scenes of fig. 3: `count` points over the 20 x 20 array, each with the target p1/sqrt(M).
+/// Returns mean metrics over random scenes of fig. 3: `count` points above the 20 x 20 array, each with the target p1/sqrt(M).
 fn mean(count: usize, trials: u64, greedy: &Greedy) -> Metrics {
     let (mut accuracy, mut sigma) = (0.0, 0.0);
     for seed in 0..trials {
@@ -36,7 +36,8 @@ fn mean(count: usize, trials: u64, greedy: &Greedy) -> Metrics {
 fn greedy_reaches_four_fifths_at_every_count_of_points() {
     for count in [2, 4, 8, 16, 32, 64] {
         let mean = mean(count, 20, &Greedy::default());
-        // Over 40 trials it is .846 (M = 4) to .903 (M = 64), sigma up to .079; a mean of 20 moves by .01 or so.
+        // Over 40 trials the accuracy is 0.846 (M = 4) to 0.903 (M = 64), and sigma at most 0.079. A mean of 20 trials varies
+        // by about 0.01.
         assert!((0.82..0.93).contains(&mean.accuracy) && mean.sigma < 0.09, "M = {count}: {mean:?}");
     }
 }
@@ -46,13 +47,13 @@ fn finer_phases_and_amplitudes_gain_little() {
     let fine = Greedy { phases: 256, amplitudes: 16, ..Greedy::default() };
     for count in [4, 16, 64] {
         let (coarse, fine) = (mean(count, 12, &Greedy::default()), mean(count, 12, &fine));
-        // The paper's point about L = 16: a hundredth.
+        // The paper recommends L = 16, because more phases change the accuracy by only a hundredth.
         assert!((fine.accuracy - coarse.accuracy).abs() < 0.01, "M = {count}: {coarse:?} {fine:?}");
     }
 }
 
-/// Width along x or y (axis 0 or 1) of one focus at (0, 0, 0.15): the distance between the outermost samples with
-/// |p| above half its maximum, over 60 mm to either side.
+/// Returns the width along x or y (axis 0 or 1) of one focus at (0, 0, 0.15). It is the distance between the outermost samples
+/// with |p| above half the maximum, over 60 mm in both directions.
 fn width(axis: usize, greedy: &Greedy, target: f64, balance: bool) -> f64 {
     let scene = scene(preset("paper36"), vec![[0.0, 0.0, 0.15]], Some(vec![target]));
     let drive = solved(&scene, greedy, balance).drive;
@@ -78,7 +79,8 @@ fn random(seed: u64) -> Greedy {
     Greedy { seed, ..Greedy::default() }
 }
 
-/// The focus of the whole array: a slit of its aperture (NA 0.77) is above half over 1.2 lambda/(2 NA) = 6.7 mm.
+/// Whether the width is that of the whole array's focus: a slit of its aperture (NA 0.77) is above half over 1.2 lambda/(2 NA)
+/// = 6.7 mm.
 fn is_ideal(width: f64) -> bool {
     (6.0e-3..7.0e-3).contains(&width)
 }
@@ -93,15 +95,17 @@ fn a_strong_focus_is_ideal_in_any_order() {
 
 #[test]
 fn a_weak_focus_is_smeared_along_x_by_the_fixed_order() {
-    // With |p| = 1 in reach of the first columns, the rest keeps |P| there by waves from either side in turn. How
-    // they pair hangs on near-ties of the symmetric scene: 42 mm here, 38 mm in f64, the paper's picture some 40.
+    // The first columns already give |p| = 1. The waves of the rest come alternately from both sides and keep |P| constant.
+    // Their order depends on near-ties of the symmetric scene: the width is 42 mm here, 38 mm in f64, and about 40 mm in the
+    // paper's figure.
     let widths = [0, 1].map(|axis| width(axis, &columns(), 1.0, false));
     assert!((0.035..0.045).contains(&widths[0]) && widths[1] < 0.02, "{widths:?}");
 }
 
 #[test]
 fn a_weak_focus_is_narrow_in_four_random_orders_of_five() {
-    // Not in all: what is left over forms side lobes, and in one order of ten one of them exceeds half.
+    // In the remaining orders the waves of the rest form side lobes, and in one order of ten a side lobe exceeds half the
+    // maximum.
     let narrow = |seed: &u64| [0, 1].into_iter().all(|axis| width(axis, &random(*seed), 1.0, false) < 0.015);
     let count = (0..20).filter(narrow).count();
     assert!(count >= 16, "{count} of 20");

@@ -1,4 +1,4 @@
-//! Probable mistakes give a warning, each once and with its unit; usual arrays give none.
+//! Tests of warnings about probable mistakes: each mistake gives one warning with its unit, usual arrays give none.
 
 use midair::presets::PRESETS;
 use midair::{Array, Medium, Plane, Request, Scene, Transducer};
@@ -107,7 +107,7 @@ fn neighbours_are_found_wherever_they_lie() {
             assert!(texts.iter().all(|text| text.contains(expected)), "{distance} along {axis}: {texts:?}");
         }
     }
-    // One among many, and the largest arrays in a moment.
+    // One mistake among many positions, and very large arrays, are found fast.
     let mut many = grid(0.01).positions().to_vec();
     many.push([0.0051, 0.0049, 0.0]);
     assert!(reported(positions(many), air, points(), None)[0].contains(" m from [55] to [100]: neighbours nearer"));
@@ -143,7 +143,7 @@ fn two_pressures_in_one_place_are_reported_and_what_a_wave_can_do_is_not() {
     {
         assert_eq!(near(distance, pressures), [""; 0], "{distance} {pressures:?}");
     }
-    // A point of weight 0 takes no part; thousands in one place are looked through in bounded time.
+    // A point of weight 0 is ignored. Thousands of points at one place are checked in limited time.
     let heap = |last: f64| {
         let pressures = (0..20_000).map(|j| if j == 17 { last } else { 500.0 }).collect();
         let request = Request { pressures: Some(pressures), ..Request::default() };
@@ -184,7 +184,7 @@ fn points_behind_every_transducer_are_doubted() {
         let text = &behind(name, [0.0, 0.0, -0.12])[0];
         assert!(text.starts_with("points[0].position is [0, 0, -0.12] m: behind every transducer"), "{name}: {text}");
     }
-    // Between two boards each point is in front of one of them.
+    // Between two boards, each point is in front of one of them.
     let heights: Vec<f64> = preset("openmpd_pair").positions().iter().map(|place| place[2]).collect();
     let middle = heights.iter().sum::<f64>() / heights.len() as f64;
     assert!(behind("openmpd_pair", [0.0, 0.0, middle]).is_empty());

@@ -1,4 +1,4 @@
-//! Rows of G, computed and stored, against eq. (5) in plain f64 loops.
+//! Compares rows of G, computed and stored, with eq. (5) in plain f64 loops.
 
 use midair::solvers::{Greedy, Order};
 use midair::{
@@ -12,7 +12,7 @@ use crate::scenes::{preset, problem, propagation, random_points, scene};
 const PATTERNS: [Directivity; 7] = [
     Directivity::POINT,
     Directivity::piston(4.5e-3),
-    // Has two zeros and a negative side lobe before 90 degrees.
+    // This piston has two zeros and a negative side lobe before 90 degrees.
     Directivity::piston(1e-2),
     Directivity::sinc(9e-3),
     Directivity::cos(3.376),
@@ -20,8 +20,8 @@ const PATTERNS: [Directivity; 7] = [
     Directivity::T4010A1,
 ];
 
-/// 36 tilted transducers with responses of every phase, one of them dead, around `middle`, and `count` points at
-/// up to `far` metres from them.
+/// Returns 36 tilted transducers around `middle` with responses of any phase, one of which is 0, and `count` points up to `far`
+/// metres away.
 fn crooked(directivity: Directivity, absorption: f64, middle: [f64; 3], far: f64, count: usize) -> Scene {
     let mut rng = Rng::new(count as u64);
     let mut random = |low: f64, high: f64| low + (high - low) * rng.uniform();
@@ -43,7 +43,7 @@ fn crooked(directivity: Directivity, absorption: f64, middle: [f64; 3], far: f64
     Scene::new(array, medium, points, Request::default()).expect("a scene")
 }
 
-/// Every row in Pa, each written over memory full of NaN.
+/// Every row in Pa, written into memory full of NaN.
 fn rows(propagation: &Propagation) -> Vec<Vec<Complex64>> {
     let row = |i: usize| {
         let [mut re, mut im] = [(); 2].map(|()| vec![f32::NAN; propagation.lanes()]);
@@ -58,9 +58,8 @@ fn rows(propagation: &Propagation) -> Vec<Vec<Complex64>> {
     (0..propagation.transducers()).map(row).collect()
 }
 
-/// Distance and error of each entry of G of a transducer that is not dead. The error is relative to the modulus
-/// straight ahead at that distance, for there are angles at which a transducer is silent; for a point source that
-/// is the entry's own modulus.
+/// Returns the distance and the error of each entry of G, except for dead transducers. The error is relative to the modulus on
+/// the axis at that distance, because the directivity is 0 at some angles. For a point source this is the entry's own modulus.
 fn errors(scene: &Scene, found: &[Vec<Complex64>]) -> Vec<(f64, f64)> {
     let array = scene.array();
     let mut errors = Vec::new();
@@ -80,9 +79,9 @@ fn errors(scene: &Scene, found: &[Vec<Complex64>]) -> Vec<(f64, f64)> {
     errors
 }
 
-/// Asserts the promise of [`Propagation::row`]. A metre is 118 wavelengths, where neighbouring f32 numbers lie 7.6e-6
-/// turns or 4.8e-5 rad apart; coordinates, their differences, squares, sum and root each round by half of that
-/// at most, and 2e-4 holds eight of them. The error grows with the distance.
+/// Checks the accuracy that [`Propagation::row`] states. A metre is 118 wavelengths, where neighbouring f32 numbers differ by
+/// 7.6e-6 turns or 4.8e-5 rad. Coordinates, differences, squares, sum and root each round by at most half of that; 2e-4 is
+/// eight times this. The error grows with the distance.
 fn assert_errors(scene: &Scene, found: &[Vec<Complex64>]) {
     for (r, error) in errors(scene, found) {
         assert!(error < if r <= 1.0 { 2e-4 } else { 4e-4 }, "{error:e} at {r} m from {:?}", scene.array().transducer());
@@ -112,8 +111,8 @@ fn rows_of_the_papers_array_are_eq_5_and_better_than_promised_in_the_median() {
     let errors = errors(&scene, &found).into_iter().filter(|(r, _)| (0.9..1.1).contains(r));
     let mut errors: Vec<f64> = errors.map(|(_, error)| error).collect();
     errors.sort_by(f64::total_cmp);
-    // Six or so roundings of random sign, each even over half of 4.8e-5 rad to either side: 3e-5 is their root
-    // mean square, the median is two thirds of it.
+    // There are about six roundings of random sign, each evenly distributed within half of 4.8e-5 rad. Their root mean square
+    // is 3e-5, and the median is two thirds of it.
     assert!(errors.len() > 10_000 && errors[errors.len() / 2] < 3e-5, "median {:e}", errors[errors.len() / 2]);
 }
 
@@ -148,7 +147,7 @@ fn exact_is_the_oracle() {
             let found = Propagation::of(&scene);
             let exact: Vec<Vec<_>> = (0..36).map(|i| (0..20).map(|j| found.exact(j, i)).collect()).collect();
             for (r, error) in errors(&scene, &exact) {
-                // Both are f64; two metres are 1500 rad, known to 2e-13 each.
+                // Both are f64; a distance of two metres is a phase of 1500 rad, accurate to 2e-13.
                 assert!(error < 1e-12, "{error:e} at {r} m with {directivity:?}");
             }
         }
@@ -161,7 +160,7 @@ fn p1_of_the_papers_arrays_has_its_six_digits() {
         let scene = scene(preset(name), vec![[0.0, 0.0, 0.15]], None);
         let balanced = problem(&scene).targets_in_pascals()[0];
         let reach: f64 = rows(&Propagation::of(&scene)).iter().map(|row| row[0].norm()).sum();
-        // Half a unit of the sixth digit.
+        // The tolerance is half a unit of the sixth digit.
         assert!((balanced - p1).abs() < 5e-6 && (reach - p1).abs() < 5e-6, "{balanced} or {reach} for {p1}");
     }
 }
@@ -173,7 +172,7 @@ fn targets_left_out_are_the_balanced_level() {
         let reach = oracle::reach(&propagation(&scene));
         let level = oracle::balanced_factor(&reach, &[1.0; 30], &[1.0; 30]);
         for &target in problem(&scene).targets_in_pascals() {
-            // f32 moduli are good to 2e-6 of the one straight ahead, their errors of random sign.
+            // The moduli in f32 are accurate to 2e-6 of the modulus on the axis, with errors of random sign.
             assert!((target / level - 1.0).abs() < 1e-6, "{target} for {level} with {directivity:?}");
         }
     }
@@ -209,7 +208,7 @@ fn an_entry_has_the_same_bits_whatever_the_number_of_points_and_the_memory() {
     }
 }
 
-/// The exact matrix of a scene, as a user would hand it over.
+/// Returns the exact matrix of a scene as a user's own G.
 fn stored(scene: &Scene) -> Propagation {
     let propagation = propagation(scene);
     let points = scene.points().len();
@@ -227,7 +226,7 @@ fn stored_rows_are_the_users_matrix_at_every_count() {
         for (i, (found, exact)) in rows(&propagation).iter().zip(crate::scenes::propagation(&scene)).enumerate() {
             for (j, (found, exact)) in found.iter().zip(exact).enumerate() {
                 assert_eq!(propagation.exact(j, i), exact);
-                // Each part is rounded to f32 once.
+                // Real and imaginary part are rounded to f32 once.
                 assert!((found - exact).norm() <= 1e-7 * exact.norm(), "{found} for {exact}");
             }
         }
@@ -248,7 +247,7 @@ fn a_stored_matrix_gets_the_answer_of_the_computed_one() {
         };
         let (a, b) = (solve(&computed), solve(&stored));
         for (a, b) in [(a.accuracy, b.accuracy), (a.sigma, b.sigma), (a.uniformity, b.uniformity), (a.level, b.level)] {
-            // Rows that differ by 1e-5 let a near tie of one choice fall the other way now and then.
+            // Rows that differ by 1e-5 occasionally change a choice that is nearly a tie.
             assert!((a - b).abs() < 1e-3, "{a} and {b} at M = {count}");
         }
     }

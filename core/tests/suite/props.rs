@@ -1,4 +1,4 @@
-//! Properties that hold for any input, tried on random ones.
+//! Property tests: statements that hold for any input, tested with random inputs.
 
 use midair::solvers::{Greedy, Objective, SOLVERS};
 use midair::{
@@ -11,7 +11,7 @@ use proptest::test_runner::RngSeed;
 use crate::oracle::{self, Search};
 use crate::scenes::{propagation, widen};
 
-/// The same cases in every run: a failure is a failure for everybody.
+/// The same random cases in every run, so that a failure can be repeated.
 fn config(cases: u32) -> ProptestConfig {
     ProptestConfig { cases, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..ProptestConfig::default() }
 }
@@ -45,7 +45,7 @@ prop_compose! {
         array in arrays(),
         absorption in 0.0..1.0,
     ) -> Option<Scene> {
-        // Every sixth pressure or so is a quiet point's.
+        // About every sixth pressure is 0, a quiet point.
         let pressures = points.iter().map(|(_, pressure, _)| if *pressure < 60.0 { 0.0 } else { *pressure }).collect();
         let weights = points.iter().map(|(.., weight)| f64::from(*weight)).collect();
         let request = Request { pressures: given.then_some(pressures), weights: weighted.then_some(weights), ..Request::default() };
@@ -69,7 +69,8 @@ proptest! {
             let metrics = solution.metrics();
             prop_assert!(metrics.residual.is_finite() && metrics.sigma.is_finite(), "{metrics:?}");
             let judged = problem.judge(&solution.drive, Precision::Double, &mut Control::none()).expect("its own drive");
-            // f32 pressures against f64 ones: 1e-4 of what a dozen transducers can make, relative to the targets.
+            // Pressures in f32 are compared with those in f64: the tolerance is 1e-4 of the pressure of a dozen transducers,
+            // relative to the targets.
             let unit = problem.balance().max(1.0);
             prop_assert!((judged.level - metrics.level).abs() < 1e-3 * unit * judged.level.max(1.0), "{judged:?} {metrics:?}");
         }
@@ -81,8 +82,8 @@ proptest! {
     ) {
         let Some(scene) = scene else { return Ok(()) };
         let Ok(problem) = Problem::new(&scene) else { return Ok(()) };
-        // Where one transducer far exceeds the target, or a directivity is nearly 0, E(0) is too small a measure for
-        // propagation in f32: 1e-6 of it is less than their rounding.
+        // If one transducer far exceeds a target, or a directivity is nearly 0, E(0) is too small a reference for G in f32:
+        // 1e-6 of it is less than the rounding.
         let strong = propagation(&scene).iter().flatten().map(|g| g.norm()).fold(0.0, f64::max);
         let faint = propagation(&scene).iter().flatten().any(|g| g.norm() > 0.0 && g.norm() < 0.01 * strong);
         let least = problem.targets_in_pascals().iter().copied().filter(|&target| target > 0.0).fold(f64::MAX, f64::min);
@@ -118,7 +119,7 @@ mod files {
         "directivity": { "piston": 0.0045 } }, "points": [{ "position": [0.0, 0.0, 0.15], "pressure": 500.0 }],
         "solver": { "name": "greedy", "phases": 16 }, "plane": { "size": 0.1 } }"#;
 
-    /// Mistakes in a file: any byte, or one that the formats have a use for.
+    /// Random errors in a file: any bytes, or bytes that have a meaning in the formats.
     fn slips() -> impl Strategy<Value = Vec<u8>> {
         let useful = prop::sample::select(b"0123456789-+.e\"{}[]=,:#\n ".to_vec());
         prop::collection::vec(prop_oneof![1 => any::<u8>(), 4 => useful], 0..4)

@@ -1,4 +1,4 @@
-//! A device's grid: values on it, rounding, the factor left to the supply, and the best evenness.
+//! Tests of quantization: drives that the device can play, rounding, the factor left to the supply, and the best evenness.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +16,7 @@ fn quantization(phases: u32, amplitudes: &[f64]) -> Quantization {
     Quantization::new(Some(phases), table).expect("quantization")
 }
 
-/// The paper's array behind a device of such quantization.
+/// Returns the paper's 20 x 20 array on a device with this quantization.
 fn device(quantization: Quantization) -> Array {
     preset("paper20").with_quantization(Some(quantization))
 }
@@ -32,7 +32,7 @@ fn assert_on_grid(name: &str, drive: &[Complex32], quantization: &Quantization) 
         let near = |x: f64| (x - x.round()).abs();
         if let Some(phases) = quantization.phases() {
             let steps = q.arg() / TAU * f64::from(phases);
-            // One rounding to f32, in steps.
+            // The tolerance is one rounding to f32, in steps.
             assert!(near(steps) < 1e-6 * f64::from(phases), "{name}: drive[{i}] = {q} is {steps} steps");
         }
         if let Some(table) = quantization.amplitudes() {
@@ -64,7 +64,7 @@ fn every_answer_lies_on_the_grid_and_reports_its_own_field() {
                 let loudest = field.iter().map(|p| p.norm()).fold(0.0, f64::max);
                 for (ours, theirs) in widen(&solution.pressures).iter().zip(&field) {
                     let theirs = theirs * solution.scale;
-                    // 400 rows with phases good to 1e-4 rad, of random sign.
+                    // The tolerance is for 400 rows with phases accurate to 1e-4 rad and errors of random sign.
                     assert!((ours - theirs).norm() <= 1e-4 * loudest, "{name}: {ours} for {theirs}");
                 }
             }
@@ -85,7 +85,8 @@ fn rounding_goes_to_the_nearest_and_moves_no_drive_further_than_half_a_step() {
             assert!((a.norm() - b.norm()).abs() < 1e-6, "{name}: the amplitude is free");
             furthest = furthest.max((a * b.conj()).arg().abs());
         }
-        // Nearest, not truncated: never beyond half a step, and with 400 transducers close to it somewhere.
+        // Phases are rounded to the nearest step, not truncated: at most half a step away, and with 400 transducers some are
+        // close to that.
         assert!(furthest <= TAU / 24.0 + 1e-6 && furthest > TAU / 30.0, "{name}: {furthest}");
     }
 }
@@ -129,27 +130,27 @@ fn balancing_reduces_by_the_table_and_below_it_by_the_scale() {
     };
     let free = at(0.2, None);
     let same = |metrics: Metrics| {
-        // The table's values are met to a rounding; phases to 1/65536 of a turn.
+        // The amplitudes are the table's values within rounding; the phases are accurate to 1/65536 of a turn.
         assert!((metrics.accuracy - free.metrics().accuracy).abs() < 1e-3, "{metrics:?}");
         assert!((metrics.sigma - free.metrics().sigma).abs() < 1e-3, "{metrics:?}");
     };
     // Balancing brings the drives down to the targets.
     assert!((free.metrics().level - 1.0).abs() < 5e-4, "{:?}", free.metrics());
     let part = f64::from(free.drive[7].norm());
-    // No amplitude at all, and on/off: all of it is left to the supply.
+    // If the table has no lower amplitude, only full drive and perhaps 0, the supply must apply the whole factor.
     for table in [&[1.0][..], &[0.0, 1.0]] {
         let solution = at(0.2, Some(quantization(65_536, table)));
         assert!((solution.scale - part).abs() < 1e-6 && solution.amplitude(7) > 0.999, "{}", solution.scale);
         same(solution.metrics());
     }
-    // First the table has the amplitude, then its least amplitude is larger.
+    // In the first case the table has the amplitude; in the second, its smallest amplitude is larger.
     let within = at(0.2, Some(quantization(65_536, &[0.0, 0.1, part, 1.0])));
     assert!(within.scale == 1.0 && (within.amplitude(7) - part).abs() < 1e-6);
     same(within.metrics());
     let below = at(0.2, Some(quantization(65_536, &[0.0, 2.0 * part, 1.0])));
     assert!((below.scale - 0.5).abs() < 1e-6 && (below.amplitude(7) - 2.0 * part).abs() < 1e-6, "{}", below.scale);
     same(below.metrics());
-    // Between two values the nearest one is taken, and the metrics include the error.
+    // Between two amplitudes the nearest one is used, and the metrics include the error.
     let between = at(0.2, Some(quantization(65_536, &[0.75 * part, 1.0])));
     assert!(between.scale == 1.0 && (between.amplitude(7) - 0.75 * part).abs() < 1e-6);
     let expected = 0.75 * free.metrics().accuracy;
@@ -173,7 +174,7 @@ fn a_level_between_two_amplitudes_of_a_fine_table_is_met_by_both() {
                 assert!((level - 1.0).abs() < most, "{name}, M = {count}, {part}: {level}");
             }
             if count == 3 {
-                // Beside quiet points both amplitudes are chosen so that these stay quiet.
+                // Beside quiet points, the mix of both amplitudes is chosen so that these stay quiet.
                 let mut pressures = vec![part * balanced; count];
                 pressures[0] = 0.0;
                 let own = problem(&self::scene(array.clone(), points.clone(), Some(pressures)));
@@ -242,13 +243,13 @@ fn greedy_takes_the_devices_grid_and_refuses_another() {
     };
     refused(&[("phases", 16)], "phases is 16: the device has 24 phases");
     refused(&[("amplitudes", 4)], "amplitudes is 4: the device has 3 amplitudes above 0");
-    // A long table is thinned to 16 by default, full drive among them.
+    // A long table is reduced to 16 amplitudes by default, including full drive.
     let long: Vec<f64> = (0..=255).map(|k| f64::from(k) / 255.0).collect();
     let (_, options) = with(&long, &[]).expect("an answer");
     assert_eq!(options["amplitudes"], Value::Integer(16));
 }
 
-/// An even drive of continuous phases: lm at nine tenths of the level of wgs, from the end of wgs.
+/// Returns an even drive with continuous phases: from `lm`, started from the result of `wgs`, at nine tenths of its level.
 fn even(scene: &Scene) -> Vec<Complex32> {
     let free = |pressures: Option<Vec<f64>>| {
         let request = Request { pressures, ..scene.request().clone() };
@@ -267,7 +268,7 @@ fn even(scene: &Scene) -> Vec<Complex32> {
 #[test]
 #[ignore = "slow"]
 fn the_sweep_takes_most_of_what_rounding_costs_and_keeps_within_the_quantised_targets() {
-    // Bounds on the mean sigma over 10 seeds; the results are 8 to 80 % of them.
+    // Bounds on the mean sigma over 10 seeds; the measured values are 8 to 80 % of them.
     for (points, phases, most) in [
         (16, 256, 0.0015),
         (64, 256, 0.0025),
@@ -301,7 +302,7 @@ fn the_sweep_takes_most_of_what_rounding_costs_and_keeps_within_the_quantised_ta
 
 #[test]
 fn uniform_stays_even_on_the_grid() {
-    // Bounds on the mean sigma; the results are a quarter to a third of them.
+    // Bounds on the mean sigma; the measured values are a quarter to a third of them.
     for (phases, few, many) in [(256, 0.00015, 0.0006), (32, 0.0012, 0.0045), (16, 0.0022, 0.009)] {
         let array = Array::preset("autd3", [2, 2]).expect("a preset");
         let array = array.with_quantization(Some(quantization(phases, &[])));
@@ -374,14 +375,14 @@ fn a_device_plays_no_point_louder_than_requested_unless_it_misses_less_and_keeps
                     let loudest = pairs.map(|(p, target)| f64::from(p.norm()) / target).fold(0.0, f64::max);
                     let scale = solution.scale;
                     let reported = format!("{name}, M = {count}, {part} on device {k}: {loudest}, {scale}");
-                    // Louder only where it misses the targets less than the even answer.
+                    // A level above the target is allowed only if it misses the targets less than the even solution.
                     let residual = solution.metrics().residual;
                     assert!(loudest <= 1.0 + 1e-4 || residual < even, "{reported}");
                     even = residual;
-                    // As loud as requested to a tenth, or as loud as the array can.
+                    // The level is the requested one within a tenth, or the highest that the array can give.
                     let full = scale == 1.0 && solution.drive.iter().all(|q| q.norm() > 0.9999);
                     assert!(full || loudest >= 0.9 - 1e-4, "{reported}");
-                    // With a fine table of amplitudes the supply stays as it is.
+                    // With a fine table of amplitudes, no factor is left to the supply.
                     let fine = device.amplitudes().is_none_or(|table| table.len() == 256);
                     assert!(!fine || part < 0.1 || scale == 1.0, "{reported}");
                     assert_on_grid(name, &solution.drive, &device);

@@ -1,4 +1,5 @@
-//! Matrices over many orders of magnitude: every answer of every solver is finite, can be played and is no worse for them.
+//! Tests of matrices over many orders of magnitude: every solver gives finite drives that can be played, and that are no worse
+//! than usual.
 
 use midair::solvers::SOLVERS;
 use midair::{
@@ -9,14 +10,14 @@ use midair::{
 const POINTS: usize = 4;
 const TRANSDUCERS: usize = 24;
 
-/// Entries (M, N) of moduli around 1.
+/// Entries (M, N) with moduli around 1.
 fn entries() -> Vec<Complex64> {
     let mut rng = Rng::new(7);
     let mut part = || 2.0 * rng.uniform() - 1.0;
     (0..POINTS * TRANSDUCERS).map(|_| Complex64::new(part(), part())).collect()
 }
 
-/// The entries times a factor of each, by row and column.
+/// Multiplies each entry by a factor that depends on its row and column.
 fn spread(factor: impl Fn(usize, usize) -> f64) -> Vec<Complex64> {
     let scaled = |(k, g): (usize, &Complex64)| g * factor(k / TRANSDUCERS, k % TRANSDUCERS);
     entries().iter().enumerate().map(scaled).collect()
@@ -72,7 +73,7 @@ fn no_spread_of_a_matrix_or_its_targets_makes_an_answer_unfit() {
             ("all", requested(0.4)),
             ("weak", requested(1e-12)),
         ] {
-            // Points that no transducer reaches are rejected with a message.
+            // A point that no transducer reaches is an error.
             let Ok(problem) = problem(matrix, pressures) else { continue };
             assert!(problem.targets_in_pascals().iter().all(|target| target.is_finite()), "{name}, {kind}");
             for entry in SOLVERS {
@@ -89,7 +90,7 @@ fn no_spread_of_a_matrix_or_its_targets_makes_an_answer_unfit() {
 
 #[test]
 fn rows_in_other_units_are_solved_as_well_as_in_one() {
-    // Three of four rows outside f32's middle, one at its edge.
+    // Three of the four rows are outside of the range in which squares fit into f32; one is at its edge.
     let units = [1e-22, 1e-12, 1.0, 1e-17];
     let (plain, spread) = (entries(), spread(|j, _| units[j]));
     let targets = |matrix: &[Complex64]| Some(reach(matrix).iter().map(|reach| 0.3 * reach).collect());
@@ -102,12 +103,13 @@ fn rows_in_other_units_are_solved_as_well_as_in_one() {
             let ratios = solution.pressures.iter().zip(solution.targets());
             ratios.map(|(p, target)| (f64::from(p.norm()) / target - 1.0).abs()).fold(0.0, f64::max)
         });
-        // A row's power of two is not its whole factor: another problem in its last digits, and other weights.
+        // A row is only rescaled by a power of two, so its last digits and its weight are different, and the results are not
+        // the same.
         assert!(misses[1] <= misses[0].mul_add(1.5, 0.1), "{name}: {misses:?}");
     }
 }
 
-/// A solver whose drive is all `q`.
+/// A solver whose drives are all `q`.
 struct Stuck(Complex32);
 
 impl Solve for Stuck {

@@ -1,4 +1,5 @@
-//! The registry's facts about its solvers are true: names, options, grids, and memory that leaves no trace.
+//! Tests of what the registry states about its solvers: names, options, phases and amplitudes; and that memory of earlier
+//! solves has no effect.
 
 use std::f64::consts::TAU;
 
@@ -35,7 +36,7 @@ fn every_option_is_documented_and_its_default_is_what_is_used() {
         let made = entry.configure(&Options::new()).expect("defaults");
         let listed: Options = entry.options().into_iter().map(|o| (o.name.to_owned(), o.default)).collect();
         assert_eq!(made.options, listed, "{name}");
-        // Each default may be given in this many words, and one by one.
+        // Each default may be given explicitly, alone or with the others.
         for (key, value) in &listed {
             let alone = entry.configure(&[(key.clone(), value.clone())].into());
             assert_eq!(alone.map(|made| made.options).ok().as_ref(), Some(&listed), "{name}.{key}");
@@ -60,7 +61,7 @@ fn what_is_no_option_or_no_value_of_it_is_refused_by_name() {
         assert!(unknown.contains("no_such_option") && unknown.contains(name), "{unknown}");
         for option in entry.options() {
             assert!(unknown.contains(option.name), "{name} does not list {}: {unknown}", option.name);
-            // No option of any kind accepts a negative number, an unknown word or NaN.
+            // No type of option accepts a negative number, an unknown word or NaN.
             let wrong =
                 [Value::Integer(-1), Value::Real(-1.0), Value::Real(f64::NAN), Value::Text("no such word".into())];
             for value in wrong {
@@ -71,7 +72,7 @@ fn what_is_no_option_or_no_value_of_it_is_refused_by_name() {
     }
 }
 
-/// A name as a user may type it.
+/// Returns a name in another spelling that must be accepted.
 fn loosely(name: &str) -> String {
     let mut typed = name.to_uppercase().replace('_', "-");
     typed.insert(1, '_');
@@ -84,7 +85,7 @@ fn names_ignore_case_hyphens_and_underscores() {
         let name = entry.info.name;
         assert_eq!(find(&loosely(name)).expect("the same name").info.name, name);
         for option in entry.options() {
-            // Words are names, too.
+            // The words of an option may be in another spelling, too.
             let value = match &option.default {
                 Value::Text(word) => Value::Text(loosely(word)),
                 other => other.clone(),
@@ -160,7 +161,7 @@ fn phases_and_amplitudes_lie_on_the_grid_requested() {
             for q in widen(&drive(&*made.solver, &problem, &mut Workspace::new())) {
                 let turns = q.arg() / TAU * f64::from(phases);
                 let steps = q.norm() * f64::from(levels);
-                // Rounded to f32 once; an amplitude of 0 would not be on the grid (k+1)/K.
+                // The tolerance is one rounding to f32. An amplitude of 0 is not among (k+1)/K.
                 let near = |x: f64| (x - x.round()).abs() < 1e-6 * f64::from(phases.max(levels));
                 assert!(near(turns) && near(steps) && steps > 0.5, "{}: {q}", entry.info.name);
             }
@@ -183,7 +184,7 @@ fn a_seed_is_another_answer_and_an_index_of_nothing_else() {
         let with = |seed: u64| {
             let mut chosen: Options = [("seed".to_owned(), Value::Integer(seed.into()))].into();
             if has("starts") {
-                // The first two know no seed, and which of a few wins is for the last bits to say.
+                // The first two starts do not depend on the seed, and the best of a few starts may be one of these.
                 chosen.insert("starts".into(), Value::Integer(16));
             }
             let made = entry.configure(&chosen).expect("a seed");

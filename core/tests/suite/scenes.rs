@@ -1,27 +1,27 @@
-//! Scenes that tests share, and the same scenes as the oracle sees them.
+//! Scenes that several tests use, and the same scenes for the reference.
 
 use midair::{Array, Complex32, Complex64, Medium, Problem, Request, Rng, Scene};
 
 use crate::oracle;
 
-/// A scene with default air.
+/// Returns a scene with the default medium.
 pub(crate) fn scene(array: Array, points: Vec<[f64; 3]>, pressures: Option<Vec<f64>>) -> Scene {
     Scene::new(array, Medium::default(), points, Request { pressures, ..Request::default() }).expect("a valid scene")
 }
 
-/// A preset of one board.
+/// Returns the array of a preset with one board.
 pub(crate) fn preset(name: &str) -> Array {
     Array::preset(name, [1, 1]).expect("a known preset")
 }
 
-/// `count` points of the paper's figures 3 and 4: uniform over the array's square, at z = 150 mm.
+/// Returns `count` points as in figures 3 and 4 of the paper: uniformly distributed over the array's square, at z = 150 mm.
 pub(crate) fn random_points(count: usize, half: f64, seed: u64) -> Vec<[f64; 3]> {
     let mut rng = Rng::new(seed);
     let mut coordinate = || (2.0 * rng.uniform() - 1.0) * half;
     (0..count).map(|_| [coordinate(), coordinate(), 0.15]).collect()
 }
 
-/// The 38 points of fig. 2.
+/// Returns the 38 points of fig. 2.
 pub(crate) fn smiley() -> Vec<[f64; 3]> {
     use std::f64::consts::{PI, TAU};
     let at = |r: f64, angle: f64| [r * angle.cos(), r * angle.sin(), 0.15];
@@ -31,7 +31,7 @@ pub(crate) fn smiley() -> Vec<[f64; 3]> {
     circle.chain(eyes).chain(mouth).collect()
 }
 
-/// The oracle's model of a scene's array and air.
+/// Returns a scene's array and medium for the reference.
 pub(crate) fn model(scene: &Scene) -> oracle::Model {
     let (array, medium) = (scene.array(), scene.medium());
     oracle::Model {
@@ -58,17 +58,17 @@ pub(crate) fn model(scene: &Scene) -> oracle::Model {
     }
 }
 
-/// The oracle's propagation of a scene, transducer-major.
+/// Returns the reference's G of a scene, transducer by transducer.
 pub(crate) fn propagation(scene: &Scene) -> Vec<Vec<Complex64>> {
     oracle::propagation(&model(scene), scene.points())
 }
 
-/// A problem's targets in Pa.
+/// Returns the problem of a scene.
 pub(crate) fn problem(scene: &Scene) -> Problem {
     Problem::new(scene).expect("a solvable scene")
 }
 
-/// A drive in double precision.
+/// Converts a drive to double precision.
 pub(crate) fn widen(drive: &[Complex32]) -> Vec<Complex64> {
     drive.iter().map(|q| Complex64::new(f64::from(q.re), f64::from(q.im))).collect()
 }

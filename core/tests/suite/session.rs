@@ -1,4 +1,4 @@
-//! Batches and sessions: every answer bit for bit that of a single solve.
+//! Tests that batches and sessions give the same bits as single solves.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ fn model() -> Model {
     Model::new(&preset("paper20"), Medium::default(), InstructionSet::best()).expect("an array")
 }
 
-/// Problem k: its points, and every third with a point of weight 0.
+/// Returns the request of problem k; in every third, one point has weight 0.
 fn requested(k: usize) -> SolveRequest {
     let mut rng = Rng::new(k as u64);
     let pressures = (0..M).map(|_| 0.2 + rng.uniform()).collect();
@@ -27,7 +27,7 @@ fn requested(k: usize) -> SolveRequest {
     SolveRequest { points: random_points(M, 0.1, k as u64), request, start: None, aim: None }
 }
 
-/// The problem that one asks for, made alone.
+/// Returns the problem of a single request, made without a session.
 fn problem(model: &Model, ask: &SolveRequest) -> Problem {
     let propagation = model.propagation(&ask.points).expect("propagation");
     let setup = Setup::of(model.array(), model.medium());
@@ -42,7 +42,7 @@ fn alone(problem: &Problem, solver: &dyn Solve, balance: bool) -> Solution {
     midair::solve(problem, solver, balance, &mut Workspace::new(), &mut Control::none()).expect("an answer")
 }
 
-/// A batch of these, the drives first.
+/// Solves a batch of these requests. Returns the drives and the other results.
 fn batch_of(
     model: &Model,
     asks: &[SolveRequest],
@@ -80,7 +80,7 @@ fn a_batch_and_a_session_are_single_solves_bit_for_bit() {
                 (single.metrics(), single.status, single.steps),
                 (batch.metrics[k], batch.status[k], batch.steps[k])
             );
-            // Each by itself, where a solver remembers its last frame.
+            // A solver with a memory of its last frame must not continue from it.
             session.last().clear();
             let again = session.solve(ask, &mut Control::none()).expect("an answer");
             assert_eq!((&single.drive, &single.pressures), (&again.drive, &again.pressures), "{name}: session at {k}");
@@ -97,7 +97,8 @@ fn a_bad_problem_is_named_and_a_stop_keeps_what_is_done() {
         asks.iter_mut().enumerate().for_each(|(k, ask)| spoil(k, ask));
         batch_of(&model, &asks, &solver, false).expect_err("refused").to_string()
     };
-    // Found when placed, when measured, when compared with the reach: the first by index is named.
+    // Errors are found at three stages: reading the points, summing |G|, comparing with the reach. The problem with the lowest
+    // index is named.
     let far = |ask: &mut SolveRequest| ask.points[0][1] = f64::NAN;
     let near = |ask: &mut SolveRequest| ask.points[2] = model.array().positions()[0];
     let loud = |ask: &mut SolveRequest| ask.request.pressures.as_mut().expect("pressures")[1] = 1e200;
@@ -135,7 +136,7 @@ fn a_bad_problem_is_named_and_a_stop_keeps_what_is_done() {
         ask.clone_from(&requested(k));
         Ok(())
     };
-    // More than any machine solves before it checks for a stop.
+    // More problems than any machine solves before it checks whether to stop.
     let count = 1000 * std::thread::available_parallelism().map_or(1, usize::from);
     let batch = Session::new(model, solver, false).solve_batch(
         count,
@@ -151,7 +152,7 @@ fn a_bad_problem_is_named_and_a_stop_keeps_what_is_done() {
     assert!(batch.pressures[done * M..].iter().all(|p| p.norm() == 0.0));
 }
 
-/// A 7 x 5 array, so that the last block is not whole; its options and its air, for an instruction set.
+/// Returns a model of a 7 x 5 array, so that the last group of lanes is not full, with or without other properties.
 fn small(full: bool, set: InstructionSet) -> Model {
     let array = Array::grid(7, 5, 10e-3).expect("a grid");
     if !full {
@@ -164,12 +165,12 @@ fn small(full: bool, set: InstructionSet) -> Model {
     Model::new(&array.expect("an array"), medium, set).expect("an array")
 }
 
-/// The bits of complex numbers, which tell -0 from +0.
+/// The bits of complex numbers, which distinguish -0 from +0.
 fn bits(list: &[Complex32]) -> Vec<[u32; 2]> {
     list.iter().map(|z| [z.re.to_bits(), z.im.to_bits()]).collect()
 }
 
-/// Holds batches of every size up to the number of problems to single solves, in bits.
+/// Compares batches of every size up to the number of requests with single solves, bit by bit.
 fn hold(model: &Model, asks: &[SolveRequest], solver: &Solver, balance: bool, what: &str) {
     let single: Vec<Solution> = asks.iter().map(|ask| alone(&problem(model, ask), &**solver, balance)).collect();
     let points = asks[0].points.len();
@@ -189,11 +190,11 @@ fn hold(model: &Model, asks: &[SolveRequest], solver: &Solver, balance: bool, wh
     }
 }
 
-/// `count` problems of `points` points at random places and pressures.
+/// Returns `count` requests of `points` points at random places, with random pressures if `given`.
 fn some(points: usize, count: usize, given: bool) -> Vec<SolveRequest> {
     let ask = |k: usize| {
         let mut rng = Rng::new((100 * points + k) as u64);
-        // Targets from 0, a quiet point, to more than the array can give.
+        // The targets are 0 at quiet points; others exceed what the array can give.
         let pressures = given.then(|| (0..points).map(|j| 2e3 * ((j + 1) % 3) as f64 * rng.uniform()).collect());
         let request = Request { pressures, ..Request::default() };
         SolveRequest { points: random_points(points, 0.05, k as u64), request, start: None, aim: None }
@@ -201,7 +202,7 @@ fn some(points: usize, count: usize, given: bool) -> Vec<SolveRequest> {
     (0..count).map(ask).collect()
 }
 
-/// Options that problems in lanes are solved with, and some that go one by one.
+/// Options with which several problems are solved together in lanes, and some with which they are solved one by one.
 fn with_options() -> Vec<(String, Solver)> {
     use solvers::{Fast, Greedy, Objective, Order};
     let coarse = Greedy { phases: 10, amplitudes: 3, order: Order::Columns, ..Greedy::default() };

@@ -1,4 +1,4 @@
-//! Traps: Gor'kov's potential against its own differences, and signatures through every way to a solution.
+//! Tests of traps: the Gor'kov potential against finite differences, and solutions with signatures by different functions.
 
 use core::ops::ControlFlow;
 
@@ -8,7 +8,7 @@ use midair::{
     Progress, Propagation, Request, Scene, Session, Signature, SolveRequest, Transducer, Workspace, gorkov,
 };
 
-/// Two boards of 8 x 8 that face each other along an axis, 0.1 m apart.
+/// Returns two boards of 8 x 8 that face each other along an axis, 0.1 m apart.
 fn facing(axis: usize) -> Array {
     let (mut positions, mut normals) = (Vec::new(), Vec::new());
     for (side, i) in [-1.0, 1.0].into_iter().flat_map(|side| (0..64).map(move |i| (side, i))) {
@@ -94,7 +94,7 @@ fn a_session_and_points_without_weight_keep_the_signature() {
     assert_eq!(expected.scene().as_ref(), Some(&whole));
     let model = Model::of(&whole, InstructionSet::best());
     let mut session = Session::new(model, std::sync::Arc::new(Uniform::default()) as std::sync::Arc<_>, true);
-    // Other points and numbers of points in between.
+    // Calls with other points and other numbers of points come in between.
     for count in [1, 3, 2, 3] {
         let ask = SolveRequest { points: points[..count].to_vec(), ..SolveRequest::default() };
         let solution = session.solve(&ask, &mut Control::none()).expect("a drive");
@@ -128,7 +128,7 @@ fn what_does_not_fit_is_refused() {
     assert!((0..128).all(|i| real.exact(0, i).re == real.exact(0, 127 - i).re));
 }
 
-/// Observer that always stops.
+/// An observer that always stops the computation.
 struct Stop;
 
 impl midair::Observe for Stop {
@@ -144,7 +144,7 @@ impl midair::Observe for Stop {
 #[test]
 fn a_potential_can_be_stopped() {
     let model = Model::new(&facing(2), Medium::default(), InstructionSet::best()).expect("a model");
-    // The work would take seconds. The control requests the stop within a tenth of a second.
+    // The computation would take seconds; the stop ends it within a tenth of a second.
     let points = vec![[0.0, 0.0, 0.01]; 200_000];
     let drive = vec![Complex32::ONE; 128];
     let mut stop = Stop;

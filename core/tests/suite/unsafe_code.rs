@@ -1,9 +1,10 @@
-//! Unsafe code stands where instructions, an allocator, a machine without a system, a caller in C or a page need it, and nowhere else.
+//! Tests where unsafe code is: only for special CPU instructions, an allocator, a bare machine, and the interfaces to C and to
+//! a web page.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// All of it.
+/// All files with unsafe code.
 const ALLOWED: [&str; 22] = [
     "capi/benches/overhead.rs",
     "capi/src/array.rs",
@@ -29,7 +30,7 @@ const ALLOWED: [&str; 22] = [
     "studio/door/src/lib.rs",
 ];
 
-/// Every Rust file below a folder, without built ones.
+/// Finds every Rust file in a folder and its subfolders, except for build results.
 fn files(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
@@ -42,7 +43,7 @@ fn files(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Whether the code, without comments and strings, has the keyword.
+/// Whether the code, without comments and strings, contains the keyword.
 fn has_unsafe(text: &str) -> bool {
     let code = text.lines().map(|line| line.split("//").next().unwrap_or_default());
     let mut words = code.flat_map(|line| line.split(|c: char| !c.is_alphanumeric() && c != '_' && c != '"'));

@@ -1,4 +1,4 @@
-//! The upper bound on the level, and requests beyond reach.
+//! Tests of the upper bound on the level, and of requests beyond reach.
 
 use midair::solvers::SOLVERS;
 use midair::{Beyond, Control, Medium, Options, Problem, Request, Scene, Workspace, bound};
@@ -6,7 +6,7 @@ use midair::{Beyond, Control, Medium, Options, Problem, Request, Scene, Workspac
 use crate::oracle;
 use crate::scenes::{preset, problem, propagation, random_points, scene, widen};
 
-/// The least |p_j| / target_j of each solver's drive, in double precision.
+/// The smallest |p_j| / target_j of each solver's drive, in double precision.
 fn levels(scene: &Scene, problem: &Problem) -> Vec<(&'static str, f64)> {
     let level = |entry: &midair::solvers::Entry| {
         let solver = entry.configure(&Options::new()).expect("defaults").solver;
@@ -29,11 +29,12 @@ fn no_solver_exceeds_the_bound_and_the_best_comes_near() {
             let most = bound(&problem, &mut Control::none()).expect("a bound");
             let mut best = 0.0_f64;
             for (name, level) in levels(&scene, &problem) {
-                // |q| is 1 but for its rounding to f32.
+                // The tolerance is for |q| = 1 after rounding to f32.
                 assert!(level <= most * (1.0 + 1e-6), "M = {count}: {name} reaches {level}, the bound is {most}");
                 best = best.max(level);
             }
-            // The relaxation is loose by 6 to 10 %; wgs is not the best field there is (at 64 points, .013 uneven).
+            // The bound of the relaxation is 6 to 10 % above the optimum, and `wgs` does not find the best field (at 64 points
+            // it is uneven by 0.013).
             assert!(most < near * best, "M = {count}: the bound is {most}, the best level {best}");
         }
     }
@@ -83,7 +84,7 @@ fn reach_is_the_sum_of_the_moduli_and_the_balanced_level() {
         assert!((alone / sum - 1.0).abs() < 1e-12, "{alone} for {sum}");
     }
     let load: f64 = reach.level.iter().zip(&reach.alone).map(|(level, alone)| (level / alone).powi(2)).sum();
-    // The balanced level comes from f32 rows.
+    // The balanced level is computed from rows in f32.
     assert!((load - 1.0).abs() < 1e-4 && reach.level[2] == 0.0, "{load}");
     assert!((reach.level[0] / reach.level[1] - 2.0).abs() < 1e-12);
 }
@@ -102,11 +103,12 @@ fn only_what_provably_cannot_be_had_is_beyond_reach() {
         for seed in 0..10 {
             let points = random_points(count, 0.1, 300 + seed);
             let found = beyond(&points, vec![factor * p1 / (count as f64).sqrt(); count]);
-            // The paper's own targets, up to 13 % out of reach at few points, are no mistake.
+            // The targets of Suzuki et al. 2021 exceed the reach by up to 13 % for few points; they are not reported as
+            // mistakes.
             assert_eq!(found.is_some(), expected, "M = {count}, seed {seed}: {found:?}");
         }
     }
-    // A point beyond its own reach is named with it.
+    // The error names a point whose target exceeds the pressure of all transducers there.
     let points = random_points(3, 0.05, 34);
     let Some(Beyond::Alone { point, target, alone }) = beyond(&points, vec![0.1, 5.0, 6.0]) else {
         panic!("5 Pa is twice what the array can do")
@@ -114,9 +116,10 @@ fn only_what_provably_cannot_be_had_is_beyond_reach() {
     assert!(point == 1 && target == 5.0 && alone < 2.4, "{point} {target} {alone}");
     let text = Beyond::Alone { point, target, alone }.to_string();
     assert!(text.starts_with("points[1].pressure is 5.000 Pa, beyond reach: ") && !text.contains('\n'), "{text}");
-    // Two points in one place can both have nearly what one can: far above the balanced level, and no mistake.
+    // Two points at one place can both have nearly the pressure of one alone. This is far above the balanced level, and no
+    // mistake.
     assert_eq!(beyond(&[points[0], points[0], points[0]], vec![1.7; 3]), None);
-    // Left out, the pressures are the array's highest ones.
+    // Without pressures, the targets are the highest level of the array.
     assert_eq!(
         problem(&scene(preset("paper20"), random_points(64, 0.1, 35), None))
             .beyond(&mut Control::none())

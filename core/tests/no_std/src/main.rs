@@ -1,4 +1,4 @@
-//! A single focus by greedy search in a program without std: exit status 0 if its numbers are right.
+//! Greedy search for a single focus, in a program without std. The exit status is 0 if the numbers are right.
 #![no_std]
 #![no_main]
 
@@ -13,16 +13,16 @@ use midair::{Array, Control, Error, Medium, Problem, Request, Scene, Workspace, 
 
 const HEAP: usize = 4 << 20;
 
-/// Hands out a fixed block from one end and takes nothing back: enough for one solve.
+/// An allocator that returns parts of a fixed block in order and never frees them: enough for one solve.
 struct Bump {
     heap: core::cell::UnsafeCell<[u8; HEAP]>,
     used: AtomicUsize,
 }
 
-// SAFETY: every byte of the heap is handed out at most once, by an atomic counter.
+// SAFETY: the atomic counter ensures that each byte of the heap is returned only once.
 unsafe impl Sync for Bump {}
 
-// SAFETY: blocks are aligned, inside the heap and never overlap.
+// SAFETY: blocks are aligned, lie inside the heap and never overlap.
 unsafe impl GlobalAlloc for Bump {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         let room = layout.size() + layout.align();
@@ -30,7 +30,7 @@ unsafe impl GlobalAlloc for Bump {
         if start + room > HEAP {
             return null_mut();
         }
-        // SAFETY: start + room is within the heap, and so is the aligned address before it.
+        // SAFETY: start + room is within the heap, so the aligned block is too.
         unsafe {
             let block = self.heap.get().cast::<u8>().add(start);
             block.add(block.align_offset(layout.align()))
@@ -45,11 +45,11 @@ static ALLOCATOR: Bump = Bump { heap: core::cell::UnsafeCell::new([0; HEAP]), us
 
 #[panic_handler]
 fn panic(_: &PanicInfo) -> ! {
-    // SAFETY: exit never returns and needs nothing.
+    // SAFETY: exit never returns and has no preconditions.
     unsafe { exit(101) }
 }
 
-// A host program starts and ends in the C library; on a bare target a reset handler would stand here.
+// On a host, the C library starts and ends the program; on a bare target, a reset handler would call `main`.
 #[link(name = "c")]
 unsafe extern "C" {
     fn exit(status: i32) -> !;
@@ -61,25 +61,25 @@ fn focus() -> Result<bool, Error> {
     let problem = Problem::new(&scene)?;
     let solution =
         midair::solve(&problem, &Greedy::default(), false, &mut Workspace::new(), &mut Control::none())?;
-    // With one point the balanced level is p1; 16 phases lose sinc(1/16), half a percent.
+    // For a single point, the balanced level is p1. Rounding to 16 phases loses half a percent: its factor is sinc(1/16).
     let p1_is_right = (problem.targets_in_pascals()[0] - 2.36066).abs() < 1e-5;
     let accuracy = solution.metrics().accuracy;
     Ok(p1_is_right && accuracy > 0.985 && accuracy < 1.0)
 }
 
-/// The program.
+/// Entry point of the program, called by the C library.
 #[unsafe(no_mangle)]
 pub extern "C" fn main() -> i32 {
     i32::from(focus() != Ok(true))
 }
 
-// Where nothing is optimised away the precompiled alloc crate names these two, which std would bring. Nothing here
-// unwinds: both profiles abort.
+// In unoptimised builds, the precompiled alloc crate refers to these two symbols, which std would define. Nothing unwinds here,
+// because both profiles abort on panic.
 #[unsafe(no_mangle)]
 extern "C" fn rust_eh_personality() {}
 
 #[unsafe(no_mangle)]
 extern "C" fn _Unwind_Resume() -> ! {
-    // SAFETY: exit never returns and needs nothing.
+    // SAFETY: exit never returns and has no preconditions.
     unsafe { exit(102) }
 }

@@ -1,8 +1,8 @@
-//! Results of the reference where the answer is known.
+//! Tests of the reference for cases with known results.
 
 use super::*;
 
-/// Square grid of n x n point sources at 10 mm pitch, centred in z = 0.
+/// Returns a square grid of n x n point sources with a pitch of 10 mm, centred in z = 0.
 #[cfg(test)]
 fn grid(n: usize) -> Model {
     let at = |m: usize| 0.01 * (m as f64 - 0.5 * (n - 1) as f64);
