@@ -1,5 +1,4 @@
-//! Inside: finds meshes that cannot be solved. Before the solution it checks their geometry, after it the sound that is left
-//! inside.
+//! Inside: finds meshes that cannot be solved, by their geometry and by the sound that a solution leaves inside.
 //!
 //! A place inside one body has the winding number 1, because the solid angles of all its triangles add up to 4 pi. The number
 //! is 2 where two bodies overlap, and 0 outside. It is computed slightly below the middle of each element. A plate that is too

@@ -1,5 +1,4 @@
-//! Kept: a matrix G that is stored because no kernel computes it: with obstacles, with a signature, or with channels as
-//! columns.
+//! Kept: a G that is stored because no kernel computes it: with obstacles, a signature, or channels as columns.
 
 use alloc::format;
 use alloc::sync::Arc;

@@ -1,5 +1,6 @@
-//! ultrasonic-homies rev 1: two FPGAs of 128 channels. Words of 8 bytes switch channels off; a burst of bytes sets phases and
-//! switches channels on.
+//! ultrasonic-homies rev 1: two FPGAs of 128 channels.
+//!
+//! A word of 8 bytes switches a channel off. A burst of bytes sets phases and switches channels on.
 
 use crate::device::code::{Code, Levels, Steps};
 use crate::device::format::{Format, Layout, Reader, Writer, twice};

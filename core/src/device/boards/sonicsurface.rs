@@ -1,5 +1,6 @@
-//! SonicSurface: the codes of 256 channels between a start and a swap byte. Two boards are selected one after the other, and
-//! both swap at the same time.
+//! SonicSurface: the codes of 256 channels between a start and a swap byte.
+//!
+//! Two boards are selected one after the other, and both swap at the same time.
 
 use alloc::vec::Vec;
 
