@@ -1,7 +1,4 @@
-/**
- * Player: animates points on a path frame by frame, A by the solver `glide`, B by its own method. It plays slowly, stops, seeks
- * and records.
- */
+/** Player: animates points on a path frame by frame, A by the solver `glide`, B by its own method; plays, seeks, records. */
 
 import { createChart } from "./chart.ts";
 import type { Context } from "./context.ts";

@@ -1,7 +1,4 @@
-/**
- * Serial: plays a board at a serial port. Only the newest drive is sent, silence comes first and last, and frames are paced by
- * the line's rate.
- */
+/** Serial: plays a board at a serial port: silence first and last, only the newest drive, at the pace of the line. */
 
 // The start-up is that of docs/boards.md: silence, and silence once more when a restarted Arduino listens. Opening the port of
 // an Arduino restarts it.

@@ -1,7 +1,4 @@
-/**
- * The transducers: small shaded cylinders along their normals. They are grey and pulse with the wave, or have the colours of
- * their phases.
- */
+/** The transducers: small shaded cylinders, grey and pulsing with the wave, or in the colours of their phases. */
 
 import { changes } from "../changes.ts";
 import { COLOUR, type FieldPainter } from "./field.ts";
