@@ -194,11 +194,11 @@ after '    BatchMetrics,' python/midair/__init__.py <<<'    Bubble,'
 after '    "BoardTimeout",' python/midair/__init__.py <<<'    "Bubble",'
 after 'from ._bodies import Sphere as Sphere' python/midair/_midair.pyi <<<'from ._bodies import Bubble as Bubble'
 after '    "Boundary",' python/midair/_midair.pyi <<<'    "Bubble",'
-swap '#: How each kind is drawn' 'def _bubble(bubble: Bubble, plane: Plane, ax: Axes, axes: tuple[int, int]) -> None:
+swap '#: The function that draws each kind of obstacle' 'def _bubble(bubble: Bubble, plane: Plane, ax: Axes, axes: tuple[int, int]) -> None:
     ax.plot(1e3 * bubble.middle[axes[0]], 1e3 * bubble.middle[axes[1]], ".", color=COLOUR)
 
 
-#: How each kind is drawn' python/midair/_pictures/panel.py
+#: The function that draws each kind of obstacle' python/midair/_pictures/panel.py
 swap 'Sphere: _sphere,' 'Sphere: _sphere, Bubble: _bubble,' python/midair/_pictures/panel.py
 swap 'import Field,' 'import Bubble, Field,' python/midair/_pictures/panel.py
 after '- `Sphere(center, radius' docs/obstacles.md <<<'- `Bubble(middle, size, kind="soft")` is a ball small beside the wavelength.'
