@@ -1,4 +1,4 @@
-//! Amplitude limit: |q| above 1 brought back by clamp, normalize or full.
+//! Amplitude limit: reduces drives above |q| = 1 by clamp, normalize or full.
 
 use crate::kernels::InstructionSet;
 use crate::kernels::limit;
@@ -8,9 +8,9 @@ use crate::scene::words;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(clippy::exhaustive_enums, reason = "the three ways that the field uses")]
 pub enum AmplitudeLimit {
-    /// |q| above 1 becomes 1, the rest stays.
+    /// Every |q| above 1 becomes 1; other drives stay.
     Clamp,
-    /// All are divided by the largest |q|.
+    /// All drives are divided by the largest |q|.
     Normalize,
     /// Every |q| becomes 1; 0 stays 0.
     Full,
@@ -19,7 +19,7 @@ pub enum AmplitudeLimit {
 words!(AmplitudeLimit: "clamp" = Self::Clamp, "normalize" = Self::Normalize, "full" = Self::Full);
 
 impl AmplitudeLimit {
-    /// Applies it to drives over the transducers, re and im.
+    /// Applies the limit to drives over the transducers: real and imaginary parts.
     pub(crate) fn apply(self, set: InstructionSet, drive: [&mut [f32]; 2]) {
         match self {
             Self::Clamp => limit::clamp(set, drive),

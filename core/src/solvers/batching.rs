@@ -1,4 +1,4 @@
-//! Interleaved batches of the methods that solve them, by their types: a program without batches is linked without that code.
+//! Interleaved batches of the solvers that have them; programs without batches do not link their code.
 
 use alloc::vec::Vec;
 
@@ -8,8 +8,8 @@ use crate::solvers::greedy::Greedy;
 use crate::solvers::method::Solve;
 use crate::workspace::Workspace;
 
-/// Solves several problems of one model at once, each bit for bit as [`Solve::solve`] does without a control, where the
-/// solver knows how and that saves work.
+/// Solves several problems of one model at once, each with the bits that [`Solve::solve`] gives without a control.
+/// Returns `None` if the solver cannot do it or if it saves no work.
 pub(crate) fn solve(solver: &dyn Solve, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
     let method = solver.interleaved()?;
     if let Some(fast) = method.downcast_ref::<Fast>() {

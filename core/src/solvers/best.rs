@@ -1,4 +1,4 @@
-//! best: the loudest even field of many starts; `uniform` from many more point phases.
+//! best: the loudest even field of many starts; like `uniform`, from many more point phases.
 
 use crate::control::Control;
 use crate::error::{Error, real};
@@ -24,10 +24,10 @@ options! {
     }
 }
 
-/// Starts carried on to drives: how loud a field can be made even is known only then.
+/// Starts that are continued to drives: only then is it known how loud a field can be made even.
 const FINALISTS: usize = 4;
 
-/// Even fields raised on.
+/// Number of even fields whose level is raised further.
 const RAISED: usize = 3;
 
 impl Method for Best {
@@ -45,7 +45,7 @@ impl Method for Best {
 
 impl Solve for Best {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
-        // The answer of `uniform` is one of its candidates.
+        // The solution of `uniform` is one of the candidates.
         let as_uniform = Plan::alone(SWEEPS, self.tolerance, self.quiet);
         let plan = Plan {
             starts: self.starts as usize,

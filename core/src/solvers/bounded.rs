@@ -1,12 +1,13 @@
 //! bounded: the least error of complex targets over all drives |q| <= 1, by an interior-point method.
 //!
-//! min ||r||^2, r = W^(1/2) (p - G q), over |q_i| <= 1 is convex: bounded least squares. A logarithmic barrier
-//! -mu sum log(1 - |q_i|^2) keeps the drives inside (Boyd and Vandenberghe, Convex Optimization, 2004, section 11.3), and
-//! Newton steps follow its minimum as mu falls. The Hessian is G^H W G + D with 2 x 2 blocks D_i, so that by Woodbury a step
-//! solves a real system of 2 M unknowns, I + J D^-1 J^T, however many transducers there are.
+//! It minimises ||r||^2, r = W^(1/2) (p - G q), over |q_i| <= 1: complex targets p, weights W, drives q. This is
+//! convex: bounded least squares. A logarithmic barrier -mu sum log(1 - |q_i|^2) keeps the drives inside (Boyd and
+//! Vandenberghe, Convex Optimization, 2004, section 11.3), and Newton steps follow its minimum as mu falls. The Hessian
+//! is G^H W G + D with 2 x 2 blocks D_i. So by Woodbury a step solves a real system of 2 M unknowns for M points, I + J
+//! D^-1 J^T, however many transducers there are.
 //!
-//! How far there is to go is proven at every step: with g = G^H W^(1/2) r no allowed drive has a smaller error than
-//! (Re r^H W^(1/2) p - sum_i |g_i|) / ||r||, since |r^H (W^(1/2) p - W^(1/2) G q)| is at most ||r|| times the error of q.
+//! Each step proves a lower bound of the error. With g = G^H W^(1/2) r no allowed drive has a smaller error than (Re
+//! r^H W^(1/2) p - sum_i |g_i|) / ||r||, since |r^H (W^(1/2) p - W^(1/2) G q)| is at most ||r|| times the error of q.
 
 use core::iter::zip;
 
@@ -23,20 +24,20 @@ use crate::solvers::iterate::iterate;
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::{Buffer, Workspace};
 
-/// Errors below this part of the targets count as this much where a tolerance is relative to them.
+/// Lower bound of the error to which a tolerance is relative, as a part of the targets' norm.
 const LEAST_ERROR: f64 = 0.01;
 
-/// The part of the present duality gap that the next step's barrier aims for, and how far a step may bring mu down.
+/// A step aims at [`AIM`] times the present duality gap, and lowers mu at most to [`STEEPEST`] times its value.
 const AIM: f64 = 0.1;
 const STEEPEST: f64 = 0.01;
 
-/// The part of the way to |q| = 1 that a step goes at most.
+/// The largest part of the way to |q| = 1 that a step may go.
 const INSIDE: f64 = 0.95;
 
-/// 1 - |q|^2 at least: f64 knows no less.
+/// Lower bound of 1 - |q|^2, near the resolution of f64.
 const LEAST_ROOM: f64 = 1e-15;
 
-/// Transducers whose columns of J are written together: those of 128 points stay in the second cache.
+/// Transducers whose columns of J are written together: the columns for 128 points stay in the second cache.
 const RUN: usize = 32;
 
 options! {
@@ -89,7 +90,7 @@ impl Solve for Bounded {
     }
 }
 
-/// A complex vector, re and im apart.
+/// A complex vector: real and imaginary parts.
 type Vector<'w> = [Buffer<'w, f64>; 2];
 
 fn vector(len: usize, work: &Workspace) -> Vector<'_> {
@@ -116,12 +117,12 @@ fn modulus(z: Complex64) -> f64 {
     math::sqrt(z.norm_sqr())
 }
 
-/// Re conj(a) b.
+/// Returns Re conj(a) b.
 fn inner(a: Complex64, b: Complex64) -> f64 {
     a.re * b.re + a.im * b.im
 }
 
-/// An iterate within |q| < 1, and the values that the next step from it needs.
+/// An iterate within |q| < 1, and the values that its next step needs.
 struct Barrier<'w> {
     set: InstructionSet,
     /// W^(1/2) G, row by row, and W^(1/2).
@@ -132,16 +133,16 @@ struct Barrier<'w> {
     requested: f64,
     drive: Vector<'w>,
     residual: Vector<'w>,
-    /// g = G^H r: minus the gradient of ||r||^2 / 2.
+    /// g = G^H W^(1/2) r: minus the gradient of ||r||^2 / 2.
     descent: Vector<'w>,
-    /// The error and the largest lower bound of it so far, in the unit of the targets.
+    /// The error and its largest lower bound so far, in the unit of the targets.
     error: f64,
     least: f64,
     mu: f64,
-    /// Radial and tangential eigenvalues of D^-1 and the radial direction q/|q| of each transducer.
+    /// For each transducer the radial and tangential eigenvalues of D^-1, and the radial direction q/|q|.
     inverse: Vector<'w>,
     radial: Vector<'w>,
-    /// Over the transducers: the barrier's gradient, then the step; over the points: fields.
+    /// Over the transducers: the barrier's gradient, then the step. Over the points: fields.
     gradient: Vector<'w>,
     step: Vector<'w>,
     field: Vector<'w>,
@@ -152,7 +153,7 @@ struct Barrier<'w> {
 }
 
 impl<'w> Barrier<'w> {
-    /// The iterate at q = 0.
+    /// Creates the iterate at q = 0.
     fn new(problem: &Problem, work: &'w Workspace, control: &mut Control) -> Result<Self, Error> {
         let propagation = problem.propagation();
         let (count, transducers) = (propagation.points(), propagation.transducers());
@@ -209,7 +210,7 @@ impl<'w> Barrier<'w> {
         Ok(barrier)
     }
 
-    /// g, the error, and the bound of it that g proves.
+    /// Computes g, the error, and the lower bound of it that g proves.
     fn measure(&mut self) {
         double::times_adjoint(self.set, parts(&self.rows), parts(&self.residual), parts_mut(&mut self.descent));
         self.error = math::sqrt(entries(&self.residual).map(|r| r.norm_sqr()).sum());
@@ -220,12 +221,12 @@ impl<'w> Barrier<'w> {
         }
     }
 
-    /// Whether the error of no allowed drive is below this one's by more than `tolerance` of it.
+    /// Returns whether the bound proves that no allowed drive lowers the error by more than `tolerance` of it.
     fn is_proven(&self, tolerance: f64) -> bool {
         self.error - self.least <= tolerance * self.least.max(LEAST_ERROR * self.requested)
     }
 
-    /// |p| at the points, without weights.
+    /// Returns |p| at the points, without weights.
     fn moduli(&self) -> impl Iterator<Item = f64> + Clone + '_ {
         let fields = zip(entries(&self.targets), entries(&self.residual)).map(|(p, r)| modulus(p - r));
         zip(fields, &self.roots).map(|(field, &root)| if root > 0.0 { field / root } else { 0.0 })
@@ -237,20 +238,20 @@ impl<'w> Barrier<'w> {
         drive
     }
 
-    /// D^-1 z at a transducer.
+    /// Returns D^-1 z at transducer `i`.
     fn apply_inverse(&self, i: usize, z: Complex64) -> Complex64 {
         let radial = Complex64::new(self.radial[0][i], self.radial[1][i]);
         let z = radial.conj() * z;
         radial * Complex64::new(z.re * self.inverse[0][i], z.im * self.inverse[1][i])
     }
 
-    /// A Newton step towards the barrier's minimum at a smaller mu.
+    /// Takes a Newton step towards the barrier's minimum at a smaller mu.
     fn step(&mut self, control: &mut Control) -> Result<(), Error> {
         self.lower_mu();
         self.derive();
         self.factor(control)?;
         let lanes = self.step[0].len();
-        // The dual y = (I + J D^-1 J^T)^-1 J D^-1 h of the gradient h, and the step -D^-1 (h - G^H y).
+        // With the gradient h and the dual y = (I + J D^-1 J^T)^-1 J D^-1 h, the step is -D^-1 (h - G^H y).
         for i in 0..lanes {
             let own = self.apply_inverse(i, at(&self.gradient, i));
             set(&mut self.step, i, own);
@@ -263,7 +264,8 @@ impl<'w> Barrier<'w> {
             set(&mut self.field, j, Complex64::new(re, im));
         }
         double::times_adjoint(self.set, parts(&self.rows), parts(&self.field), parts_mut(&mut self.step));
-        // Along the step the quadratic model falls by `slope` at first, and its curvature is that of both terms.
+        // Along the step the quadratic model has the initial slope -`slope`, and `curvature` adds up that of both
+        // terms.
         let (mut slope, mut curvature, mut room) = (0.0, 0.0, f64::INFINITY);
         for i in 0..lanes {
             let (h, q) = (at(&self.gradient, i), at(&self.drive, i));
@@ -276,7 +278,7 @@ impl<'w> Barrier<'w> {
         }
         double::times(self.set, parts(&self.rows), parts(&self.step), parts_mut(&mut self.field));
         curvature += entries(&self.field).map(|p| p.norm_sqr()).sum::<f64>();
-        // 1 where the system was solved exactly.
+        // The length is 1 where the system was solved exactly.
         let length = if curvature > 0.0 { (slope / curvature).clamp(0.0, 1.0).min(INSIDE * room) } else { 0.0 };
         if !length.is_finite() {
             return Err(Error::lost());
@@ -289,8 +291,8 @@ impl<'w> Barrier<'w> {
         Ok(())
     }
 
-    /// mu from the duality gap ||r||^2 - Re r^H p + sum |g| = sum |g_i| - Re conj(q_i) g_i, which is 2 mu sum |q_i| or so
-    /// where the barrier has its minimum.
+    /// Lowers mu according to the duality gap ||r||^2 - Re r^H p + sum |g| = sum |g_i| - Re conj(q_i) g_i. At the
+    /// barrier's minimum the gap is about 2 mu sum |q_i|.
     fn lower_mu(&mut self) {
         let own = zip(entries(&self.descent), entries(&self.drive)).map(|(g, q)| modulus(g) - inner(q, g));
         let share = own.sum::<f64>() / self.drive[0].len() as f64;
@@ -299,8 +301,8 @@ impl<'w> Barrier<'w> {
             .max(floor);
     }
 
-    /// h, the barrier's gradient, and D^-1. D_i = 2 mu (I/s + 2 q q^T/s^2), s = 1 - |q|^2, has the radial eigenvalue
-    /// 2 mu (1 + |q|^2)/s^2 and the tangential one 2 mu/s.
+    /// Computes h, the barrier's gradient, and D^-1. D_i = 2 mu (I/s + 2 q q^T/s^2), s = 1 - |q|^2, has the radial
+    /// eigenvalue 2 mu (1 + |q|^2)/s^2 and the tangential one 2 mu/s.
     fn derive(&mut self) {
         for i in 0..self.drive[0].len() {
             let (q, g) = (at(&self.drive, i), at(&self.descent, i));
@@ -313,8 +315,8 @@ impl<'w> Barrier<'w> {
         }
     }
 
-    /// The Cholesky factor of I + J D^-1 J^T, J the real form of G: two columns a transducer,
-    /// along and across its drive, of Re and Im at each point.
+    /// Computes the Cholesky factor of I + J D^-1 J^T. J is the real form of G: a transducer has two columns, along and
+    /// across its drive, with Re and Im at each point.
     fn factor(&mut self, control: &mut Control) -> Result<(), Error> {
         let (lanes, size) = (self.drive[0].len(), self.dual.len());
         self.matrix.fill(0.0);
@@ -334,7 +336,7 @@ impl<'w> Barrier<'w> {
             }
             double::add_products(self.set, columns, size, &mut self.matrix, control)?;
         }
-        // The largest loss of a pivot by rounding, so that there is always a factor.
+        // This shift exceeds the largest loss of a pivot by rounding, so that a factor always exists.
         let largest = (0..size).map(|k| self.matrix[k * size + k]).fold(0.0, f64::max);
         let shift = 1.0 + 4.0 * size as f64 * f64::EPSILON * largest;
         (0..size).for_each(|k| self.matrix[k * size + k] += shift);
@@ -346,7 +348,7 @@ fn at([re, im]: &Vector, k: usize) -> Complex64 {
     Complex64::new(re[k], im[k])
 }
 
-/// The multiple of a step that leads from q to |q| = 1.
+/// Returns the multiple of a step from q at which |q| = 1.
 fn room_along(q: Complex64, step: Complex64) -> f64 {
     let (square, along) = (step.norm_sqr(), inner(q, step));
     let room = (1.0 - q.norm_sqr()).max(LEAST_ROOM);
@@ -354,7 +356,7 @@ fn room_along(q: Complex64, step: Complex64) -> f64 {
         return f64::INFINITY;
     }
     let root = math::sqrt(along * along + square * room);
-    // Without cancellation whichever way the step goes.
+    // One of the two forms is free of cancellation, depending on the direction of the step.
     if along > 0.0 { room / (along + root) } else { (root - along) / square }
 }
 

@@ -1,6 +1,6 @@
 //! descent: least squares over all phases and amplitudes, for pictures and other large sets of points.
 //!
-//! L-BFGS ([`crate::solvers::common::least_squares`]) in the steps of [`crate::solvers::even_field::nearest`].
+//! It is L-BFGS ([`crate::solvers::common::least_squares`]) with the steps of [`crate::solvers::even_field::nearest`].
 
 use crate::control::Control;
 use crate::error::Error;

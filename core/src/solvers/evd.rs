@@ -1,10 +1,10 @@
-//! evd: phases of the leading eigenvector and a regularised solve (Long et al., ACM Trans. Graphics 33(6), 2014).
+//! evd: phases of the leading eigenvector, then a regularised solve (Long et al., ACM Trans. Graphics 33(6), 2014).
 //!
-//! R, with R_kj the field at point k of a focus of target t_j at point j, has a leading eigenvector whose phases
-//! the points support mutually. With those phases p is set, and
-//! (G^H G + diag(w^2)) q = G^H p is solved, w_i = sqrt(mean_j t_j |G_ji|)^gamma, here in its M x M dual
-//! q = W^-2 G^H (G W^-2 G^H + I)^-1 p. gamma is an exponent, 1 in the paper. The authors of the greedy paper read a
-//! row of the eigenvectors' matrix and rescale q by a mean below 1; this is the eigenvector, unscaled.
+//! The matrix R has entries R_kj: the field at point k of a focus of target t_j at point j. The phases of its leading
+//! eigenvector are those at which the points support each other. They become the phases of p. Then (G^H G + diag(w^2))
+//! q = G^H p is solved for the drive q, w_i = sqrt(mean_j t_j |G_ji|)^gamma. Here its M x M dual is used: q = W^-2 G^H
+//! (G W^-2 G^H + I)^-1 p. gamma is an exponent, 1 in the paper. The authors of the greedy paper read a row of the
+//! eigenvectors' matrix and rescale q by a mean below 1; this method uses the eigenvector, unscaled.
 
 use crate::control::Control;
 use crate::error::{Error, real};
@@ -28,7 +28,7 @@ options! {
     }
 }
 
-/// 1 / w_i^2 at most: products with |G|^2 stay within f32.
+/// Upper bound of 1 / w_i^2, with which products with |G|^2 stay within f32.
 const MOST_EASE: f64 = 1e18;
 
 impl Method for Evd {
@@ -67,7 +67,7 @@ impl Solve for Evd {
             *inverse = if mean > 0.0 { ease.min(MOST_EASE) as f32 } else { 0.0 };
         }
         let matrix = strips.gram(Some(&inverse), control)?;
-        // The matrix in f32 resolves no more than this part of its diagonal.
+        // A matrix in f32 resolves no more than this part of its diagonal.
         let largest = matrix.diagonal().fold(0.0, f32::max);
         let shift = f32::max(1.0, 1e-6 * largest);
         let solver = Hermitian::damped(propagation.instruction_set(), &matrix, count, shift, work, control)?;
@@ -76,9 +76,9 @@ impl Solve for Evd {
     }
 }
 
-/// The unit phasors of R's leading eigenvector; 1 where it vanishes.
+/// Returns the unit phasors of R's leading eigenvector; 1 where it is 0.
 ///
-/// R = G G^H D with D = diag(t_j / sum_i |G_ji|^2), similar to the Hermitian D^1/2 G G^H D^1/2, whose eigenvectors
+/// R = G G^H D with D = diag(t_j / sum_i |G_ji|^2) is similar to the Hermitian D^1/2 G G^H D^1/2, whose eigenvectors
 /// have the same phases.
 fn phases<'w>(
     problem: &Problem,

@@ -1,18 +1,18 @@
-//! fast: greedy in closed form, the phase that a search would look for computed (majorise-minimise).
+//! fast: greedy in closed form: computes the phase that a search would find (majorise-minimise).
 //!
-//! For a point of pressure P and target t, `(t - |P + G q|)^2 <= |t P/|P| - P - G q|^2` for every q, with equality
-//! at q = 0: the right side is the distance to the point of the circle |p| = t that is nearest to P. Summed over the
-//! points it majorises eq. (7), and its least value over |q| = 1 needs no search:
+//! For a point of pressure P and target t, `(t - |P + G q|)^2 <= |t P/|P| - P - G q|^2` for every q, with equality at q
+//! = 0. The right side is the squared distance to t P/|P|, the point of the circle |p| = t that is nearest to P. Summed
+//! over the points it majorises eq. (7), and its least value over |q| = 1 needs no search:
 //!
 //! ```text
 //! sum_j w_j |d_j - G_ji q|^2 = const - 2 Re(conj(q) sum_j w_j conj(G_ji) d_j),   d_j = t_j P_j/|P_j| - P_j
 //! q_i = e^{j arg sum_j w_j conj(G_ji) d_j}
 //! ```
 //!
-//! (majorise-minimise, Hunter and Lange, Am. Statistician 58(1), 2004). While P_j = 0 its phase is taken as 0. One
-//! sum over the points replaces L candidates. A transducer moves P by one part in N, so a block of them may share
-//! the same d: it is the sums of a block that fill a register. A further sweep takes each transducer again, with a
-//! part `OWN` of its own wave left in P so that the members of a block do not all rotate at once.
+//! (majorise-minimise, Hunter and Lange, Am. Statistician 58(1), 2004). While P_j = 0 its phase is taken as 0. One sum
+//! over the points replaces L candidates. A transducer changes P by one part in N, so the transducers of a block share
+//! the same d, and their sums fill a register. A further sweep updates each transducer again, with a part `OWN` of its
+//! own wave removed from P, so that the members of a block do not all rotate at once.
 
 use alloc::vec::Vec;
 use core::any::Any;
@@ -33,7 +33,7 @@ use crate::solvers::common::interleaved_batch::InterleavedBatch;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::{Aligned, Workspace};
 
-/// The part of its old wave that a transducer keeps out of d in a further sweep: 0.3 to 0.5 converge fastest in trials.
+/// The part of its old wave that a transducer removes from P in a further sweep: .3 to .5 converge fastest in trials.
 const OWN: f32 = 0.4;
 
 options! {
@@ -125,7 +125,7 @@ impl Solve for Fast {
 }
 
 impl Fast {
-    /// Several problems of one model at once, where that saves work.
+    /// Solves several problems of one model at once, or returns `None` if that saves no work.
     pub(super) fn solve_interleaved(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
         self.check().ok()?;
         let mut batch = InterleavedBatch::of(problems, work)?;
@@ -156,13 +156,13 @@ impl Fast {
     }
 }
 
-/// The phases of the board.
+/// Returns the phases of the board.
 fn phases(problem: &Problem) -> Option<&Phases> {
     problem.quantization()?.grid().phases.as_ref()
 }
 
-/// All of 0..count in strides near the golden section, from an index that the seed draws: successive transducers are far
-/// apart on the board, as after a shuffle, at no cost.
+/// Iterates over 0..count in strides near the golden section, from an index that the seed gives. Successive transducers
+/// are far apart on the board, as after a shuffle, at no cost.
 fn stride(count: usize, seed: u64) -> impl Iterator<Item = usize> {
     let golden = (count as f64 * 0.618_033_988_749_895) as usize;
     let step = (golden.max(1)..=golden.max(1) + count).find(|&step| coprime(step, count)).unwrap_or(1) % count;

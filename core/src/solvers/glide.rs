@@ -2,20 +2,19 @@
 //!
 //! ```text
 //! psi = arg(G' q')                         point phases that the last drive q' makes at the new points
-//! sweeps:  S_i = sum_j w_j e^{j psi_j} conj(G_ji);   q_i = S_i/|S_i|, brought to within `change` of q'_i;
-//!          psi and w_j by the field of q (weighted Gerchberg-Saxton)
-//! steps:   the shortest step of the phases not at their bound to |P_j| = s t_j, s free; within the bound again
+//! sweeps:  S_i = sum_j w_j e^{j psi_j} conj(G_ji);   q_i = S_i/|S_i|, limited to within `change` of q'_i;
+//!          psi and w_j from the field of q (weighted Gerchberg-Saxton)
+//! steps:   the shortest step of the phases not at their bound to |P_j| = s t_j, s free; limited again
 //! ```
 //!
-//! The last frame's point phases are those that move fewest transducers, the global phase among them. A transducer that
-//! is limited by its bound is where the waves to the points cancel, and is hardly missed. With an envelope of time constant
-//! tau, y' = (q - y)/tau, the field at a frame's end is P = a G y + (1 - a) G q with a = e^{-1/(rate tau)}: that one is made
-//! even.
+//! The last frame's point phases, with their global phase, need the fewest changes. A transducer at its bound matters
+//! little: the waves to the points nearly cancel there. With an envelope of time constant tau, y' = (q - y)/tau, the
+//! field at a frame's end is P = a G y + (1 - a) G q with a = e^{-1/(rate tau)}. This field is made even.
 //!
-//! Traps of which nothing else is requested are made stiff in place of that ([`traps_within`]), in twice as many steps.
+//! Traps without requested pressures are made stiff instead ([`traps_within`]), in twice as many steps.
 //!
-//! Drives are relative to the last ones throughout: G's columns are multiplied by q', the bound is an arc around 1, and on a
-//! board's grid it is a largest code.
+//! All drives are relative to the last ones: G's columns are multiplied by q', and the bound is an arc around 1, or a
+//! largest code on a board's grid.
 
 use core::f64::consts::{PI, TAU};
 
@@ -58,25 +57,25 @@ options! {
     }
 }
 
-/// Even enough: the effect of a phase step of 2 pi/65536 on a point.
+/// Deviation that counts as even: the effect of a phase step of 2 pi/65536 on a point.
 const EVEN: f32 = 1e-5;
 
-/// Times as many sweeps in the first frame, which is free: points at rest then leave its phases where they are.
+/// Factor of the number of sweeps in the first frame, which has no bound: points at rest then keep its phases.
 const FIRST: u32 = 10;
 
-/// On a board's grid a frame is left out where the last one's codes are no less even than they were, but for this factor, ...
+/// On a board's grid the last frame's codes are kept if their deviation is at most this multiple of the old one, ...
 const NO_WORSE: f32 = 1.05;
 
-/// ... and nearly as loud as others could be.
+/// ... and their level is at least this part of that of new codes.
 const AS_LOUD: f32 = 1.0 - 2e-4;
 
-/// A frame is done where no point is further than this part off the level.
+/// A frame is done if no point is off the level by more than this part.
 const NEARLY: f32 = 0.01;
 
-/// The most that a weight may change in a sweep.
+/// The largest factor of a weight in a sweep.
 const MOST_CHANGE: f32 = 2.0;
 
-/// Frames that an envelope may take: of a slower one a frame replaces nothing that f32 could tell.
+/// Longest time constant of an envelope in frames: of a slower one a frame would replace less than f32 resolves.
 const MOST_FRAMES: f64 = 1000.0;
 
 impl Method for Glide {
@@ -121,7 +120,7 @@ impl Solve for Glide {
         if let Some(drive) = problem.start_drive() {
             begin(last, problem, drive)?;
         } else if last.played.len() != problem.propagation().transducers() {
-            // Only its phases count. Its steps are not the frame's.
+            // Only its phases are used. Its steps are not counted as the frame's.
             let plan = Plan::alone(SWEEPS, f64::from(EVEN), QUIET);
             let first = even_field::solve(problem, &[plan], work, &mut control.part())?;
             if first.status == Status::Stopped {
@@ -152,7 +151,7 @@ impl Solve for Glide {
 }
 
 impl Glide {
-    /// The frame after the last, its phases bound to that one's unless they are `free`.
+    /// Computes the frame after the last, with phases bound to it unless they are `free`.
     fn next(
         &self,
         problem: &Problem,
@@ -181,18 +180,18 @@ impl Glide {
     }
 }
 
-/// q/|q|, 0 staying 0.
+/// Returns q/|q|; 0 stays 0.
 fn unit(q: Complex32) -> Complex32 {
     let (re, im) = math::unit(q.re, q.im);
     if q == Complex32::ZERO { q } else { Complex32::new(re, im) }
 }
 
-/// q/|q| at the nearest phase of the board, from which codes are counted.
+/// Returns q/|q| at the nearest phase of the board, from which codes are counted.
 fn placed(problem: &Problem, q: Complex32) -> Complex32 {
     problem.quantization().map_or(unit(q), |board| board.nearest(unit(q)))
 }
 
-/// Takes a drive as the last one, by the board's nearest phases; every transducer that reaches a point must have a phase.
+/// Sets the last drive, rounded to the board's nearest phases. Every transducer that reaches a point must have a phase.
 fn begin(last: &mut Last, problem: &Problem, drive: &[Complex32]) -> Result<(), Error> {
     let propagation = problem.propagation();
     let reaches = |i: usize| (0..propagation.points()).any(|j| propagation.exact(j, i).norm() > 0.0);
@@ -204,14 +203,14 @@ fn begin(last: &mut Last, problem: &Problem, drive: &[Complex32]) -> Result<(), 
     Ok(())
 }
 
-/// One frame under way: drives relative to those played last.
+/// A frame that is computed. Its drives are relative to those played last.
 struct Frame<'w> {
     rows: Rows<'w>,
     wave: Wave<'w>,
     trial: Wave<'w>,
     projector: Projector<'w>,
     weights: Buffer<'w, f32>,
-    /// a G y, the pressures that the earlier envelopes still make at the points; nothing without an envelope.
+    /// a G y, the pressures that the earlier envelopes still make at the points; `None` without an envelope.
     rest: Option<[Buffer<'w, f32>; 2]>,
     /// The part of an envelope that a frame replaces.
     part: f32,
@@ -270,10 +269,10 @@ impl<'w> Frame<'w> {
         Ok(frame)
     }
 
-    /// Weighted sweeps within the arc, from the point phases of the wave.
+    /// Does weighted sweeps within the arc, from the point phases of the wave.
     fn sweep(&mut self, glide: &Glide, control: &mut Control) -> Result<(), Error> {
         let Self { rows, wave, projector, weights, rest, arc, free, .. } = self;
-        // One point has no weight to find.
+        // A single point needs no weight.
         let sweeps = match rows.targeted {
             1 => glide.sweeps.min(1),
             _ if *free => glide.sweeps.saturating_mul(FIRST),
@@ -298,7 +297,7 @@ impl<'w> Frame<'w> {
         Ok(())
     }
 
-    /// Gauss-Newton steps of the phases that are not at their bound; whether all points are nearly even then.
+    /// Does Gauss-Newton steps of the phases that are not at their bound; returns whether all points are nearly even.
     fn level(
         &mut self,
         glide: &Glide,
@@ -313,7 +312,7 @@ impl<'w> Frame<'w> {
         Ok(if off <= NEARLY { Status::Done } else { Status::OutOfSteps })
     }
 
-    /// Brings foci to the board's grid, and remembers them.
+    /// Rounds foci to the board's grid, and stores them.
     fn keep_foci(
         &mut self,
         problem: &Problem,
@@ -333,7 +332,7 @@ impl<'w> Frame<'w> {
             kept = off(trial) <= NO_WORSE * last.unevenness && trial.level(rows) >= AS_LOUD * wave.level(rows);
         }
         if kept {
-            // Nothing is stored of the result: at rest the next frame finds the same, and keeps its codes, too.
+            // The result is not stored: at rest the next frame finds the same one, and keeps its codes, too.
             core::mem::swap(wave, trial);
         } else {
             last.wave.copy_from_slice(&last.played);
@@ -363,7 +362,7 @@ impl<'w> Frame<'w> {
         Ok(())
     }
 
-    /// The answer, brought down to the targets.
+    /// Returns the solution, reduced to the targets.
     fn answer(
         self,
         problem: &Problem,
@@ -378,7 +377,7 @@ impl<'w> Frame<'w> {
         }
         let grid = problem.quantization().map(Quantization::grid);
         if grid.is_some_and(|grid| grid.phases.is_none()) || rest.is_some() {
-            // The answer reports the field of its drives at rest.
+            // The solution reports the field of its drives at rest.
             wave.hear(&rows);
             let scale = 1.0 / part;
             wave.field.iter_mut().chain([&mut wave.moduli]).for_each(|list| list.iter_mut().for_each(|x| *x *= scale));

@@ -1,4 +1,4 @@
-//! Alternating projection (Gerchberg-Saxton): back to |q| = 1 and forward to the points; starts.
+//! Alternating projection (Gerchberg-Saxton): from requested pressures to drives of |q| = 1, and back; starts.
 
 use num_complex::Complex32;
 
@@ -13,11 +13,11 @@ use crate::propagation::field_of;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::workspace::{Aligned, Buffer, Workspace};
 
-/// Alternating projections on the tiles of G: from the pressures wanted at the points to |q| = 1 and the field.
+/// Alternating projections on the tiles of G: from requested pressures at the points to |q| = 1 and its field.
 pub(crate) struct Projector<'w> {
-    /// The pressures wanted at the rows, in any unit.
+    /// The requested pressures at the rows, in any unit.
     pub(crate) wanted: [Buffer<'w, f32>; 2],
-    /// Memory of the sweep.
+    /// Working memory of the sweep.
     memory: Aligned<'w>,
 }
 
@@ -27,7 +27,7 @@ impl<'w> Projector<'w> {
         Self { wanted, memory: Aligned::take(tiles::unit::sweep_floats(rows.count), work) }
     }
 
-    /// Wants p_j = a_j P_j/|P_j|: the phases of a wave's field with other moduli a; phase 0 where there is silence.
+    /// Requests p_j = a_j P_j/|P_j|: the phases of a wave's field with moduli a; phase 0 where the field is 0.
     pub(crate) fn want(&mut self, wave: &Wave, moduli: &[f32]) {
         let [re, im] = &mut self.wanted;
         let field = wave.field[0].iter().zip(&wave.field[1]).zip(&wave.moduli);
@@ -38,19 +38,19 @@ impl<'w> Projector<'w> {
         }
     }
 
-    /// q_i = b_i/|b_i| with b = G^H p of the pressures wanted, 0 where b_i is, and P = G q.
+    /// Computes q_i = b_i/|b_i| with b = G^H p of the requested pressures p (0 where b_i is 0), and P = G q.
     pub(crate) fn project(&mut self, rows: &Rows, wave: &mut Wave) {
         let Self { wanted: [re, im], memory } = self;
         wave.set(|wave| tiles::unit::sweep(rows.set, rows.tiles(), [re, im], wave, memory));
     }
 
-    /// Like [`Projector::project`], each q within an arc around 1.
+    /// Does the same as [`Projector::project`], with each q within an arc around 1.
     pub(crate) fn project_within(&mut self, rows: &Rows, arc: Arc, wave: &mut Wave) {
         let Self { wanted: [re, im], memory } = self;
         wave.set(|wave| tiles::unit::sweep_within(rows.set, rows.tiles(), [re, im], arc, wave, memory));
     }
 
-    /// The wave of the problem's start, else of q = 1.
+    /// Returns the wave of the problem's start, or of q = 1 if it has none.
     pub(crate) fn begin(
         &mut self,
         problem: &Problem,
@@ -65,8 +65,8 @@ impl<'w> Projector<'w> {
         }))
     }
 
-    /// The wave of the problem's start: its drive as it is, or the projection of its phases with the moduli of the
-    /// targets. `None` without a start. The rows are in the problem's order.
+    /// Returns the wave of the problem's start: its drive as it is, or the projection of its phases with the targets as
+    /// moduli. Returns `None` if the problem has no start. The rows are in the problem's order.
     pub(crate) fn start(
         &mut self,
         problem: &Problem,
@@ -93,7 +93,7 @@ impl<'w> Projector<'w> {
     }
 }
 
-/// The unit phasors at the points of a problem's start; 1 where there is none, or where the pressure is 0.
+/// Returns the unit phasors at the points of a problem's start; 1 if it has none, or where the pressure is 0.
 pub(crate) fn start_phasors<'w>(
     problem: &Problem,
     work: &'w Workspace,

@@ -10,8 +10,8 @@ use crate::propagation::Strips;
 use crate::solvers::amplitude_limit::AmplitudeLimit;
 use crate::workspace::Workspace;
 
-/// A method's last lines: q_i = `factor`_i sum_j conj(G_ji) x_j within the `limit`. How the steps ended and how many they
-/// were, of `steps`.
+/// Creates a solver's solution q_i = `factor`_i sum_j conj(G_ji) x_j within the `limit`. `ended` is its status and the
+/// number of steps taken, of `steps`.
 #[allow(clippy::too_many_arguments, reason = "what every solver ends with, and what it wants")]
 pub(crate) fn back_projected(
     problem: &Problem,

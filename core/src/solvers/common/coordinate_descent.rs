@@ -1,16 +1,17 @@
-//! Coordinate descent: a drive bettered, one transducer after another taken out of the field and put back.
+//! Coordinate descent: improves a drive by replacing one transducer after another.
 //!
 //! ```text
-//! P = G q of the drive to begin with
+//! P = G q of the first drive q
 //! for each sweep, for each transducer i in order:
 //!     P -= G_i q_i
 //!     q_i = argmin of eq. (7) over the candidates whose phase is within `change` of that of the last q_i
 //!     P += G_i q_i
 //! ```
 //!
-//! From silence a transducer that may turn by little only would decide before the others are there, and all would end at
-//! an end of their arcs. Here each sees the waves of all others, those not yet replaced as they were. After a pass from
-//! silence, further sweeps let the first transducers decide again, now that the others are there.
+//! If a transducer with a small range of phases decided from silence, it would not know the waves of the later ones,
+//! and all would end at an end of their range. Here each decision includes the waves of all others; those not yet
+//! replaced have their old drives. After a pass from silence, further sweeps let the first transducers decide again
+//! with all waves known.
 
 use core::f64::consts::TAU;
 
@@ -27,26 +28,26 @@ use crate::problem::{Problem, Solution, Status};
 use crate::propagation::field_of;
 use crate::workspace::Workspace;
 
-/// The largest distance of a drive's phase from a grid by rounding to f32, in turns.
+/// Largest distance in turns between a phase on a grid and its value in f32.
 const ROUNDING: f64 = 3e-8;
 
-/// The allowance, in steps, for a whole number of phase steps above the bound: the rounding of `change`.
+/// Allowance in steps where the bound is a whole number of phase steps: the rounding of `change`.
 const STEP_ROUNDING: f64 = 1e-9;
 
-/// Sweeps over all transducers.
+/// Parameters of the sweeps over all transducers.
 pub(crate) struct CoordinateDescent<'a> {
     pub(crate) candidates: &'a Candidates,
     /// The transducers in the order of their updates.
     pub(crate) order: &'a [u32],
-    /// The most that a phase turns by from the last drive, in rad.
+    /// The largest change of a phase from the last drive, in rad.
     pub(crate) change: f64,
     pub(crate) sweeps: usize,
 }
 
 impl CoordinateDescent<'_> {
-    /// The drive that follows `last`, which is first brought to the device's grid. Where no candidate is within the bound
-    /// a drive stays; a drive of 0 has no phase and may take any. Time O(N M) times the candidates within the bound,
-    /// memory O(N + M).
+    /// Returns the drive that follows `last`, which is first rounded to the device's grid. A drive without a candidate
+    /// within the bound stays. A drive of 0 has no phase and may take any. The time is O(N M) times the candidates
+    /// within the bound, the memory O(N + M).
     pub(crate) fn solve<T: Term>(
         &self,
         problem: &Problem,
@@ -63,7 +64,7 @@ impl CoordinateDescent<'_> {
             quantization.grid().round(set, 1.0, [1.0; 2], &mut drive);
             grid = quantization.phases().map_or(phases, |phases| phases as usize);
         }
-        // A balanced answer was divided by the problem's factor.
+        // A balanced solution was divided by the problem's factor.
         for q in drive.iter_mut().filter(|_| problem.factor() > 1.0) {
             *q *= problem.factor().min(1.0 / modulus(*q)) as f32;
         }
@@ -76,12 +77,13 @@ impl CoordinateDescent<'_> {
         let ranges = |i: usize| within(begin[i], self.change, phases, grid);
         let (status, updates) = self.sweep::<T>(problem, &mut drive, &mut points, ranges, steps, work, control);
         collect(&points, &mut field);
-        // A drive that stays was rounded to the device's grid, and the candidates lie on it.
+        // A drive that stays was rounded to the device's grid, and the candidates are on it.
         Ok(Solution::of_field(problem, drive.into_vec(), &field, status, updates, work, control)?.on_grid())
     }
 
-    /// Sweeps over a drive whose field the `points` hold: each transducer takes the best of its range of candidates. Of
-    /// `steps` the first is the number of updates before, the second that of all; tells the updates after.
+    /// Sweeps over a drive whose field is in `points`: each transducer takes the best candidate of its range. Of the
+    /// two step counts the first is the number of updates before, the second that of all. Returns the number of updates
+    /// after.
     #[allow(clippy::too_many_arguments, reason = "a drive, its field, and the report to a control")]
     pub(crate) fn sweep<T: Term>(
         &self,
@@ -112,7 +114,7 @@ impl CoordinateDescent<'_> {
     }
 }
 
-/// The pressures of the points, from their groups to a field.
+/// Copies the pressures of the points from their groups to a field.
 pub(crate) fn collect(points: &[PointGroup], field: &mut Planar<'_>) {
     let pressures = field.re.chunks_exact_mut(LANES).zip(field.im.chunks_exact_mut(LANES));
     for (group, (re, im)) in points.iter().zip(pressures) {
@@ -121,14 +123,15 @@ pub(crate) fn collect(points: &[PointGroup], field: &mut Planar<'_>) {
     }
 }
 
-/// |P| at the points, and 0 for the padding.
+/// Returns |P| at the points, and 0 for the padding.
 pub(crate) fn moduli(points: &[PointGroup]) -> impl Iterator<Item = f64> + Clone {
     let pressures = points.iter().flat_map(|group| group.re.into_iter().zip(group.im));
     pressures.map(|(re, im)| modulus(Complex32::new(re, im)))
 }
 
-/// Those of `phases` phases 2 pi l/L that are within `change` rad of the phase of q, the nearest first; all of them for
-/// q = 0, none where there are none. A phase on a `grid`, of which they are a part, is compared in whole steps.
+/// Returns those of `phases` phases 2 pi l/L that are within `change` rad of the phase of q, the nearest first. For q =
+/// 0 it returns all, and `None` if there are none. They are a part of `grid` phases; a phase on that grid is compared
+/// in whole steps.
 fn within(q: Complex32, change: f64, phases: usize, grid: usize) -> Option<PhaseRange> {
     if q == Complex32::ZERO {
         return Some(PhaseRange::whole(phases));

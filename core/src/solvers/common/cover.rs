@@ -1,15 +1,15 @@
-//! Cover: one focus behind the points or in front of them, whose cone is a little wider than they are.
+//! Cover: a start with one focus behind or in front of the points, whose cone is a little wider than they are.
 //!
 //! ```text
 //! a, A     mean place of the transducers, and their root mean square distance from it
-//! c, R     the same of the points, weighted by their targets
-//! f = a + (c - a)/(1 -+ WIDTH R/A)                                    behind (-) or in front of (+) the points
-//! q_i = e^{-jk |f - x_i|}                                             conjugate where f is behind the array
+//! c, R     mean place of the points, weighted by their targets, and their root mean square distance from it
+//! f = a + (c - a)/(1 -+ WIDTH R/A)                                    the focus behind (-) or in front of (+) the points
+//! q_i = e^{-jk |f - x_i|}                                             the drive; conjugate where f is behind the array
 //! ```
 //!
-//! The field of such a drive is smooth over the points: it has no zeros there, which descent could not move away, and most of the
-//! power goes through them. A disc, a square or a picture that is begun like that ends at a tenth of the error that random
-//! phases or plain waves end at.
+//! The field of this drive is smooth over the points. It has no zeros there, which descent could not move away, and
+//! most of the power goes through the points. A disc, a square or a picture that begins so ends at a tenth of the error
+//! that random phases or plane waves end at.
 
 use alloc::vec::Vec;
 
@@ -19,23 +19,24 @@ use crate::math;
 use crate::problem::Problem;
 use crate::workspace::Workspace;
 
-/// Where the focus lies.
+/// The side of the points on which the focus is, as seen from the array.
 #[derive(Clone, Copy)]
 pub(crate) enum Side {
     Behind,
     Front,
 }
 
-/// The width of the cone at the points, over theirs. Over 30 pictures descents from cones of .7, 1, 1.25, 1.5 and 2 ended in
-/// the mean at 3.1, 2.2, 1.5, 1.7 and 3.4 times the least error of all.
+/// Width of the cone at the points, relative to theirs. Over 30 pictures, descents from cones of .7, 1, 1.25, 1.5 and 2
+/// ended at means of 3.1, 2.2, 1.5, 1.7 and 3.4 times the least error of all.
 const WIDTH: f64 = 1.25;
 
-/// Nearer to the array's middle than this part of its size, points lie amid its transducers, and there is no cone over them:
-/// between two boards descent from a cone ended at an error of .14, from all in phase at .0004.
+/// Least distance of the points from the array's middle, relative to its size. Nearer points are among the transducers
+/// and have no cone over them. Between two boards descent from a cone ended at an error of .14, from all in phase at
+/// .0004.
 const AMID: f64 = 0.25;
 
-/// The drives of modulus 1 of the focus on one side; `None` where places are not known, transducers share channels, the points lie amid the transducers
-/// or all are to be quiet.
+/// Returns the drives of modulus 1 for a focus on one side. Returns `None` if places are not known, transducers share
+/// channels, the points are among the transducers or all points are quiet.
 pub(crate) fn cover(problem: &Problem, side: Side, work: &Workspace) -> Option<Vec<Complex32>> {
     let (array, points, _) = problem.propagation().origin().filter(|(array, ..)| array.channels().is_none())?;
     let live = (0..array.len()).map(|i| if array.effect(i) == Complex64::ZERO { 0.0 } else { 1.0 });
@@ -50,7 +51,7 @@ pub(crate) fn cover(problem: &Problem, side: Side, work: &Workspace) -> Option<V
         Side::Behind => 1.0 - width,
         Side::Front => 1.0 + width,
     };
-    // A plane wave has its focus at infinity.
+    // A plane wave would have its focus at infinity.
     let part = if part.abs() < 1e-3 { 1e-3 } else { part };
     let focus: [f64; 3] = core::array::from_fn(|axis| middle[axis] + (centre[axis] - middle[axis]) / part);
     let turn = -part.signum() * problem.setup().medium.wavenumber();
@@ -65,7 +66,7 @@ pub(crate) fn cover(problem: &Problem, side: Side, work: &Workspace) -> Option<V
     Some(drive.into_vec())
 }
 
-/// The weighted mean of some places, and the root mean square distance from it; not finite where there is no weight.
+/// Returns the weighted mean of places, and the root mean square distance from it; not finite if all weights are 0.
 fn spread(places: &[[f64; 3]], weights: impl Iterator<Item = f64> + Clone) -> ([f64; 3], f64) {
     let all = weights.clone().sum::<f64>();
     let mut mean = [0.0; 3];

@@ -1,8 +1,8 @@
 //! Damped Gauss-Newton step in the dual: d = -J^T (J J^T + D)^-1 r.
 //!
-//! For real equations of the pressures with residuals r and derivatives J by the phases, the step
-//! d = -(J^T J + mu I)^-1 J^T r is also d = -J^T (J J^T + mu I)^-1 r: a system of as many unknowns as there are equations,
-//! however many transducers there are.
+//! For real equations of the pressures with residuals r and derivatives J by the drives' phases, the step d = -(J^T J +
+//! mu I)^-1 J^T r equals -J^T (J J^T + mu I)^-1 r. The system then has as many unknowns as equations, however many
+//! transducers there are.
 
 use crate::control::{Control, bytes};
 use crate::error::Error;
@@ -13,13 +13,14 @@ use crate::linalg::Cholesky;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::workspace::{Aligned, Buffer, Workspace};
 
-/// The derivatives of some equations and their products.
+/// The derivatives J of some equations, and J J^T.
 pub(crate) struct Dual<'w> {
-    /// Equations.
+    /// The number of equations.
     pub(crate) size: usize,
-    /// f and g of each: dr = f Re(G q d) + g Im(G q d). With dP = j G q d, Re P has f = 0, g = -1, and Im P f = 1, g = 0.
+    /// f and g of each equation: dr = f Re(G q d) + g Im(G q d). With dP = j G q d, Re P has f = 0, g = -1, and Im P f
+    /// = 1, g = 0.
     pub(crate) factors: [Buffer<'w, f32>; 2],
-    /// J J^T, the upper half of rows padded to 16.
+    /// The upper half of J J^T, in rows padded to 16.
     pub(crate) matrix: Buffer<'w, f32>,
     /// J as the rows of a plane.
     slopes: Aligned<'w>,
@@ -42,13 +43,13 @@ impl<'w> Dual<'w> {
         })
     }
 
-    /// Length of a vector over the equations.
+    /// Returns the length of a vector over the equations.
     pub(crate) fn lanes(&self) -> usize {
         padded(self.size)
     }
 
-    /// J and J J^T at a wave; `points` are the rows of G that the equations are about. With a `metric`, J's columns are
-    /// multiplied by it.
+    /// Computes J and J J^T at a wave. `points` are the rows of G of the equations. With a `metric`, it multiplies J's
+    /// columns by it.
     pub(crate) fn derive(
         &mut self,
         rows: &Rows,
@@ -65,7 +66,8 @@ impl<'w> Dual<'w> {
         products::products(self.set, &self.slopes, rows.lanes, self.size, &mut self.matrix, control)
     }
 
-    /// The Cholesky factor of J J^T with `damping` of each equation added to the diagonal; `None` if f32 has none.
+    /// Returns the Cholesky factor of J J^T with `damping` of each equation added to the diagonal; `None` if f32 cannot
+    /// factor it.
     pub(crate) fn factor(
         &self,
         damping: impl Fn(usize) -> f32,
@@ -79,14 +81,15 @@ impl<'w> Dual<'w> {
         Cholesky::new(self.set, matrix, self.size, control)
     }
 
-    /// Of how many of the first `count` equations a factor leaves less than `part` of the diagonal entry.
+    /// Returns how many of the first `count` equations depend on earlier ones: the factor leaves less than `part` of
+    /// the diagonal entry.
     pub(crate) fn dependent(&self, cholesky: &Cholesky, count: usize, part: f32) -> usize {
         let lanes = self.lanes();
         let left = cholesky.pivots(self.size).enumerate().take(count);
         left.filter(|(k, pivot)| *pivot < part * self.matrix[k * lanes + k]).count()
     }
 
-    /// Writes J^T y over the transducers; the largest modulus.
+    /// Writes J^T y over the transducers; returns the largest modulus.
     pub(crate) fn back(&self, y: &[f32], out: &mut [f32]) -> f32 {
         tiles::combine(self.set, &self.slopes, y, out)
     }

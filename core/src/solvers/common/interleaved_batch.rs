@@ -1,4 +1,4 @@
-//! Interleaved batch: up to 16 problems of one array, one per SIMD lane.
+//! Interleaved batch: up to 16 problems of one array, one in each SIMD lane.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -16,7 +16,7 @@ use crate::propagation::Sources;
 use crate::propagation::reach::NEAR;
 use crate::workspace::{Buffer, Workspace};
 
-/// The control points of up to 16 problems of one model, point after point.
+/// The control points of up to 16 problems of one model: a lane group for each point, a lane for each problem.
 pub(crate) struct InterleavedPoints<'w> {
     prepared: Arc<Sources>,
     pub(crate) set: InstructionSet,
@@ -24,8 +24,8 @@ pub(crate) struct InterleavedPoints<'w> {
 }
 
 impl<'w> InterleavedPoints<'w> {
-    /// The points of weight above 0 of some problems, where that saves work: a point costs a group of lanes here, as a
-    /// single problem does.
+    /// Creates the points of some problems, or returns `None` if that saves no work. A point takes a lane group here,
+    /// and so does a single problem.
     fn of(problems: &[Problem], work: &'w Workspace) -> Option<Self> {
         let first = problems.first()?.propagation();
         let (prepared, _) = first.computed()?;
@@ -34,7 +34,8 @@ impl<'w> InterleavedPoints<'w> {
             return None;
         }
         let mut coordinates = [(); 3].map(|()| work.floats.take(points * LANES));
-        // A lane without a problem repeats the last one, a problem of fewer points its last point: far from a transducer.
+        // A lane without a problem repeats the last problem, a problem of fewer points its last point: no lane is near
+        // a transducer without need.
         for lane in 0..LANES {
             let (own, points) = problems[lane.min(problems.len() - 1)].propagation().computed()?;
             if !Arc::ptr_eq(own, prepared) {
@@ -47,7 +48,7 @@ impl<'w> InterleavedPoints<'w> {
         Some(Self { prepared: Arc::clone(prepared), set: first.instruction_set(), coordinates })
     }
 
-    /// Rows of G at these points.
+    /// Returns the rows of G at these points.
     pub(crate) fn rows(&self) -> Rows<'_> {
         let Sources { radiation, transducers, .. } = &*self.prepared;
         Rows::Computed { radiation, sources: transducers, control_points: self.control_points(), amplitudes: &[] }
@@ -58,13 +59,14 @@ impl<'w> InterleavedPoints<'w> {
         ControlPoints { coordinates: [x, y, z], count: self.lanes() }
     }
 
-    /// Length of a row: 16 times the largest number of points.
+    /// Returns the length of a row: 16 times the largest number of points.
     fn lanes(&self) -> usize {
         self.coordinates[0].len()
     }
 }
 
-/// The lists that solvers of an interleaved batch work on. Drives have two groups of lanes a transducer, re and im.
+/// The lists of an interleaved batch that solvers use. Drives have two lane groups for each transducer: real and
+/// imaginary parts.
 pub(crate) struct InterleavedBatch<'w> {
     pub(crate) points: InterleavedPoints<'w>,
     pub(crate) target: Buffer<'w, f32>,
@@ -74,7 +76,7 @@ pub(crate) struct InterleavedBatch<'w> {
 }
 
 impl<'w> InterleavedBatch<'w> {
-    /// Some problems with drives of 0, where [`InterleavedPoints::of`] has them.
+    /// Creates the lists of some problems with drives of 0, or returns `None` where [`InterleavedPoints::of`] does.
     pub(crate) fn of(problems: &[Problem], work: &'w Workspace) -> Option<Self> {
         let points = InterleavedPoints::of(problems, work)?;
         let [mut target, mut weight, re, im] = [(); 4].map(|()| work.floats.take(points.lanes()));
@@ -87,7 +89,7 @@ impl<'w> InterleavedBatch<'w> {
         Some(Self { points, target, weight, drives, pressures: [re, im] })
     }
 
-    /// Each problem's solution, all done.
+    /// Returns the solution of each problem, with all steps done.
     pub(crate) fn solutions(self, problems: &[Problem], steps: usize, work: &Workspace) -> Option<Vec<Solution>> {
         let count = self.points.prepared.transducers.len();
         let mut drives = array::from_fn(|_| work.complexes.empty(count.next_multiple_of(EIGHT)));
@@ -108,8 +110,8 @@ impl<'w> InterleavedBatch<'w> {
     }
 }
 
-/// Sums |G| at the points of some problems, each bit for bit as [`Problem::sum_moduli`] does. Whether that was possible: it
-/// is not where a point may lie on a transducer, which is then to be looked at more closely.
+/// Sums |G| at the points of some problems, with the bits of [`Problem::sum_moduli`]. Returns false if a point may be
+/// at a transducer; the caller then uses another method.
 pub(crate) fn sum_moduli(problems: &mut [Problem], work: &Workspace) -> bool {
     let Some(points) = InterleavedPoints::of(problems, work) else { return false };
     problems.iter_mut().for_each(Problem::clear_reach);
@@ -127,8 +129,9 @@ pub(crate) fn sum_moduli(problems: &mut [Problem], work: &Workspace) -> bool {
     !near
 }
 
-/// P = G q of the drives of some problems, one after another, in units of the reference: point after point, a lane a problem,
-/// each bit for bit as [`crate::propagation::field_of`] has it. `None` where that does not save work.
+/// Returns P = G q of the drives of some problems, given one after another, in units of the reference: a lane group for
+/// each point, a lane for each problem. The bits are those of [`crate::propagation::field_of`]. Returns `None` if that
+/// saves no work.
 pub(crate) fn fields<'w>(
     problems: &[Problem],
     drives: &[Complex32],

@@ -1,17 +1,17 @@
 //! Least squares of eq. (7) over all phases, by descent.
 //!
 //! ```text
-//! powers first    1/4 sum_j w_j (|P_j|^2 - t_j^2)^2                P = G q, |q_i| = 1
+//! powers first    1/4 sum_j w_j (|P_j|^2 - t_j^2)^2                P = G q, |q_i| = 1; weights w, targets t
 //! then moduli     1/2 sum_j w_j (a |P_j| - t_j)^2                  a <= 1 the common amplitude of least error
 //! ```
 //!
-//! Steps are those of [`crate::solvers::common::phase_descent`]. The moduli have a kink at every zero of the field, where
-//! descent is caught; the powers are smooth: a picture of 961 points ends at a third to nine tenths of the error that moduli
-//! alone end at. The first starts are those of a focus whose cone covers the points ([`crate::solvers::common::cover`]), whose
-//! fields have no zeros near the picture.
+//! The steps are those of [`crate::solvers::common::phase_descent`]. The moduli have a kink at every zero of the field,
+//! where descent gets stuck; the powers are smooth. A picture of 961 points ends at a third to nine tenths of the error
+//! that moduli alone end at. The first starts have a focus whose cone covers the points
+//! ([`crate::solvers::common::cover`]): their fields have no zeros near the picture.
 //!
-//! Below the balanced level amplitudes are free as well ([`with_amplitudes`]): from the drive of the balanced level, brought
-//! down, they meet what phases alone miss.
+//! Below the balanced level amplitudes are free as well ([`with_amplitudes`]). They start from the drive of the
+//! balanced level, with reduced amplitude, and meet the targets that phases alone miss.
 
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
@@ -29,40 +29,41 @@ use crate::solvers::common::phase_descent::{Cost, PhaseDescent};
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::workspace::Workspace;
 
-/// The effort of the search.
+/// Limits of the search.
 #[derive(Clone, Copy)]
 pub(crate) struct Task {
-    /// Steps of the best start, at most.
+    /// Largest number of steps of the best start.
     pub(crate) steps: usize,
-    /// Ends when ten steps lower the error by less than this part of it.
+    /// The search ends when ten steps lower the error by less than this part of it.
     pub(crate) tolerance: f64,
-    /// Starts, each followed for a fifth of the steps.
+    /// Number of starts; each is followed for a fifth of the steps.
     pub(crate) starts: usize,
     pub(crate) seed: u64,
-    /// The factor of the targets.
+    /// Factor of the targets.
     pub(crate) factor: f32,
-    /// Steps done before.
+    /// Number of steps done before.
     pub(crate) before: usize,
 }
 
-/// The result: the drive, how it ended, and steps taken of all.
+/// The result: the drive, its status, and the steps taken and in all.
 pub(crate) struct LeastSquares {
     pub(crate) drive: Vec<Complex32>,
     pub(crate) status: Status,
     pub(crate) steps: (usize, usize),
 }
 
-/// Steps by phases and amplitudes: with fewer points a step takes less time, and the last digits take more of them.
+/// Returns the largest number of steps by phases and amplitudes. With fewer points a step is faster, and the last
+/// digits need more steps.
 fn free_steps(points: usize) -> usize {
     (MOST_FREE_WORK / points.max(1)).clamp(LEAST_FREE, MOST_FREE)
 }
 
-/// Points times steps: some .3 s of 996 transducers.
+/// Largest product of points and steps: some .3 s with 996 transducers.
 const MOST_FREE_WORK: usize = 300_000;
 const LEAST_FREE: usize = 300;
 const MOST_FREE: usize = 1500;
 
-/// Ten steps by phases and amplitudes lower the error by this part of it, or are the last.
+/// Steps by phases and amplitudes end when ten of them lower the error by less than this part of it.
 const FREE_TOLERANCE: f64 = 3e-4;
 
 /// One of this many steps lowers the error of the powers.
@@ -71,13 +72,13 @@ const POWER_STEPS: usize = 5;
 /// Steps over which progress is measured.
 const SPAN: usize = 10;
 
-/// The error at which a target counts as met: f32 has no digits below.
+/// Error below which a target counts as met: f32 has no digits there.
 const LEAST_ERROR: f64 = 1e-6;
 
-/// Finds the drive of least squares: the best that descents from several starts reach.
+/// Returns the drive of the least squares that descents from several starts reach.
 ///
 /// # Errors
-/// More memory than allowed.
+/// More memory than allowed is needed.
 pub(crate) fn least_squares(
     problem: &Problem,
     task: &Task,
@@ -95,7 +96,7 @@ pub(crate) fn least_squares(
     let mut rng = Rng::new(task.seed);
     let mut follow = |descent: &mut PhaseDescent, requested: RowRequest, most: usize, control: &mut Control| {
         descend(descent, requested, &rows, (most, task.tolerance), |wave| {
-            // A step is reported when the next one begins: the last one's residual is that of the answer.
+            // A step is reported when the next one begins: the residual of the last one is that of the solution.
             let residual = || problem.residual(&requested.received(wave, task.factor));
             let stop = done > task.before && control.step(done, all, residual).is_break();
             done += usize::from(!stop);
@@ -135,10 +136,11 @@ pub(crate) fn least_squares(
     Ok(LeastSquares { drive, status, steps: (done, all) })
 }
 
-/// The drive of least squares that phases and amplitudes lead to from a `drive` near the targets, no worse than that.
+/// Returns the drive of the least squares that phases and amplitudes reach from a `drive` near the targets. It is no
+/// worse than that drive.
 ///
 /// # Errors
-/// More memory than allowed.
+/// More memory than allowed is needed.
 pub(crate) fn with_amplitudes(
     problem: &Problem,
     drive: &[Complex32],
@@ -173,7 +175,7 @@ pub(crate) fn with_amplitudes(
     Ok(LeastSquares { drive: out, status, steps: (done, all) })
 }
 
-/// Targets and weights of the rows, and the terms of the error.
+/// Targets and weights of the rows, and the kind of error.
 #[derive(Clone, Copy)]
 struct RowRequest<'a> {
     targets: &'a [f32],
@@ -188,13 +190,13 @@ enum Measure {
 }
 
 impl RowRequest<'_> {
-    /// |P|, target and weight of every row.
+    /// Returns |P|, target and weight of every row.
     fn terms(self, moduli: &[f32]) -> impl Iterator<Item = [f64; 3]> {
         let requested = self.targets.iter().zip(self.weights);
         moduli.iter().zip(requested).map(|(&m, (&t, &w))| [m, t, w].map(f64::from))
     }
 
-    /// The common amplitude a.
+    /// Returns the common amplitude a of the least error.
     fn amplitude(self, moduli: &[f32]) -> f32 {
         if self.measure == Measure::Powers {
             return 1.0;
@@ -203,7 +205,7 @@ impl RowRequest<'_> {
         if product < square { (product / square) as f32 } else { 1.0 }
     }
 
-    /// |P| of the answer as it is, for the problem's own targets.
+    /// Returns |P| at the common amplitude, in the unit of the problem's own targets.
     fn received(self, wave: &Wave, factor: f32) -> Vec<f32> {
         let amplitude = self.amplitude(&wave.moduli);
         wave.moduli.iter().map(|modulus| modulus * amplitude / factor).collect()
@@ -237,7 +239,7 @@ impl Cost for RowRequest<'_> {
     }
 }
 
-/// Steps until little is gained, `stop`, which is called before each, returns true, or they are `most`.
+/// Takes steps until they gain little, `stop` returns true or `most` are done. `stop` is called before each step.
 fn descend(
     descent: &mut PhaseDescent,
     requested: RowRequest,
@@ -268,14 +270,14 @@ fn descend(
     Status::OutOfSteps
 }
 
-/// The wave of the problem's start, else of q = 1, at full drive.
+/// Returns the wave of the problem's start, or of q = 1, at full drive.
 fn begun<'w>(problem: &Problem, rows: &Rows, work: &'w Workspace, control: &mut Control) -> Result<Wave<'w>, Error> {
     let start = Projector::new(rows, work).begin(problem, rows, work, control)?;
     let drive = start.drives(problem.propagation().transducers(), work);
     Ok(played(drive, rows, work))
 }
 
-/// The wave of a drive at full drive, 1 where it is 0.
+/// Returns the wave of a drive at full drive; drives of 0 become 1.
 fn played<'w>(drive: Vec<Complex32>, rows: &Rows, work: &'w Workspace) -> Wave<'w> {
     let full = |q: &Complex32| if *q == Complex32::ZERO { Complex32::ONE } else { *q };
     let mut wave = Wave::new(rows, work);
@@ -284,7 +286,7 @@ fn played<'w>(drive: Vec<Complex32>, rows: &Rows, work: &'w Workspace) -> Wave<'
     wave
 }
 
-/// The wave that targets of random phases reflect.
+/// Returns the projection of the targets with random phases.
 fn reflected<'w>(requested: RowRequest, rng: &mut Rng, rows: &Rows, work: &'w Workspace) -> Wave<'w> {
     let mut projector = Projector::new(rows, work);
     for (j, target) in requested.targets.iter().enumerate() {

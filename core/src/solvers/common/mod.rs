@@ -1,4 +1,4 @@
-//! Code that several solvers share.
+//! Parts that several solvers share.
 
 pub(crate) mod alternating_projection;
 pub(crate) mod back_projection;

@@ -1,11 +1,11 @@
-//! Quasi-Newton directions of limited memory (L-BFGS; Nocedal and Wright 2006, algorithm 7.4).
+//! Quasi-Newton directions with limited memory (L-BFGS; Nocedal and Wright 2006, algorithm 7.4).
 
 use crate::workspace::{Buffer, Workspace};
 
-/// Steps remembered: in trials 10 to 30 are alike.
+/// Number of steps stored; in trials 10 to 30 gave the same results.
 const MEMORY: usize = 16;
 
-/// A step counts that finds this much curvature, relative to its length and the change of the gradient.
+/// A step is stored if it finds this much curvature, relative to its length and to the change of the gradient.
 const LEAST_CURVATURE: f64 = 1e-8;
 
 /// The last steps and changes of the gradient, the latest last.
@@ -22,9 +22,9 @@ struct Pair<'w> {
     inverse: f64,
 }
 
-/// The inner product, in double precision.
+/// Returns the inner product in double precision.
 pub(crate) fn dot(a: &[f32], b: &[f32]) -> f64 {
-    // Four independent sums, which the processor adds at once.
+    // The four sums are independent, so the processor adds them at once.
     let mut sums = [0.0; 4];
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
     for (a, b) in a.iter().zip(b) {
@@ -36,7 +36,7 @@ pub(crate) fn dot(a: &[f32], b: &[f32]) -> f64 {
     (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
-/// b += factor a
+/// b += factor a.
 fn add(factor: f64, a: &[f32], b: &mut [f32]) {
     for (b, &a) in b.iter_mut().zip(a) {
         *b += factor as f32 * a;
@@ -48,17 +48,17 @@ impl<'w> QuasiNewton<'w> {
         Self { pairs: [const { None }; MEMORY], count: 0, work }
     }
 
-    /// Whether no step is stored.
+    /// Returns whether no step is stored.
     pub(crate) fn knows_nothing(&self) -> bool {
         self.count == 0
     }
 
-    /// Forgets all steps; whether there were any.
+    /// Removes all steps; returns whether there were any.
     pub(crate) fn forget(&mut self) -> bool {
         core::mem::take(&mut self.count) > 0
     }
 
-    /// Remembers a step and by how much it changed the gradient.
+    /// Stores a step and the change of the gradient by it, if it finds enough curvature.
     pub(crate) fn remember(&mut self, step: &[f32], change: &[f32]) {
         let (curvature, square) = (dot(step, change), dot(change, change));
         if curvature <= LEAST_CURVATURE * (square * dot(step, step)).max(f64::MIN_POSITIVE) {
@@ -78,12 +78,12 @@ impl<'w> QuasiNewton<'w> {
         self.count += 1;
     }
 
-    /// The pairs, the latest last.
+    /// Iterates over the stored steps, the latest last.
     fn known(&self) -> impl DoubleEndedIterator<Item = &Pair<'w>> {
         self.pairs[..self.count].iter().flatten()
     }
 
-    /// Replaces a gradient g by -H g, H the inverse of the curvature as far as it is known; by -g where nothing is.
+    /// Replaces a gradient g by -H g, H the inverse curvature from the stored steps; by -g if there are none.
     pub(crate) fn descend(&self, gradient: &mut [f32]) {
         let mut shares = [0.0; MEMORY];
         for (share, pair) in shares.iter_mut().zip(self.known().rev()) {
@@ -96,7 +96,7 @@ impl<'w> QuasiNewton<'w> {
         }
         for (share, pair) in shares[..self.count].iter().rev().zip(self.known()) {
             let back = pair.inverse * dot(&pair.change, gradient);
-            // The direction has been negated: so has the share.
+            // The direction has been negated, so the share is negated too.
             add(-share - back, &pair.step, gradient);
         }
     }

@@ -1,7 +1,7 @@
 //! Refinement on a board of few phases: a search over the neighbouring codes, one transducer after another.
 //!
-//! Plain rounding leaves errors that add up at random at the points. Rotating one transducer after another to the
-//! phase that best undoes them takes most of that back within a few rounds.
+//! Plain rounding leaves errors that add up at random at the points. The search rotates one transducer after another to
+//! the phase that reduces them most. A few rounds remove most of the error.
 
 use num_complex::Complex32;
 
@@ -13,21 +13,21 @@ use crate::problem::Problem;
 use crate::propagation::field_of;
 use crate::workspace::Workspace;
 
-/// Phases tried a transducer, around the present one: one group of lanes. All of a coarse device, and on a fine one
-/// more than any rounding error asks for.
+/// Phases tried for each transducer, around its present one: one lane group. These are all phases of a coarse device,
+/// and on a fine one more than any rounding error needs.
 const WIDTH: usize = 16;
 
-/// Rounds at most. In trials (N = 400, M = 16 and 64) the fifth took less than 3 % off sigma.
+/// Largest number of rounds. In trials (N = 400, M = 16 and 64) the fifth lowered sigma by less than 3 %.
 const ROUNDS: usize = 4;
 
-/// Brings `drive` (N,) to the device's quantization and rotates one transducer after another to the phase of the grid that
-/// lowers `sum w (s t - |P|)^2` most, the common level s estimated again each round. Without phase quantization it rounds
-/// (or, without any, does nothing). A drive of 0 stays 0, amplitudes stay.
+/// Rounds `drive` (N,) to the device's quantization. Then rotates one transducer after another to the phase of the grid
+/// that lowers `sum w (s t - |P|)^2` most; the common level s is estimated again each round. Without phase quantization
+/// it only rounds, and without any quantization it does nothing. A drive of 0 stays 0, and amplitudes stay.
 ///
-/// Time O(16 N M) a round and at most four rounds, memory O(M). A stop leaves the drive on the grid as it is.
+/// Time O(16 N M) a round and at most four rounds, memory O(M). A stop leaves the drive of that moment, on the grid.
 ///
 /// # Panics
-/// If `drive` has another length than the problem has transducers.
+/// If the length of `drive` is not the number of the problem's transducers.
 pub fn refine(problem: &Problem, drive: &mut [Complex32], work: &Workspace, control: &mut Control) {
     let propagation = problem.propagation();
     assert_eq!(drive.len(), propagation.transducers(), "one drive a transducer");
@@ -76,7 +76,7 @@ pub fn refine(problem: &Problem, drive: &mut [Complex32], work: &Workspace, cont
     }
 }
 
-/// s = `sum w t |P| / sum w t^2`: the level at which targets in these ratios fit the moduli best.
+/// Returns s = `sum w t |P| / sum w t^2`: the level at which targets in these ratios fit the moduli best.
 fn common_level(problem: &Problem, modulus: &[f32]) -> f32 {
     let points = modulus.iter().zip(problem.targets()).zip(problem.weights());
     let (met, requested) = points.fold((0.0_f64, 0.0_f64), |(met, requested), ((&p, &t), &w)| {

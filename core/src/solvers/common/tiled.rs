@@ -17,20 +17,20 @@ use crate::math::sqrtf;
 use crate::problem::{Problem, Solution, Status};
 use crate::workspace::{Aligned, Buffer, Workspace};
 
-/// The most that a target may be raised to the largest one's size: squares stay within f32.
+/// Largest factor by which a row is raised to the size of the largest target: squares stay within f32.
 const MOST_RAISED: f32 = 1e12;
 
-/// G as tiles of 16 transducers, a row a point.
+/// G as tiles of 16 transducers, with a row for each point.
 pub(crate) struct Rows<'w> {
-    /// The problem's point of each row.
+    /// The index of each row's point in the problem.
     pub(crate) order: Buffer<'w, u32>,
-    /// Rows of points with a target, where these come first.
+    /// Number of rows with a target, where these come first.
     pub(crate) targeted: usize,
-    /// Rows of G: the points, and zeros.
+    /// Number of rows of G: the points, then rows of zeros.
     pub(crate) count: usize,
     /// Length of a vector over the transducers.
     pub(crate) lanes: usize,
-    /// Factor of each row.
+    /// The factor that multiplied each row.
     pub(crate) scale: Buffer<'w, f32>,
     /// The largest target.
     pub(crate) target: f32,
@@ -39,14 +39,14 @@ pub(crate) struct Rows<'w> {
 }
 
 impl<'w> Rows<'w> {
-    /// G as it is, point by point.
+    /// Creates the rows of G unchanged, in the problem's order of points.
     pub(crate) fn new(problem: &Problem, work: &'w Workspace, control: &mut Control) -> Result<Self, Error> {
         Self::of(problem, work.counting(problem.propagation().points()), work, control)
     }
 
-    /// Each row divided by its point's target and multiplied by the largest, so that all points ask for the same. The
-    /// `quiet` points come last, each multiplied by its weight relative to the heaviest target's, so that all may leak the
-    /// same.
+    /// Creates rows divided by their points' targets and multiplied by the largest target, so that all rows request the
+    /// same pressure. The `quiet` points come last. Each of their rows is multiplied by its weight relative to the
+    /// largest weight of a target, so that the same leak is allowed in all.
     pub(crate) fn alike(
         problem: &Problem,
         quiet: &[u32],
@@ -69,7 +69,7 @@ impl<'w> Rows<'w> {
         Ok(rows)
     }
 
-    /// The rows of G of some points, those with a target first, in an order of theirs.
+    /// Creates the rows of G of the points `order`, those with a target first.
     pub(crate) fn of(
         problem: &Problem,
         order: Buffer<'w, u32>,
@@ -83,7 +83,7 @@ impl<'w> Rows<'w> {
         Ok(Self { targeted, target: targets.iter().copied().fold(0.0, f32::max), ..packed })
     }
 
-    /// Some rows of a matrix, without targets.
+    /// Creates some rows of a matrix, without targets.
     pub(crate) fn packed(
         set: InstructionSet,
         rows: rows::Rows,
@@ -111,12 +111,12 @@ impl<'w> Rows<'w> {
         }
     }
 
-    /// Real equations of even fields: one a targeted point, two a quiet one.
+    /// Returns the number of real equations of an even field: one for each targeted point, two for each quiet one.
     pub(crate) fn equations(&self) -> usize {
         2 * self.order.len() - self.targeted
     }
 
-    /// Multiplies the column of each transducer by its q: drives are relative to these from then on.
+    /// Multiplies the column of each transducer by its q; drives are then relative to these q.
     pub(crate) fn rotate(&mut self, [re, im]: &[Buffer<'_, f32>; 2]) {
         tiles::rotate_columns(self.set, self.planes.each_mut().map(|plane| &mut plane[..]), [re, im]);
     }
@@ -144,46 +144,46 @@ pub(crate) struct Wave<'w> {
 }
 
 impl<'w> Wave<'w> {
-    /// A wave to write: only its moduli are set, to 0.
+    /// Creates a wave to be written. Its moduli are 0, the rest is not set.
     pub(crate) fn new(rows: &Rows, work: &'w Workspace) -> Self {
         let pair = |size: usize| [(); 2].map(|()| work.floats.take_any(size));
         let (drive, field) = (pair(rows.lanes), pair(rows.count));
         Self { drive, field, moduli: work.floats.take(rows.count) }
     }
 
-    /// The result of a kernel, and its moduli.
+    /// Sets the wave to the result of a kernel, and computes its moduli.
     pub(crate) fn set(&mut self, kernel: impl FnOnce(tiles::Wave<'_>)) {
         let [drive, field] = [&mut self.drive, &mut self.field].map(|pair| pair.each_mut().map(|plane| &mut plane[..]));
         kernel(tiles::Wave { drive, field });
         self.measure();
     }
 
-    /// Reads the moduli off the field.
+    /// Computes the moduli from the field.
     pub(crate) fn measure(&mut self) {
         for (modulus, (re, im)) in self.moduli.iter_mut().zip(self.field[0].iter().zip(&self.field[1])) {
             *modulus = sqrtf(re * re + im * im);
         }
     }
 
-    /// Takes another `drive`, 0 for transducers without effect, and P = G q of it.
+    /// Sets the drive, 0 for transducers without effect, and P = G q.
     pub(crate) fn play(&mut self, rows: &Rows, drive: impl Iterator<Item = Complex32>) {
         self.take(rows, drive);
         self.hear(rows);
     }
 
-    /// P = G q of its own drive.
+    /// Computes P = G q of the wave's drive.
     pub(crate) fn hear(&mut self, rows: &Rows) {
         self.set(|wave| tiles::play(rows.set, rows.tiles(), wave));
     }
 
-    /// Like [`Wave::play`], with every |q| made 1, 0 staying 0.
+    /// Does the same as [`Wave::play`] with every |q| set to 1; 0 stays 0.
     pub(crate) fn play_at_full(&mut self, rows: &Rows, drive: impl Iterator<Item = Complex32>) {
         self.take(rows, drive);
         tiles::unit::normalise(rows.set, self.drive.each_mut().map(|plane| &mut plane[..]));
         self.hear(rows);
     }
 
-    /// Takes another `drive`, 0 for transducers without effect; the field is still that of the old one.
+    /// Sets the drive, 0 for transducers without effect. The field remains that of the old drive.
     pub(crate) fn take(&mut self, rows: &Rows, drive: impl Iterator<Item = Complex32>) {
         let [re, im] = &mut self.drive;
         re.fill(0.0);
@@ -193,23 +193,24 @@ impl<'w> Wave<'w> {
         }
     }
 
-    /// Like [`Wave::take`] of a list times a factor, 0 already for transducers without effect.
+    /// Does the same as [`Wave::take`] for a list times a factor, which is 0 for transducers without effect.
     pub(crate) fn scaled(&mut self, rows: &Rows, list: &[Complex32], factor: f32) {
         tiles::unit::scaled(rows.set, list, factor, self.drive.each_mut().map(|plane| &mut plane[..]));
     }
 
-    /// Like [`Wave::take`] of a list times the conjugates of another.
+    /// Does the same as [`Wave::take`] for a list times the conjugates of another list.
     pub(crate) fn relate(&mut self, rows: &Rows, list: &[Complex32], to: &[Complex32]) {
         tiles::unit::relative(rows.set, [list, to], self.drive.each_mut().map(|plane| &mut plane[..]));
     }
 
-    /// Rotates each q of the wave `from` by the phase atan(`factor` `rotations`) at |q| = 1, 0 staying 0, and P = G q.
+    /// Rotates each q of the wave `from` by the phase atan(`factor` `rotations`) at |q| = 1 (0 stays 0), and computes P
+    /// = G q.
     pub(crate) fn rotate(&mut self, rows: &Rows, from: &Wave<'_>, rotations: &[f32], factor: f32) {
         let [re, im] = &from.drive;
         self.set(|wave| tiles::unit::turn(rows.set, rows.tiles(), [re, im], rotations, factor, wave));
     }
 
-    /// Like [`Wave::rotate`], each q within an arc around 1.
+    /// Does the same as [`Wave::rotate`] with factor 1, and each q within an arc around 1.
     pub(crate) fn rotate_within(&mut self, rows: &Rows, from: &Wave<'_>, rotations: &[f32], arc: Arc) {
         let [re, im] = &from.drive;
         self.set(|wave| tiles::unit::turn_within(rows.set, rows.tiles(), [re, im], rotations, arc, wave));
@@ -221,8 +222,8 @@ impl<'w> Wave<'w> {
         own.zip(others).for_each(|(own, other)| own.copy_from_slice(other));
     }
 
-    /// The solution that it is, of rows as they are: a solver's last line. How the steps ended and how many they were, of
-    /// `steps`.
+    /// Returns the wave as a solver's solution; the rows are those of the problem, unchanged. The pair is the status
+    /// and the number of steps taken, of `steps`.
     pub(crate) fn solution(
         &self,
         problem: &Problem,
@@ -242,7 +243,7 @@ impl<'w> Wave<'w> {
         Ok(solution)
     }
 
-    /// The drives of `count` transducers.
+    /// Returns the drives of `count` transducers.
     pub(crate) fn drives(&self, count: usize, work: &Workspace) -> Vec<Complex32> {
         let mut drive = work.complexes.take(count);
         for (q, (&re, &im)) in drive.iter_mut().zip(self.drive[0].iter().zip(&self.drive[1])) {

@@ -1,4 +1,4 @@
-//! The answer: full drives that make points even, brought down to the targets.
+//! The answer: full drives that make the points even, reduced to the targets.
 
 use alloc::vec::Vec;
 
@@ -11,21 +11,22 @@ use crate::scene::Aim;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::workspace::Workspace;
 
-/// Full drives (N,), on the board's grid where it has phases, and the status of the search.
+/// Full drives (N,), on the board's grid if it has phases, and the status of the search.
 pub(crate) struct Answer {
     pub(crate) drive: Vec<Complex32>,
     pub(crate) status: Status,
-    /// Steps done, of how many.
+    /// Steps done, and steps planned.
     pub(crate) steps: (usize, usize),
     /// Whether a level between two amplitudes of the board is a mix of both.
     pub(crate) mixed: bool,
 }
 
 impl Answer {
-    /// Brings the drives down to the problem's targets where these are met; `wave` is their field at the rows.
+    /// Reduces the drives to the problem's targets if they are louder; `wave` is their field at the rows. Returns the
+    /// solution.
     ///
     /// # Errors
-    /// More memory than allowed.
+    /// More memory than allowed is needed.
     pub(crate) fn brought_down(
         self,
         problem: &Problem,
@@ -41,7 +42,7 @@ impl Answer {
         let factor = if lower { f64::from(rows.target / loudest) } else { 1.0 };
         let on_grid =
             status != Status::Stopped && quantization.is_some_and(|quantization| quantization.phases().is_some());
-        // Whether the rows are those of all the problem's points, in its units.
+        // Whether the rows are those of all points of the problem, in its units.
         let known = rows.order.len() == problem.propagation().points();
         if mixed && lower {
             let field = known.then(|| wave.received(problem, rows, 1.0, work));

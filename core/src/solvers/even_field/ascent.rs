@@ -1,16 +1,17 @@
-//! Ascent: the common level of points too close to be independent, raised while it is made even.
+//! Ascent: raises the common level of points that are too close to be independent, while it makes them even.
 //!
 //! ```text
 //! maximise s subject to |P_j| = s t_j,    with Lagrange multipliers y_j, sum_j y_j = 1
-//! D_i = Re(q_i sum_j y_j conj(P_j/|P_j|) G_ji)               the loss of sum_j y_j |P_j| by a rotation of q_i is D_i d_i^2/2
-//! (J D^-1 J^T + mu W^-1) y = s t - |P|                       for the new y, and s by their sum
-//! d = D^-1 J^T y
+//! D_i = Re(q_i sum_j y_j conj(P_j/|P_j|) G_ji)               a rotation d_i of q_i lowers sum_j y_j |P_j| by D_i d_i^2/2
+//! (J D^-1 J^T + mu W^-1) y = s t - |P|                       gives the new y; their sum gives s
+//! d = D^-1 J^T y                                             the rotations of all drives
 //! ```
 //!
-//! (sequential quadratic programming, Nocedal and Wright 2006, chapter 18.) Where points are a fraction of a wavelength
-//! apart, J J^T is singular but for rounding, and the shortest step to an even field, with the level free
-//! ([`crate::solvers::even_field::common_level`]), follows that noise and lets the level go. Here the multipliers hold
-//! the level up, and the damping mu falls slowly from a size at which only the smooth part of a field is seen.
+//! J are the derivatives of the moduli |P_j| by the drives' phases, t the targets and W the weights (sequential
+//! quadratic programming, Nocedal and Wright 2006, chapter 18). Where points are a fraction of a wavelength apart, J
+//! J^T is singular except for rounding. The shortest step to an even field with a free level
+//! ([`crate::solvers::even_field::common_level`]) then follows that noise and loses level. Here the multipliers keep
+//! the level high. The damping mu falls slowly from a size at which only the smooth part of a field matters.
 
 use crate::error::Error;
 use crate::kernels::tiles;
@@ -20,55 +21,55 @@ use crate::solvers::even_field::common_level::{MOST_ROTATION, Manner, Newton};
 use crate::solvers::even_field::run::Run;
 use crate::workspace::{Buffer, Workspace};
 
-/// How the damping mu, relative to the mean diagonal entry of J D^-1 J^T, falls from step to step.
+/// The course of the damping mu, relative to the mean diagonal entry of J D^-1 J^T, and the end of the ascent.
 #[derive(Clone, Copy)]
 pub(super) struct Pace {
-    /// Of the first step.
+    /// The damping of the first step.
     damping: f32,
-    /// The part that a step leaves.
+    /// The factor of the damping from step to step.
     shrink: f32,
-    /// The least: below it a step follows what hardly counts, or noise of f32.
+    /// The least damping: below it a step follows parts of no effect, or noise of f32.
     least: f32,
-    /// Steps at most.
+    /// Largest number of steps.
     pub(super) steps: usize,
-    /// An even field is the end once a step promises no more than this part of its level.
+    /// An even field is final once a step promises no more than this part of its level.
     settled: f32,
-    /// How the field is made even at the end: at a level, with what quiet points may leak of it.
+    /// Returns how the field is made even at the end, at a given level and allowed leak of quiet points.
     pub(super) manner: fn(level: f32, quiet: f32) -> Manner,
 }
 
 impl Pace {
-    /// For crowded targets. With a part of 0.85 a line of 33 points loses a tenth of the level, with 0.97 nothing more is
-    /// gained.
+    /// For crowded targets. With a `shrink` of .85 a line of 33 points loses a tenth of the level; .97 gains nothing
+    /// more.
     pub(super) const LOUD: Self =
         Self { damping: 1.0, shrink: 0.93, least: 1e-5, steps: 160, settled: f32::INFINITY, manner: Manner::crowded };
 
-    /// The first quarter of it, after which the weakest point tells how loud the end will be, within 3 %.
+    /// The first quarter of [`Self::LOUD`]. After it the weakest point shows the final level within 3 %.
     pub(super) const FIRST: Self = Self { steps: 40, ..Self::LOUD };
 
-    /// The damping after that quarter: .93^40 of the first.
+    /// The rest of [`Self::LOUD`]. The damping is then .93^40 of the first one.
     pub(super) const REST: Self = Self { damping: 0.0549, steps: 120, ..Self::LOUD };
 
-    /// For crowded quiet points around a few targets: their equations are linear, and there are many. A least damping of
-    /// 1e-5 costs 4 % of the level beside a disc of 172 points, one of 1e-3 lets them leak twice as much.
+    /// For crowded quiet points around a few targets: their equations are many and linear. Beside a disc of 172 points
+    /// a least damping of 1e-5 loses 4 % of the level, and one of 1e-3 lets them leak twice as much.
     pub(super) const SILENT: Self =
         Self { damping: 1e-2, shrink: 0.5, least: 1e-4, steps: 22, settled: f32::INFINITY, manner: Manner::silent };
 
-    /// For separate targets, even or nearly: whole steps.
+    /// For separate targets whose field is even or nearly even: whole steps.
     pub(super) const RISE: Self =
         Self { damping: 1e-6, shrink: 1.0, least: 1e-6, steps: 20, settled: 1e-5, manner: Manner::rising };
 
-    /// For few of them, whose phases still turn while their level hardly rises.
+    /// For a few separate targets, whose phases still turn while their level hardly rises.
     pub(super) const RISE_OF_FEW: Self = Self { steps: 60, settled: 1e-6, ..Self::RISE };
 }
 
-/// The least curvature D_i, relative to the mean: a transducer that hardly counts turns no further.
+/// Lower bound of the curvature D_i, relative to the mean: it limits the rotation of transducers of little effect.
 const LEAST_CURVATURE: f32 = 0.1;
 
 /// Raises the level of `wave`, and makes it as even as the last damping allows.
 ///
 /// # Errors
-/// More memory than allowed.
+/// More memory than allowed is needed.
 pub(super) fn climb<'w>(run: &mut Run<'_, '_, 'w>, pace: Pace, wave: &mut Wave<'w>) -> Result<(), Error> {
     let (rows, work) = (run.rows, run.work);
     let mut newton = Newton::new(run.problem, rows, run.plan.quiet, work, run.control)?;
@@ -130,7 +131,7 @@ pub(super) fn climb<'w>(run: &mut Run<'_, '_, 'w>, pace: Pace, wave: &mut Wave<'
     Ok(())
 }
 
-/// D^-1/2 of every transducer.
+/// D^-1/2 of every transducer, see the module's head.
 pub(super) struct Metric<'w> {
     pub(super) roots: Buffer<'w, f32>,
     /// y_j P_j/|P_j| over the rows of G.

@@ -1,11 +1,11 @@
-//! Coarse: drives of a board with few phases, searched for the loudest weakest point; transducers may be off.
+//! Coarse: searches the drives of a board with few phases for the loudest weakest point; transducers may be off.
 //!
 //! ```text
-//! E = sum_j (s/|P_j|)^2p,  p = 4, 8, 16           lower with every change of one transducer to another code of the grid
+//! E = sum_j (s/|P_j|)^2p,  p = 4, 8, 16           each change of a transducer to another code of the grid lowers E
 //! ```
 //!
-//! Two phases leave errors of a tenth at every point, and which of them a drive is rounded to depends on the phase that all
-//! drives have in common: several are tried.
+//! s is the mean of |P_j|. Two phases leave errors of a tenth at every point. A common phase of all drives changes
+//! which way each of them is rounded, so several common phases are tried.
 
 use num_complex::Complex32;
 
@@ -18,28 +18,28 @@ use crate::solvers::even_field::on_grid::FEWEST;
 use crate::solvers::even_field::run::Run;
 use crate::workspace::Buffer;
 
-/// Common phases tried, beside the drive as it is.
+/// Number of common phases tried, besides the drive as it is.
 const TURNS: usize = 8;
 
-/// p, two to the power of it, one after the other, and sweeps over the transducers at most of each.
+/// log2 of the values of p, one after another, and the largest number of sweeps over the transducers for each.
 const SHARPNESS: [u32; 3] = [2, 3, 4];
 const SWEEPS: usize = 8;
 
-/// The most codes of a transducer: those of seven phases, and off.
+/// Largest number of codes of a transducer: those of seven phases, and off.
 const MOST_CODES: usize = 8;
 
-/// The board, if it has so few phases and all points of the run have a target.
+/// Returns the board if it has few phases and all points of the run have a target.
 pub(super) fn board<'a>(run: &Run<'a, '_, '_>) -> Option<&'a Quantization> {
     let points = run.rows.order.len();
     let few = |board: &&Quantization| board.phases().is_some_and(|phases| phases < FEWEST);
     run.problem.quantization().filter(few).filter(|_| points > 1 && points == run.rows.targeted)
 }
 
-/// Raises the weakest target of a wave that lies on the grid, `free` being the same before rounding. A stop leaves the
-/// best so far.
+/// Raises the weakest target of a wave on the grid; `free` is its drive before rounding. A stop leaves the best result
+/// so far.
 ///
 /// # Errors
-/// More memory than allowed.
+/// More memory than allowed is needed.
 pub(super) fn raise<'w>(
     run: &mut Run<'_, '_, 'w>,
     quantization: &Quantization,
@@ -84,11 +84,11 @@ pub(super) fn raise<'w>(
     Ok(())
 }
 
-/// The columns of G at the targeted points, and the field under way.
+/// The columns of G at the targeted points, and the present field.
 struct Search<'a, 'w> {
     codes: &'a [Complex32],
     points: usize,
-    /// G_ji of a transducer after the other.
+    /// G_ji, one transducer after another.
     columns: [Buffer<'w, f64>; 2],
     field: [Buffer<'w, f64>; 2],
     /// s^2.
@@ -110,7 +110,7 @@ impl<'a, 'w> Search<'a, 'w> {
         Self { codes, points, columns, field: [(); 2].map(|()| work.doubles.take(points)), unit: 0.0 }
     }
 
-    /// Changes one transducer after the other as long as that lowers E.
+    /// Changes one transducer after another as long as that lowers E.
     fn descend(&mut self, run: &mut Run, wave: &Wave, drive: &mut [Complex32]) -> Result<(), Error> {
         let mean = f64::from(wave.level(run.rows));
         self.unit = mean * mean;
@@ -132,7 +132,7 @@ impl<'a, 'w> Search<'a, 'w> {
         Ok(())
     }
 
-    /// Sets one transducer to the code of the least E; whether that is another.
+    /// Sets one transducer to the code of the least E; returns whether it changed.
     fn turn(&mut self, i: usize, q: &mut Complex32, sharpness: u32) -> bool {
         let own = i * self.points..(i + 1) * self.points;
         let [re, im] = self.columns.each_ref().map(|plane| &plane[own.clone()]);

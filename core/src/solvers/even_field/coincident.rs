@@ -1,4 +1,4 @@
-//! Coincident points: those in one place get the mean of their targets.
+//! Coincident points: points in one place get the mean of their targets.
 
 use crate::control::{Control, bytes};
 use crate::error::Error;
@@ -7,12 +7,12 @@ use crate::kernels::tiles::products;
 use crate::solvers::common::tiled::Rows;
 use crate::workspace::Workspace;
 
-/// Points coincide whose rows are parallel to this part: they are about lambda/1000 apart.
+/// Rows of G that are parallel within this part belong to coincident points, about lambda/1000 apart.
 const COINCIDENT: f64 = 1e-5;
 
 /// Gives coincident points the mean of their targets. `powers` are those of the rows.
 ///
-/// One tile in the middle tells most points apart; only rows that look parallel there are compared as a whole.
+/// Most points differ in one tile in the middle. Only rows that look parallel there are compared as a whole.
 pub(super) fn merge(rows: &mut Rows, powers: &mut [f32], work: &Workspace, control: &mut Control) -> Result<(), Error> {
     let points = rows.targeted;
     let middle = rows.lanes / LANES / 2;
@@ -22,7 +22,7 @@ pub(super) fn merge(rows: &mut Rows, powers: &mut [f32], work: &Workspace, contr
     products::couplings(rows.set, rows.tiles(), middle..middle + 1, points, [&mut *re, &mut *im], control)?;
     let entry = |k: usize, l: usize| [&*re, &*im].map(|plane| f64::from(plane[k * points + l]));
     let own = |k: usize| entry(k, k)[0].max(f64::from(f32::MIN_POSITIVE));
-    // Rows that are parallel as a whole differ in the tile by no more than this, relative to their power there.
+    // Rows that are parallel as a whole differ in the tile by at most this, relative to their power there.
     let slack = |k: usize| 4.0 * COINCIDENT * (f64::from(powers[k]) / own(k)).max(1.0);
     let mut homes = work.counting(points);
     let mut apart = true;
@@ -54,7 +54,7 @@ pub(super) fn merge(rows: &mut Rows, powers: &mut [f32], work: &Workspace, contr
     Ok(())
 }
 
-/// Whether two whole rows are.
+/// Returns whether two whole rows are parallel.
 fn parallel(rows: &Rows, powers: &[f32], k: usize, l: usize) -> bool {
     let [re, im] = products::coupling(rows.set, rows.tiles(), k, l).map(f64::from);
     re * re + im * im >= (1.0 - 2.0 * COINCIDENT) * f64::from(powers[k]) * f64::from(powers[l])

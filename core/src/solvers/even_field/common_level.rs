@@ -1,8 +1,9 @@
 //! Gauss-Newton steps on |P_j| = s t_j, the level s free or given, until every point is even enough.
 //!
-//! With J the derivatives of the moduli, the shortest step that meets a level s is d = J^T y,
-//! (J J^T + mu W^-1) y = s p - |P|: an M x M system however many transducers there are. The free level is the one
-//! of the shortest step. A quiet point enters with two rows, Re P = Im P = 0, and a heavy one is damped less.
+//! J are the derivatives of the moduli |P| by the drives' phases, W the weights. The shortest step that meets a level s
+//! is d = J^T y with (J J^T + mu W^-1) y = s t - |P|: an M x M system for M points, however many transducers there are.
+//! The free level is the one with the shortest step. A quiet point has two rows, Re P = Im P = 0; a point of large
+//! weight is damped less.
 
 use crate::control::Control;
 use crate::error::Error;
@@ -13,70 +14,71 @@ use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::run::Run;
 use crate::workspace::{Buffer, Workspace};
 
-/// Steps at most between separate points: four are enough where the points are fewer than a quarter of the transducers,
-/// ten where they are half as many.
+/// Largest number of steps for separate points. Four suffice where the points are fewer than a quarter of the
+/// transducers, ten where they are half as many.
 pub(super) const MOST_STEPS: usize = 20;
 
-/// Damping of the first step between separate points ...
+/// Damping of the first step for separate points.
 const DAMPING: f32 = 1e-6;
 
-/// ... and between crowded ones.
+/// Damping of the first step for crowded points.
 const CROWDED_DAMPING: f32 = 1e-3;
 
-/// Targets amid crowded quiet points are even where none is off by more than this part of the level.
+/// Among crowded quiet points the targets are even if none is off by more than this part of the level.
 const SILENT: f32 = 1e-4;
 
-/// Between crowded points this many steps in a row may leave more than half of the squares: the next ones would, too.
+/// Number of steps in a row between crowded points that may leave more than half of the squared error; later ones
+/// would, too.
 const PATIENCE: usize = 6;
 
-/// Derivatives serve once more while a step leaves less than this part of the squares: most of a step's time goes into
-/// them.
+/// The Jacobian is used again after a step that leaves less than this part of the squared error, because computing it
+/// takes most of a step's time.
 const SLOW: f64 = 0.01;
 
 /// The largest change of a phase in rad: beyond it |P| is no longer near its tangent.
 pub(super) const MOST_ROTATION: f32 = 1.0;
 
-/// The part of what a quiet point may leak that a step aims at: of those between the points that are made silent, and of a
-/// step's own error, there is as much again.
+/// The part of the allowed leak at which a step aims for the quiet points. The rest is for points between those that
+/// are made silent, and for the error of a step.
 const WITHIN: f32 = 0.3;
 
-/// The least weight that differs from 0.
+/// The least weight that is not treated as 0.
 const LEAST_WEIGHT: f32 = 1e-6;
 
-/// The outcome of a wave.
+/// The outcome of [`polish`].
 pub(super) struct Polish {
-    /// Whether it is even to the plan's tolerance.
+    /// Whether the wave is even to the plan's tolerance.
     pub(super) even: bool,
-    /// Targeted points that depend on those before them, as they were at the first step: see [`DEPENDENT`].
+    /// Number of targeted points that depended on others at the first step, see [`DEPENDENT`].
     pub(super) dependent: usize,
 }
 
-/// An equation depends on those before it that leave less than this part of its diagonal entry of J J^T.
+/// An equation depends on earlier ones if these leave less than this part of its diagonal entry of J J^T.
 const DEPENDENT: f32 = 0.5;
 
-/// How [`polish`] goes about it.
+/// Parameters of [`polish`].
 #[derive(Clone, Copy)]
 pub(super) struct Manner {
-    /// The level, or that of the shortest step.
+    /// The level; `None` for the level of the shortest step.
     level: Option<f32>,
     /// Damping of the first step, relative to the mean diagonal entry of J J^T.
     damping: f32,
-    /// The least damping.
+    /// The least damping, relative to the mean diagonal entry of J J^T.
     least: f32,
-    /// Even enough, where the plan asks for more.
+    /// The largest deviation that counts as even, if it is larger than the plan's.
     tolerance: f32,
     most: usize,
-    /// Steps in a row that may bring little.
+    /// Number of steps in a row that may gain little.
     patience: usize,
 }
 
 impl Manner {
-    /// For separate points: to a level, or to the nearest by.
+    /// For separate points: to a given level, or to that of the shortest step.
     pub(super) fn separate(level: Option<f32>) -> Self {
         Self { level, damping: DAMPING, least: 0.0, tolerance: 0.0, most: MOST_STEPS, patience: MOST_STEPS }
     }
 
-    /// For crowded points: to a level, the smooth part of a field first.
+    /// For crowded points: to a level. High damping makes the smooth part of the field even first.
     pub(super) fn crowded(level: f32, _quiet: f32) -> Self {
         Self {
             level: Some(level),
@@ -88,12 +90,12 @@ impl Manner {
         }
     }
 
-    /// For separate points after an ascent: to the level nearest by.
+    /// For separate points after an ascent: to the level of the shortest step.
     pub(super) fn rising(_level: f32, _quiet: f32) -> Self {
         Self::separate(None)
     }
 
-    /// For crowded quiet points that may leak `quiet` of a level: what makes less than that is left alone.
+    /// For crowded quiet points that may leak `quiet` of a level; smaller leaks are ignored.
     pub(super) fn silent(level: f32, quiet: f32) -> Self {
         Self {
             level: Some(level),
@@ -109,7 +111,7 @@ impl Manner {
 /// Makes `wave` even.
 ///
 /// # Errors
-/// More memory than allowed.
+/// More memory than allowed is needed.
 pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, manner: Manner, wave: &mut Wave<'w>) -> Result<Polish, Error> {
     let Manner { level, mut damping, least, tolerance, most, patience } = manner;
     let (rows, work) = (run.rows, run.work);
@@ -128,7 +130,7 @@ pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, manner: Manner, wave: &mut W
         let before = newton.cost(rows, wave, level_here(wave));
         let renewed = if renew { newton.update(rows, wave, None, run.control) } else { Ok(()) };
         let tried = match renewed.and_then(|()| newton.step(rows, wave, level, damping, &mut trial, run.control)) {
-            // A step that the stop interrupts does not count.
+            // A step that a stop interrupts does not count.
             Err(Error::Stopped) => {
                 run.stopped = true;
                 break;
@@ -143,23 +145,24 @@ pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, manner: Manner, wave: &mut W
             renew = after > SLOW * before;
             fresh = false;
         } else {
-            // A failed step with a stale Jacobian: refresh it before changing the damping.
+            // A failed step with an old Jacobian: compute it again before changing the damping.
             (renew, damping) = if fresh { (false, 10.0 * damping) } else { (true, damping) };
             newton.factor = None;
         }
         run.report(wave);
     }
-    // More points than the transducers can make alike: the result is no weaker than the start, unless for quiet points.
+    // The transducers cannot make so many points even: the result is no weaker than the start, unless there are quiet
+    // points.
     if !even && rows.targeted == rows.order.len() && wave.lowest(rows) < begun.lowest(rows) {
         core::mem::swap(wave, &mut begun);
     }
     Ok(Polish { even, dependent: newton.dependent.unwrap_or(0) })
 }
 
-/// The factor of J J^T, damped, and the solution for a rise of the level.
+/// The factor of the damped J J^T, and its solution for a rise of the level.
 pub(crate) type Factor<'w> = (Cholesky<'w>, Buffer<'w, f32>);
 
-/// The linear system at a wave: the targeted points' moduli, then the quiet ones' real and imaginary parts.
+/// The linear system at a wave: the targeted points' moduli, then the quiet points' real and imaginary parts.
 pub(crate) struct Newton<'w> {
     pub(crate) dual: Dual<'w>,
     factor: Option<Factor<'w>>,
@@ -189,20 +192,20 @@ impl<'w> Newton<'w> {
         for (ease, &j) in ease.iter_mut().zip(points) {
             *ease = 1.0 / problem.weights()[j as usize].max(LEAST_WEIGHT);
         }
-        // A quiet point's weight is in its row already: its equations are damped like the others, relative to themselves.
+        // A quiet point's row is multiplied by its weight, so the damping is relative to the row's own size.
         for (ease, scale) in ease[targeted..].iter_mut().zip(rows.scale[targeted..].iter().cycle()) {
             *ease = (scale * scale).max(f32::MIN_POSITIVE);
         }
         Ok(Self { dual, factor: None, dependent: None, ease, rotations: work.floats.take_any(rows.lanes), quiet })
     }
 
-    /// The weighted squares of what is missing from `level`, relative to it.
+    /// Returns the weighted squared deviations from `level`, relative to it.
     pub(crate) fn cost(&self, rows: &Rows, wave: &Wave, level: f32) -> f64 {
         let missing = |k: usize| self.missing(rows, wave, k, level) / level;
         (0..self.dual.size).map(|k| f64::from(missing(k) * missing(k) / self.ease[k])).sum()
     }
 
-    /// The deficit of an equation at a level: that of a quiet point is smaller the nearer its leak is to the allowed one.
+    /// Returns how much an equation misses at a level. A quiet point misses only its leak above the allowed one.
     pub(super) fn missing(&self, rows: &Rows, wave: &Wave, equation: usize, level: f32) -> f32 {
         let points = rows.order.len();
         let (value, modulus) = match equation {
@@ -216,7 +219,7 @@ impl<'w> Newton<'w> {
         if modulus <= WITHIN * self.quiet * level { 0.0 } else { value * (WITHIN * self.quiet * level / modulus - 1.0) }
     }
 
-    /// Derivatives at a wave, in a metric of the transducers.
+    /// Computes the derivatives at a wave, in a metric of the transducers.
     pub(crate) fn update(
         &mut self,
         rows: &Rows,
@@ -234,7 +237,8 @@ impl<'w> Newton<'w> {
         self.dual.derive(rows, wave, (0..points).chain(targeted..points), metric, control)
     }
 
-    /// The factor of the damped matrix and the solution for a rise of the level; `None` if f32 cannot factor it.
+    /// Returns the factor of the damped matrix and the solution for a rise of the level; `None` if f32 cannot factor
+    /// it.
     pub(crate) fn factored(
         &self,
         rows: &Rows,
@@ -251,7 +255,7 @@ impl<'w> Newton<'w> {
         Ok(Some((cholesky, rise)))
     }
 
-    /// The multipliers y of the shortest step J^T y from a wave to a level, or to the one that is nearest by.
+    /// Returns the multipliers y of the shortest step J^T y from a wave to a level, or with a free level.
     pub(crate) fn shortest(
         &self,
         rows: &Rows,
@@ -259,7 +263,7 @@ impl<'w> Newton<'w> {
         (cholesky, rise): &Factor<'w>,
         level: Option<f32>,
     ) -> Buffer<'w, f32> {
-        // From the mean level, since s times one solution less another would cancel most digits.
+        // The solution starts from the mean level: s times one solution less another would cancel most digits.
         let middle = wave.level(rows);
         let mut dual = self.dual.work.floats.take(rise.len());
         for (k, dual) in dual.iter_mut().enumerate().take(self.dual.size) {
@@ -272,7 +276,7 @@ impl<'w> Newton<'w> {
         dual
     }
 
-    /// Writes the steepest descent of what is missing from the mean level into `rotations`.
+    /// Writes the steepest descent of the deviations from the mean level to `rotations`.
     pub(crate) fn descent(&mut self, rows: &Rows, wave: &Wave, control: &mut Control) -> Result<(), Error> {
         self.update(rows, wave, None, control)?;
         let level = wave.level(rows);
@@ -284,8 +288,8 @@ impl<'w> Newton<'w> {
         Ok(())
     }
 
-    /// Writes the shortest step to the nearest level into `rotations`, in a metric of the transducers; `false` if f32 cannot
-    /// find one.
+    /// Writes the shortest step with a free level to `rotations`, in a metric of the transducers. Returns `false` if
+    /// f32 cannot find one.
     pub(crate) fn direction(
         &mut self,
         rows: &Rows,
@@ -299,7 +303,8 @@ impl<'w> Newton<'w> {
         Ok(self.dual.back(&dual, &mut self.rotations).is_finite())
     }
 
-    /// Writes the wave after a step with the last derivatives into `trial`; returns `false` if f32 cannot factor the system.
+    /// Writes the wave after a step with the last derivatives to `trial`; returns `false` if f32 cannot factor the
+    /// system.
     fn step(
         &mut self,
         rows: &Rows,

@@ -1,17 +1,18 @@
-//! Cones: waves whose focus lies before or behind all points, smooth where the points are.
+//! Cones: starts whose waves have one focus in front of or behind all points, so that their fields are smooth there.
 
 use crate::math::{phasor, sqrt};
 use crate::scene::distance;
 use crate::solvers::even_field::point_phases::{Foci, Starts};
 use crate::solvers::even_field::run::Run;
 
-/// How far the focus lies from the middle of the points, away from the array, in parts of their root mean square distance.
+/// Distances of the focus from the middle of the points, away from the array, relative to their root mean square
+/// distance.
 const PLACES: [f64; 6] = [1.0, 2.0, 4.0, -1.0, -2.0, -4.0];
 
-/// How many there are.
+/// Number of cones.
 pub(super) const COUNT: usize = PLACES.len();
 
-/// The phases that a cone has at the points; `None` of a matrix, whose points have no places.
+/// Returns the phases of a cone at the points; `None` if the points have no known places.
 pub(super) fn start<'w>(run: &Run<'_, '_, 'w>, foci: &Foci, which: usize) -> Option<Starts<'w>> {
     let (rows, work, setup) = (run.rows, run.work, run.problem.setup());
     let points = run.problem.propagation().control_points()?;

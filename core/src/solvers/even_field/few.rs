@@ -1,4 +1,4 @@
-//! Few points: the start that their highest level has, found by branching over the points' phases.
+//! Few points: the start of their highest level, found by branch and bound over the points' phases.
 
 use crate::error::Error;
 use crate::math::phasor;
@@ -6,16 +6,16 @@ use crate::problem::optimum::{self, Effort};
 use crate::solvers::even_field::point_phases::Starts;
 use crate::solvers::even_field::run::Run;
 
-/// Targets at most: the phases of three take milliseconds, those of four a hundred times as long.
+/// Largest number of targets: the phases of three take milliseconds, those of four a hundred times as long.
 pub(super) const FEW: usize = 3;
 
-/// Fields that the steps to an even field find by themselves need no search.
+/// Effort of the search. It is small, because later steps improve the field.
 const EFFORT: Effort = Effort { gap: 1e-4, boxes: 512 };
 
-/// The phases and weights of the highest level; `None` after a stop.
+/// Returns the point phases and weights of the highest level; `None` after a stop.
 ///
 /// # Errors
-/// More memory than allowed.
+/// More memory than allowed is needed.
 pub(super) fn start<'w>(run: &mut Run<'_, '_, 'w>) -> Result<Option<Starts<'w>>, Error> {
     let (rows, work) = (run.rows, run.work);
     let mut own = [(); 2].map(|()| work.floats.take(rows.lanes));
@@ -27,7 +27,7 @@ pub(super) fn start<'w>(run: &mut Run<'_, '_, 'w>) -> Result<Option<Starts<'w>>,
             to.iter_mut().zip(own).for_each(|(to, own)| *to = f64::from(*own));
         }
     }
-    // Of conj(G): all phases are those of the conjugates.
+    // The planes contain conj(G), so the phases found are those of the conjugates.
     let planes = planes.each_ref().map(|plane| &plane[..]);
     let found = match optimum::search(rows.set, planes, rows.targeted, EFFORT, work, run.control) {
         Err(Error::Stopped) => {

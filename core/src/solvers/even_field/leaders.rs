@@ -1,27 +1,27 @@
-//! Leaders: the loudest few of many fields.
+//! Leaders: the few loudest of many fields.
 
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::workspace::Workspace;
 
-/// Fields at most.
+/// Largest number of fields.
 pub(super) const MOST: usize = 3;
 
-/// The weakest target of each field, and the field.
+/// The fields and the level of their weakest targets.
 pub(super) struct Leaders<'w> {
     fields: [Option<(f32, Wave<'w>)>; MOST],
     most: usize,
 }
 
-/// Fields whose weakest targets agree to this part are one field.
+/// Fields whose weakest targets agree within this part count as one field.
 const ALIKE: f32 = 1e-5;
 
 impl<'w> Leaders<'w> {
-    /// Of at most `most`.
+    /// Creates an empty list for at most `most` fields.
     pub(super) fn new(most: usize) -> Self {
         Self { fields: [const { None }; MOST], most: most.min(MOST) }
     }
 
-    /// Keeps a copy of `wave` if it is louder than another, or there is room.
+    /// Adds a copy of `wave` if there is room or if it is louder than another field, which it replaces.
     pub(super) fn offer(&mut self, wave: &Wave, rows: &Rows, work: &'w Workspace) {
         let lowest = wave.lowest(rows);
         let level = |field: &Option<(f32, Wave)>| field.as_ref().map_or(f32::NEG_INFINITY, |(level, _)| *level);
@@ -36,7 +36,7 @@ impl<'w> Leaders<'w> {
         }
     }
 
-    /// The fields kept.
+    /// Returns the stored fields.
     pub(super) fn fields(&self) -> impl Iterator<Item = &Wave<'w>> {
         self.fields.iter().flatten().map(|(_, wave)| wave)
     }

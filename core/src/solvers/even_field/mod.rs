@@ -1,21 +1,21 @@
 //! Even fields at the highest common level, in the steps of [`solve`]:
 //!
-//! 1. *Start* ([`point_phases`], [`weighted_sweeps`]): point phases that reinforce one another are found on G, or several
-//!    on the matrix of couplings; weighted Gerchberg-Saxton sweeps with |q| = 1 raise the weakest points. `best` has the start
-//!    of the highest level of [`few`] points.
-//! 2. *Make even* ([`common_level`]): Gauss-Newton steps on |P_j| = s p_j, the level s free.
-//! 3. *Raise*, if the points are crowded ([`Regime`]): least squares on the targets ([`targets`]), and steps that hold the
-//!    level up while they make it even ([`ascent`]). `best` goes through the [`soft_minimum`] and the [`penalty`] from
-//!    [`cones`], and from random phases; so does any plan that finds no even field. `best` carries the loudest even fields
-//!    ([`leaders`]) of separate points on, too.
-//! 4. *Lift to the target*, if free steps ended below it.
-//! 5. *Stiffen*, if the points are traps ([`traps`]; of frames that follow one another [`traps_within`]).
-//! 6. *Bring to the grid* of the board ([`on_grid`], with few phases [`coarse`]), and down to the targets ([`answer`]).
+//! 1. *Start* ([`point_phases`], [`weighted_sweeps`]): point phases that reinforce each other are found on G, or
+//!    several on the matrix of couplings; weighted Gerchberg-Saxton sweeps with |q| = 1 raise the weakest points.
+//!    `best` uses the start of the highest level of [`few`] points.
+//! 2. *Make even* ([`common_level`]): Gauss-Newton steps on |P_j| = s t_j, the level s free.
+//! 3. *Raise*, if the points are crowded ([`Regime`]): least squares on the targets ([`targets`]), and steps that make
+//!    the field even and keep its level ([`ascent`]). `best` also uses the [`soft_minimum`] and the [`penalty`] from
+//!    [`cones`] and from random phases; so does any plan that finds no even field. For separate points `best` raises
+//!    the loudest even fields ([`leaders`]), too.
+//! 4. *Lift to the target*, if the steps with a free level ended below it.
+//! 5. *Stiffen*, if the points are traps ([`traps`]; in a sequence of frames [`traps_within`]).
+//! 6. *Round* to the board's grid ([`on_grid`], with few phases [`coarse`]), and reduce to the targets ([`answer`]).
 //!
-//! Where that misses the targets, points that are crowded or to be quiet get the drive of least squares ([`nearest`]): so do
-//! pictures, of which no even field is looked for.
+//! If this misses the targets, crowded and quiet points get the drive of least squares ([`nearest`]). Pictures get it
+//! without a search for an even field.
 //!
-//! Rows of G are divided by their targets, so that all points ask for the same; the quiet ones come last.
+//! Rows of G are divided by their targets, so that all points request the same pressure; the quiet points come last.
 
 pub(crate) mod answer;
 pub(crate) mod ascent;
@@ -60,25 +60,25 @@ use crate::solvers::even_field::search::Search;
 use crate::solvers::even_field::silence::Silence;
 use crate::workspace::Workspace;
 
-/// Crowded points whose even field has less than this part of the balanced level are made even from other starts, too.
+/// If the even field of crowded points has less than this part of the balanced level, other starts are tried, too.
 const LOUD: f32 = 0.5;
 
-/// How the points of a scene depend on one another, and so which steps make their field even.
+/// Dependence of the points of a scene on each other. It decides which steps make their field even.
 #[derive(Clone, Copy, PartialEq)]
 enum Regime {
-    /// Points apart: the shortest steps to an even field keep the level.
+    /// Independent points: the shortest steps to an even field keep the level.
     Separate,
-    /// A few targets amid crowded quiet points, whose equations are linear: a short ascent from each start.
+    /// A few targets among crowded quiet points, whose equations are linear: a short ascent from each start.
     Silent,
-    /// Points too close to be independent, or too many to be even: the shortest steps let the level go.
+    /// Points too close to be independent, or too many to be even: the shortest steps would lose the level.
     Crowded,
 }
 
-/// Returns the drive that meets the targets, or comes nearest to them: the even one, unless it misses them and another does
-/// not.
+/// Returns the drive that meets the targets or is nearest to them: the even one, unless it misses them and another is
+/// nearer.
 ///
 /// # Errors
-/// More memory than allowed; a stop before there is a drive.
+/// More memory than allowed is needed, or a stop came before the first drive.
 pub(crate) fn meet(
     problem: &Problem,
     plans: &[Plan],
@@ -93,7 +93,7 @@ pub(crate) fn meet(
     let loud = || problem.targets()[..problem.propagation().points()].iter().all(|&target| target > 0.0);
     let leaks = problem.leaks(quiet, &solution).is_some();
     let missed = leaks || problem.missed(true, Some(quiet), &solution).is_some();
-    // Of points apart the highest common level is the answer, reached or not; of others if it is reached.
+    // For separate points the highest common level is the solution, reached or not; for others only if it is reached.
     let highest = loud() && regime == Some(Regime::Separate) || reached && !leaks;
     if highest || !missed || problem.aim() == Aim::Max {
         return Ok(solution);
@@ -104,10 +104,10 @@ pub(crate) fn meet(
     nearest::nearer(problem, quiet, [solution, nearest], uneven, work, control)
 }
 
-/// Returns an even drive, at the level that the problem aims at: the best that any of some plans finds.
+/// Returns the best even drive that any of the plans finds, at the level that the problem aims at.
 ///
 /// # Errors
-/// More memory than allowed; a stop before there is a drive.
+/// More memory than allowed is needed, or a stop came before the first drive.
 pub(crate) fn solve(
     problem: &Problem,
     plans: &[Plan],
@@ -117,21 +117,21 @@ pub(crate) fn solve(
     even(problem, plans, work, control).map(|even| even.solution)
 }
 
-/// An even field's answer.
+/// The solution of an even field.
 struct Even {
     solution: Solution,
-    /// How the points depend on one another; `None` where the field is not even.
+    /// Dependence of the points on each other; `None` if the field is not even.
     regime: Option<Regime>,
-    /// Whether it is even and reaches the targets, until a board's amplitudes bring it down.
+    /// Whether the field is even and reaches the targets, before a board's amplitudes reduce it.
     reached: bool,
 }
 
-/// As [`solve`].
+/// Does the work of [`solve`].
 fn even(problem: &Problem, plans: &[Plan], work: &Workspace, control: &mut Control) -> Result<Even, Error> {
     let silence = Silence::of(problem, plans[0].quiet, work, control)?;
     let mut rows = Rows::alike(problem, &silence.points, work, control)?;
     let foci = Foci::of(&mut rows, work, control)?;
-    // A start that is given is the only one.
+    // A given start is the only one.
     let plans = if problem.has_start() { &plans[plans.len() - 1..] } else { plans };
     let mut run = Run::new(problem, &rows, plans[0], MOST_STEPS, work, control);
     let raised = plans.iter().map(|plan| plan.raised(&rows)).max().unwrap_or(0);
@@ -174,8 +174,8 @@ fn even(problem: &Problem, plans: &[Plan], work: &Workspace, control: &mut Contr
     Ok(Even { solution, regime, reached })
 }
 
-/// Makes the fields of all starts even as the `expected` regime does, and returns the regime that the points turned out
-/// to be in.
+/// Makes the fields of all starts even with the steps of the `expected` regime. Returns the regime that the points
+/// turned out to have.
 fn make_even<'w>(
     run: &mut Run<'_, '_, 'w>,
     search: &mut Search<'w>,
@@ -206,8 +206,8 @@ fn make_even<'w>(
     Ok(Regime::Separate)
 }
 
-/// Raises the level of crowded points. Returns the drive nearest to the targets instead where no even field was found
-/// that reaches them.
+/// Raises the level of crowded points. If no even field reaches the targets, it returns the drive nearest to them
+/// instead.
 fn raise<'w>(
     run: &mut Run<'_, '_, 'w>,
     search: &mut Search<'w>,
@@ -217,7 +217,7 @@ fn raise<'w>(
     let (target, given) = (run.rows.target, run.problem.has_start());
     let alone = run.rows.targeted == run.rows.order.len();
     let nearest = if given { None } else { Some(targets::approach(run, search)?) };
-    // Where all targets are nearly met, no other level is looked for.
+    // If all targets are nearly met, no other level is searched.
     let wanted = run.problem.aim() == Aim::Target;
     let near = wanted && nearest.as_ref().is_some_and(|nearest| nearest.near);
     let unfinished = |run: &Run, search: &Search| {
@@ -244,7 +244,7 @@ fn raise<'w>(
         }
     }
     let Some(nearest) = nearest else { return Ok(None) };
-    // No even field was found, or one that is weaker.
+    // No even field was found, or only one that is weaker.
     if wanted && !run.stopped && (!search.even || near && !search.reaches(target)) {
         return Ok(Some(nearest.drive));
     }
@@ -252,8 +252,8 @@ fn raise<'w>(
     Ok(None)
 }
 
-/// Makes the field even at the target: with many points it may lie above the level where free steps end, and still be in
-/// reach.
+/// Makes the field even at the target if it ended below. With many points the target may be reachable above the level
+/// of the free steps.
 fn lift_to_target<'w>(run: &mut Run<'_, '_, 'w>, search: &mut Search<'w>) -> Result<(), Error> {
     let (rows, propagation) = (run.rows, run.problem.propagation());
     let below = run.problem.aim() == Aim::Target && search.lowest < rows.target;

@@ -1,10 +1,10 @@
 //! Nearest: the drive whose field is nearest to the targets, where points cannot be even or miss their targets.
 //!
-//! 1. *Phases* of least squares at the balanced level ([`least_squares`]), or at the targets where these are higher: all
+//! 1. *Phases* of least squares ([`least_squares`]) at the balanced level, or at the targets if these are higher: all
 //!    power goes to the targets.
-//! 2. *Meet* the targets by Gauss-Newton steps, where all are near ([`met`]).
-//! 3. *Phases and amplitudes* at the targets ([`with_amplitudes`]), where these are not met and the board has amplitudes: below
-//!    the balanced level there is freedom left, which one amplitude for all throws away.
+//! 2. *Meet* the targets by Gauss-Newton steps if all are nearly met ([`met`]).
+//! 3. *Phases and amplitudes* at the targets ([`with_amplitudes`]), if these are not met and the board has amplitudes.
+//!    Below the balanced level separate amplitudes are a freedom that one common amplitude does not use.
 
 use crate::control::Control;
 use crate::device::quantization::Quantization;
@@ -16,39 +16,39 @@ use crate::solvers::common::least_squares::{LeastSquares, Task, least_squares, w
 use crate::solvers::even_field::targets::met;
 use crate::workspace::Workspace;
 
-/// More points than that are a picture: an even field of theirs takes seconds ...
+/// More points are a picture: their even field would take seconds.
 const PICTURE: usize = 400;
 
-/// ... and more than that, where they are to be unlike: their even field is far below the targets.
+/// More points with different targets are a picture: their even field would be far below the targets.
 const UNLIKE: usize = 150;
 
-/// Fewer that are to sound are no picture, but few points amid a quiet zone.
+/// Fewer points with a target are no picture, but a few points in a quiet zone.
 const LIT: usize = 32;
 
-/// Steps of points that are to be all alike: their error falls on and on, where that of a picture comes to an end.
+/// Steps for points of equal targets: their error goes on falling, where that of a picture stops.
 const STEPS_ALIKE: usize = 1500;
 
-/// A board of fewer amplitudes plays all transducers at one.
+/// A board of fewer amplitudes plays all transducers at the same one.
 const AMPLITUDES: usize = 16;
 
-/// An even answer gives way to another that misses this part of what it misses.
+/// An even solution is replaced only by one whose error is at most this part of its error.
 const MUCH: f64 = 0.33;
 
-/// A gain of less than a thousandth is no gain: rounding decides there.
+/// A new error must be below this part of the old: rounding decides smaller gains.
 const BETTER: f64 = 0.999;
 
-/// The error that needs no amplitudes.
+/// An error below this needs no free amplitudes.
 const MET: f64 = 1e-3;
 
-/// The work that is usual.
+/// Limits of the usual search.
 pub(super) const USUAL: Task = Task { steps: 500, tolerance: 5e-4, starts: 3, seed: 0, factor: 1.0, before: 0 };
 
-/// Whether all targets are the same.
+/// Returns whether all targets are equal.
 fn alike(problem: &Problem) -> bool {
     problem.targets()[..problem.propagation().points()].windows(2).all(|pair| pair[0] == pair[1])
 }
 
-/// Whether a problem is a picture, with targets to be met: of this many points no even field is looked for.
+/// Returns whether a problem is a picture with targets to be met: for so many points no even field is searched.
 pub(super) fn is_picture(problem: &Problem) -> bool {
     let points = problem.propagation().points();
     let lit = problem.targets().iter().filter(|&&target| target > 0.0).count();
@@ -56,15 +56,15 @@ pub(super) fn is_picture(problem: &Problem) -> bool {
     many && lit >= LIT && problem.aim() == Aim::Target && !problem.has_start()
 }
 
-/// The work that a picture takes.
+/// Returns the limits of the search for a picture.
 pub(super) fn for_picture(problem: &Problem) -> Task {
     Task { steps: if alike(problem) { STEPS_ALIKE } else { USUAL.steps }, ..USUAL }
 }
 
-/// The drive nearest to the targets.
+/// Returns the drive nearest to the targets.
 ///
 /// # Errors
-/// More memory than allowed; a stop before there is a drive.
+/// More memory than allowed is needed, or a stop came before the first drive.
 pub(crate) fn nearest(
     problem: &Problem,
     task: Task,
@@ -98,11 +98,11 @@ pub(crate) fn nearest(
     nearer(problem, 0.0, [alone, both], true, work, control)
 }
 
-/// The second of two answers, unless the first misses less once a board has rounded both; an even one gives way only to
-/// one that meets the targets, unless it is as good as `uneven`.
+/// Returns the second of two solutions, unless the first misses less after a board has rounded both. If the first is
+/// even (not `uneven`), the second must meet the targets or be much nearer to them.
 ///
 /// # Errors
-/// A stop, if it is the first.
+/// A stop, if it came before the first solution.
 pub(super) fn nearer(
     problem: &Problem,
     quiet: f64,
@@ -124,7 +124,7 @@ pub(super) fn nearer(
     Ok(first)
 }
 
-/// Whether each transducer may have an amplitude of its own.
+/// Returns whether each transducer may have an amplitude of its own.
 fn has_amplitudes(problem: &Problem) -> bool {
     let table = problem.quantization().and_then(Quantization::amplitudes);
     table.is_none_or(|table| table.len() >= AMPLITUDES)

@@ -1,4 +1,4 @@
-//! An even field brought to a board's grid: error diffusion, or a search of the neighbouring codes where there are few.
+//! Rounds an even field to a board's grid by error diffusion, or with few phases by a search of neighbouring codes.
 
 use crate::device::quantization::Quantization;
 use crate::error::Error;
@@ -7,12 +7,13 @@ use crate::solvers::common::refinement::refine;
 use crate::solvers::common::tiled::Wave;
 use crate::solvers::even_field::run::Run;
 
-/// Fewer phases are too far apart for tangents: error diffusion then loses a tenth of the level.
+/// Least number of phases for error diffusion. Fewer are too far apart for tangents: it would lose a tenth of the
+/// level.
 pub(super) const FEWEST: u32 = 8;
 
-/// Brings `wave` to the board's grid, if it has one and the run was not stopped, and leaves the points as even as the
-/// grid allows, and its field again. A field that is not `even` has errors too large to be taken back by the next
-/// transducers: it is searched, too. After a stop the drive is partly where it was.
+/// Rounds `wave` to the board's grid, if it has one and the run was not stopped, and computes its field again. The
+/// points stay as even as the grid allows. A field that is not `even` has errors too large for the next transducers to
+/// correct: the neighbouring codes are searched, too. After a stop the drive is partly unchanged.
 pub(super) fn bring(run: &mut Run, even: bool, wave: &mut Wave<'_>) {
     if let Some(quantization) = run.problem.quantization()
         && !run.stopped
@@ -51,7 +52,7 @@ fn round(run: &mut Run, quantization: &Quantization, even: bool, wave: &mut Wave
         if points > 1 {
             refine(problem, &mut drive, work, control);
         } else {
-            // One point is alike on any grid.
+            // A single point is even with any codes.
             quantization.grid().round(rows.set, 1.0, [1.0; 2], &mut drive);
         }
         wave.play(rows, drive.iter().copied());

@@ -1,15 +1,15 @@
-//! Penalty: the highest common level of points of which each is almost a sum of others, by what evenness is worth.
+//! Penalty: the highest common level of points that nearly depend on each other, with a penalty for uneven fields.
 //!
 //! ```text
 //! maximise F = mean |P| - sum_j (|P_j| - mean |P|)^2 / (2 rho)      rho = r times the level, smaller and smaller
 //! y_j = 1/M + (mean |P| - |P_j|)/rho                                the multipliers, of sum 1
-//! (J D^-1 J^T + rho (1 + tau)) y' = s - |P|                         for the next ones, and s by sum y' = 1/(1 + tau)
-//! d = D^-1 J^T y'
+//! (J D^-1 J^T + rho (1 + tau)) y' = s - |P|                         the next multipliers; s from sum y' = 1/(1 + tau)
+//! d = D^-1 J^T y'                                                   the rotations of the drives
 //! ```
 //!
-//! (quadratic penalty, Nocedal and Wright 2006, chapter 17.1; D as in [`crate::solvers::even_field::ascent`].) A step that
-//! does not raise F is tried again with a larger tau. rho keeps the matrix regular: its inverse is good in f32, where that
-//! of the even field itself is noise.
+//! (quadratic penalty, Nocedal and Wright 2006, chapter 17.1; J and D as in [`crate::solvers::even_field::ascent`].) A
+//! step that does not raise F is tried again with a larger tau. rho keeps the matrix regular: its inverse is accurate
+//! in f32, where that of the even field itself is noise.
 
 use core::ops::Range;
 
@@ -20,40 +20,41 @@ use crate::solvers::even_field::common_level::Newton;
 use crate::solvers::even_field::run::Run;
 use crate::workspace::Buffer;
 
-/// r, one after the other, until the points are [`CLOSE`]: the first tell how loud the end will be.
+/// Values of r, one after another, until the points are [`CLOSE`]. The first two show how loud the end will be.
 const PARTS: [f32; 10] = [1.0, 0.3, 0.1, 0.03, 0.01, 4e-3, 2e-3, 1e-3, 7e-4, 4e-4];
 pub(super) const ALL: Range<usize> = 0..PARTS.len();
 pub(super) const FIRST: Range<usize> = 0..2;
 pub(super) const REST: Range<usize> = 2..PARTS.len();
 
-/// Points are even where none is off by more than this part of the level: each half of it costs crowded ones some 2 % of that.
+/// Points are even if none is off by more than this part of the level. Half of it would lose 2 % of the level of
+/// crowded points.
 pub(super) const CLOSE: f32 = 4.8e-3;
 
 /// The largest change of a phase in rad.
 const MOST_ROTATION: f32 = 0.5;
 
-/// Steps of each at most, and the part of the level that one has to gain.
+/// Largest number of steps for each r, and the part of the level that a step must gain.
 const STEPS: usize = 60;
 const WORTH: f64 = 1e-5;
 
-/// tau of the first step, what a step that fails adds after taking it four times, and where no shorter step is tried.
+/// tau of the first step. A failed step multiplies tau by four and adds this; above [`MOST`] no shorter step is tried.
 const TAU: f32 = 0.1;
 const MOST: f32 = 1e5;
 
-/// Steps of all at most.
+/// Largest number of steps for all r.
 pub(super) const MOST_STEPS: usize = PARTS.len() * STEPS;
 
-/// F of the targeted points.
+/// Returns F of the targeted points.
 fn merit(rows: &Rows, wave: &Wave, rho: f32) -> f64 {
     let moduli = wave.moduli[..rows.targeted].iter().map(|&x| f64::from(x));
     let mean = moduli.clone().sum::<f64>() / rows.targeted as f64;
     mean - moduli.map(|x| (x - mean) * (x - mean)).sum::<f64>() / (2.0 * f64::from(rho))
 }
 
-/// Raises the common level of `wave`, whose points all have targets, through some of the r.
+/// Raises the common level of `wave` with some of the r. All of its points have targets.
 ///
 /// # Errors
-/// More memory than allowed.
+/// More memory than allowed is needed.
 pub(super) fn raise<'w>(run: &mut Run<'_, '_, 'w>, parts: Range<usize>, wave: &mut Wave<'w>) -> Result<(), Error> {
     let (rows, work) = (run.rows, run.work);
     let mut newton = Newton::new(run.problem, rows, run.plan.quiet, work, run.control)?;
@@ -112,7 +113,7 @@ pub(super) fn raise<'w>(run: &mut Run<'_, '_, 'w>, parts: Range<usize>, wave: &m
     Ok(())
 }
 
-/// Writes a step into the rotations. Returns `false` if f32 finds none.
+/// Writes a step to the rotations. Returns `false` if f32 cannot find one.
 fn direction<'w>(
     newton: &mut Newton<'w>,
     rows: &Rows,

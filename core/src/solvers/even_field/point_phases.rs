@@ -1,9 +1,9 @@
-//! Point phases to start from: those whose foci reinforce one another.
+//! Point phases to start from: the foci of the points reinforce each other.
 //!
-//! The drive b = G^H v has the energy v^H (G G^H) v. With the moduli of v fixed, each phase in turn is set to what
-//! the other points' waves make at its point: Gerchberg-Saxton as GS-PAT runs it, but point after point and without a
-//! point's own echo, which would only hold its phase back. One start goes over G itself; many, or that of few points, share
-//! the M x M matrix of couplings, sixteen side by side.
+//! The drive b = G^H v has the energy v^H (G G^H) v. The moduli of v are fixed. Each phase in turn is set to that of
+//! the other points' waves at its point. This is Gerchberg-Saxton as in GS-PAT, but point after point and without a
+//! point's own contribution, which would only keep the old phase. A single start is computed from G itself. Several
+//! starts, or that of few points, use the M x M matrix of couplings, sixteen side by side.
 
 use crate::control::{Control, bytes};
 use crate::error::Error;
@@ -18,42 +18,43 @@ use crate::solvers::even_field::coincident::merge;
 use crate::solvers::even_field::run::Plan;
 use crate::workspace::{Buffer, Workspace};
 
-/// Rounds over the points on the matrix: in trials eight reach all but a thousandth of the energy.
+/// Rounds over the points with the matrix: in trials eight reach the energy within a thousandth.
 const ROUNDS: usize = 8;
 
-/// Rounds on G itself, each as long as a sweep: in trials two fewer or more are a thousandth of the level at 64 points.
+/// Rounds with G itself, each as long as a sweep: in trials two more or fewer change the level by a thousandth at 64
+/// points.
 const ROUNDS_ALONE: usize = 8;
 
-/// Up to that many points the matrix takes less time than the rounds on G.
+/// Up to this number of points the matrix takes less time than the rounds with G.
 const FEW: usize = 16;
 
-/// Starts whose energies agree to this part are one start.
+/// Starts whose energies agree within this part count as one.
 const ALIKE: f32 = 1e-5;
 
-/// Point phases to go on from, the best first.
+/// Point phases to start from, the best first.
 pub(super) struct Starts<'w> {
-    /// How many.
+    /// The number of starts.
     pub(super) count: usize,
-    /// Moduli of v at which each point's own wave makes the same |P|.
+    /// Moduli of v for which each point's own wave has the same |P|.
     pub(super) weights: Buffer<'w, f32>,
-    /// Phasors, start by start.
+    /// Phasors of the points, start after start.
     pub(super) phasors: [Buffer<'w, f32>; 2],
-    /// The part of |P| that is a point's own echo, start by start; 0 where it is not known.
+    /// For each start, the part of |P| that is a point's own contribution; 0 where it is not known.
     pub(super) echoes: Buffer<'w, f32>,
 }
 
-/// The focus of each targeted row.
+/// The foci of the targeted rows.
 pub(super) struct Foci<'w> {
-    /// Sums of |G|^2.
+    /// Sums of |G|^2 over the transducers.
     powers: Buffer<'w, f32>,
-    /// See [`Starts`].
+    /// See [`Starts::weights`].
     pub(super) weights: Buffer<'w, f32>,
-    /// From the strongest point on: an order that does not depend on the order of the scene's points.
+    /// The points from the strongest on: an order that does not depend on that of the scene.
     visits: Buffer<'w, u32>,
 }
 
 impl<'w> Foci<'w> {
-    /// Gives coincident points one target.
+    /// Computes the foci, after giving coincident points the mean of their targets.
     pub(super) fn of(rows: &mut Rows, work: &'w Workspace, control: &mut Control) -> Result<Self, Error> {
         let mut powers = work.floats.take(rows.targeted);
         products::powers(rows.set, rows.tiles(), &mut powers);
@@ -65,14 +66,14 @@ impl<'w> Foci<'w> {
         let mut weights = work.floats.take(rows.targeted);
         weights.iter_mut().zip(&powers).for_each(|(weight, power)| *weight = weakest / power);
         let mut visits = work.counting(rows.targeted);
-        // Unstable sorting needs no memory; the index makes it stable, whatever the standard library sorts by.
+        // Unstable sorting needs no memory; the index makes the order unique.
         visits.sort_unstable_by(|&a, &b| powers[b as usize].total_cmp(&powers[a as usize]).then(a.cmp(&b)));
         Ok(Self { powers, weights, visits })
     }
 }
 
 impl<'w> Starts<'w> {
-    /// The problem's own start, else the best that a search finds.
+    /// Returns the problem's own start, or else the best that a search finds.
     pub(super) fn new(
         problem: &Problem,
         rows: &Rows,
@@ -109,7 +110,8 @@ impl<'w> Starts<'w> {
         Ok(Self { count: 1, weights, phasors: own, echoes: work.floats.take(1) })
     }
 
-    /// One point added after another: on G itself, unless the points are so few that their matrix takes less time.
+    /// Adds one point after another: with G itself, or with the matrix if the points are few enough for it to be
+    /// faster.
     fn alone(
         rows: &Rows,
         weights: Buffer<'w, f32>,
@@ -156,7 +158,7 @@ impl<'w> Couplings<'w> {
         let [re, im] = &mut matrix;
         products::couplings(rows.set, rows.tiles(), 0..rows.lanes / LANES, points, [re, im], control)?;
         for k in 0..points {
-            // Without a point's own echo.
+            // A point's own contribution is left out.
             (re[k * points + k], im[k * points + k]) = (0.0, 0.0);
             for l in k + 1..points {
                 let (real, imag) = (re[k * points + l] / norms[k] / norms[l], im[k * points + l] / norms[k] / norms[l]);
@@ -171,7 +173,7 @@ impl<'w> Couplings<'w> {
         [&self.matrix[0], &self.matrix[1]]
     }
 
-    /// |v_k| times the norm of row k.
+    /// Returns |v_k| times the norm of row k.
     fn shares(&self, weights: &[f32], work: &'w Workspace) -> Buffer<'w, f32> {
         let mut shares = work.floats.take(self.points);
         for ((share, weight), norm) in shares.iter_mut().zip(weights).zip(&self.norms) {
@@ -180,7 +182,7 @@ impl<'w> Couplings<'w> {
         shares
     }
 
-    /// One point added after another: all others are silent at first.
+    /// Adds one point after another: all others are 0 at first.
     fn alone(
         &self,
         weights: Buffer<'w, f32>,
@@ -198,7 +200,7 @@ impl<'w> Couplings<'w> {
         let mut phasors = [(); 2].map(|()| work.floats.take(self.points));
         for (k, share) in shares.iter().enumerate() {
             let [x, y] = [&vectors[0], &vectors[1]].map(|plane| plane[k * LANES] / share);
-            // Where no other wave comes the phase is 0.
+            // Where there is no other wave the phase is 0.
             (phasors[0][k], phasors[1][k]) = if [x, y] == [0.0; 2] { (1.0, 0.0) } else { (x, y) };
         }
         let own = shares.iter().map(|share| share * share).sum::<f32>();
@@ -207,7 +209,7 @@ impl<'w> Couplings<'w> {
         Ok(Starts { count: 1, weights, phasors, echoes })
     }
 
-    /// The phases of the greatest energies that any of the plan's starts ends in.
+    /// Returns the phases of the largest energies that the plan's starts reach.
     fn search(
         &self,
         weights: Buffer<'w, f32>,
@@ -259,7 +261,7 @@ impl<'w> Couplings<'w> {
             let first = best / LANES * points * LANES + best % LANES;
             for (phasors, found) in starts.phasors.iter_mut().zip(&found) {
                 for k in 0..points {
-                    // The vectors hold v; its phase is wanted.
+                    // The vectors contain v; the quotient is its phasor.
                     phasors[starts.count * points + k] = found[first + k * LANES] / shares[k];
                 }
             }

@@ -1,16 +1,16 @@
-//! Regular sets of points: rings, grids and lines, whose couplings have ties that one start breaks badly now and then.
+//! Regular sets of points: rings, grids and lines have equal couplings, for which a single start is sometimes bad.
 
 use crate::scene::distance;
 use crate::workspace::Workspace;
 
-/// Distances that agree to this part are alike.
+/// Distances that agree within this part count as equal.
 const ALIKE: f32 = 1e-3;
 
-/// The most points looked at: the loop is quadratic.
+/// Largest number of points checked: the loop is quadratic.
 const MOST: usize = 256;
 
-/// Whether three quarters of the points are as far from their nearest neighbour as the others are. Of random points, half are
-/// at most: two that are each other's nearest.
+/// Returns whether three quarters of the points are at equal distances from their nearest neighbours. For random points
+/// it is at most half: pairs that are each other's nearest.
 pub(super) fn regular(points: &[[f64; 3]], work: &Workspace) -> bool {
     if !(3..=MOST).contains(&points.len()) {
         return false;

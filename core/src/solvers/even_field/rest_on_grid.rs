@@ -1,15 +1,15 @@
-//! Traps brought to a board's phases such that beads still rest at their points.
+//! Rounds traps to a board's phases so that beads still rest at their points.
 //!
-//! Rounded one by one, drives push beads aside by a part of a millimetre where phases are few. A change dq_i of a drive moves the
+//! Drives rounded one by one move beads by a part of a millimetre if phases are few. A change dq_i of a drive moves the
 //! resting places s (3 M,) by
 //!
 //! ```text
 //! ds = sum_i Re(dq_i h_i),   h_i = sum_k (ds/dRe c_k - j ds/dIm c_k) C_ki
 //! ```
 //!
-//! Each stiffness K changes in the same way. So each drive in turn takes one of the three phases around its own: the
-//! one for which |s|^2, less the soft minimum of K, is least. A pass begins with the places and the stiffness as they
-//! are.
+//! where c = C q are the derivatives of the field at the points. Each stiffness K changes in the same way. So each
+//! drive in turn takes one of the three phases around its own: the one with the least |s|^2 less the soft minimum of K.
+//! A pass begins with the present places and stiffnesses.
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -26,17 +26,18 @@ use crate::propagation::stiffness::Stiffness;
 use crate::scene::dot;
 use crate::solvers::even_field::soft_minimum;
 
-/// Passes: the first takes nine tenths of what rounding does, the others what its slopes did not know.
+/// Number of passes. The first removes nine tenths of the rounding errors, the others the errors of its linear model.
 const PASSES: usize = 3;
 
-/// A distance of resting places in m that counts as much as the loss of all stiffness, over the root of the points.
+/// Distance of resting places in m that counts as much as the loss of all stiffness, over the root of the number of
+/// points.
 const APART: f64 = 2.7e-4;
 
-/// How sharp the minimum of K is.
+/// Sharpness of the soft minimum of K.
 const SHARPNESS: f64 = 48.0;
 
-/// Rounds drives of modulus 1 to a grid, a pass after the other. K counts in parts of `unit`. With a bound each drive stays
-/// within this many codes of another.
+/// Rounds drives of modulus 1 to a grid, pass after pass. K is measured in parts of `unit`. With a `bound` each drive
+/// stays within this many codes of another drive.
 pub(super) fn bring(
     set: InstructionSet,
     (traps, unit): (&Stiffness, f64),
@@ -52,7 +53,7 @@ pub(super) fn bring(
         let turn = math::phasor(sign * TAU / f64::from(count));
         Complex32::new(turn.re as f32, turn.im as f32)
     });
-    // Half a code more, against rounding.
+    // The bound is half a code larger, so that rounding does not exclude the last code.
     let most = bound.map_or(f64::INFINITY, |(_, codes)| (f64::from(codes) + 0.5) * TAU / f64::from(count));
     let [cos, sin] = [math::cos(most.min(PI)), math::sin(most.min(FRAC_PI_2))].map(|x| x as f32);
     let allowed = |i: usize, to: Complex32| {
@@ -92,10 +93,11 @@ pub(super) fn bring(
     }
 }
 
-/// The slopes by Re c and Im c of point j, of which alone a value is made.
+/// The index j of a point, and the derivatives of a value by Re c and Im c there; the value depends on no other point.
 type Slope = (usize, [[f32; TERMS]; 2]);
 
-/// Where beads rest from their points (3 M,) in m, and the slopes of each, and then of each K.
+/// Returns the offsets of the resting beads from their points (3 M,) in m, and the derivatives of each offset, then of
+/// each K.
 fn slopes(traps: &Stiffness, field: [&[f32]; 2]) -> (Vec<f64>, Vec<Slope>) {
     let (net, yielding) = traps.balance(field);
     let mut planes = [(); 2].map(|()| vec![0.0; padded(traps.rows())]);

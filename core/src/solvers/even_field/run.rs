@@ -1,4 +1,4 @@
-//! A run under way: how much work to spend, steps reported to the caller, and how even a field is.
+//! A run: the limits of the search, steps reported to the caller, and how even a field is.
 
 use crate::control::Control;
 use crate::linalg::Planar;
@@ -6,44 +6,45 @@ use crate::problem::Problem;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::workspace::{Buffer, Workspace};
 
-/// How much work to spend.
+/// Limits of the search.
 #[derive(Clone, Copy)]
 pub(crate) struct Plan {
-    /// Point phases tried: one on G, several on the matrix of couplings.
+    /// Number of point phases that are tried: one on G, several on the matrix of couplings.
     pub(crate) starts: usize,
-    /// How many of the best of them are carried on to drives.
+    /// Number of the best point phases that are continued to drives.
     pub(crate) finalists: usize,
     /// Seed of the point phases.
     pub(crate) seed: u64,
-    /// Weighted sweeps for each.
+    /// Weighted sweeps for each finalist.
     pub(crate) sweeps: usize,
-    /// Even enough: the largest deviation from the common level, relative to it.
+    /// The largest deviation from the common level that counts as even, relative to it.
     pub(crate) tolerance: f32,
     /// The allowed leak of a quiet point, relative to the level.
     pub(crate) quiet: f32,
-    /// How many of the even fields of separate points are raised on.
+    /// Number of even fields of separate points whose level is raised further.
     pub(crate) raised: usize,
 }
 
-/// A quiet point counts from this many times what it may leak on: the last tenth would take as many steps as all before.
+/// A quiet point counts from this multiple of its allowed leak on: the last tenth would take as many steps as all
+/// before.
 const ABOVE: f32 = 1.1;
 
-/// The default of the allowed leak of a quiet point: 60 dB below the level.
+/// Default of the allowed leak of a quiet point: 60 dB below the level.
 pub(crate) const QUIET: f64 = 1e-3;
 
-/// Weighted sweeps before the Gauss-Newton steps, unless an option gives another number.
+/// Default number of weighted sweeps before the Gauss-Newton steps.
 pub(crate) const SWEEPS: u32 = 4;
 
-/// Equations of which a step takes tens of milliseconds: the level of more is not raised any further.
+/// Above this number of equations, where a step takes tens of milliseconds, the level is not raised further.
 pub(super) const TOO_MANY: usize = 500;
 
-/// Equations of so few points that they are made even from drives of random phases, too.
+/// Up to this number of equations random phases are tried as starts, too.
 pub(super) const FEW_ENOUGH: usize = 128;
 
-/// Targets are unequal where one is this part of another, ...
+/// Targets are unequal if one is this multiple of another, ...
 const UNEQUAL: f32 = 3.0;
 
-/// ... which counts from this many on.
+/// ... which matters from this number of targets on.
 const MANY: usize = 16;
 
 impl Plan {
@@ -53,18 +54,19 @@ impl Plan {
         Self { starts: 1, finalists: 1, seed: 0, sweeps: sweeps as usize, tolerance, quiet, raised: 0 }
     }
 
-    /// Beside one start for points that lie regularly: it may have broken a tie for the worse.
+    /// More starts for regular points, besides the single start, which may have decided a tie badly.
     pub(super) fn for_regular(&self) -> Self {
         Self { starts: 16, finalists: 3, ..*self }
     }
 
-    /// How many even fields are raised on: of unequal targets one at least, since the shortest steps to an even field cost
-    /// them a tenth of the level.
+    /// Returns how many even fields are raised further. It is at least one for unequal targets, because the shortest
+    /// steps to an even field lose a tenth of their level.
     pub(super) fn raised(&self, rows: &Rows) -> usize {
         if rows.unequal() { self.raised.max(1) } else { self.raised }
     }
 
-    /// From how many drives of random phases crowded points are made even; `loud`: another start did, at a high level.
+    /// Returns from how many drives of random phases crowded points are made even; `loud` if another start gave a high
+    /// level.
     pub(super) fn scattered(&self, loud: bool) -> usize {
         match self.raised {
             0 if loud => 0,
@@ -73,21 +75,21 @@ impl Plan {
         }
     }
 
-    /// For crowded points, of which the energy of a start says less of the level it ends at: more of them are raised.
+    /// More starts for crowded points: the energy of a start says less about its final level.
     pub(super) fn for_crowded(&self) -> Self {
         Self { starts: self.starts.max(16), finalists: (2 * self.finalists).max(4), ..*self }
     }
 }
 
 impl Rows<'_> {
-    /// Whether there are many targets, some much louder than others.
+    /// Returns whether there are many targets, some much larger than others.
     pub(super) fn unequal(&self) -> bool {
         self.targeted >= MANY && self.scale[..self.targeted].iter().any(|&scale| scale >= UNEQUAL)
     }
 }
 
 impl Wave<'_> {
-    /// The field at `amplitude` in the problem's order and unit; `rows` contains all of the problem's points.
+    /// Returns the field at `amplitude` in the problem's order and unit; `rows` contains all of the problem's points.
     pub(crate) fn received<'w>(
         &self,
         problem: &Problem,
@@ -104,17 +106,18 @@ impl Wave<'_> {
         field
     }
 
-    /// |P| of the weakest targeted point.
+    /// Returns |P| of the weakest targeted point.
     pub(super) fn lowest(&self, rows: &Rows) -> f32 {
         self.moduli[..rows.targeted].iter().copied().fold(f32::INFINITY, f32::min)
     }
 
-    /// The mean |P| of the targeted points.
+    /// Returns the mean |P| of the targeted points.
     pub(crate) fn level(&self, rows: &Rows) -> f32 {
         self.moduli[..rows.targeted].iter().sum::<f32>() / rows.targeted as f32
     }
 
-    /// The largest deviation from `level`, and what quiet points leak above the part `quiet` of it, relative to it.
+    /// Returns the largest deviation from `level` and the largest leak of a quiet point above `quiet`, relative to the
+    /// level.
     pub(crate) fn unevenness(&self, rows: &Rows, level: f32, quiet: f32) -> f32 {
         if level == 0.0 {
             return f32::INFINITY;
@@ -125,7 +128,7 @@ impl Wave<'_> {
     }
 }
 
-/// A solve under way: what it works on, and its steps, each reported to the caller.
+/// A running solve: its problem, and its steps, each reported to the caller.
 pub(super) struct Run<'a, 'b, 'w> {
     pub(super) problem: &'a Problem,
     pub(super) rows: &'a Rows<'w>,
@@ -140,7 +143,7 @@ pub(super) struct Run<'a, 'b, 'w> {
 }
 
 impl<'a, 'b, 'w> Run<'a, 'b, 'w> {
-    /// A run before its first step, of `steps` as far as is known.
+    /// Creates a run before its first step; `steps` is the expected number.
     pub(super) fn new(
         problem: &'a Problem,
         rows: &'a Rows<'w>,
@@ -153,8 +156,8 @@ impl<'a, 'b, 'w> Run<'a, 'b, 'w> {
         Self { problem, rows, plan, work, control, step: 0, steps, stopped: false, moduli }
     }
 
-    /// Whether to go on after a step to `wave`. A step is reported when the next one is done: the last one's residual is
-    /// that of the answer, which is reported when it is made.
+    /// Counts a step to `wave`; returns whether to continue. A step is reported when the next one is done, because the
+    /// residual of the last step is that of the solution, which is reported later.
     pub(super) fn report(&mut self, wave: &Wave) -> bool {
         let (problem, moduli) = (self.problem, &self.moduli);
         if self.step > 0 {

@@ -1,4 +1,4 @@
-//! Search: fields from several starts, of which the loudest even one is kept.
+//! Search: makes fields from several starts, and keeps the loudest even one.
 
 use core::f64::consts::TAU;
 use core::ops::Range;
@@ -22,21 +22,21 @@ use crate::solvers::even_field::soft_minimum;
 use crate::solvers::even_field::weighted_sweeps::raise;
 use crate::workspace::Workspace;
 
-/// Points are crowded where this part of them, and more than one, depends on others, ...
+/// Points are crowded if more than one and this part of them depend on others, ...
 const CROWDED: f32 = 0.2;
 
-/// ... and the steps to an even field left less than this part of the level. Of separate points, a tenth depends on others,
-/// and .97 or more of the level is kept.
+/// ... and the steps to an even field left less than this part of the level. Of separate points a tenth depends on
+/// others, and .97 or more of the level is kept.
 const KEPT: f32 = 0.97;
 
-/// Crowded points are even where none is off by more than this part of the level: the smallest eigenvalues of their
-/// matrix are noise in f32.
+/// Crowded points are even if none is off by more than this part of the level: the smallest eigenvalues of their matrix
+/// are noise in f32.
 pub(super) const NEARLY: f32 = 1e-3;
 
-/// At the highest level this is the allowed deviation: there the last steps trade level for evenness.
+/// Allowed deviation at the highest level, where the last steps lose level for evenness.
 const ALIKE: f32 = 2e-3;
 
-/// An even field with less than this part of an uneven one's weakest point is no answer.
+/// An even field is rejected if it is below this part of an uneven field's weakest point.
 const FAINT: f32 = 0.6;
 
 /// The best field so far.
@@ -44,25 +44,26 @@ pub(super) struct Search<'w> {
     pub(super) best: Wave<'w>,
     /// Whether the field is even.
     pub(super) even: bool,
-    /// |P| of its weakest point with a target; below 0 before there is any.
+    /// |P| of its weakest point with a target; negative before there is a field.
     pub(super) lowest: f32,
     pub(super) trial: Wave<'w>,
-    /// Even fields to be raised on, and how many.
+    /// Number of even fields whose level will be raised further, and these fields.
     raised: usize,
     leaders: Leaders<'w>,
 }
 
-/// One of this many starts is followed to its end: with one of four the level of a letter of 160 points is 2 to 4 % lower.
+/// One of this many starts is followed to its end. With one of four the level of a letter of 160 points is 2 to 4 %
+/// lower.
 const RACERS: usize = 3;
 
 impl<'w> Search<'w> {
-    /// Nothing yet; this many fields will be raised.
+    /// Creates a search without a field; `raised` fields will be raised further.
     pub(super) fn new(rows: &Rows, raised: usize, work: &'w Workspace) -> Self {
         let [best, trial] = [(); 2].map(|()| Wave::new(rows, work));
         Self { best, even: false, lowest: -1.0, trial, raised, leaders: Leaders::new(raised) }
     }
 
-    /// Keeps the trial if it is better: even before loud.
+    /// Keeps the trial if it is better: an even field first, then a louder one.
     pub(super) fn offer(&mut self, rows: &Rows, even: bool) {
         let lowest = self.trial.lowest(rows);
         if (even, lowest) > (self.even, self.lowest) {
@@ -71,20 +72,21 @@ impl<'w> Search<'w> {
         }
     }
 
-    /// Whether the best field is even, and no point is below its target.
+    /// Returns whether the best field is even and no point is below its target.
     pub(super) fn reaches(&self, target: f32) -> bool {
         self.even && self.lowest >= target * (1.0 - 2.0 * NEARLY)
     }
 
-    /// Whether the requested pressures are reached.
+    /// Returns whether pressures are requested and reached.
     pub(super) fn finds(&self, run: &Run) -> bool {
         run.problem.aim() == Aim::Target && self.reaches(run.rows.target)
     }
 
-    /// By the shortest steps to an even field, from each start of a plan; whether the points turned out to be crowded.
+    /// Makes the field of each start of a plan even by the shortest steps. Returns whether the points turned out to be
+    /// crowded.
     ///
     /// # Errors
-    /// More memory than allowed.
+    /// More memory than allowed is needed.
     pub(super) fn level(&mut self, run: &mut Run<'_, '_, 'w>, foci: &Foci, plan: Plan) -> Result<bool, Error> {
         let (rows, mut crowded) = (run.rows, false);
         let starts = Starts::new(run.problem, rows, foci, &plan, run.work, run.control)?;
@@ -109,10 +111,10 @@ impl<'w> Search<'w> {
         Ok(crowded && rows.targeted > 1)
     }
 
-    /// Takes steps that raise the level, for crowded points.
+    /// Raises the level of crowded points, from each start of a plan.
     ///
     /// # Errors
-    /// More memory than allowed.
+    /// More memory than allowed is needed.
     pub(super) fn climb(
         &mut self,
         run: &mut Run<'_, '_, 'w>,
@@ -134,11 +136,10 @@ impl<'w> Search<'w> {
         Ok(())
     }
 
-    /// By steps that raise the level, for crowded points: a few steps from each start of a plan, then on from those that have
-    /// become the loudest.
+    /// Raises the level of crowded points: a few steps from each start of a plan, then more from the loudest results.
     ///
     /// # Errors
-    /// More memory than allowed.
+    /// More memory than allowed is needed.
     pub(super) fn race(&mut self, run: &mut Run<'_, '_, 'w>, foci: &Foci, plan: Plan) -> Result<(), Error> {
         let rows = run.rows;
         let starts = Starts::new(run.problem, rows, foci, &plan, run.work, run.control)?;
@@ -161,11 +162,11 @@ impl<'w> Search<'w> {
         Ok(())
     }
 
-    /// From the loudest fields of separate points on: of few, from the start that is known to be best, of more, through the
-    /// soft minimum.
+    /// Raises the loudest fields of separate points. For few points it continues from the best start, which is known;
+    /// for more it uses the soft minimum.
     ///
     /// # Errors
-    /// More memory than allowed.
+    /// More memory than allowed is needed.
     pub(super) fn rise(&mut self, run: &mut Run<'_, '_, 'w>) -> Result<(), Error> {
         let (rows, alone) = (run.rows, run.rows.targeted == run.rows.order.len());
         let leaders = core::mem::replace(&mut self.leaders, Leaders::new(0));
@@ -188,7 +189,7 @@ impl<'w> Search<'w> {
         Ok(())
     }
 
-    /// Takes whole steps that raise the level of the trial
+    /// Raises the level of the trial by whole steps.
     fn rise_on(&mut self, run: &mut Run<'_, '_, 'w>, pace: Pace) -> Result<(), Error> {
         run.steps += pace.steps + MOST_STEPS;
         climb(run, pace, &mut self.trial)?;
@@ -197,11 +198,11 @@ impl<'w> Search<'w> {
         Ok(())
     }
 
-    /// Through the soft minimum, from the best field of crowded points and from waves that have their focus before or behind
-    /// them.
+    /// Raises the soft minimum, from the best field of crowded points and from waves whose focus is in front of or
+    /// behind them.
     ///
     /// # Errors
-    /// More memory than allowed.
+    /// More memory than allowed is needed.
     pub(super) fn soften(&mut self, run: &mut Run<'_, '_, 'w>, foci: &Foci, plan: Plan) -> Result<(), Error> {
         let rows = run.rows;
         let mut ahead = Leaders::new(leaders::MOST);
@@ -227,10 +228,11 @@ impl<'w> Search<'w> {
         self.tighten(run, penalty::ALL)
     }
 
-    /// By the penalty, from drives of random phases: where points fill a space, the loudest fields are not near smooth ones.
+    /// Applies the penalty to drives of random phases: where points fill a volume, the loudest fields are not near
+    /// smooth ones.
     ///
     /// # Errors
-    /// More memory than allowed.
+    /// More memory than allowed is needed.
     pub(super) fn scatter(&mut self, run: &mut Run<'_, '_, 'w>, starts: usize) -> Result<(), Error> {
         let (mut rng, mut ahead) = (Rng::new(run.plan.seed), Leaders::new(starts / RACERS));
         for _ in 0..starts {
@@ -246,24 +248,24 @@ impl<'w> Search<'w> {
         Ok(())
     }
 
-    /// Starts the penalty from the trial
+    /// Applies the penalty to the trial.
     fn tighten(&mut self, run: &mut Run<'_, '_, 'w>, parts: Range<usize>) -> Result<(), Error> {
         let rows = run.rows;
         run.steps += penalty::MOST_STEPS;
         penalty::raise(run, parts, &mut self.trial)?;
         let level = self.trial.level(rows);
         let even = self.trial.unevenness(rows, level, run.plan.quiet) <= run.plan.tolerance.max(penalty::CLOSE);
-        // Better uneven than faint.
+        // An uneven field is better than a faint one.
         if even && (self.even || self.trial.lowest(rows) >= FAINT * self.lowest) {
             self.offer(rows, true);
         }
         Ok(())
     }
 
-    /// Takes steps that raise the level of the trial
+    /// Raises the level of the trial, and makes it even.
     ///
     /// # Errors
-    /// More memory than allowed.
+    /// More memory than allowed is needed.
     pub(super) fn climb_on(&mut self, run: &mut Run<'_, '_, 'w>, pace: Pace) -> Result<(), Error> {
         let rows = run.rows;
         climb(run, pace, &mut self.trial)?;

@@ -1,9 +1,10 @@
-//! Silence: of crowded quiet points, a few that stand for all.
+//! Silence: chooses, of crowded quiet points, a few that represent all.
 //!
-//! At points a fraction of a wavelength apart a field has far fewer degrees of freedom than there are points. They are taken
-//! one after another, each time the one of which most is left beside those taken, until little is left of any: Cholesky
-//! factorisation of G G^H with pivoting (Higham, Accuracy and Stability of Numerical Algorithms, 2002, section 10.3),
-//! a row at a time. Where those taken are silent, so are the others, up to that little part.
+//! At points a fraction of a wavelength apart a field has far fewer degrees of freedom than there are points. The
+//! points are chosen one after another: each time the one whose row of G depends least on the chosen rows, until all
+//! others depend on them up to a small part. This is the pivoted Cholesky factorisation of G G^H (Higham, Accuracy and
+//! Stability of Numerical Algorithms, 2002, section 10.3), a row at a time. If the chosen points are silent, so are the
+//! others, up to that small part.
 
 use crate::control::{Control, bytes};
 use crate::error::Error;
@@ -14,41 +15,41 @@ use crate::problem::Problem;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::workspace::{Buffer, Workspace};
 
-/// The least part of |G_j| that f32 tells from rounding.
+/// The least part of |G_j| that f32 can distinguish from rounding.
 const LEAST: f32 = 1e-3;
 
-/// A point that depends on others has less than this part of |G_j| left ...
+/// A point depends on others if less than this part of its |G_j| remains without them, ...
 const DEPENDENT: f32 = 0.5;
 
-/// ... and quiet points are crowded where more than this part of them does.
+/// ... and quiet points are crowded if more than this part of them depends on others.
 const CROWDED: f32 = 0.2;
 
-/// The part of the transducers' phases that quiet points may take, two each: beyond it the level falls.
+/// The part of the transducers' phases that quiet points may use, two each: beyond it the level falls.
 const MOST: f32 = 0.8;
 
-/// This few quiet points are made silent one by one, crowded or not.
+/// Up to this number of quiet points all are made silent, crowded or not.
 const FEW: usize = 8;
 
-/// How many independent quiet points this many transducers can silence beside some targets.
+/// Returns how many independent quiet points so many transducers can silence besides the targets.
 pub(crate) fn silenceable(transducers: usize, targets: usize) -> usize {
     ((MOST * transducers as f32 - targets as f32) / 2.0).max(0.0) as usize
 }
 
 /// The quiet points that will be made silent.
 pub(super) struct Silence<'w> {
-    /// Indices into the problem's points.
+    /// Indices of the problem's points.
     pub(super) points: Buffer<'w, u32>,
-    /// Whether the array has the freedom to silence them all.
+    /// Whether the array has enough freedom to silence them all.
     pub(super) enough: bool,
-    /// Whether many depend on others.
+    /// Whether many of them depend on others.
     pub(super) crowded: bool,
 }
 
 impl<'w> Silence<'w> {
-    /// The quiet points that stand for all, where each may leak `quiet` of the largest target.
+    /// Chooses the quiet points that represent all, where each may leak `quiet` of the largest target.
     ///
     /// # Errors
-    /// More memory than allowed; a stop.
+    /// More memory than allowed is needed, or a stop.
     pub(super) fn of(problem: &Problem, quiet: f32, work: &'w Workspace, control: &mut Control) -> Result<Self, Error> {
         let propagation = problem.propagation();
         let silent = |j: &u32| problem.targets()[*j as usize] == 0.0;
@@ -65,7 +66,7 @@ impl<'w> Silence<'w> {
     }
 }
 
-/// The rows' points on which the others depend but for `part` of their moduli, `most` at most.
+/// Chooses at most `most` of the rows' points. The others depend on them up to `part` of their moduli.
 fn independent<'w>(
     rows: &Rows,
     part: f32,
@@ -100,7 +101,7 @@ fn independent<'w>(
             return Ok(Silence { points, enough: done, crowded });
         }
         taken[step] = next as u32;
-        // The column of G G^H: the field of the drive conj(G_next).
+        // The column of G G^H is the field of the drive conj(G_next).
         rows.conjugate(next, wave.drive.each_mut().map(|plane| &mut plane[..]));
         wave.hear(rows);
         let [re, im] = &mut column;

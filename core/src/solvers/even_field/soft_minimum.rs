@@ -1,7 +1,7 @@
-//! Soft minimum: the weakest of some values, smooth, and fields that raise it.
+//! Soft minimum: a smooth function near the least of some values, and fields that raise it.
 //!
 //! ```text
-//! E = -min x + 1/s ln sum_k e^{-s (x_k - min x)}             x_k in parts of a unit, s how sharp it is
+//! E = -min x + 1/s ln sum_k e^{-s (x_k - min x)}             x_k in parts of a unit, s the sharpness
 //! ```
 
 use crate::math::{exp, log};
@@ -9,26 +9,26 @@ use crate::solvers::common::phase_descent::{Cost, PhaseDescent};
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::run::Run;
 
-/// The sharpness of the minimum, stage by stage, and the steps of each.
+/// The sharpness of the minimum in each stage, and the number of steps in a stage.
 const SHARPNESS: [f64; 3] = [10.0, 30.0, 100.0];
 const STEPS: usize = 60;
 
-/// A step that brings less than this part of the level is the last.
+/// A stage ends when a step gains less than this part of the level.
 const WORTH: f64 = 1e-4;
 
-/// The soft minimum of some values, negated.
+/// Returns E, the negative soft minimum of some values.
 pub(super) fn negated(values: impl Iterator<Item = f64> + Clone, sharpness: f64) -> f64 {
     let (least, sum) = shares(values, sharpness);
     log(sum) / sharpness - least
 }
 
-/// The least value and the sum of all e^{-s (x - min x)}: the share of each is its part of it.
+/// Returns the least value, and the sum of all e^{-s (x - min x)}; each term over the sum is the share of a value.
 pub(super) fn shares(values: impl Iterator<Item = f64> + Clone, sharpness: f64) -> (f64, f64) {
     let least = values.clone().fold(f64::INFINITY, f64::min);
     (least, values.map(|x| exp(sharpness * (least - x))).sum())
 }
 
-/// |P| of the targeted points.
+/// The cost of a field: E of |P| at the targeted points.
 struct Weakest {
     targeted: usize,
     unit: f64,
@@ -57,7 +57,7 @@ impl Cost for Weakest {
     }
 }
 
-/// Raises the soft minimum of the targeted points of `wave`, sharper and sharper.
+/// Raises the soft minimum of the targeted points of `wave`, with growing sharpness.
 pub(super) fn raise<'w>(run: &mut Run<'_, '_, 'w>, wave: &mut Wave<'w>) {
     let (rows, work): (&Rows, _) = (run.rows, run.work);
     let unit = f64::from(wave.level(rows));

@@ -1,4 +1,4 @@
-//! Fields that meet their targets, of points too many or too crowded to be even at the highest level in a short time.
+//! Fields that meet their targets, for points too many or too crowded for an even field at the highest level in time.
 
 use alloc::vec::Vec;
 
@@ -16,14 +16,14 @@ use crate::solvers::even_field::search::{NEARLY, Search};
 use crate::solvers::even_field::silence::Silence;
 use crate::workspace::Workspace;
 
-/// The largest part of a target that a drive may be off by for all targets to be in reach of it.
+/// The largest relative error of a drive's pressures for which all targets count as reachable from it.
 const NEAR: f32 = 0.05;
 
-/// A drive near by with |q| = 1 that meets every target times `factor`, if Gauss-Newton steps find one in time; `steps` are
-/// those done, of how many.
+/// Returns a drive with |q| = 1 near `drive` that meets every target times `factor`, if Gauss-Newton steps find one in
+/// time. The pair is the number of steps done, and in all.
 ///
 /// # Errors
-/// More memory than allowed.
+/// More memory than allowed is needed.
 pub(super) fn met(
     problem: &Problem,
     drive: &[Complex32],
@@ -48,7 +48,7 @@ pub(super) fn met(
     Ok(met.then(|| wave.drives(propagation.transducers(), work)))
 }
 
-/// The field nearest to the targets, or to the balanced level where they are below it.
+/// The field nearest to the targets, or to the balanced level if the targets are below it.
 pub(super) struct Nearest {
     /// The drive of least squares as it was found.
     pub(super) drive: Vec<Complex32>,
@@ -56,14 +56,14 @@ pub(super) struct Nearest {
     pub(super) near: bool,
 }
 
-/// Offers a search the nearest field, made even if it is near enough. Returns it.
+/// Offers the nearest field to a search, made even if it is near enough. Returns it.
 ///
 /// # Errors
-/// More memory than allowed.
+/// More memory than allowed is needed.
 pub(super) fn approach<'w>(run: &mut Run<'_, '_, 'w>, search: &mut Search<'w>) -> Result<Nearest, Error> {
     let (problem, rows) = (run.problem, run.rows);
     let factor = problem.balance().max(1.0) as f32;
-    // Raised from what a long descent ends at, discs got a tenth less level than from a short one.
+    // Discs that were raised from the end of a long descent got a tenth less level than from a short one.
     let (steps, tolerance) = if problem.aim() == Aim::Max { (300, 1e-3) } else { (1500, 3e-4) };
     let task = Task { steps, tolerance, starts: 2, seed: 0, factor, before: run.step };
     let found = least_squares(problem, &task, run.work, run.control)?;

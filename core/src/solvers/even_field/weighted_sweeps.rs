@@ -1,4 +1,4 @@
-//! Weighted Gerchberg-Saxton sweeps (Di Leonardo et al. 2007), |q| = 1, over-relaxed point phases.
+//! Weighted Gerchberg-Saxton sweeps (Di Leonardo et al. 2007) with |q| = 1 and over-relaxed point phases.
 
 use crate::math::sqrtf;
 use crate::solvers::common::alternating_projection::Projector;
@@ -6,14 +6,14 @@ use crate::solvers::common::tiled::Wave;
 use crate::solvers::even_field::point_phases::Starts;
 use crate::solvers::even_field::run::Run;
 
-/// How much of a point's own echo is taken from its field before its phase is read: the echo says what the phase
-/// was, only the rest what it should be. In trials 0.8 is best or near it from 4 to 64 points.
+/// The part of a point's own contribution that is removed from its field before its phase is read: it only repeats the
+/// old phase. In trials .8 is best or near the best from 4 to 64 points.
 const RELAXATION: f32 = 0.8;
 
-/// The most that a weight may change in a sweep: without it two or three points take turns.
+/// The largest factor of a weight in a sweep: without it two or three points would alternate.
 const MOST_CHANGE: f32 = 2.0;
 
-/// Sweeps from a start; leaves in `wave` the iterate whose weakest point is strongest.
+/// Does sweeps from a start; leaves in `wave` the one whose weakest point is strongest.
 pub(super) fn raise<'w>(run: &mut Run<'_, '_, 'w>, starts: &Starts, start: usize, wave: &mut Wave<'w>) {
     let (rows, work, targeted) = (run.rows, run.work, run.rows.targeted);
     let mut weights = work.floats.take(targeted);
@@ -48,7 +48,7 @@ pub(super) fn raise<'w>(run: &mut Run<'_, '_, 'w>, starts: &Starts, start: usize
                 let (re, im) = (trial.field[0][k] / modulus, trial.field[1][k] / modulus);
                 let (re, im) = (re - echo * phasors[0][k], im - echo * phasors[1][k]);
                 let length = sqrtf(re * re + im * im);
-                // The echo is at most RELAXATION of the whole.
+                // The own contribution is at most RELAXATION of the whole, so the length is not 0.
                 (phasors[0][k], phasors[1][k]) = (re / length, im / length);
             }
             weights[k] *= change;

@@ -1,8 +1,8 @@
-//! Within: phases that keep to an arc around 1, turned until all points are alike.
+//! Within: turns phases that stay within an arc around 1 until all points are even.
 //!
-//! Projected Gauss-Newton on r_j = |P_j| - s, s free: phases at an end of the arc stay there; once the others do not suffice
-//! (points that move faster than the bound allows), those that the steepest descent of sum r^2 turns inward may leave it
-//! (Bertsekas, SIAM J. Control Optim. 20(2), 1982).
+//! Projected Gauss-Newton on r_j = |P_j| - s, s free. Phases at an end of the arc stay there. If the others do not
+//! suffice (for points that move faster than the bound allows), those that the steepest descent of sum r^2 turns
+//! inwards may leave the end (Bertsekas, SIAM J. Control Optim. 20(2), 1982).
 
 use crate::control::Control;
 use crate::error::Error;
@@ -12,10 +12,10 @@ use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::common_level::Newton;
 use crate::workspace::Workspace;
 
-/// Tries of a step, each half as far as the one before.
+/// Number of tries of a step, each half as far as the one before.
 const HALVINGS: usize = 4;
 
-/// A phase is at its bound where the cosine of its change is no further than this from that of the bound.
+/// A phase is at its bound if the cosine of its change is within this of that of the bound.
 const AT_BOUND: f32 = 1e-6;
 
 /// After a step that leaves more than this part of the squared error, phases at their bound may turn inwards, too.
@@ -26,15 +26,15 @@ const SLOW: f64 = 0.25;
 pub(crate) struct Steps {
     pub(crate) arc: Arc,
     pub(crate) most: u32,
-    /// Largest deviation from the mean that is even enough, relative to it.
+    /// The largest deviation from the mean that counts as even, relative to it.
     pub(crate) even: f32,
 }
 
-/// Makes `wave` even, `trial` being memory; the largest deviation from the mean that is left, relative to it. `hear` adds to
-/// a field what is there beside the drive's.
+/// Makes `wave` even; `trial` is memory. Returns the remaining largest deviation from the mean, relative to it. `hear`
+/// adds the other parts of a field to that of the drive.
 ///
 /// # Errors
-/// More memory than allowed, a stop.
+/// More memory than allowed is needed, or a stop.
 pub(crate) fn even_within<'w>(
     Steps { arc, most, even }: Steps,
     problem: &Problem,
@@ -64,7 +64,7 @@ pub(crate) fn even_within<'w>(
             }
         }
         let tries = if newton.direction(rows, wave, Some(&mask), control)? { HALVINGS } else { 0 };
-        // Phases that meet their bound on the way fall short of their part of a step: half of it may do better.
+        // Phases that reach their bound on the way do not finish their part of a step: half of the step may be better.
         let mut left = 1.0;
         for _ in 0..tries {
             trial.rotate_within(rows, wave, &newton.rotations, arc);

@@ -1,7 +1,8 @@
-//! greedy by an energy of your own: the search of Algorithm 2 (Suzuki et al. 2021) with another objective than eq. (7).
+//! greedy with an energy of your own: the search of Algorithm 2 (Suzuki et al. 2021) with another objective than eq.
+//! (7).
 //!
-//! Each transducer's turn evaluates all candidates at once, N turns a sweep. Nothing is known of the energy, so that there
-//! are no short cuts: O(K L M) a turn, and what the energy itself takes.
+//! Each transducer's turn evaluates all candidates at once; a sweep has N turns. Nothing is known about the energy, so
+//! there are no shortcuts: a turn takes O(K L M) plus the time of the energy itself.
 
 use alloc::boxed::Box;
 use alloc::format;
@@ -18,20 +19,20 @@ use crate::solvers::greedy::Greedy;
 use crate::solvers::method::{Info, Solve};
 use crate::workspace::Workspace;
 
-/// The least advantage of a later candidate, relative to the largest value: the rounding of sums in f32.
+/// The least advantage with which a later candidate wins, relative to the largest value: the rounding of sums in f32.
 const ROUNDING: f64 = 1e-7;
 
-/// The energies of candidates; the lowest is taken.
+/// Energy of candidates, written by the caller; the candidate with the lowest is taken.
 pub trait Energy: Send + Sync {
-    /// Writes the values (K,) of K candidates. `fields` (K, M) are the pressures p_j in Pa that each would make, one
-    /// candidate after another.
+    /// Writes the values (K,) of K candidates. `fields` (K, M) are the pressures p_j in Pa that each candidate would
+    /// make, one candidate after another.
     ///
     /// # Errors
     /// Any error that ends the solve; the best drive so far is then lost.
     fn evaluate(&self, fields: &[Complex32], request: &ActiveRequest, values: &mut [f64]) -> Result<(), Error>;
 }
 
-/// Targets at the M points of weight above 0.
+/// Targets and weights of the M points whose weight is above 0.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[allow(clippy::exhaustive_structs, reason = "handed to energies, made only here")]
 pub struct ActiveRequest {
@@ -72,14 +73,14 @@ pub struct GreedyBy {
 }
 
 impl GreedyBy {
-    /// Its facts.
+    /// Name, summary and source of the method.
     pub const INFO: Info = Info::new(
         "greedy",
         "greedy with brute-force search by an energy of your own",
         "Suzuki et al., IEEE Trans. Haptics 14(4), 2021, Algorithm 2 and section VI",
     );
 
-    /// The search of `greedy` by an energy in place of its `objective`.
+    /// Creates the search of `greedy` by an energy in place of its `objective`.
     #[must_use]
     pub fn new(greedy: Greedy, energy: Box<dyn Energy>) -> Self {
         Self { greedy, energy }
@@ -109,7 +110,7 @@ impl Solve for GreedyBy {
             let i = i as usize;
             propagation.row(i, &mut re, &mut im);
             let g = |j: usize| Complex32::new((f64::from(re[j]) * unit) as f32, (f64::from(im[j]) * unit) as f32);
-            // A dead transducer stays off.
+            // A transducer without effect stays off.
             if (0..points).any(|j| g(j) != Complex32::ZERO) {
                 for (j, p) in field.iter_mut().enumerate() {
                     *p -= g(j) * drive[i];
@@ -120,7 +121,7 @@ impl Solve for GreedyBy {
                     chunk.iter_mut().enumerate().for_each(|(j, p)| *p = field[j] + g(j) * Complex32::new(re, im));
                 }
                 self.energy.evaluate(&fields, &request, &mut values)?;
-                // While all pressures are 0 all phases are alike, and the first is taken.
+                // While all pressures are 0 all phases give the same energy, and the first is taken.
                 let step = if silent { candidates.phases } else { 1 };
                 let best = best(&values, step)?;
                 let [re, im] = candidates.drive(best);
@@ -138,12 +139,12 @@ impl Solve for GreedyBy {
             work.floats.give(buffer);
         }
         let drive = drive.into_vec();
-        // The steps of it were reported one by one.
+        // Its steps were reported one by one.
         Ok(Solution::new(problem, drive, (status, steps), all, work, &mut Control::none())?.on_grid())
     }
 }
 
-/// The first of the lowest values, of every `step`th.
+/// Returns the first index of the lowest values, of every `step`th.
 fn best(values: &[f64], step: usize) -> Result<usize, Error> {
     if let Some(k) = values.iter().position(|value| !value.is_finite()) {
         let cure = "give a finite number for each candidate";

@@ -5,7 +5,7 @@ use crate::scene::Start;
 use crate::solvers::common::tiled::tests::{Exact, random, wide};
 use num_complex::Complex64;
 
-/// G^H p made |q| = 1.
+/// Returns b_i/|b_i| with b = G^H p, in f64.
 fn back(exact: &Exact, wanted: &[Complex64], i: usize) -> Complex64 {
     let sum: Complex64 = wanted.iter().enumerate().map(|(j, p)| exact.gain(j, i).conj() * p).sum();
     sum / sum.norm()
@@ -24,7 +24,7 @@ fn a_projection_keeps_the_phases_and_takes_the_moduli() {
         projector.want(&wave, &moduli);
         projector.project(&rows, &mut wave);
         assert!(exact.miss(&rows, &wave) < 1e-4, "{points}");
-        // A single quiet point has no target.
+        // With one point there is no target, because its modulus is 0.
         for (i, q) in exact.drive(&wave).into_iter().enumerate().filter(|_| points > 1) {
             assert!((wide(q) - back(&exact, &wanted, i)).norm() < 1e-4, "{points}: {i}");
         }

@@ -1,4 +1,4 @@
-//! The cone over a square of points, and over one.
+//! The start whose cone covers a square of points, and a single point.
 
 use num_complex::{Complex32, Complex64};
 
@@ -9,7 +9,7 @@ use crate::scene::{Array, Medium, Request, Scene};
 use crate::solvers::common::cover::{Side, cover};
 use crate::workspace::Workspace;
 
-/// A square of 7 x 7 points, 4 mm apart, 15 cm above a square array.
+/// Returns the problem of 7 x 7 points, 4 mm apart, 15 cm above a square array.
 fn square() -> Problem {
     let at = |k: usize| (k as f64 - 3.0) * 4e-3;
     let points = (0..49).map(|k| [at(k % 7), at(k / 7), 0.15]).collect();
@@ -22,7 +22,7 @@ fn square() -> Problem {
     .expect("a problem")
 }
 
-/// |p_j| of a drive, in Pa.
+/// Returns |p| of a drive at point j, in Pa.
 fn pressure(problem: &Problem, drive: &[Complex32], j: usize) -> f64 {
     let term = |(i, q): (usize, &Complex32)| {
         problem.propagation().exact(j, i) * Complex64::new(f64::from(q.re), f64::from(q.im))

@@ -15,7 +15,7 @@ fn a_step_solves_the_damped_system() {
         dual.factors[1][..points].fill(-1.0);
         dual.factors[0][points..].fill(1.0);
         dual.derive(&rows, &wave, (0..points).chain(0..points), None, &mut Control::none()).expect("it is not stopped");
-        // Re P and Im P by the phase of transducer i: P = .. + j G q d.
+        // Derivatives of Re P and Im P by the phase of transducer i: dP = j G q d.
         let slope = |e: usize, i: usize| {
             let wave = exact.gain(e % points, i) * wide(drive[i]);
             if e < points { -wave.im } else { wave.re }
@@ -35,7 +35,7 @@ fn a_step_solves_the_damped_system() {
         for e in 0..2 * points {
             let product: f64 = (0..37).map(|i| slope(e, i) * f64::from(turns[i])).sum();
             let got = product + f64::from(damping(e) * y[e]);
-            // f32 rounding times the size of the matrix, some hundred.
+            // The error is f32 rounding times the norm of the matrix, about a hundred.
             assert!((got - (1.0 - 0.1 * e as f64)).abs() < 1e-4, "{points}: equation {e}: {got}");
         }
     }

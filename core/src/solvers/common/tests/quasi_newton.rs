@@ -3,7 +3,7 @@
 use crate::solvers::common::quasi_newton::{QuasiNewton, dot};
 use crate::workspace::Workspace;
 
-/// E = 1/2 sum_k a_k x_k^2
+/// The curvatures a_k of E = 1/2 sum_k a_k x_k^2.
 const CURVATURES: [f32; 9] = [1.0, 2.0, 0.5, 100.0, 7.0, 0.1, 30.0, 1.0, 3.0];
 
 #[test]

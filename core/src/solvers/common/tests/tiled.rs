@@ -7,7 +7,7 @@ use crate::rng::Rng;
 use crate::scene::Request;
 use num_complex::Complex64;
 
-/// A random matrix of propagation with targets that differ, its rows as they are, and a random wave.
+/// Returns a random problem with targets 1, 2, 3, ..., its rows of G unchanged, and a random wave.
 pub(crate) fn random(points: usize, transducers: usize, work: &Workspace) -> (Problem, Rows<'_>, Wave<'_>) {
     let mut rng = Rng::new(points as u64);
     let mut number = || Complex64::new(2.0 * rng.uniform() - 1.0, 2.0 * rng.uniform() - 1.0);
@@ -28,7 +28,7 @@ pub(crate) fn wide(z: Complex32) -> Complex64 {
     Complex64::new(f64::from(z.re), f64::from(z.im))
 }
 
-/// G in double precision.
+/// G of a problem in double precision.
 pub(crate) struct Exact<'a>(&'a Problem);
 
 impl<'a> Exact<'a> {
@@ -44,7 +44,7 @@ impl<'a> Exact<'a> {
         wave.drives(self.0.propagation().transducers(), &Workspace::new())
     }
 
-    /// The largest error of a wave's field and moduli.
+    /// Returns the largest error of a wave's field and moduli.
     pub(crate) fn miss(&self, rows: &Rows, wave: &Wave) -> f64 {
         let drive = self.drive(wave);
         let misses = rows.order.iter().enumerate().map(|(k, &j)| {
