@@ -1,4 +1,4 @@
-//! The leading eigenvector of a Hermitian matrix, by Lanczos.
+//! The leading eigenvector of a Hermitian matrix, by the Lanczos method.
 
 use crate::control::Control;
 use crate::error::Error;
@@ -8,11 +8,12 @@ use crate::linalg::{Planar, times};
 use crate::math::{sqrt, sqrtf};
 use crate::workspace::Workspace;
 
-/// Lanczos vectors a cycle: enough for any gap met in practice within a few cycles.
+/// Number of Lanczos vectors in a cycle: enough for every eigenvalue gap in trials within a few cycles.
 const CYCLE: usize = 24;
 
-/// Replaces `vector` by the unit eigenvector of the largest eigenvalue of a Hermitian positive semidefinite
-/// matrix stored conjugated, starting from what `vector` holds. Restarted Lanczos with full reorthogonalisation.
+/// Replaces `vector` by the unit eigenvector of the largest eigenvalue of a Hermitian positive semidefinite matrix,
+/// which is stored conjugated. The iteration starts from `vector`. It is restarted Lanczos with full
+/// reorthogonalisation.
 pub(crate) fn leading_eigenvector<'w>(
     set: InstructionSet,
     matrix: &Planar,
@@ -38,7 +39,7 @@ pub(crate) fn leading_eigenvector<'w>(
             im.copy_from_slice(&vector.im);
             times(set, matrix, vector, &mut next, control)?;
             used = step + 1;
-            // Twice is enough to be orthogonal to rounding.
+            // Two rounds make it orthogonal up to rounding.
             for round in 0..2 {
                 for k in 0..used {
                     let [re, im] = kernels::correlate(set, basis.row(k), next.row(0), count);
@@ -63,7 +64,7 @@ pub(crate) fn leading_eigenvector<'w>(
         for (k, weight) in ritz.iter().enumerate().take(used) {
             kernels::accumulate(set, basis.row(k), [*weight as f32, 0.0], &mut vector.re, &mut vector.im);
         }
-        // The Ritz vector's residual, relative to the eigenvalue's size.
+        // The residual of the Ritz vector, relative to the size of the eigenvalue.
         if (beside[used - 1] * ritz[used - 1]).abs() <= 1e-6 * diagonal[0] {
             break;
         }
@@ -84,8 +85,8 @@ fn normalise(set: InstructionSet, vector: &mut Planar) -> bool {
     length > 0.0
 }
 
-/// The unit eigenvector of the largest eigenvalue of a small symmetric tridiagonal matrix: bisection by the
-/// count of negative pivots, then inverse iteration from just above, where the pivots are all positive.
+/// Returns the unit eigenvector of the largest eigenvalue of a small symmetric tridiagonal matrix. It bisects by the
+/// number of negative pivots, then iterates with the inverse from just above, where all pivots are positive.
 fn top_of_tridiagonal(diagonal: &[f64], beside: &[f64]) -> [f64; CYCLE] {
     let n = diagonal.len();
     let off = |k: usize| if k < n - 1 { beside[k] } else { 0.0 };

@@ -1,7 +1,7 @@
 //! Planar vectors, the Cholesky factor of a real matrix, and Hermitian systems.
 //!
-//! All in f32 over padded rows, so that the kernels' lanes do the work. The matrices solved are regularised
-//! (condition below 1e5), which f32 bears; `docs/performance/steps.md` has the measurements against a library.
+//! All numbers are f32 in padded rows, which the kernels process. The matrices are regularised (condition below 1e5),
+//! so that f32 suffices; `docs/performance/steps.md` has measurements against a library.
 
 pub(crate) mod leading_eigenvector;
 pub(crate) mod symmetric;
@@ -15,7 +15,7 @@ use crate::kernels::InstructionSet;
 use crate::kernels::cholesky;
 use crate::workspace::{Buffer, Workspace};
 
-/// A complex vector or matrix of padded rows, planar.
+/// A complex vector or matrix of padded rows: real and imaginary parts in separate lists.
 #[derive(Debug)]
 pub(crate) struct Planar<'w> {
     pub(crate) re: Buffer<'w, f32>,
@@ -24,7 +24,7 @@ pub(crate) struct Planar<'w> {
 }
 
 impl<'w> Planar<'w> {
-    /// `rows` rows of zeros.
+    /// Creates `rows` rows of zeros.
     pub(crate) fn zeros(rows: usize, lanes: usize, work: &'w Workspace) -> Self {
         Self { re: work.floats.take(rows * lanes), im: work.floats.take(rows * lanes), lanes }
     }
@@ -37,7 +37,7 @@ impl<'w> Planar<'w> {
         }
     }
 
-    /// The diagonal of a Hermitian matrix.
+    /// Returns the diagonal of a Hermitian matrix.
     pub(crate) fn diagonal(&self) -> impl Iterator<Item = f32> {
         self.re.iter().step_by(self.lanes + 1).copied()
     }
@@ -53,10 +53,10 @@ impl<'w> Planar<'w> {
     }
 }
 
-/// The matrix that [`crate::propagation::gram`] conjugates, times `vector`.
+/// out = conj(`matrix`) `vector`, for a matrix that [`crate::propagation::gram`] stored conjugated.
 ///
 /// # Errors
-/// A stop.
+/// A requested stop.
 pub(crate) fn times(
     set: InstructionSet,
     matrix: &Planar,
@@ -70,7 +70,7 @@ pub(crate) fn times(
     })
 }
 
-/// A Cholesky factor U of a real symmetric matrix A = U^T U, and solves with it. Time O(n^3/6) each multiply-add.
+/// The Cholesky factor U of a real symmetric matrix A = U^T U, which solves A x = b. It takes n^3/6 multiply-adds.
 #[derive(Debug)]
 pub(crate) struct Cholesky<'w> {
     factor: Buffer<'w, f32>,
@@ -78,8 +78,8 @@ pub(crate) struct Cholesky<'w> {
 }
 
 impl<'w> Cholesky<'w> {
-    /// Factors the matrix of `size` padded rows in `matrix`, of which the upper half is read; `None` if it is not
-    /// positive definite in f32.
+    /// Factors a matrix of `size` padded rows, whose upper half is read. Returns `None` if it is not positive definite
+    /// in f32.
     pub(crate) fn new(
         set: InstructionSet,
         mut matrix: Buffer<'w, f32>,
@@ -89,13 +89,13 @@ impl<'w> Cholesky<'w> {
         Ok(cholesky::factor(set, &mut matrix, size, control)?.then_some(Self { factor: matrix, set }))
     }
 
-    /// The remaining part of each of the first diagonal entries after the rows above are subtracted.
+    /// Returns the pivots: what is left of each diagonal entry after the rows above are subtracted.
     pub(crate) fn pivots(&self, size: usize) -> impl Iterator<Item = f32> {
         let lanes = kernels::padded(size);
         (0..size).map(move |k| self.factor[k * lanes + k] * self.factor[k * lanes + k])
     }
 
-    /// Replaces b (padded) by A^-1 b.
+    /// Replaces the padded vector b by A^-1 b.
     pub(crate) fn solve(&self, b: &mut [f32]) {
         cholesky::solve(self.set, &self.factor, b);
     }
@@ -110,7 +110,8 @@ pub(crate) struct Hermitian<'w> {
 }
 
 impl<'w> Hermitian<'w> {
-    /// Factors `conj(matrix) + shift I`, `matrix` as [`crate::propagation::gram`] makes it. `None` if not positive definite in f32.
+    /// Factors `conj(matrix) + shift I`, with `matrix` from [`crate::propagation::gram`]. Returns `None` if it is not
+    /// positive definite in f32.
     pub(crate) fn new(
         set: InstructionSet,
         matrix: &Planar,
@@ -130,12 +131,12 @@ impl<'w> Hermitian<'w> {
                 let [re, im] = matrix.row(k);
                 for l in 0..lanes {
                     real[upper + l] = re[l];
-                    // The stored matrix is conjugated: its im is -B.
+                    // The stored matrix is conjugated: its imaginary part is -B.
                     real[upper + lanes + l] = im[l];
                     real[lower + lanes + l] = re[l];
                 }
             }
-            // Padding becomes the identity.
+            // The padding becomes the identity.
             let diagonal = if k < count { shift } else { 1.0 };
             real[upper + k] += diagonal;
             real[lower + lanes + k] += diagonal;
@@ -143,7 +144,7 @@ impl<'w> Hermitian<'w> {
         Ok(Cholesky::new(set, real, size, control)?.map(|cholesky| Self { cholesky, lanes, work }))
     }
 
-    /// The same with as much more damping as f32 needs to factor it: tenfold and tenfold again.
+    /// Does the same as [`Self::new`], and multiplies the damping by ten until f32 can factor the matrix.
     ///
     /// # Errors
     /// A matrix that is not finite.
@@ -155,7 +156,7 @@ impl<'w> Hermitian<'w> {
         work: &'w Workspace,
         control: &mut Control,
     ) -> Result<Self, Error> {
-        // Damping far above every entry leaves a multiple of the identity, which always factors.
+        // Damping far above every entry leaves a multiple of the identity, which can always be factored.
         while shift.is_finite() {
             if let Some(solver) = Self::new(set, matrix, count, shift, work, control)? {
                 return Ok(solver);

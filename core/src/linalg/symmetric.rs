@@ -2,10 +2,10 @@
 
 use crate::math::sqrt;
 
-/// Sweeps over the three entries beside the diagonal: each squares what is left of them.
+/// Number of sweeps over the three entries beside the diagonal: each squares their remaining size.
 const SWEEPS: usize = 8;
 
-/// The eigenvalues, in no order, and the eigenvector of each, of length 1.
+/// Returns the eigenvalues, in no order, and the eigenvector of each, of length 1.
 pub(crate) fn eigen(mut a: [[f64; 3]; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
     let mut vectors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     for _ in 0..SWEEPS {
@@ -13,7 +13,7 @@ pub(crate) fn eigen(mut a: [[f64; 3]; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
             if a[p][q] == 0.0 {
                 continue;
             }
-            // The smaller of the two rotations that make a_pq 0.
+            // Of the two rotations that make a_pq 0, this is the smaller.
             let cotangent = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
             let tangent = f64::copysign(1.0, cotangent) / (cotangent.abs() + sqrt(cotangent * cotangent + 1.0));
             let cosine = 1.0 / sqrt(tangent * tangent + 1.0);

@@ -1,4 +1,4 @@
-//! Contours as points: even steps along each, and no two points nearer than half a step.
+//! Contours as points: equal steps along each, and no two points nearer than half a step.
 
 use alloc::collections::BTreeMap;
 use alloc::format;
@@ -9,19 +9,20 @@ use crate::error::{Error, real};
 use crate::math;
 use crate::scene::{distance, short};
 
-/// The distance of neighbours where none is given, in m: a quarter of the wavelength at 40 kHz and 340 m/s.
+/// Default distance of neighbours in m: a quarter of the wavelength at 40 kHz and 340 m/s.
 pub const STEP: f64 = 340.0 / 40e3 / 4.0;
 
-/// The most points of a shape: more are a slip of its unit.
+/// Largest number of points of a shape: more points usually come from a wrong unit.
 pub const MOST: usize = 100_000;
 
-/// Rounding of coordinates never decides whether two points are half a step apart.
+/// Allowance for rounding in the comparison of a distance with half a step.
 const ROUNDING: f64 = 1e-9;
 
-/// Points along contours of straight lines, each from vertex to vertex (K, 3) in m, both ends included.
+/// Returns points along contours of straight lines. Each contour goes from vertex to vertex (K, 3) in m, both ends
+/// included.
 ///
-/// Each contour has equal steps, as near to `step` (m) as possible. A point nearer than half a step to one before it is left
-/// out: so a contour that ends where it began has no point twice.
+/// Each contour has equal steps, as near to `step` (m) as possible. A point nearer than half a step to an earlier one
+/// is left out, so that a contour that ends where it began has no point twice.
 ///
 /// # Errors
 /// A step that is not above 0, a contour without vertices, a coordinate that is not finite, more than [`MOST`] points.
@@ -41,10 +42,10 @@ pub fn along(contours: &[Vec<[f64; 3]>], step: f64) -> Result<Vec<[f64; 3]>, Err
     Ok(spaced(points.collect(), step))
 }
 
-/// The points that `make` makes with the least step from [`STEP`] on, to 2 %, with which they are at most `most`.
+/// Returns the points of `make` for the least step from [`STEP`] on (within 2 %) that gives at most `most` points.
 ///
 /// # Errors
-/// Those of `make`.
+/// The errors of `make`.
 ///
 /// ```
 /// use midair::points::{Curve, fitted};
@@ -64,7 +65,7 @@ pub fn fitted(most: usize, mut make: impl FnMut(f64) -> Result<Vec<[f64; 3]>, Er
     Ok(points)
 }
 
-/// Rejects a length of too many steps.
+/// Checks a length; returns an error if it has too many steps.
 pub(crate) fn few(length: f64, step: f64) -> Result<(), Error> {
     if length / step <= MOST as f64 {
         return Ok(());
@@ -74,16 +75,16 @@ pub(crate) fn few(length: f64, step: f64) -> Result<(), Error> {
     Err(Error::invalid("step", format_args!("{step:?}"), cure))
 }
 
-/// The places after equal steps, as near to `step` as possible, from the beginning to the end of a length.
+/// Returns the places after equal steps along a length, as near to `step` as possible, both ends included.
 pub(crate) fn even(length: f64, step: f64, after: impl Fn(f64) -> [f64; 3]) -> impl Iterator<Item = [f64; 3]> {
     let steps = math::rint(length / step).max(1.0);
     (0..=steps as usize).map(move |k| after(length * k as f64 / steps))
 }
 
-/// The points in their order, without those nearer than half a step to one before them.
+/// Returns the points in their order, without those nearer than half a step to an earlier one.
 pub(crate) fn spaced(mut points: Vec<[f64; 3]>, step: f64) -> Vec<[f64; 3]> {
     let least = step / 2.0 * (1.0 - ROUNDING);
-    // Nearer than a cell's side are only points of this cell and of those around it.
+    // Points nearer than a cell's side are in the same cell or in the cells around it.
     let mut cells: BTreeMap<[i64; 3], Vec<[f64; 3]>> = BTreeMap::new();
     points.retain(|&point| {
         let cell = point.map(|x| math::floor(x / least) as i64);
@@ -99,7 +100,7 @@ pub(crate) fn spaced(mut points: Vec<[f64; 3]>, step: f64) -> Vec<[f64; 3]> {
     points
 }
 
-/// Straight lines from vertex to vertex, and the way along them to each.
+/// Straight lines from vertex to vertex, and the distance along them to each vertex.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Lines {
     vertices: Vec<[f64; 3]>,
@@ -124,7 +125,8 @@ impl Lines {
         self.ways[self.ways.len() - 1]
     }
 
-    /// The place after a way along the lines; their start before it, their end beyond it.
+    /// Returns the place at a distance along the lines: their start for a negative distance, their end beyond their
+    /// length.
     pub(crate) fn after(&self, way: f64) -> [f64; 3] {
         let way = way.max(0.0);
         let next = self.ways.partition_point(|&end| end <= way);

@@ -8,7 +8,7 @@ use crate::math;
 use crate::points::contour::{Lines, even, few, spaced};
 use crate::scene::{cross, dot};
 
-/// A curve of a length in m that closes or not.
+/// A curve in space, open or closed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
     length: f64,
@@ -23,10 +23,10 @@ enum Course {
 }
 
 impl Curve {
-    /// A circle around a center, in the plane normal to `normal` of any length; center and radius in m.
+    /// Creates a circle around a center, in the plane normal to `normal` of any length; center and radius in m.
     ///
-    /// It begins at `angle` (rad) from x, as far as the plane allows (else from y), and goes counterclockwise, seen against
-    /// the normal: c + r (cos(a) u + sin(a) v), a = angle + way/r.
+    /// It begins at `angle` (rad) from x, as far as the plane allows (else from y), and goes counterclockwise, seen
+    /// against the normal: c + r (cos(a) u + sin(a) v), a = angle + way/r.
     ///
     /// # Errors
     /// A radius that is not above 0, a number that is not finite, a normal of no length.
@@ -44,10 +44,12 @@ impl Curve {
         Ok(Self { length, closed: true, course: Course::Circle { center, across, up, angle } })
     }
 
-    /// Straight lines from corner to corner (K, 3) in m, at least two; where `closed`, also from the last back to the first.
+    /// Creates straight lines from corner to corner (K, 3) in m, at least two; if `closed`, also from the last to the
+    /// first.
     ///
     /// # Errors
-    /// Fewer than two corners, corners that are all in one place, a number that is not finite. Errors call them `item`.
+    /// Fewer than two corners, corners that are all in one place, a number that is not finite. The messages call them
+    /// `item`.
     ///
     /// ```
     /// let corners = [[0.0, 0.0, 0.15], [0.01, 0.0, 0.15], [0.01, 0.01, 0.15], [0.0, 0.01, 0.15]];
@@ -70,7 +72,7 @@ impl Curve {
         Ok(Self { length: lines.length(), closed, course: Course::Lines(lines) })
     }
 
-    /// A straight line from start to end in m, and back on request.
+    /// Creates a straight line from start to end in m, and back if `there_and_back`.
     ///
     /// # Errors
     /// An end that is the start, a number that is not finite.
@@ -89,9 +91,10 @@ impl Curve {
         Self::lines("end", &[start, end], there_and_back)
     }
 
-    /// Evenly spaced points in m from its start, `step` m apart or as near to that as equal steps can be.
+    /// Returns evenly spaced points in m from the start, `step` m apart or as near to that as equal steps can be.
     ///
-    /// The last is its end, unless it closes. A point nearer than half a step to one before it is left out.
+    /// The last point is the end, unless the curve is closed. A point nearer than half a step to an earlier one is left
+    /// out.
     ///
     /// # Errors
     /// A step that is not above 0, more than [`MOST`](crate::points::MOST) points.
@@ -100,19 +103,19 @@ impl Curve {
         Ok(spaced(even(self.length, step, |way| self.after(way)).collect(), step))
     }
 
-    /// Its length in m.
+    /// Returns the length in m.
     #[must_use]
     pub fn length(&self) -> f64 {
         self.length
     }
 
-    /// Whether the curve is closed.
+    /// Returns whether the curve is closed.
     #[must_use]
     pub fn closed(&self) -> bool {
         self.closed
     }
 
-    /// The place after a way in m from the start. Lines end at their end; a circle goes on.
+    /// Returns the place at a distance in m from the start. Lines stop at their end; a circle goes on.
     #[must_use]
     pub fn after(&self, way: f64) -> [f64; 3] {
         match &self.course {
@@ -127,7 +130,7 @@ impl Curve {
     }
 }
 
-/// Unit vectors normal to `normal`: along x as far as it allows (else along y), and to the left.
+/// Returns unit vectors normal to `normal`: as near to x as possible (else to y), and to the left of it.
 fn axes(normal: [f64; 3]) -> Result<[[f64; 3]; 2], Error> {
     let size = size(normal);
     if !(size > 0.0 && size < f64::INFINITY) {
@@ -147,7 +150,7 @@ fn size([x, y, z]: [f64; 3]) -> f64 {
     math::hypot(math::hypot(x, y), z)
 }
 
-/// Refuses a place that is none.
+/// Checks a place; returns an error if a coordinate is not finite.
 fn place(item: &str, at: [f64; 3]) -> Result<(), Error> {
     if at.iter().all(|x| x.is_finite()) {
         return Ok(());

@@ -1,8 +1,8 @@
 //! gs: Gerchberg-Saxton, iterative back-propagation (Marzo and Drinkwater, PNAS 116(1), 2019).
 //!
-//! q = 1; then p = G q keeps its phases and takes the target moduli, q = G^H p keeps its phases and takes the
-//! modulus 1, and again. Starting from q = 1 is what the paper's authors do; starting from the back-projection
-//! moves sigma by 0.007.
+//! It begins with q = 1. A step computes p = G q, keeps its phases and sets its moduli to the targets, then computes q
+//! = G^H p, keeps its phases and sets its moduli to 1. The paper's authors start from q = 1, too; starting from the
+//! back-projection changes sigma by .007.
 
 use crate::control::Control;
 use crate::error::Error;
@@ -41,7 +41,7 @@ impl Solve for Gs {
         let targets = problem.targets();
         let mut wave = projector.begin(problem, &rows, work, control)?;
         let [mut moduli, mut before] = [(); 2].map(|()| work.floats.take(rows.count));
-        // Only ratios matter: in units of the largest no square under- or overflows.
+        // Only ratios matter: in units of the largest target no square under- or overflows.
         moduli.iter_mut().zip(targets).for_each(|(modulus, target)| *modulus = target / rows.target);
         let ended = iterate(
             (steps, tolerance),

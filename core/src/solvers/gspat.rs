@@ -1,9 +1,9 @@
 //! gspat: Gerchberg-Saxton on the M x M matrix (Plasencia et al., ACM Trans. Graphics 39(4), 2020).
 //!
-//! Gerchberg-Saxton without the transducers in the loop: with the back-propagation X = G^H / diag(G G^H) the
-//! field of X p is R p, R = G X of M x M, so that a step costs O(M^2). The last step corrects the amplitudes,
-//! p = t^2 g/|g|^2; the amplitude enters once (the authors of the greedy paper also put it into X, which has no
-//! effect when all are equal).
+//! Gerchberg-Saxton without the transducers in the loop. With the back-propagation X = G^H / diag(G G^H) the field of X
+//! p is R p, where R = G X is M x M, so that a step takes O(M^2). The last step corrects the amplitudes: p = t^2
+//! g/|g|^2 for the field g and the targets t. The amplitude is applied once. (The authors of the greedy paper also
+//! apply it to X, which has no effect when all are equal.)
 
 use crate::control::Control;
 use crate::error::Error;
@@ -18,10 +18,10 @@ use crate::solvers::iterate::{iterate, largest_change, projections};
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
-/// Targets below this part of the reference are quiet.
+/// Targets below this part of the reference count as quiet.
 const QUIET: f32 = 1e-9;
 
-/// How much louder than the last step left it a point is made at most: its square stays within f32.
+/// Largest factor by which the last step raises a point: its square stays within f32.
 const MOST_LOUDER: f32 = 1e12;
 
 options! {
@@ -60,13 +60,14 @@ impl Solve for Gspat {
         let propagation = problem.propagation();
         let (count, lanes) = (propagation.points(), propagation.lanes());
         let mut strips = Strips::new(propagation, work);
-        // Targets whose squares f32 would lose are solved louder, and the drive is brought back.
+        // Targets whose squares f32 would lose are solved in units of the largest, and the drive is multiplied by it
+        // afterwards.
         let largest = problem.targets().iter().copied().fold(0.0, f32::max);
         let unit = if largest < QUIET { largest } else { 1.0 };
         let mut targets = work.floats.take(lanes);
         targets.iter_mut().zip(problem.targets()).for_each(|(own, target)| *own = target / unit);
         let matrix = strips.gram(None, control)?;
-        // 1 / sum_i |G_ji|^2, 0 for a quiet point that nothing reaches, or so little that the inverse overflows.
+        // 1 / sum_i |G_ji|^2; 0 for a quiet point that no transducer reaches, or so weakly that the inverse overflows.
         let share = |j: usize| {
             let power = matrix.row(j)[0][j];
             if power >= f32::MIN_POSITIVE { 1.0 / power } else { 0.0 }
@@ -95,7 +96,7 @@ impl Solve for Gspat {
                 }
                 Ok(tolerance > 0.0 && largest_change(moduli, &before, &targets) <= tolerance)
             },
-            // The field before the limit.
+            // The residual of the field before the limit.
             |moduli| problem.residual_of(moduli.iter().map(|modulus| f64::from(modulus * unit))),
         )?;
         propagate(&mut wanted, &mut field, &mut moduli, control)?;

@@ -1,14 +1,14 @@
-//! The iterative loop: step, tolerance, stop request, report.
+//! The loop of iterative methods: step, tolerance, stop request, report.
 
 use crate::control::Control;
 use crate::error::Error;
 use crate::problem::{Problem, Status};
 
-/// Makes steps until a step meets the tolerance, a caller stops them, or they are `steps`; returns the status and
-/// their number. A tolerance of 0 asks for all steps, which is then no shortage of them.
+/// Makes up to `steps` steps, until one meets the tolerance or a caller stops them. Returns the status and the number
+/// of steps. A tolerance of 0 requests all steps, so their end then counts as done.
 ///
-/// `control` gets `residual` after each step but the last: the last one's is the answer's own, which
-/// [`crate::Solution::new`] reports. A step may itself hear of a stop: it then counts for nothing.
+/// `control` gets `residual` after each step but the last: that of the last step is the solution's, which
+/// [`crate::Solution::new`] reports. A step may itself return a stop; it is then not counted.
 pub(super) fn iterate<T>(
     (steps, tolerance): (u32, f64),
     state: &mut T,
@@ -31,13 +31,13 @@ pub(super) fn iterate<T>(
     Ok((if tolerance > 0.0 { Status::OutOfSteps } else { Status::Done }, steps))
 }
 
-/// Steps at most, and the tolerance, of a projection back and forth: to a single point the first step is the last, what
-/// further ones change is rounding.
+/// Returns the largest number of steps and the tolerance of alternating projections. With a single point one step
+/// suffices: further ones only change the rounding.
 pub(super) fn projections(problem: &Problem, steps: u32, tolerance: f64) -> (u32, f64) {
     if problem.propagation().points() == 1 { (1, 0.0) } else { (steps, tolerance) }
 }
 
-/// The largest change of a |p| relative to its target.
+/// Returns the largest change of |p| relative to its target.
 pub(super) fn largest_change(now: &[f32], before: &[f32], targets: &[f32]) -> f64 {
     let changes = now.iter().zip(before).zip(targets).filter(|(_, target)| **target > 0.0);
     f64::from(changes.fold(0.0, |most, ((now, was), target)| f32::max(most, (now - was).abs() / target)))

@@ -1,4 +1,4 @@
-//! The last frame, as a solver that follows moving points remembers it.
+//! The last frame, stored by a solver that follows moving points.
 
 use alloc::vec::Vec;
 
@@ -6,51 +6,52 @@ use num_complex::Complex32;
 
 use crate::workspace::Workspace;
 
-/// q/|q| of a q that is 1 but for rounding, or 0: a step of Newton's for the root.
+/// Returns q/|q| for a q that is 0 or has modulus 1 except for rounding, by one step of Newton's method.
 pub(crate) fn settled(q: Complex32) -> Complex32 {
     q * (1.5 - 0.5 * q.norm_sqr())
 }
 
-/// The state that a solver keeps from frame to frame; empty before the first.
+/// The state that a solver stores from frame to frame; empty before the first.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Last {
-    /// Drives (N,) at full amplitude as they were found, before a board's grid.
+    /// Drives (N,) at full amplitude as the solver found them, before they were rounded to a board's grid.
     pub(crate) wave: Vec<Complex32>,
-    /// The drives as they were played: the next frame's phases may differ from them by the bound.
+    /// The drives (N,) that were played. The next frame's phases may differ from them by the bound.
     pub(crate) played: Vec<Complex32>,
-    /// The transducers' envelopes (N,), of drives at full amplitude.
+    /// The transducers' envelopes (N,) for drives at full amplitude.
     pub(crate) envelope: Vec<Complex32>,
     /// Weights of the points.
     pub(crate) weights: Vec<f32>,
-    /// The unevenness of the points after the last new codes.
+    /// The unevenness of the points after the last change of codes.
     pub(crate) unevenness: f32,
-    /// Of traps, places (M, 3) in m, and once they are known their velocities in m/s and accelerations in m/s^2.
+    /// For traps: places (M, 3) in m, and once they are known velocities in m/s and accelerations in m/s^2.
     pub(crate) motion: Vec<[f64; 3]>,
-    /// Of the points (M, 3) of the frame to be solved, where they are known: places this many frames before, then as many after.
+    /// Known places (M, 3) of the points in other frames, and a number of frames: places so many frames before the next
+    /// frame, then so many after it.
     pub(crate) around: (Vec<[f64; 3]>, usize),
 }
 
 impl Last {
-    /// Whether there is a last frame.
+    /// Returns whether there is a last frame.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.played.is_empty()
     }
 
-    /// The frame's drives (N,) at full amplitude, before and after rounding, the envelopes (N,), and the weights and
-    /// the unevenness of the points: with [`Last::motion`] what [`Last::restore`] goes on from.
+    /// Returns the frame's drives (N,) at full amplitude before and after rounding, the envelopes (N,), and the weights
+    /// and the unevenness of the points. Together with [`Last::motion`] they are the arguments of [`Last::restore`].
     #[must_use]
     pub fn parts(&self) -> ([&[Complex32]; 3], &[f32], f32) {
         ([&self.wave, &self.played, &self.envelope], &self.weights, self.unevenness)
     }
 
-    /// Of traps, places (M, 3) in m, and once they are known velocities in m/s and accelerations in m/s^2.
+    /// Returns, for traps, places (M, 3) in m, and once they are known velocities in m/s and accelerations in m/s^2.
     #[must_use]
     pub fn motion(&self) -> &[[f64; 3]] {
         &self.motion
     }
 
-    /// A last frame of [`Last::parts`].
+    /// Creates a last frame from the results of [`Last::parts`] and [`Last::motion`].
     #[must_use]
     pub fn restore(
         [wave, played, envelope]: [Vec<Complex32>; 3],
@@ -61,7 +62,7 @@ impl Last {
         Self { wave, played, envelope, weights, unevenness, motion, ..Self::default() }
     }
 
-    /// Forgets it; the memory is kept.
+    /// Removes the frame; the memory is kept.
     pub fn clear(&mut self) {
         for drives in [&mut self.wave, &mut self.played, &mut self.envelope] {
             drives.clear();
@@ -72,13 +73,13 @@ impl Last {
         self.around.0.clear();
     }
 
-    /// One in the memory of a workspace.
+    /// Creates an empty state in the memory of a workspace.
     pub(crate) fn taken(work: &Workspace, transducers: usize, points: usize) -> Self {
         let [wave, played, envelope] = [(); 3].map(|()| work.complexes.empty(transducers));
         Self { wave, played, envelope, weights: work.floats.empty(points), ..Self::default() }
     }
 
-    /// Gives that back.
+    /// Returns the memory to the workspace.
     pub(crate) fn recycle(self, work: &Workspace) {
         for list in [self.wave, self.played, self.envelope] {
             work.complexes.give(list);
@@ -86,7 +87,7 @@ impl Last {
         work.floats.give(self.weights);
     }
 
-    /// Turns transducers off that reach no point, and on, at any phase, those that reach one again.
+    /// Turns off transducers that reach no point, and turns on, at phase 0, those that reach one again.
     pub(crate) fn reach(&mut self, reaches: impl Fn(usize) -> bool) {
         for (i, (played, wave)) in self.played.iter_mut().zip(&mut self.wave).enumerate() {
             match (reaches(i), *played == Complex32::ZERO) {
@@ -97,7 +98,7 @@ impl Last {
         }
     }
 
-    /// Begins with full drives that have been played for long.
+    /// Starts with full drives that have been played for a long time.
     pub(crate) fn begin(&mut self, drives: impl Iterator<Item = Complex32>) {
         let around = core::mem::take(&mut self.around);
         self.clear();

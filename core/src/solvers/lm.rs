@@ -1,8 +1,9 @@
 //! lm: Levenberg-Marquardt on all phases (Madsen et al. 2004, algorithm 3.16; Suzuki et al. 2021).
 //!
-//! Unknown are the phases phi_i of the transducers, |q_i| = 1, and theta_j of the points; the residuals are
-//! r_j = sqrt(w_j) (P_j - t_j e^{j theta_j}), complex. A step solves (J^T J + mu I) d = -J^T r in the dual
-//! ([`crate::solvers::common::gauss_newton`]) of 2M real equations, and rotates the phasors: each phase by atan(d), no sine or cosine needed.
+//! The unknowns are the phases phi_i of the transducers, |q_i| = 1, and theta_j of the points. The complex residuals
+//! are r_j = sqrt(w_j) (P_j - t_j e^{j theta_j}) with weights w and targets t. A step solves (J^T J + mu I) d = -J^T r
+//! in the dual ([`crate::solvers::common::gauss_newton`]) of 2M real equations. It rotates each phasor by atan(d),
+//! which needs no sine or cosine.
 
 use core::f64::consts::TAU;
 
@@ -63,7 +64,7 @@ impl Solve for Lm {
         normal.update(&rows, &state, control)?;
         let begun_at_rest = normal.steepest <= self.eps;
         let (mut damping, mut growth) = (self.tau * largest(problem, work), 2.0);
-        // The root mean square of a step in turns, as the norm of all steps in rad.
+        // `eps` is the root mean square of a step in turns; `least` is the norm of the step in rad.
         let least =
             self.eps * TAU * sqrt((problem.propagation().transducers() + problem.propagation().points()) as f64);
         let ended = if begun_at_rest {
@@ -75,7 +76,7 @@ impl Solve for Lm {
                 control,
                 |state, control| {
                     let Some((length, predicted)) = normal.step(&rows, state, damping, &mut trial, control)? else {
-                        // Not positive definite in f32: more damping makes it so.
+                        // The matrix is not positive definite in f32; more damping makes it so.
                         damping *= growth;
                         growth *= 2.0;
                         return Ok(false);
@@ -95,7 +96,7 @@ impl Solve for Lm {
                     } else {
                         damping *= growth;
                         growth *= 2.0;
-                        // With this damping a step changes no f32: the method has converged.
+                        // With this damping a step changes no number in f32: the method has converged.
                         Ok(damping > 1e30)
                     }
                 },
@@ -107,7 +108,7 @@ impl Solve for Lm {
     }
 }
 
-/// The largest diagonal entry of J^T J: of sum_j w_j |G_ji|^2 and w_j t_j^2.
+/// Returns the largest diagonal entry of J^T J, of sum_j w_j |G_ji|^2 and w_j t_j^2.
 fn largest(problem: &Problem, work: &Workspace) -> f64 {
     let (propagation, weights) = (problem.propagation(), problem.weights());
     let mut row = Planar::zeros(1, propagation.lanes(), work);
@@ -123,11 +124,11 @@ fn largest(problem: &Problem, work: &Workspace) -> f64 {
     f64::from(largest)
 }
 
-/// A set of phases and the values that follow from it.
+/// A set of phases, and the values that follow from it.
 struct State<'w> {
-    /// e^{j phi} and its field.
+    /// The drives e^{j phi} and their field.
     wave: Wave<'w>,
-    /// e^{j theta}.
+    /// The points' phasors e^{j theta}.
     phasors: [Buffer<'w, f32>; 2],
     /// sqrt(w) (P - t e^{j theta}): real parts, then imaginary ones.
     residual: Buffer<'w, f32>,
@@ -145,7 +146,7 @@ impl<'w> State<'w> {
         }
     }
 
-    /// The phases of the problem's start and of its field, else random ones.
+    /// Creates the state from the phases of the problem's start and of its field, or from random phases.
     fn new(
         problem: &Problem,
         rows: &Rows,
@@ -182,7 +183,7 @@ impl<'w> State<'w> {
         Ok(state)
     }
 
-    /// Residual and cost of the phases.
+    /// Computes residual and cost from the phases.
     fn refresh(&mut self, problem: &Problem) {
         let count = problem.propagation().points();
         self.cost = 0.0;
@@ -197,17 +198,17 @@ impl<'w> State<'w> {
     }
 }
 
-/// The normal equations at a state, in their dual.
+/// The normal equations at a state, in their dual form.
 struct Normal<'w> {
-    /// Two equations a point, the real parts first; J's columns of the points are in its matrix only.
+    /// Two equations for each point, the real parts first. The points' columns of J are only added to its matrix.
     dual: Dual<'w>,
     /// sqrt(w) t: the length of a point's own column of J.
     pulls: Buffer<'w, f32>,
     gradient: Buffer<'w, f32>,
     point_gradient: Buffer<'w, f32>,
-    /// J^T y of a step: the rotations are its negative.
+    /// J^T y of a step; the rotations are its negative.
     rotations: Buffer<'w, f32>,
-    /// Largest |gradient|.
+    /// The largest |gradient|.
     steepest: f64,
 }
 
@@ -216,7 +217,7 @@ impl<'w> Normal<'w> {
         let count = rows.order.len();
         let mut dual = Dual::new(rows, 2 * count, work, control)?;
         let mut pulls = work.floats.take(count);
-        // d r_j / d phi_i = j sqrt(w_j) G_ji q_i.
+        // d r_j / d phi_i = j sqrt(w_j) G_ji q_i, here j before sqrt is the imaginary unit.
         for j in 0..count {
             let root = sqrtf(problem.weights()[j]);
             dual.factors[1][j] = -root;
@@ -239,7 +240,7 @@ impl<'w> Normal<'w> {
         self.steepest = f64::from(self.dual.back(&state.residual, &mut self.gradient));
         let matrix = &mut self.dual.matrix;
         for j in 0..count {
-            // d r_j / d theta_j = -j sqrt(w_j) t_j e^{j theta_j}.
+            // d r_j / d theta_j = -j sqrt(w_j) t_j e^{j theta_j}, here j before sqrt is the imaginary unit.
             let (re, im) = (self.pulls[j] * state.phasors[1][j], -self.pulls[j] * state.phasors[0][j]);
             matrix[j * lanes + j] += re * re;
             matrix[j * lanes + count + j] += re * im;
@@ -250,8 +251,8 @@ impl<'w> Normal<'w> {
         Ok(())
     }
 
-    /// Rotates a state's phasors by a step of the given damping into `trial`; the step's norm and the decrease that the
-    /// linear model predicts. `None` if f32 cannot factor the matrix.
+    /// Writes to `trial` the state after a step of the given damping. Returns the step's norm and the decrease of the
+    /// cost that the linear model predicts; `None` if f32 cannot factor the matrix.
     fn step(
         &mut self,
         rows: &Rows,

@@ -1,6 +1,6 @@
-//! Solvers: one file a method, one line each in the registry.
+//! Solvers: one file for each method, one line for each in the registry.
 
-// First, so that the methods know the macro `options!`.
+// This module comes first, because the methods use its macro `options!`.
 #[macro_use]
 pub(crate) mod options;
 

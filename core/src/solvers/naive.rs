@@ -1,9 +1,8 @@
 //! naive: superposed single foci.
 //!
-//! q_i = `sum_j conj(G_ji) p_j / sum_i |G_ji|^2`: every point is focused on as if it were the only one, at the
-//! amplitude and phase that would give it its pressure (phase 0 where targets have none); what the foci do to each other
-//! is left to chance. The baseline that every method has to beat (the back-projection with which Marzo et al. 2019 and
-//! others start).
+//! q_i = `sum_j conj(G_ji) p_j / sum_i |G_ji|^2`: every point gets the focus that would give it its pressure if it were
+//! the only point (phase 0 where targets have no phases). The method ignores the effect of the foci on each other. It
+//! is the baseline for all other methods (the back-projection with which Marzo et al. 2019 and others start).
 
 use crate::control::Control;
 use crate::error::Error;
@@ -42,7 +41,7 @@ impl Solve for Naive {
         let powers = strips.powers(control)?;
         let mut wanted = Planar::zeros(1, propagation.lanes(), work);
         for (j, (target, &power)) in problem.complex_targets().zip(&powers).enumerate() {
-            // A quiet point and one out of reach have no focus.
+            // A quiet point has no focus, and neither has one that no transducer reaches.
             let share = |part: f64| if power > 0.0 { part as f32 / power } else { 0.0 };
             (wanted.re[j], wanted.im[j]) = (share(target.re), share(target.im));
         }

@@ -1,44 +1,44 @@
-//! Options of a solver, declared once: struct, defaults, documentation, reading by name.
+//! Options of a solver, declared once: struct, defaults, documentation, and reading by name.
 
 use alloc::vec::Vec;
 
 use crate::error::Error;
 use crate::scene::{OptionValue, Options, Value};
 
-/// One documented option.
+/// The description of one option.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OptionInfo {
-    /// Its name.
+    /// The name of the option.
     pub name: &'static str,
-    /// Its default.
+    /// The default value.
     pub default: Value,
-    /// Its description in one line.
+    /// A description in one line.
     pub doc: &'static str,
-    /// The words that it takes; none where it takes no words.
+    /// The words that the option accepts; empty if it accepts none.
     pub words: &'static [&'static str],
-    /// Whether it takes a list of integers.
+    /// Whether the option accepts a list of integers.
     pub list: bool,
 }
 
-/// A plain value of documented options, as [`crate::options!`] makes one.
+/// A struct of documented options, as [`crate::options!`] declares it.
 pub trait Configure: Default {
-    /// Every option with its default.
+    /// Returns every option with its default.
     fn list() -> Vec<OptionInfo>;
-    /// The present value of every option.
+    /// Returns the present value of every option.
     fn options(&self) -> Options;
-    /// Sets one option, whatever the case, "-" and "_" of its name.
+    /// Sets one option. Upper and lower case, "-" and "_" of its name make no difference.
     ///
     /// # Errors
-    /// An unknown name (the error lists the known ones) or a value that does not fit.
+    /// An unknown name (the error lists the known ones), or a value that does not fit.
     fn set(&mut self, name: &str, value: &Value) -> Result<(), Error>;
 }
 
-/// Adds an option and its default to a list, for [`crate::options!`].
+/// Adds an option with its default to a list; used by [`crate::options!`].
 pub fn describe<T: OptionValue>(list: &mut Vec<OptionInfo>, name: &'static str, doc: &'static str, default: &T) {
     list.push(OptionInfo { name, default: default.show(), doc: doc.trim_ascii(), words: T::WORDS, list: T::LIST });
 }
 
-/// Notes an option's present value.
+/// Adds the present value of an option to a list; used by [`crate::options!`].
 pub fn note<T: OptionValue>(options: &mut Options, name: &str, value: &T) {
     options.insert(name.into(), value.show());
 }

@@ -1,4 +1,4 @@
-//! The registry: every solver by name, one line each.
+//! The registry: every solver by name, one line for each.
 
 use alloc::boxed::Box;
 use alloc::format;
@@ -27,7 +27,7 @@ use crate::solvers::tikhonov::Tikhonov;
 use crate::solvers::uniform::Uniform;
 use crate::solvers::wgs::Wgs;
 
-/// Every solver, in the order of tables; one line adds a solver.
+/// Every solver, in the order of printed tables. One more line adds a solver.
 pub static SOLVERS: &[Entry] = &[
     Entry::of::<Uniform>(),
     Entry::of::<Best>(),
@@ -46,23 +46,23 @@ pub static SOLVERS: &[Entry] = &[
     Entry::of::<Naive>(),
 ];
 
-/// The solver used where none is named.
+/// Name of the solver that is used if none is given.
 pub const DEFAULT: &str = "uniform";
 
 /// A line of the registry.
 #[derive(Clone, Copy, Debug)]
 pub struct Entry {
-    /// The method's facts.
+    /// Name, summary and properties of the method.
     pub info: &'static Info,
     list: fn() -> Vec<OptionInfo>,
     make: fn(&Options) -> Result<Configured, Error>,
     device: fn(&Quantization) -> Options,
 }
 
-/// A solver with its options, all of them in full.
+/// A solver with the values of all its options.
 #[allow(missing_debug_implementations, reason = "a solver of a user's own need not have one")]
 pub struct Configured {
-    /// The registry's entry of this method.
+    /// The method's entry in the registry.
     pub info: &'static Info,
     /// The value of every option.
     pub options: Options,
@@ -71,33 +71,33 @@ pub struct Configured {
 }
 
 impl Entry {
-    /// The registry's entry for a method.
+    /// Creates the registry's line for a method.
     #[must_use]
     pub const fn of<M: Method>() -> Self {
         Self { info: &M::INFO, list: M::list, make: make::<M>, device: M::device_defaults }
     }
 
-    /// Every option with its default.
+    /// Returns every option with its default.
     #[must_use]
     pub fn options(&self) -> Vec<OptionInfo> {
         (self.list)()
     }
 
-    /// Whether it uses the phases of the targets, where these have any.
+    /// Returns whether the method uses the phases of the targets.
     #[must_use]
     pub fn uses_phases(&self) -> bool {
         (self.make)(&Options::new()).is_ok_and(|made| made.solver.uses_phases())
     }
 
-    /// The method with some options set.
+    /// Creates the solver with some options set.
     ///
     /// # Errors
-    /// An unknown option, one given twice, or a value that does not fit.
+    /// An unknown option, an option given twice, or a value that does not fit.
     pub fn configure(&self, options: &Options) -> Result<Configured, Error> {
         (self.make)(&self.spelled(options)?)
     }
 
-    /// Options under the names that [`Entry::options`] has for them, whatever their case, "-" and "_".
+    /// Returns the options under the names of [`Entry::options`]. Upper and lower case, "-" and "_" make no difference.
     ///
     /// # Errors
     /// An option given under two spellings.
@@ -113,7 +113,8 @@ impl Entry {
         Ok(spelled)
     }
 
-    /// The same for an array that may have quantization, which gives the options that choose a grid their defaults.
+    /// Creates the solver for an array that may have a quantization; options that choose a grid get their defaults from
+    /// it.
     ///
     /// # Errors
     /// As [`Entry::configure`].
@@ -131,7 +132,7 @@ fn make<M: Method>(options: &Options) -> Result<Configured, Error> {
     Ok(Configured { info: &M::INFO, options: solver.options(), solver: Box::new(solver) })
 }
 
-/// Sets the options of the method of that name.
+/// Sets the options of the method of this name.
 fn set_all(
     method: &str,
     options: &Options,
@@ -149,7 +150,7 @@ fn set_all(
     Ok(())
 }
 
-/// The methods that have an option that a solver lacks.
+/// Returns a hint with the methods that have an option which a solver lacks; `None` if there are none.
 fn hint_of_owners(option: &str) -> Option<String> {
     let has = |entry: &&Entry| entry.options().iter().any(|known| same_name(known.name, option));
     let owners: Vec<&str> = SOLVERS.iter().filter(has).map(|entry| entry.info.name).collect();
@@ -157,7 +158,7 @@ fn hint_of_owners(option: &str) -> Option<String> {
     (!owners.is_empty()).then(|| format!("{} {verb} it; ", owners.join(", ")))
 }
 
-/// The registry's entry of that name. Upper and lower case are the same, and so are "-" and "_".
+/// Returns the registry's entry of this name. Upper and lower case, "-" and "_" make no difference.
 ///
 /// # Errors
 /// An unknown name; the error lists the known ones.
@@ -165,7 +166,7 @@ pub fn find(name: &str) -> Result<&'static Entry, Error> {
     error::find("solver", name, SOLVERS, |entry| entry.info.name)
 }
 
-/// The error for an argument that `name` does not use, listing the solvers that do.
+/// Returns the error for an argument that the solver `name` does not use; it lists the solvers that do.
 #[must_use]
 pub fn unused(argument: &str, name: &str, uses: fn(&Info) -> bool) -> Error {
     let users: Vec<&str> = SOLVERS.iter().map(|entry| entry.info).filter(|info| uses(info)).map(|i| i.name).collect();
@@ -177,10 +178,10 @@ pub fn unused(argument: &str, name: &str, uses: fn(&Info) -> bool) -> Error {
     Error::invalid(argument, format!("given to \"{name}\""), cure)
 }
 
-/// The solver of a choice, for an array of some quantization, which may give options their defaults.
+/// Creates the solver of a choice, for an array of some quantization, which may give options their defaults.
 ///
 /// # Errors
-/// An unknown name or option, a value out of range, an aim for a solver that uses none.
+/// An unknown name or option, a value out of range, or an aim for a solver that uses none.
 pub fn configure(choice: &Choice, quantization: Option<&Quantization>) -> Result<Configured, Error> {
     let made = find(&choice.name)?.configure_for(&choice.options, quantization)?;
     if choice.aim.is_some() && !made.info.uses_aim {

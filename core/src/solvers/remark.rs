@@ -1,7 +1,7 @@
-//! Remarks: warnings about an answer.
+//! Remarks: warnings about a solution.
 //!
-//! Targets beyond reach or too weak, phases left out of account, a scale left over, a bound that lets nothing move, a
-//! focus so loud that its harmonics count.
+//! They concern targets that are beyond reach or too weak, phases that are not used, a remaining scale, a bound that
+//! allows no change, and a focus so loud that harmonics matter.
 
 use core::f64::consts::TAU;
 use core::fmt;
@@ -14,39 +14,40 @@ use crate::solvers::even_field::silence::silenceable;
 use crate::solvers::method::Solve;
 use crate::solvers::registry::SOLVERS;
 
-/// Warnings about an answer.
+/// A warning about a solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::exhaustive_enums, reason = "the eight ways in which an answer differs from the request")]
 pub enum Remark {
     /// An impossible request.
     Beyond(Beyond),
-    /// The error by which the targets are missed, where that is more than 1 %.
+    /// The targets are missed by this relative error, which is above 1 %.
     Missed(f64),
-    /// The part of the balanced level that the targets are: below half of it, and nothing balanced them.
+    /// The targets are this part of the balanced level, which is below a half, and no balancing took place.
     Weak(f64),
-    /// Warns that the targets have phases, and the solver does not use them.
+    /// The targets have phases, and the solver does not use them.
     PhasesUnused,
-    /// The factor that is left to supply or modulation: the device has no amplitude for the answer.
+    /// The device has no amplitude for the solution; this factor must come from supply voltage or modulation.
     Scaled(f64),
-    /// A phase may change by less than a step of the board's: every transducer keeps the phase that it has.
+    /// A phase may change by less than a step of the board's: every transducer keeps its phase.
     Still {
-        /// The most that a phase may change, in rad.
+        /// The largest change of a phase, in rad.
         change: f64,
-        /// The board's phases.
+        /// The number of the board's phases.
         phases: u32,
     },
-    /// Warns that quiet points leak more than the solver was to allow.
+    /// Quiet points leak more than the solver's tolerance.
     Leak {
-        /// The highest leak, relative to the loudest point, times the point's weight over the largest weight of the targets.
+        /// The highest leak, relative to the loudest point, times the point's weight over the largest weight of the
+        /// targets.
         leak: f64,
-        /// The allowed value.
+        /// The tolerance.
         quiet: f64,
-        /// Quiet points a wavelength apart that this many transducers can silence beside the targets.
+        /// The number of quiet points a wavelength apart that so many transducers can silence besides the targets.
         able: usize,
     },
-    /// The second harmonic, which the linear model leaves out, is a large part of the loudest point.
+    /// The second harmonic, which the linear model leaves out, is a large part of the pressure at the loudest point.
     Harmonic {
-        /// The estimated share ([`crate::Medium::second_harmonic`]).
+        /// Its estimated share ([`crate::Medium::second_harmonic`]).
         share: f64,
         /// |p| of that point in Pa.
         pressure: f64,
@@ -105,29 +106,29 @@ impl fmt::Display for Remark {
     }
 }
 
-/// The share of the second harmonic that a remark names: that of some 6 kPa.
+/// The share of the second harmonic from which on there is a warning: that of about 6 kPa.
 const HARMONIC: f64 = 0.25;
 
 impl Remark {
-    /// Warns that targets are weak, where a solver takes them as they stand.
+    /// Warns of weak targets that a solver does not balance.
     #[must_use]
     pub fn weak(problem: &Problem, solver: &dyn Solve, balance: bool) -> Option<Self> {
         weak_part(problem, solver, balance).map(Self::Weak)
     }
 
-    /// Warns that the targets are missed by more than 1 %, where a solver goes on until they are met.
+    /// Warns of targets missed by more than 1 %, for a solver that continues until they are met.
     #[must_use]
     pub fn missed(problem: &Problem, solver: &dyn Solve, solution: &Solution) -> Option<Self> {
         problem.missed(solver.meets_targets(), solver.quiet(), solution).map(Self::Missed)
     }
 
-    /// Warns that the targets have phases which the solver does not use.
+    /// Warns of phases of the targets that the solver does not use.
     #[must_use]
     pub fn phases_unused(problem: &Problem, solver: &dyn Solve) -> Option<Self> {
         (problem.target_phases().is_some() && !solver.uses_phases()).then_some(Self::PhasesUnused)
     }
 
-    /// Warns that quiet points leak much more than the solver was to allow.
+    /// Warns of quiet points that leak much more than the solver's tolerance.
     #[must_use]
     pub fn leak(problem: &Problem, solver: &dyn Solve, solution: &Solution) -> Option<Self> {
         let quiet = solver.quiet()?;
@@ -136,38 +137,39 @@ impl Remark {
         Some(Self::Leak { leak, quiet, able })
     }
 
-    /// Warns that the second harmonic is a large part of the loudest point.
+    /// Warns of a large second harmonic at the loudest point.
     #[must_use]
     pub fn harmonic(problem: &Problem, solution: &Solution) -> Option<Self> {
         harmonic(problem, solution).map(|(share, pressure)| Self::Harmonic { share, pressure })
     }
 
-    /// Warns that the board's phases are too coarse for the bound on their changes; a bound of 0 requests that.
+    /// Warns of a board whose phases are too coarse for the bound on their changes; there is no warning for a bound of
+    /// 0.
     #[must_use]
     pub fn still(problem: &Problem, solver: &dyn Solve) -> Option<Self> {
         Self::still_on(solver.bound()?, problem.quantization()?.phases()?)
     }
 
-    /// Warns that the board has too few phases for a bound on their changes in rad.
+    /// Warns of a board with too few phases for a bound on their changes in rad.
     #[must_use]
     pub fn still_on(change: f64, phases: u32) -> Option<Self> {
         (change > 0.0 && steps_within(change, phases) < 1.0).then_some(Self::Still { change, phases })
     }
 
-    /// Warns that a factor is left to supply or modulation.
+    /// Warns of a factor that supply voltage or modulation must provide.
     #[must_use]
     pub fn scaled(solution: &Solution) -> Option<Self> {
         (solution.scale < 1.0).then_some(Self::Scaled(solution.scale))
     }
 }
 
-/// The part of the balanced level that weak targets are, where a solver takes them as they stand.
+/// Returns the part of the balanced level that weak targets have, for a solver that does not balance them.
 pub(crate) fn weak_part(problem: &Problem, solver: &dyn Solve, balance: bool) -> Option<f64> {
     (problem.is_weak() && !balance && !solver.finds_level() && solver.plays_at_full()).then(|| 1.0 / problem.balance())
 }
 
-/// The estimated share of the second harmonic at the loudest point, where it is large and pressures are requested, and |p| in
-/// Pa there. Pressures under a signature are not those that are played.
+/// Returns the estimated share of the second harmonic at the loudest point, and |p| in Pa there, if the share is large
+/// and pressures are requested. With a signature it returns `None`: the pressures played are other ones.
 pub(crate) fn harmonic(problem: &Problem, solution: &Solution) -> Option<(f64, f64)> {
     let kept = problem.propagation().origin().and_then(|(.., kept)| kept);
     if !problem.asks_pressures() || problem.aim() != Aim::Target || kept.is_some_and(|kept| kept.signature.is_some()) {

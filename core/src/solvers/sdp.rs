@@ -1,11 +1,11 @@
 //! sdp: semidefinite relaxation by block coordinate descent (Inoue et al., World Haptics 2015).
 //!
-//! The phases u at the points, |u_j| = 1, that the pseudo-inverse G^+ meets best minimise u^H Q u with
-//! Q = T (I - G G^+) T, T = diag(t). With G^+ = G^H (G G^H + alpha I)^-1 (singular values s/(s^2 + alpha)) that is
-//! Q = alpha T (G G^H + alpha I)^-1 T. Relaxed to X = u u^H, X_jj = 1, X >= 0, it is solved by one random column
-//! after another (Waldspurger, d'Aspremont and Mallat, Math. Programming 149, 2015): with m the column of Q without
-//! its diagonal, x = X m and g = x^H m, the column becomes -sqrt(lambda/g) x, or 0. The leading eigenvector of X is u,
-//! with its raw moduli (the paper's, which loses points) or made 1.
+//! The pseudo-inverse G^+ gives drives for points of unit phasors u and targets t. The phases that it meets best
+//! minimise u^H Q u with Q = T (I - G G^+) T, T = diag(t). With G^+ = G^H (G G^H + alpha I)^-1 (singular values s/(s^2
+//! + alpha)) that is Q = alpha T (G G^H + alpha I)^-1 T. The relaxed problem is X = u u^H with X_jj = 1, X >= 0. It is
+//! solved by one random column after another (Waldspurger, d'Aspremont and Mallat, Math. Programming 149, 2015): with m
+//! the column of Q without its diagonal, x = X m and g = x^H m, the column becomes -sqrt(lambda/g) x, or 0. The leading
+//! eigenvector of X is u, with its raw moduli (as in the paper, which loses points) or with moduli 1.
 
 use crate::control::Control;
 use crate::error::{Error, real};
@@ -25,11 +25,11 @@ use crate::solvers::iterate::iterate;
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
-/// The use of the moduli of the relaxation's eigenvector.
+/// The moduli of the relaxation's eigenvector that the solution uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(clippy::exhaustive_enums, reason = "as they are, or 1")]
 pub enum Moduli {
-    /// As they are, like the paper. Points with a small one are lost.
+    /// The eigenvector's own moduli, as in the paper. Points with a small modulus are lost.
     Raw,
     /// 1 for every point.
     Unit,
@@ -89,14 +89,14 @@ impl Solve for Sdp {
         let mut strips = Strips::new(propagation, work);
         let product = strips.gram(None, control)?;
         let largest = product.diagonal().fold(0.0, f32::max);
-        // In f32 the matrix resolves no more than this part of its diagonal.
+        // A matrix in f32 resolves no more than this part of its diagonal.
         let shift = (self.alpha as f32).max(1e-6 * largest);
         let inverse = Hermitian::damped(propagation.instruction_set(), &product, count, shift, work, control)?;
         let quality = quality(problem, &inverse, work, control)?;
         let mut relaxed = begin(problem, work, control)?;
         let [mut column, mut image] = [(); 2].map(|()| Planar::zeros(1, lanes, work));
         let mut rng = Rng::new(self.seed);
-        // Columns whose last visit changed nothing since anything changed.
+        // Marks of the columns that were visited without an effect since the last change.
         let mut still = work.floats.take(count);
         let ended = iterate(
             (self.steps, self.tolerance),
@@ -105,7 +105,7 @@ impl Solve for Sdp {
             |relaxed, control| {
                 let chosen = rng.below(count as u64) as usize;
                 let [re, im] = quality.row(chosen);
-                // Rows are stored conjugated, so a row reads as the column.
+                // Rows are stored conjugated, so a row contains the column.
                 column.re.copy_from_slice(re);
                 column.im.copy_from_slice(im);
                 (column.re[chosen], column.im[chosen]) = (0.0, 0.0);
@@ -140,7 +140,7 @@ impl Solve for Sdp {
     }
 }
 
-/// conj(Q)/alpha = conj(T (G G^H + alpha I)^-1 T), one column of the inverse after another.
+/// Returns conj(Q)/alpha = conj(T (G G^H + alpha I)^-1 T), computed from one column of the inverse after another.
 fn quality<'w>(
     problem: &Problem,
     inverse: &Hermitian,
@@ -167,7 +167,7 @@ fn quality<'w>(
     Ok(matrix)
 }
 
-/// X = I, or half way from I to u u^H of the start's phasors u.
+/// Returns X = I, or the mean of I and u u^H for the phasors u of a start.
 fn begin<'w>(problem: &Problem, work: &'w Workspace, control: &mut Control) -> Result<Planar<'w>, Error> {
     let (count, lanes) = (problem.propagation().points(), problem.propagation().lanes());
     let mut matrix = Planar::zeros(count, lanes, work);
@@ -187,7 +187,7 @@ fn begin<'w>(problem: &Problem, work: &'w Workspace, control: &mut Control) -> R
     Ok(matrix)
 }
 
-/// Writes `scale` times `image` into row and column `chosen`; the largest change of an entry.
+/// Writes `scale` times `image` to row and column `chosen`; returns the largest change of an entry.
 fn replace(matrix: &mut Planar, chosen: usize, image: &Planar, scale: f32, count: usize) -> f32 {
     let mut change = 0.0_f32;
     for k in (0..count).filter(|&k| k != chosen) {
@@ -201,7 +201,7 @@ fn replace(matrix: &mut Planar, chosen: usize, image: &Planar, scale: f32, count
     change
 }
 
-/// trace(Q X) relative to trace(Q): what the descent lowers, reported as its residual.
+/// Returns trace(Q X) relative to trace(Q). The descent lowers it, and reports it as its residual.
 fn relaxation(set: InstructionSet, relaxed: &Planar, quality: &Planar, count: usize) -> f64 {
     let (mut sum, mut trace) = (0.0, 0.0);
     for k in 0..count {

@@ -13,26 +13,26 @@ use crate::solvers::last::Last;
 use crate::solvers::method::Solve;
 use crate::workspace::Workspace;
 
-/// The largest |q|^2, with rounding; it also limits [`crate::Start::Drive`].
+/// The largest |q|^2, including rounding; it also limits [`crate::Start::Drive`].
 const MOST_POWER: f32 = 1.0 + 2e-6;
 
-/// Solves a problem, balancing it first on request.
+/// Solves a problem, and balances it first if `balance` is true.
 ///
-/// Balancing multiplies the targets by [`Problem::balance`] when that is above 1, and brings the drives down to the targets
-/// afterwards, as far as that is down: the cure of the paper's section V, where foci much weaker than the array can make
-/// come out smeared. Metrics, trace and progress speak of the final drive and the caller's targets.
+/// Balancing multiplies the targets by [`Problem::balance`] if that is above 1, and divides the drives of the solution
+/// again, as far as that lowers them. It is the cure of the paper's section V for foci much weaker than the array can
+/// make, which become blurred. Metrics, trace and progress refer to the final drive and the caller's targets.
 ///
-/// Where the array has [`crate::Quantization`], every drive of the answer lies on them, rounded to the nearest phase and
-/// amplitude. Balancing then reduces to the nearest amplitude; where that would be below the least one above 0, the
-/// drives are brought there and [`Solution::scale`] says what is left to supply or modulation.
+/// If the array has a [`crate::Quantization`], every drive of the solution is rounded to its nearest phase and
+/// amplitude. Balancing then reduces to the nearest amplitude. If that is below the least amplitude above 0, the drives
+/// get that least one, and [`Solution::scale`] is the factor that supply voltage or modulation must provide.
 ///
-/// Where several transducers are on one channel ([`crate::Array::with_channels`]), a solver sees one column of each channel, and
-/// the answer has its drive at each of them.
+/// If several transducers share a channel ([`crate::Array::with_channels`]), a solver uses one column of G for each
+/// channel, and the solution has the channel's drive at each of them.
 ///
-/// A stop that comes before the solver has anything leaves a drive of 0 and the status [`crate::Status::Stopped`].
+/// A stop before the solver's first result gives a drive of 0 and the status [`crate::Status::Stopped`].
 ///
 /// # Errors
-/// What the solver refuses; a drive that is not finite or above 1.
+/// Errors of the solver; a drive that is not finite or above 1.
 ///
 /// ```
 /// use midair::{Array, Control, Medium, Problem, Request, Scene, Workspace, solvers};
@@ -55,7 +55,7 @@ pub fn solve(
     solve_after(problem, solver, balance, None, work, control)
 }
 
-/// As [`solve`], of the frame after the last for a solver that remembers that.
+/// Does the same as [`solve`] for the frame after `last`, if the solver uses it.
 pub(crate) fn solve_after(
     problem: &Problem,
     solver: &dyn Solve,
@@ -87,7 +87,7 @@ pub(crate) fn solve_after(
     }
 }
 
-/// The answer on the device's grid, balancing undone.
+/// Rounds a solution to the device's grid, and undoes balancing.
 fn quantized(mut solution: Solution, factor: f64, work: &Workspace, control: &mut Control) -> Result<Solution, Error> {
     check(&solution)?;
     let excess = excess(&solution, factor);
@@ -97,7 +97,8 @@ fn quantized(mut solution: Solution, factor: f64, work: &Workspace, control: &mu
     Ok(solution)
 }
 
-/// As [`solve`], several problems at once, where the solver knows how and none of them is out of f32's range.
+/// Does the same as [`solve`] for several problems at once; returns `None` if the solver cannot do that or if a problem
+/// is out of f32's range.
 pub(crate) fn solve_interleaved(
     problems: &[Problem],
     solver: &dyn Solve,
@@ -123,17 +124,17 @@ pub(crate) fn solve_interleaved(
     Ok(solutions)
 }
 
-/// How many times as loud as its targets an answer to balanced targets is, at least 1: what its drives are divided by. In 12 binary
-/// digits, which do not depend on the unit of the pressures.
+/// Returns the level of a solution of balanced targets relative to its targets, at least 1: the divisor of its drives.
+/// It has 12 binary digits, which do not depend on the unit of the pressures.
 fn excess(solution: &Solution, factor: f64) -> f64 {
     let level = if factor > 1.0 { solution.metrics().level } else { 1.0 };
     let digits = ((level as f32).to_bits() + (1 << 10)) & !0x7ff;
     if level.is_finite() { f64::from(f32::from_bits(digits)).max(1.0) } else { factor }
 }
 
-/// Refuses an answer that no array can play.
+/// Checks a solution; returns an error if no array can play it.
 fn check(solution: &Solution) -> Result<(), Error> {
-    // Compares all of them, so that the loop has no branch; a NaN is not below either.
+    // All drives are compared, so that the loop has no branch; the comparison is false for NaN.
     let fine = |fine, q: &Complex32| fine & (q.norm_sqr() <= MOST_POWER);
     if solution.drive.iter().fold(true, fine) {
         return Ok(());
@@ -146,7 +147,7 @@ fn check(solution: &Solution) -> Result<(), Error> {
     Err(Error::lost())
 }
 
-/// The factor of the targets before solving.
+/// Returns the factor of the targets before solving.
 fn factor(problem: &Problem, solver: &dyn Solve, balance: bool) -> f64 {
     if balance && !solver.finds_level() { problem.balance().max(1.0) } else { 1.0 }
 }

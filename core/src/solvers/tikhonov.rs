@@ -1,8 +1,8 @@
-//! tikhonov: regularised pseudo-inverse at the targets' phases, 0 where they have none.
+//! tikhonov: regularised pseudo-inverse for targets with phases; phase 0 where they have none.
 //!
-//! q = G^H (G G^H + mu I)^-1 p, the M x M dual of least squares damped by mu = regularization * mean diag(G G^H),
-//! with p the targets, of phase 0 where they have none. Weights multiply rows of G and p by their square roots. Where
-//! the phases at the points are free, 0 is a poor choice: the paper's methods differ in how they choose better.
+//! q = G^H (G G^H + mu I)^-1 p is the M x M dual of least squares, damped by mu = regularization * mean diag(G G^H),
+//! with p the targets. Weights multiply rows of G and p by their square roots. If the phases at the points are free, 0
+//! is a poor choice; the paper's methods differ in how they choose better ones.
 
 use crate::control::Control;
 use crate::error::{Error, real};
@@ -59,7 +59,7 @@ impl Solve for Tikhonov {
             }
             trace += matrix.row(k)[0][k];
         }
-        // Rounding of G G^H in f32 bounds the damping from below.
+        // The rounding of G G^H in f32 is a lower bound of the damping.
         let shift = (self.regularization as f32).max(1e-6) * trace / count as f32;
         let solver = Hermitian::damped(propagation.instruction_set(), &matrix, count, shift, work, control)?;
         let mut phasors = Planar::zeros(1, propagation.lanes(), work);

@@ -1,7 +1,7 @@
 //! wgs: weighted Gerchberg-Saxton, damped, best iterate kept (Di Leonardo et al. 2007).
 //!
-//! The weighting of Di Leonardo, Ianni and Ruocco (Optics Express 15(4), 2007), its exponent damped: with the
-//! full ratio two points take turns at winning. The iterate whose worst point is best is kept.
+//! The weights are those of Di Leonardo, Ianni and Ruocco (Optics Express 15(4), 2007), but with a damped exponent:
+//! with the full ratio two points alternate. The solution is the iterate whose worst point is best.
 
 use crate::control::Control;
 use crate::error::Error;
@@ -38,7 +38,7 @@ impl Method for Wgs {
     }
 }
 
-/// min, mean and max of |p|/target over the points with a target.
+/// Returns the least, the mean and the largest |p|/target over the points with a target.
 fn spread(moduli: &[f32], targets: &[f32]) -> (f32, f32, f32) {
     let (mut low, mut sum, mut high, mut count) = (f32::INFINITY, 0.0, 0.0_f32, 0.0);
     for (&modulus, &target) in moduli.iter().zip(targets).filter(|(_, target)| **target > 0.0) {
@@ -48,7 +48,8 @@ fn spread(moduli: &[f32], targets: &[f32]) -> (f32, f32, f32) {
     (low, sum / count, high)
 }
 
-/// Multiplies each point's wanted modulus by the square root of (mean |p|/target) over its own |p|/target, at most 2.
+/// Multiplies the requested modulus of each point by the square root of (mean |p|/target) over its |p|/target, at most
+/// 2.
 fn raise(raised: &mut [f32], moduli: &[f32], targets: &[f32], mean: f32) {
     if mean > 0.0 {
         for ((raised, &modulus), &target) in raised.iter_mut().zip(moduli).zip(targets) {
@@ -56,7 +57,7 @@ fn raise(raised: &mut [f32], moduli: &[f32], targets: &[f32], mean: f32) {
             *raised *= sqrtf((mean * target / modulus.max(f32::MIN_POSITIVE)).min(4.0));
         }
     }
-    // Only ratios matter: the largest is brought back to 1.
+    // Only ratios matter: the largest is scaled to 1.
     let largest = raised.iter().copied().fold(0.0, f32::max);
     for x in raised {
         *x /= largest;
@@ -72,7 +73,7 @@ impl Solve for Wgs {
         let mut wave = projector.begin(problem, &rows, work, control)?;
         let mut raised = work.floats.take(rows.count);
         raised.iter_mut().zip(targets).for_each(|(raised, target)| *raised = target / rows.target);
-        // The start is the first candidate: an answer is never worse than what it began with.
+        // The start is the first candidate, so the solution is never worse than the start.
         let mut best = Wave::new(&rows, work);
         best.copy(&wave);
         let mut worst = spread(&best.moduli, targets).0;

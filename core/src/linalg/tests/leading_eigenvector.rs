@@ -17,9 +17,9 @@ fn the_leading_eigenvector_is_found_at_every_size() {
                 .expect("it is not stopped");
             let value = (0..count).map(|k| (entry(&vector, k).conj() * apply(&matrix, &vector, k)).re).sum::<f64>();
             let residual = (0..count).map(|k| (apply(&matrix, &vector, k) - value * entry(&vector, k)).norm_sqr());
-            // f32 products of vectors of length 1, relative to the eigenvalue.
+            // The error is that of f32 products of vectors of length 1, relative to the eigenvalue.
             assert!(residual.sum::<f64>().sqrt() < 2e-5 * value, "{count}, rank {rank}");
-            // No other direction has a larger quotient: a hundred products of another start find none.
+            // No other direction has a larger Rayleigh quotient: a hundred products from another start find none.
             let mut other: Vec<Complex64> = (0..count).map(|j| Complex64::new(1.0, j as f64 - 3.0)).collect();
             for _ in 0..100 {
                 let image = matrix.iter().map(|row| row.iter().zip(&other).map(|(a, b)| a * b).sum::<Complex64>());

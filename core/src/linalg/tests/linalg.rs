@@ -5,7 +5,7 @@ use crate::rng::Rng;
 use alloc::vec::Vec;
 use num_complex::Complex64;
 
-/// A random Hermitian positive semidefinite matrix of rank at most `rank`, and the same stored conjugated.
+/// Returns a random Hermitian positive semidefinite matrix of rank at most `rank`, and the same stored conjugated.
 pub(crate) fn random(count: usize, rank: usize, work: &Workspace) -> (Vec<Vec<Complex64>>, Planar<'_>) {
     let mut rng = Rng::new((count * 1000 + rank) as u64);
     let mut number = || 2.0 * rng.uniform() - 1.0;
@@ -47,7 +47,7 @@ fn a_hermitian_system_is_solved_at_every_size() {
         for k in 0..count {
             let wanted = Complex64::new(1.0 + k as f64, 2.0 - k as f64);
             let got = apply(&matrix, &x, k) + 0.5 * entry(&x, k);
-            // Backward stable: rounding times the size of matrix and solution, which stay below 1e3 here.
+            // Backward stable: rounding times the norms of matrix and solution, which stay below 1e3 here.
             assert!((got - wanted).norm() < 1e-3 * count as f64, "{count}: {got} for {wanted}");
         }
         assert!(x.re[count..].iter().all(|&x| x == 0.0));

@@ -27,7 +27,7 @@ fn a_way_along_lines_leads_to_its_place() {
         assert_eq!(lines.after(way), place);
     }
     assert!(distance(lines.after(0.035), [0.03, 0.005, 0.1]) < 1e-17);
-    // A single vertex is everywhere.
+    // A single vertex is the place at every distance.
     assert_eq!(Lines::new(&corner[..1]).unwrap().after(0.5), corner[0]);
 }
 

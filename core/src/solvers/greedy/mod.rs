@@ -1,12 +1,12 @@
 //! greedy: brute-force search over K amplitudes x L phases (Suzuki et al. 2021, Algorithm 2).
 //!
-//! One transducer after another takes, of K amplitudes times L phases, the drive that lowers eq. (7) most; the
-//! field at the points is kept and updated (eq. 9), so that the whole costs O(K L M N). No matrix is stored: a
-//! row of G is used once and forgotten. Energies are compared by their *differences*: at N = 10^4 a transducer
-//! changes the energy by less than an f32 sum of it can show.
+//! One transducer after another takes, of K amplitudes times L phases, the drive that lowers eq. (7) most. The field at
+//! the points is stored and updated (eq. 9), so that all takes O(K L M N). No matrix is stored: each row of G is
+//! computed when it is used. The search compares *differences* of energies, because at N = 10^4 a transducer changes
+//! the energy by less than the rounding of its sum in f32.
 //!
-//! Given a start, the last frame's drive, it exchanges each transducer's wave for the best within a bound on the change of
-//! phase, see [`crate::solvers::common::coordinate_descent`].
+//! Given a start, the last frame's drive, it replaces each transducer's wave by the best one within a bound on the
+//! change of phase, see [`crate::solvers::common::coordinate_descent`].
 
 pub(crate) mod by_energy;
 
@@ -30,13 +30,13 @@ use crate::solvers::common::interleaved_batch::InterleavedBatch;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::{Buffer, Workspace};
 
-/// Whether the errors are squared.
+/// The error of a point in the objective: squared or absolute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Objective {
     /// `sum w (t - |P|)^2`, the paper's eq. (7).
     L2,
-    /// `sum w |t - |P||`, what the authors' code minimises.
+    /// `sum w |t - |P||`, which the authors' code minimises.
     L1,
 }
 
@@ -75,7 +75,7 @@ options! {
     }
 }
 
-/// A device's longer table is thinned to the paper's K = 16 by default: K multiplies the time.
+/// Largest default K: a device's longer table is thinned to the paper's 16 amplitudes, because K multiplies the time.
 const AMPLITUDES: usize = 16;
 
 words!(Objective: "l2" = Self::L2, "l1" = Self::L1);
@@ -110,7 +110,7 @@ fn not_a_permutation(value: &Value) -> Error {
 }
 
 impl Order {
-    /// Writes the order of all transducers into `out`, which holds 0..N.
+    /// Writes the order of all transducers to `out`, which contains 0..N.
     fn write(&self, seed: u64, positions: Option<&[[f64; 3]]>, out: &mut [u32]) -> Result<(), Error> {
         match self {
             Self::Rows => {}
@@ -123,10 +123,10 @@ impl Order {
                         "a matrix has no positions: give them, or \"rows\", \"random\" or a permutation",
                     )
                 })?;
-                // Rounded by the cast: positions lie well within 2^63 um, and this is called some N log N times.
+                // The cast rounds: positions are far below 2^63 um. This function is called about N log N times.
                 let micron = |x: f64| (x * 1e6 + 0.5_f64.copysign(x)) as i64;
                 let key = |i: u32| positions[i as usize].map(micron);
-                // Unstable sorting needs no memory; the index makes it stable.
+                // Unstable sorting needs no memory; the index makes the order unique.
                 out.sort_unstable_by(|&a, &b| {
                     let ([ax, ay, _], [bx, by, _]) = (key(a), key(b));
                     (ax, ay, a).cmp(&(bx, by, b))
@@ -137,7 +137,7 @@ impl Order {
                 if order.len() != out.len() {
                     return Err(fault());
                 }
-                // Marks every index met in `out`, which still holds 0..N, before overwriting it.
+                // Marks every index of the order in `out`, which still contains 0..N, before overwriting it.
                 for &i in order {
                     match out.get_mut(i as usize) {
                         Some(mark) if *mark == i => *mark = u32::MAX,
@@ -184,7 +184,7 @@ impl Method for Greedy {
 }
 
 impl Greedy {
-    /// The transducers in the order of their updates, and the candidates of each.
+    /// Returns the transducers in the order of their updates, and the candidates of each.
     pub(crate) fn search<'w>(
         &self,
         problem: &Problem,
@@ -194,14 +194,14 @@ impl Greedy {
         Ok((self.order(problem, work)?, self.candidates(problem, work)?))
     }
 
-    /// The transducers in the order of their updates.
+    /// Returns the transducers in the order of their updates.
     fn order<'w>(&self, problem: &Problem, work: &'w Workspace) -> Result<Buffer<'w, u32>, Error> {
         let mut order = work.counting(problem.propagation().transducers());
         self.order.write(self.seed, problem.setup().positions.as_deref(), &mut order)?;
         Ok(order)
     }
 
-    /// Candidates on this problem's device.
+    /// Returns the candidates on this problem's device.
     fn candidates(&self, problem: &Problem, work: &Workspace) -> Result<Candidates, Error> {
         let (phases, amplitudes) = (self.phases as usize, self.amplitudes as usize);
         let on = problem.quantization().map(Quantization::on).unwrap_or_default();
@@ -215,7 +215,7 @@ impl Greedy {
             let cure = format!("the device has {} amplitudes above 0: give at most as many", on.len());
             return Err(Error::invalid("amplitudes", self.amplitudes, cure));
         }
-        // Evenly spaced in the table, full drive among them.
+        // The amplitudes are evenly spaced in the table, and contain full drive.
         let value = |k: usize| match on {
             [] => (k as f64 + 1.0) / amplitudes as f64,
             table => table[((k + 1) * table.len()).div_ceil(amplitudes) - 1],
@@ -303,7 +303,7 @@ impl Solve for Greedy {
         for buffer in candidates.into_buffers() {
             work.floats.give(buffer);
         }
-        // Candidates are the device's own.
+        // The candidates are on the device's grid.
         Ok(Solution::of_field(problem, drive.into_vec(), &field, status, steps, work, control)?.on_grid())
     }
 
@@ -317,7 +317,7 @@ impl Solve for Greedy {
 }
 
 impl Greedy {
-    /// Several problems of one model at once, where that saves work.
+    /// Solves several problems of one model at once, or returns `None` if that saves no work.
     pub(super) fn solve_interleaved(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
         self.check().ok()?;
         let first = problems.first()?;

@@ -13,7 +13,8 @@ use crate::scene::Request;
 use crate::solvers::solve::solve;
 use crate::workspace::Workspace;
 
-/// A matrix of unit waves, `count` x `transducers`, and targets of random phases at `part` of sum |G| / sqrt(M).
+/// Returns a matrix of unit waves, `count` x `transducers`, and targets of random phases at `part` of sum |G| /
+/// sqrt(M).
 fn scene(count: usize, transducers: usize, part: f64, seed: u64) -> (Vec<Complex64>, Vec<Complex64>) {
     let mut rng = Rng::new(seed);
     let mut wave = || phasor(core::f64::consts::TAU * rng.uniform());
@@ -28,7 +29,7 @@ fn answer(matrix: &[Complex64], request: &Request, solver: &Bounded) -> Solution
     solve(&problem.expect("a problem"), solver, false, &mut Workspace::new(), &mut Control::none()).expect("an answer")
 }
 
-/// The least relative error, by projected gradients with momentum and restarts, in plain loops.
+/// Returns the least relative error, found by projected gradients with momentum and restarts, in plain loops.
 fn least_error(matrix: &[Complex64], targets: &[Complex64], weights: &[f64]) -> f64 {
     let count = targets.len();
     let transducers = matrix.len() / count;
@@ -72,7 +73,7 @@ fn the_error_is_the_least_one_within_its_tolerance() {
             assert_eq!(solution.status, Status::Done);
             let (error, least) = (solution.complex_error().expect("phases"), least_error(&matrix, &targets, &weights));
             assert!(least > 0.002, "M = {count} is too easy: {least}");
-            // The reference itself is good to 1e-5; the answer is rounded to f32.
+            // The reference itself is accurate to 1e-5; the solution is rounded to f32.
             assert!(error < 1.0011 * least && error > 0.9999 * least, "M = {count}: {error} for {least}");
         }
     }

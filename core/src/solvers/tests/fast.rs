@@ -11,7 +11,7 @@ fn every_transducer_has_its_turn() {
     }
 }
 
-/// A problem of a lobe whose amplitudes are kept, through moves, a batch's sums and other lengths.
+/// A problem with a directivity, whose amplitudes are stored, also after moves, in batches and with other lengths.
 #[test]
 fn a_problem_whose_amplitudes_are_kept_has_the_same_bits() {
     use crate::kernels::InstructionSet;
