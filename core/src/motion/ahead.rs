@@ -1,4 +1,4 @@
-//! Ahead: the drives of a whole sequence at once, every transducer on the best track over all its frames.
+//! Ahead: the drives of a whole sequence at once; each transducer gets the best track over all frames.
 
 use alloc::format;
 use alloc::vec;
@@ -14,28 +14,29 @@ use crate::motion::frames::Frames;
 use crate::motion::track::{Circle, Ends};
 use crate::propagation::Model;
 
-/// The largest turn of a transducer from frame to frame, and the search of its tracks.
+/// The bound on the changes of phase from frame to frame, and the search of the tracks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::exhaustive_structs, reason = "four numbers, checked where they are used")]
 pub struct Ahead {
-    /// The most that a transducer's phase may change from one frame to the next, in rad.
+    /// The largest change of a transducer's phase from one frame to the next, in rad.
     pub change: f64,
-    /// Phases L of the device, 2 to 65536: drives are e^{j 2 pi l/L}.
+    /// Number L of phases of the device, 2 to 65536: drives are e^{j 2 pi l/L}.
     pub phases: u32,
-    /// The bounds of the first frame and the last.
+    /// The bounds of the first and the last frame.
     pub ends: Ends,
-    /// Rounds of tracks, point phases and weights.
+    /// Number of rounds; each computes tracks, point phases and weights.
     pub rounds: u32,
 }
 
-/// Codes (T, N) of a whole sequence: every transducer on the best track over all its frames, drives e^{j 2 pi l/L}.
+/// Returns codes l (T, N) for a whole sequence of T frames, with drives e^{j 2 pi l/L}: each of N transducers gets the
+/// best track over all frames.
 ///
-/// `points` (T, M, 3) in m and `targets` (T, M) in Pa, or in any unit: the points of a frame get pressures in these ratios, as
-/// loud as possible. A point of target 0 is not there in that frame, wherever it is said to be. A transducer without effect
-/// (masked, response 0) keeps the code 0. `start` (T, N) are codes to begin with, the first of which [`Ends::Held`] keeps; left
-/// out the drives of [`crate::solvers::Uniform`], each from the one before. Transducers of one channel have one code, its first
-/// one's in `start`.
-///
+/// `points` (T, M, 3) are in m, `targets` (T, M) in Pa or any other unit: the points of a frame get pressures in these
+/// ratios, as loud as possible. A point of target 0 is absent in that frame, and its coordinates are ignored. A
+/// transducer without effect (masked, response 0) keeps the code 0. `start` (T, N) are the first codes; with
+/// [`Ends::Held`] the result keeps those of the first frame. Without `start` the search begins with the drives of
+/// [`crate::solvers::Uniform`], each frame from the one before. Transducers of one channel have one code; in `start` it
+/// is that of the first.
 /// ```text
 /// |l_i(t) - l_i(t-1)| <= w = floor(change L / 2 pi), modulo L, and from the last frame to the first of a closed sequence
 /// S_i(t) = sum_j w_j(t) e^{j psi_j(t)} conj(G_ji(t))
@@ -43,14 +44,14 @@ pub struct Ahead {
 /// psi_j(t) = arg P_j(t), over-relaxed, and w_j(t) by level/|P_j(t)|, `rounds` times
 /// ```
 ///
-/// In the end single codes move by one where both neighbours allow it, until min |P_j|/t_j over max |P_j|/t_j of the frame is
-/// above 0.995 or nothing helps. Time O(rounds N T (L log w + M)), memory 4 N T bytes and 4 T L a thread. The same bits
-/// for any number of threads.
+/// In the end single codes change by one where both neighbours in time allow it, until min |P_j|/t_j over max |P_j|/t_j
+/// of the frame is above 0.995 or no change helps. Time O(rounds N T (L log w + M)), memory 4 N T bytes, and 4 T L
+/// bytes for each thread. The result has the same bits for any number of threads.
 ///
 /// # Errors
 /// A change that is negative or not finite, L out of range, no round; fewer than two frames, lengths that do not fit, a
-/// target that is negative or not finite, none above 0; a point that is not finite, too far away, on a transducer or
-/// reached by none; more memory than allowed; a stop.
+/// target that is negative or not finite, no target above 0; a point that is not finite, too far away, at a transducer
+/// or reached by none; more memory than allowed; a stop.
 ///
 /// ```
 /// use midair::motion::{Ahead, Ends, ahead};
@@ -82,7 +83,7 @@ pub fn ahead(
     let sides = [transducers, frames.points];
     control.room("the codes of all frames", sides, bytes(4, &[count, transducers]))?;
     control.room("the tracks", sides, bytes(4 * control.threads(), &[count, circle.levels]))?;
-    // Transducer by transducer, until the frames are finished one by one.
+    // Codes are ordered by transducers here, and by frames later when single frames are evened out.
     let mut codes = vec![0; transducers * count];
     let steps = ahead.rounds as usize + 1;
     let guess = match start {
@@ -141,7 +142,7 @@ fn check_start(start: &[u16], count: usize, transducers: usize, phases: u32) -> 
     }
 }
 
-/// Writes rows as columns.
+/// Writes the transpose of `from`, which has `rows` rows.
 fn transpose(from: &[u16], rows: usize, to: &mut [u16]) {
     let columns = from.len() / rows;
     for (k, out) in to.iter_mut().enumerate() {
@@ -149,7 +150,7 @@ fn transpose(from: &[u16], rows: usize, to: &mut [u16]) {
     }
 }
 
-/// Tells a step.
+/// Reports a step to the caller; returns an error if it requests a stop.
 fn step(
     frames: &Frames,
     (step, steps): (usize, usize),

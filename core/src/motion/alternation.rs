@@ -1,8 +1,10 @@
-//! Alternation: best tracks for given point phases and weights, then the phases and weights that the tracks ask for.
+//! Alternation: best tracks for given point phases and weights, then new phases and weights from the field of the
+//! tracks.
 //!
-//! For point phases psi_j(t) and weights w_j(t) the waves S_i(t) = sum_j w_j e^{j psi_j} conj(G_ji) leave every transducer
-//! alone, and its best track is found exactly. Its field then says the phases again (Gerchberg-Saxton over all frames at
-//! once), and the weights of points too weak or too loud (Di Leonardo et al., Opt. Express 15(4), 2007).
+//! For point phases psi_j(t) and weights w_j(t), transducer i is to follow the wave S_i(t) = sum_j w_j e^{j psi_j}
+//! conj(G_ji). Each transducer is then independent of the others, and its best track is found exactly. The field of the
+//! tracks gives the next phases (Gerchberg-Saxton over all frames at once), and larger or smaller weights for points
+//! that are too weak or too loud (Di Leonardo et al., Opt. Express 15(4), 2007).
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -13,30 +15,31 @@ use crate::math::{sqrtf, unit};
 use crate::motion::frames::{Frames, Visit};
 use crate::motion::track::{Circle, Ends, Tracker};
 
-/// The part of a point's phasor that comes from its field before the new phase is read: the field mostly repeats the
-/// old phase. In trials it halves the rounds; with 0.8 they end nowhere.
+/// The part of a point's old phasor that is subtracted from its field before the new phase is read: the field mostly
+/// repeats the old phase. In trials it halves the rounds; with .8 they do not converge.
 const ECHO: f32 = 0.5;
 
-/// The most that a weight may change in a round.
+/// The largest factor of a weight in a round.
 const MOST_CHANGE: f32 = 2.0;
 
-/// Factors of a weight's step size: if it goes on in its direction, and if it turns back.
+/// Factors of a weight's step size: if the weight goes on in its direction, and if it turns back.
 const PACES: [f32; 2] = [1.2, 0.5];
 
-/// The targets at the points of all frames.
+/// The phases and weights of the points in all frames.
 pub(super) struct Wanted {
-    /// w_j (T, M); 0 for a point that is not there.
+    /// The weights w_j (T, M); 0 for an absent point.
     weights: Vec<f32>,
-    /// The part of the way to level/|P_j| that a weight goes in a round (T, M): two or three points would take turns.
+    /// The part of the way to level/|P_j| that a weight goes in a round (T, M). With whole steps two or three points
+    /// would alternate.
     paces: Vec<f32>,
-    /// Whether a point was too weak (T, M).
+    /// Whether a point was too weak in the last round (T, M).
     weak: Vec<bool>,
-    /// e^{j psi_j} (T, M), re and im, over the lanes of a row.
+    /// The phasors e^{j psi_j} (T, M), real and imaginary parts, over the lanes of a row.
     phasors: [Vec<f32>; 2],
 }
 
 impl Wanted {
-    /// The phases of a field (T, M), and weights at which each point's own wave has the requested strength.
+    /// Takes the phases of a field (T, M), and weights at which each point's own wave has the requested strength.
     pub(super) fn of(frames: &Frames, field: &[Vec<f32>; 2]) -> Self {
         let weight = |(target, reach): (&f32, &f32)| if *target > 0.0 { target / (reach * reach) } else { 0.0 };
         let mut own = Self {
@@ -50,7 +53,7 @@ impl Wanted {
         own
     }
 
-    /// Reads phases and weights from a field; every frame counts equally.
+    /// Updates phases and weights from a field; every frame counts equally.
     pub(super) fn read(&mut self, frames: &Frames, [re, im]: &[Vec<f32>; 2]) {
         for first in (0..self.weights.len()).step_by(frames.points) {
             let there = (first..first + frames.points).filter(|&k| frames.targets[k] > 0.0);
@@ -78,7 +81,7 @@ impl Wanted {
         }
     }
 
-    /// w_j e^{j psi_j}, over the lanes of a row.
+    /// Returns w_j e^{j psi_j}, over the lanes of a row.
     fn pull(&self) -> [Vec<f32>; 2] {
         self.phasors.each_ref().map(|plane| {
             let mut pull = vec![0.0; plane.len()];
@@ -88,7 +91,7 @@ impl Wanted {
     }
 }
 
-/// The best tracks for the requested pressures, into `codes` (N, T); their field (T, M).
+/// Writes the best tracks for the requested pressures to `codes` (N, T); returns their field (T, M).
 pub(super) fn follow(
     frames: &Frames,
     wanted: &Wanted,
@@ -118,7 +121,7 @@ pub(super) fn follow(
     )
 }
 
-/// The field (T, M) of given `codes` (N, T).
+/// Returns the field (T, M) of given `codes` (N, T).
 pub(super) fn field(
     frames: &Frames,
     circle: &Circle,
@@ -136,7 +139,7 @@ pub(super) fn field(
     )
 }
 
-/// Adds the pressures of a transducer's codes at the points.
+/// Adds the pressures of one transducer's codes at the points of all frames.
 fn play(frames: &Frames, circle: &Circle, Visit { row: [re, im], codes, sum: [sum_re, sum_im] }: Visit<'_>) {
     for (frame, &code) in codes.iter().enumerate() {
         let [qr, qi] = circle.drive(code);

@@ -1,4 +1,4 @@
-//! Evening out: single phases moved where their neighbours in time leave room, until each frame is even.
+//! Evening out: changes single codes, where their neighbours in time allow it, until each frame is even.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -9,19 +9,20 @@ use crate::math::sqrtf;
 use crate::motion::frames::{Frames, TOGETHER};
 use crate::motion::track::{Circle, Ends};
 
-/// min |P_j|/t_j over max |P_j|/t_j that is even enough: a little above 0.995, for rows of G are good to 2e-4.
+/// min |P_j|/t_j over max |P_j|/t_j at which a frame is even: a little above .995, because rows of G are accurate to
+/// 2e-4.
 const EVEN: f32 = 0.9965;
 
-/// The most passes over the frames: a frame may improve after its neighbours have moved.
+/// Largest number of passes over the frames: a frame may improve after its neighbours have changed.
 const PASSES: usize = 3;
 
-/// Rounds over the transducers of a frame at most.
+/// Largest number of rounds over the transducers of a frame.
 const ROUNDS: usize = 30;
 
-/// A round that leaves more than this part of the error is a frame's last.
+/// The rounds of a frame end when one leaves more than this part of the error.
 const KEPT: f32 = 0.99;
 
-/// Moves codes (T, N) that all hold the bound, so that they hold it still.
+/// Changes codes (T, N) that are within the bound, so that they stay within it.
 pub(super) fn even_out(
     frames: &Frames,
     circle: &Circle,
@@ -66,29 +67,29 @@ pub(super) fn even_out(
     Ok(())
 }
 
-/// The frames before and after one.
+/// Returns the frames before and after a frame, if there are such.
 fn neighbours(frame: usize, count: usize, closed: bool) -> [Option<usize>; 2] {
     let round = |other: usize| closed.then_some(other);
     let before = frame.checked_sub(1).or(round(count - 1));
     [before, if frame + 1 < count { Some(frame + 1) } else { round(0) }]
 }
 
-/// One frame.
+/// One frame: its targets, G, codes and field.
 struct One<'a> {
     frames: &'a Frames<'a>,
     circle: &'a Circle,
     targets: &'a [f32],
-    /// G of all transducers, those of transducer i from i `lanes` on.
+    /// G of all transducers; that of transducer i begins at i times `lanes`.
     rows: [&'a [f32]; 2],
     lanes: usize,
-    /// Where its codes begin, and those of the frames before and after.
+    /// First index of the frame's codes, and of those of the frames before and after.
     own: usize,
     neighbours: [Option<usize>; 2],
     field: Vec<[f32; 2]>,
 }
 
 impl One<'_> {
-    /// Moves its codes until it is even or nothing helps; whether it is even.
+    /// Changes codes until the frame is even or no change helps; returns whether it is even.
     fn settle(&mut self, codes: &mut [u16], control: &mut Control) -> Result<bool, Error> {
         for i in 0..self.frames.transducers {
             self.turn(i, [0.0; 2], self.circle.drive(codes[self.own + i]));
@@ -112,7 +113,8 @@ impl One<'_> {
         Ok(self.is_even())
     }
 
-    /// Moves a transducer by the one phase that leaves the least error; that error.
+    /// Changes the code of a transducer by the one step that leaves the least error, if a step does; returns that
+    /// error.
     fn exchange(&mut self, i: usize, level: f32, mut error: f32, codes: &mut [u16]) -> f32 {
         let code = codes[self.own + i];
         let mut best = code;
@@ -133,7 +135,7 @@ impl One<'_> {
         error
     }
 
-    /// P += G (new - old) of a transducer that is on.
+    /// P += G (new - old) for a transducer that is on.
     fn turn(&mut self, i: usize, old: [f32; 2], new: [f32; 2]) {
         if self.frames.is_on(i) {
             let [qr, qi] = [new[0] - old[0], new[1] - old[1]];
@@ -145,19 +147,19 @@ impl One<'_> {
         }
     }
 
-    /// |P_j|/t_j of the points that are there.
+    /// Returns |P_j|/t_j of the points that are present.
     fn parts(&self) -> impl Iterator<Item = f32> {
         let there = self.field.iter().zip(self.targets).filter(|(_, target)| **target > 0.0);
         there.map(|([re, im], target)| sqrtf(re * re + im * im) / target)
     }
 
-    /// Their mean s.
+    /// Returns s, the mean of |P_j|/t_j.
     fn level(&self) -> f32 {
         let (count, sum) = self.parts().fold((0, 0.0), |(count, sum), part| (count + 1, sum + part));
         sum / count.max(1) as f32
     }
 
-    /// The sum of (|P_j|/t_j - s)^2.
+    /// Returns the sum of (|P_j|/t_j - s)^2.
     fn error(&self, level: f32) -> f32 {
         self.parts().map(|part| (part - level) * (part - level)).sum()
     }

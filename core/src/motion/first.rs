@@ -15,12 +15,12 @@ use crate::scene::{Aim, Request, Start};
 use crate::solvers::{Solve, Uniform};
 use crate::workspace::Workspace;
 
-/// The field (T, M) of a guess, re and im. One that is `closed` turns each point's phase back, a little each frame, so that
-/// the last frame is followed by the first.
+/// Returns the field (T, M) of a first guess, real and imaginary parts. If it is `closed`, each point's phase is turned
+/// back a little in each frame, so that the first frame follows the last without a jump.
 pub(super) fn guess(frames: &Frames, closed: bool, control: &mut Control) -> Result<[Vec<f32>; 2], Error> {
     let (count, points) = (frames.count, frames.points);
     let mut field = [vec![0.0; frames.lanes()], vec![0.0; frames.lanes()]];
-    // The setup of columns, as in G.
+    // The setup of columns of G, which may be channels.
     let setup = Setup { channels: None, ..Setup::of(frames.model.array(), frames.model.medium()) };
     let setup = Arc::new(setup);
     let mut work = Workspace::new();
@@ -58,7 +58,7 @@ pub(super) fn guess(frames: &Frames, closed: bool, control: &mut Control) -> Res
     Ok(field)
 }
 
-/// Turns the field of a point, from frame to frame more, so that a lap turns it by `-angle`.
+/// Turns the field of a point, more in each frame, so that a lap turns it by `-angle`.
 fn turn_back(field: &mut [Vec<f32>; 2], (point, points, count): (usize, usize, usize), angle: f64) {
     let [re, im] = field;
     for frame in 0..count {

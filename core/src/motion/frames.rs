@@ -14,31 +14,31 @@ use crate::math;
 use crate::propagation::{Model, Propagation};
 use crate::scene::check_places;
 
-/// Frames whose rows of G are made together: whole groups of lanes, whatever M.
+/// Frames whose rows of G are computed together: whole lane groups, whatever M is.
 pub(super) const TOGETHER: usize = LANES;
 
-/// Parts that a sum over the transducers is made of, on one thread or on many.
+/// Number of partial sums over the transducers, independent of the number of threads.
 const PARTS: usize = 32;
 
-/// M points of each of T frames.
+/// M points in each of T frames.
 pub(super) struct Frames<'a> {
     pub(super) model: &'a Model,
-    /// T.
+    /// T, the number of frames.
     pub(super) count: usize,
-    /// M.
+    /// M, the number of points in a frame.
     pub(super) points: usize,
-    /// Columns of G: N, or C of an array with channels.
+    /// Number of columns of G: N transducers, or C channels of an array that has them.
     pub(super) transducers: usize,
-    /// Targets (T, M) relative to the largest; 0 for a point that is not there.
+    /// Targets (T, M) relative to the largest; 0 for an absent point.
     pub(super) targets: Vec<f32>,
     /// `sum_i |G_ji|` (T, M).
     pub(super) reach: Vec<f32>,
-    /// Some frames after another; a point that is absent stands where another point is.
+    /// G of [`TOGETHER`] frames in each block; an absent point has the place of another point.
     pub(super) blocks: Vec<Propagation>,
 }
 
 impl<'a> Frames<'a> {
-    /// Reads and checks points (T, M, 3) and targets (T, M).
+    /// Checks points (T, M, 3) and targets (T, M), and computes G.
     pub(super) fn new(
         model: &'a Model,
         points: &[[f64; 3]],
@@ -106,7 +106,7 @@ impl<'a> Frames<'a> {
         Ok(own)
     }
 
-    /// The variance of |P_j|/t_j of a frame relative to the square of its mean, of the field (T, M): the mean over the frames.
+    /// Returns the mean over the frames of the variance of |P_j|/t_j, relative to its squared mean, for a field (T, M).
     pub(super) fn unevenness(&self, [re, im]: &[Vec<f32>; 2]) -> f64 {
         let frame = |first: usize| {
             let there = (first..first + self.points).filter(|&k| self.targets[k] > 0.0);
@@ -122,19 +122,19 @@ impl<'a> Frames<'a> {
         self.blocks[0].instruction_set()
     }
 
-    /// Length of a row over all points of all frames, T M padded to 16.
+    /// Returns the length of a row over all points of all frames: T M padded to 16.
     pub(super) fn lanes(&self) -> usize {
         padded(self.count * self.points)
     }
 
-    /// Whether a transducer radiates at all, or any transducer of a channel.
+    /// Returns whether a transducer, or any transducer of a channel, radiates.
     pub(super) fn is_on(&self, i: usize) -> bool {
         let array = self.model.array();
         let on = |i: usize| array.effect(i) != Complex64::ZERO;
         array.wiring().map_or_else(|| on(i), |channels| channels.members(i).any(on))
     }
 
-    /// G at some points of a frame.
+    /// Returns G at some points of a frame.
     pub(super) fn propagation(&self, frame: usize, chosen: &[usize]) -> Propagation {
         let first = frame % TOGETHER * self.points;
         let chosen: Vec<usize> = chosen.iter().map(|j| first + j).collect();
@@ -149,8 +149,9 @@ impl<'a> Frames<'a> {
         }
     }
 
-    /// Calls `each` with every transducer that is on, G of it, its codes (T,) and a sum to add to, on all threads; the sum
-    /// (T, M) of all. `codes` (N, T) are by transducers. The parts are the same however many threads there are.
+    /// Calls `each` with every transducer that is on, its G, its codes (T,) and a sum to which it adds, on all threads.
+    /// Returns the total (T, M). `codes` (N, T) are ordered by transducers. The partial sums do not depend on the
+    /// number of threads.
     pub(super) fn gather<W>(
         &self,
         codes: &mut [u16],
@@ -198,12 +199,12 @@ impl<'a> Frames<'a> {
     }
 }
 
-/// One transducer, as [`Frames::gather`] goes by.
+/// One transducer, as [`Frames::gather`] passes it on.
 pub(super) struct Visit<'a> {
     /// G over the points of all frames.
     pub(super) row: [&'a [f32]; 2],
-    /// A code a frame.
+    /// One code for each frame.
     pub(super) codes: &'a mut [u16],
-    /// The sum of the part.
+    /// The partial sum to add to.
     pub(super) sum: [&'a mut [f32]; 2],
 }

@@ -1,8 +1,9 @@
-//! Track: the phases of one transducer over all frames that serve a given wave best, none far from the one before.
+//! Track: the phases of one transducer over all frames that follow a given wave best, within a bound from frame to
+//! frame.
 //!
-//! For waves S(t) that the transducer is to follow, the sum over t of Re(conj(S(t)) q(t)) is largest for the track that
-//! dynamic programming finds (Viterbi, IEEE Trans. Inf. Theory 13(2), 1967): of every phase, the best that a track ending
-//! there can have reached; then back from the best end. No search is better, whatever its start.
+//! For waves S(t) that the transducer is to follow, the best track has the largest sum over t of Re(conj(S(t)) q(t)).
+//! Dynamic programming finds it (Viterbi, IEEE Trans. Inf. Theory 13(2), 1967): frame by frame, for every phase, the
+//! largest sum of a track that ends there; then the track back from the best end. No other search gives a better track.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -13,10 +14,10 @@ use crate::kernels::InstructionSet;
 use crate::kernels::track::{advance, advance_floats};
 use crate::math::phasor;
 
-/// A device's phases 2 pi l / L, and how many of them a transducer may move from one frame to the next.
+/// A device's phases 2 pi l / L, and the largest change of a transducer's phase from one frame to the next.
 pub(super) struct Circle {
     pub(super) levels: usize,
-    /// The largest change, in phases.
+    /// The largest change, as a number of phases.
     pub(super) reach: usize,
     cos: Vec<f32>,
     sin: Vec<f32>,
@@ -29,40 +30,40 @@ impl Circle {
         Self { levels, reach, cos, sin }
     }
 
-    /// q of a phase.
+    /// Returns q of a phase.
     pub(super) fn drive(&self, code: u16) -> [f32; 2] {
         [self.cos[usize::from(code)], self.sin[usize::from(code)]]
     }
 
-    /// `code` moved by `steps` of less than a whole turn.
+    /// Returns `code` changed by `steps`, which is less than a whole turn.
     pub(super) fn moved(&self, code: u16, steps: isize) -> u16 {
         (usize::from(code) + self.levels).wrapping_add_signed(steps).rem_euclid(self.levels) as u16
     }
 
-    /// The number of phases between two codes, the shorter way round.
+    /// Returns the number of phases between two codes, the shorter way round.
     pub(super) fn between(&self, a: u16, b: u16) -> usize {
         let apart = usize::from(a.abs_diff(b));
         apart.min(self.levels - apart)
     }
 }
 
-/// The bounds of tracks at their ends.
+/// The bounds of tracks at the first and the last frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(clippy::exhaustive_enums, reason = "a sequence has no more ends")]
 pub enum Ends {
     /// Neither the first frame nor the last is bound.
     Open,
-    /// The last frame is followed by the first, within the bound.
+    /// The first frame follows the last, within the bound.
     Closed,
-    /// The first frame stays as it is, and the others go on from there.
+    /// The first frame stays as it is, and the others follow it.
     Held,
 }
 
-/// The memory in which tracks are found.
+/// Working memory in which tracks are found.
 pub(super) struct Tracker<'a> {
     circle: &'a Circle,
     set: InstructionSet,
-    /// The best of tracks that end in each phase, frame by frame.
+    /// For each frame and phase, the largest sum of a track that ends there.
     best: Vec<f32>,
     memory: Vec<f32>,
 }
@@ -73,9 +74,9 @@ impl<'a> Tracker<'a> {
         Self { circle, set, best: vec![0.0; frames * circle.levels], memory }
     }
 
-    /// Writes the best track along the waves (T,). With [`Ends::Held`] it begins at `codes`. One that is closed comes
-    /// back to where it began: it begins as a track of two laps goes through their middle, and is the best of all that begin
-    /// there.
+    /// Writes the best track along the waves (T,). With [`Ends::Held`] it begins at the first of `codes`. A closed
+    /// track returns to where it began: it is the best of those that begin at the phase that a track of two laps has in
+    /// its middle.
     pub(super) fn follow(
         &mut self,
         waves: [&[f32]; 2],
@@ -105,7 +106,7 @@ impl<'a> Tracker<'a> {
         Ok(())
     }
 
-    /// The best phase of a frame.
+    /// Returns the best phase of a frame.
     fn end(&self, frame: usize) -> u16 {
         let best = &self.best[frame * self.circle.levels..][..self.circle.levels];
         (0..best.len()).fold(0, |end, l| if best[l] > best[end] { l } else { end }) as u16
@@ -119,7 +120,7 @@ impl<'a> Tracker<'a> {
         }
     }
 
-    /// All frames after the first, each from the one before.
+    /// Computes all frames after the first, each from the one before.
     fn lap(&mut self, waves: [&[f32]; 2], base: usize, control: &mut Control) -> Result<(), Error> {
         for frame in 1..waves[0].len() {
             control.pulse()?;
@@ -128,7 +129,8 @@ impl<'a> Tracker<'a> {
         Ok(())
     }
 
-    /// One frame from another, all relative to the best that ends in the phase `base` there: sums stay small.
+    /// Computes one frame from another. The sums are relative to the best that ends in the phase `base` there, so that
+    /// they stay small.
     fn step(&mut self, [re, im]: [&[f32]; 2], from: usize, to: usize, base: usize) {
         let Circle { levels, reach, cos, sin } = self.circle;
         let rows = self.best.get_disjoint_mut([from * levels..(from + 1) * levels, to * levels..(to + 1) * levels]);
@@ -137,7 +139,7 @@ impl<'a> Tracker<'a> {
         advance(self.set, from, *reach, gain, &mut self.memory, out);
     }
 
-    /// The best phase of a frame within reach of another; of equals the nearest.
+    /// Returns the best phase of a frame within reach of another phase; of equal ones the nearest.
     fn near(&self, frame: usize, code: u16) -> u16 {
         let levels = self.circle.levels;
         let best = &self.best[frame * levels..(frame + 1) * levels];

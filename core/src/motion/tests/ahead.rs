@@ -1,4 +1,4 @@
-//! Tests of `ahead`: the bound in integers, evenness and level by eq. (5) in double precision, threads, refusals.
+//! Tests of `ahead`: the bound in whole codes, evenness and level by eq. (5) in double precision, threads, errors.
 
 use alloc::string::ToString;
 use alloc::vec;
@@ -30,7 +30,7 @@ fn grid() -> Array {
     Array::grid(16, 16, 10e-3).expect("a grid")
 }
 
-/// Three points on circles of 4 mm, a lap in `lap` frames.
+/// Returns three points on circles of 4 mm, with a lap in `lap` frames.
 fn circles(frames: usize, lap: usize) -> Vec<[f64; 3]> {
     let point = |frame: usize, j: usize| {
         let turn = phasor(TAU * frame as f64 / lap as f64);
@@ -43,7 +43,7 @@ fn solved(model: &Model, points: &[[f64; 3]], targets: &[f64], frames: usize, ho
     ahead(model, points, targets, frames, how, None, &mut Control::none()).expect("codes")
 }
 
-/// The largest step between frames that follow one another, in phases.
+/// Returns the largest step between successive frames, in phases.
 fn largest_step(codes: &[u16], transducers: usize, how: &Ahead) -> u16 {
     let apart = |a: u16, b: u16| a.abs_diff(b).min(how.phases as u16 - a.abs_diff(b));
     let next = |k: usize| (k + transducers) % codes.len();
@@ -51,7 +51,7 @@ fn largest_step(codes: &[u16], transducers: usize, how: &Ahead) -> u16 {
     (0..steps).map(|k| apart(codes[k], codes[next(k)])).max().expect("steps")
 }
 
-/// |P_j| of a frame, by eq. (5) in double precision.
+/// Returns |P_j| of a frame, by eq. (5) in double precision.
 fn moduli(model: &Model, points: &[[f64; 3]], codes: &[u16], phases: u32) -> Vec<f64> {
     let propagation = model.propagation(points).expect("points");
     let drive = |code: u16| Complex64::from_polar(1.0, TAU * f64::from(code) / f64::from(phases));
@@ -59,7 +59,8 @@ fn moduli(model: &Model, points: &[[f64; 3]], codes: &[u16], phases: u32) -> Vec
     (0..points.len()).map(|j| Complex64::norm(sum(j))).collect()
 }
 
-/// For each frame min |P_j|/t_j over the largest, and its mean over that of `uniform` alone.
+/// Returns for each frame min |P_j|/t_j over the largest, and the mean of |P_j|/t_j over that of `uniform` for this
+/// frame alone.
 fn judged(model: &Model, points: &[[f64; 3]], targets: &[f64], codes: &[u16], phases: u32) -> Vec<[f64; 2]> {
     let (each, transducers) = (3, model.array().len());
     let frames = points.chunks(each).zip(targets.chunks(each)).zip(codes.chunks(transducers));
@@ -91,7 +92,7 @@ fn check(judged: &[[f64; 2]], level: f64) {
 #[test]
 fn frames_are_even_and_loud_within_the_bound() {
     let model = model(&grid());
-    // 0.05 mm a frame: 0.5 m/s at 10 kHz.
+    // The points move by .05 mm a frame: .5 m/s at 10 kHz.
     let points = circles(40, 503);
     for (targets, how) in
         [([1.0, 1.0, 1.0].repeat(40), Ahead { change: PI / 32.0, ..OPEN }), ([200.0, 100.0, 150.0].repeat(40), OPEN)]
@@ -143,7 +144,7 @@ fn points_come_and_go_and_dead_transducers_keep_code_0() {
         targets[3 * frame + 1] = 0.0;
         points[3 * frame + 1] = [f64::NAN; 3];
     }
-    // A frame without any point.
+    // One frame has no point.
     targets[48..51].fill(0.0);
     let codes = solved(&model, &points, &targets, 20, &OPEN);
     assert!(codes.iter().skip(17).step_by(256).all(|&code| code == 0));
@@ -152,7 +153,7 @@ fn points_come_and_go_and_dead_transducers_keep_code_0() {
         let own = 3 * frames.start..3 * frames.end;
         judged(&model, &points[own.clone()], &targets[own], &codes[256 * frames.start..256 * frames.end], 256)
     };
-    // A point that comes at once finds its neighbours in time in the way: a few frames before and after.
+    // A point that appears suddenly is limited by the frames before and after it.
     check(&[judged(0..5), judged(17..20)].concat(), 0.98);
     check(&[judged(10..12), judged(15..16)].concat(), 0.95);
 }
@@ -177,7 +178,7 @@ fn a_first_frame_is_kept() {
     let model = model(&grid());
     let points = circles(20, 400);
     let once = solved(&model, &points, &[1.0; 60], 20, &OPEN);
-    // From the tenth frame on: the later frames are as loud as before.
+    // Start from the tenth frame: the later frames are as loud as before.
     let mut start = once[256 * 10..].to_vec();
     for code in &mut start[256..] {
         *code = 0;
@@ -187,7 +188,7 @@ fn a_first_frame_is_kept() {
     assert_eq!(again[..256], start[..256]);
     assert!(largest_step(&again, 256, &how) <= 8);
     check(&judged(&model, &points[30..], &[1.0; 30], &again, 256), 0.97);
-    // A drive that does not reach these points still keeps the following frames within the bound.
+    // A first frame that does not reach these points still bounds the following frames.
     start.fill(7);
     let away = ahead(&model, &points[30..], &[1.0; 30], 10, &how, Some(&start), &mut Control::none()).expect("codes");
     assert!(away[..256].iter().all(|&code| code == 7));

@@ -1,4 +1,4 @@
-//! Tests of `track`: against all tracks there are.
+//! Tests of `track`: compared with all possible tracks.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -11,7 +11,7 @@ use crate::rng::Rng;
 
 const FRAMES: usize = 6;
 
-/// What a track maximises: the sum over the frames of Re(conj(S) q), in double precision, with the `waves` S.
+/// Returns the sum over the frames of Re(conj(S) q) for the `waves` S, in double precision; a track maximises it.
 fn gain(waves: &[Vec<f32>; 2], levels: usize, codes: &[u16]) -> f64 {
     let one = |(frame, &code): (usize, &u16)| {
         let q = phasor(core::f64::consts::TAU * f64::from(code) / levels as f64);
@@ -25,7 +25,7 @@ fn apart(levels: usize, a: u16, b: u16) -> usize {
     distance.min(levels - distance)
 }
 
-/// Every track within reach that begins with `codes`, passed to `tell`.
+/// Calls `tell` with every track within reach that begins with `codes`.
 fn all_tracks(levels: usize, reach: usize, codes: &mut Vec<u16>, tell: &mut dyn FnMut(&[u16])) {
     if codes.len() == FRAMES {
         return tell(codes);
@@ -81,7 +81,7 @@ fn no_track_is_better() {
             }
         }
     }
-    // Six frames are too short for the middle of two laps to be always the best start.
+    // With six frames the middle of two laps is not always the best start.
     assert!(closed_best > 66, "{closed_best} of 72");
 }
 
@@ -93,7 +93,7 @@ fn what_asks_for_nothing_stays() {
     let nothing = [0.0; FRAMES];
     tracker.follow([&nothing, &nothing], Ends::Closed, &mut codes, &mut Control::none()).expect("it is not stopped");
     assert_eq!(codes, [0; FRAMES]);
-    // With a wave in the last frame alone, all frames have the phase for it.
+    // With a wave only in the last frame, all frames have the phase for it.
     let mut pull = [0.0; FRAMES];
     pull[FRAMES - 1] = -1.0;
     tracker.follow([&pull, &nothing], Ends::Open, &mut codes, &mut Control::none()).expect("it is not stopped");
