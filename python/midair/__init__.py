@@ -46,7 +46,8 @@ from ._midair import (
 )
 
 if TYPE_CHECKING:
-    # Names for type checkers; they are loaded at their first use: `_toolbox.HOMES`.
+    # These imports are for type checkers only. At run time each name is loaded at its first use:
+    # `_toolbox.HOMES`.
     from . import grad as grad
     from . import jax as jax
     from . import path as path

@@ -1,4 +1,4 @@
-"""The program, as `python -m midair`."""
+"""Entry point of `python -m midair`."""
 
 from ._cli import main
 

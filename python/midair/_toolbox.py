@@ -1,7 +1,7 @@
-"""Toolbox: public names, methods of the extension's classes and functions it calls, loaded when used.
+"""Loads public names, and methods of the extension's classes, from their modules at the first use.
 
-`import midair` so loads NumPy and the extension alone. The extension never imports the package: `midair`
-registers this module.
+So `import midair` loads only NumPy and the extension. The extension never imports the Python package; instead
+`midair` registers this module with the extension, which calls its functions.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from ._midair import Array, Batch, Field, Scene, Solution
 from ._support import slips
 from ._support.slips import Later
 
-#: Public names by the module that has them; of a package without names, its own.
+#: Public names by the module that contains them. A package without names is itself the public name.
 HOMES = {
     "_boards.address": "Port ports",
     "_boards.board": "Board",
@@ -48,7 +48,7 @@ HOMES = {
     "torch": "",
 }
 
-#: By class and name: `solution.exposure(places)` is `midair.exposure(solution, places)`.
+#: Methods by class: `solution.exposure(places)` calls `midair.exposure(solution, places)`.
 METHODS: dict[type, dict[str, Later]] = {
     Array: {
         "_repr_html_": Later("_pictures.notebook", "array"),
@@ -70,7 +70,7 @@ METHODS: dict[type, dict[str, Later]] = {
     },
 }
 
-#: Types of the keywords that the core declares, by their kind, as docstrings give them.
+#: Types of the keywords that the core declares, by their kind, as docstrings name them.
 TYPES = {
     "real": "float",
     "directivity": "str or mapping",
@@ -80,7 +80,7 @@ TYPES = {
     "quantization": "mapping",
 }
 
-#: Functions that the extension calls: for a scene file's tables, for a mesh's file, to write and to warn.
+#: Functions that the extension calls: for tables and meshes of scene files, for writing and for warnings.
 CALLED = {
     "points": ("_points.drawn", "points"),
     "mesh": ("_points.drawn", "mesh"),
@@ -98,7 +98,7 @@ def __getattr__(name: str) -> Any:
 
 
 def load(name: str) -> Any:
-    """A public name of `midair` that is not loaded yet. Raises AttributeError where there is none."""
+    """Load a public name of `midair`. Raises AttributeError if there is no such name."""
     package = sys.modules["midair"]
     if name == "__version__":
         from importlib.metadata import version
@@ -116,7 +116,7 @@ def load(name: str) -> Any:
 
 
 def guide() -> None:
-    """Adds hints for keywords to all public classes that are loaded: a function returns one of them."""
+    """Add hints about keywords to all public classes that are loaded, also by functions that return them."""
     package = sys.modules["midair"]
     for home, names in HOMES.items():
         loaded = vars(sys.modules.get(f"midair.{home}", package))
@@ -126,16 +126,16 @@ def guide() -> None:
 
 
 def sound(boundary: _midair.Boundary) -> Any:
-    """The sound on a mesh's elements; SciPy and its progress bar load with the first mesh."""
+    """Return the sound on a mesh's elements. SciPy and the progress bar are imported with the first mesh."""
     from ._points.boundary import sound
 
     return sound(boundary)
 
 
 def declared() -> None:
-    """Gives Scene the numbers of its air and Array its parts: as properties, and in the documentation."""
+    """Add properties for the air to Scene and for its parts to Array, and list them in their docstrings."""
     keys = _midair.scene_keys()
-    # Constructors take their place later: midair._support.slips.
+    # `_new` is the constructor of the extension's classes; `slips` later makes it their `__new__`.
     make, array = cast(Any, Scene)._new, cast(Any, Array)._new([[0, 0, 0]])
     air = {name: about for name, (_, about) in keys["medium"].items()}
     for name in make(array, [[0, 0, 1]]).medium:
@@ -151,7 +151,7 @@ def declared() -> None:
 
 
 def attach() -> None:
-    """Adds the methods, and registers this module with the extension."""
+    """Add the methods, and register this module with the extension."""
     declared()
     for owner, methods in METHODS.items():
         for name, method in methods.items():

@@ -29,10 +29,10 @@ from ._support import slips
 
 __all__ = ["Gradient", "amplitude", "force", "gorkov", "pressure", "radiation", "stiffness"]
 
-#: The arguments of a gradient, in the order in which the extension returns it.
+#: Names of the gradients, in the order in which the extension returns them.
 NAMES = ("drive", "points", "positions", "normals", "sound_speed")
 
-#: First argument and drive of every function.
+#: Type of the first argument of every function.
 _Subject = Scene | Array | Solution
 
 
@@ -323,12 +323,12 @@ def run(
     bead: Mapping[str, float] | None,
     cotangent: ArrayLike | None = None,
 ) -> tuple[Any, ...]:
-    """The value of a quantity, and with a cotangent its gradients, for a scene or its substitute.
+    """Return the value of a quantity and, with a cotangent, its gradients.
 
     Parameters
     ----------
     given
-        Drive and points; positions, normals and sound_speed where they are not the scene's.
+        Drive and points; also positions, normals and sound_speed if they replace those of the scene.
     """
     points = np.asarray(given["points"], float)
     subject = scene
@@ -347,7 +347,7 @@ def run(
     drive = np.asarray(given["drive"])
     found = _midair.gradient(quantity, subject, drive, points, cotangent, **dict(bead or {}))
     if len(found) > 1 and "normals" in given:
-        # The array divides each normal by its length.
+        # `Array` normalises the normals, so the gradient is divided by their lengths.
         length = np.linalg.norm(np.asarray(given["normals"], float), axis=1, keepdims=True)
         return (*found[:4], found[4] / length, found[5])
     return found

@@ -98,7 +98,7 @@ def field(
         return run(quantity, scene, given, bead)[0].astype(answer.dtype)
 
     def slopes(given: Any, cotangent: Any) -> Any:
-        # JAX's gradient by a complex number is the conjugate of ours.
+        # JAX's gradient with respect to a complex number is the conjugate of midair's.
         found = run(quantity, scene, given, bead, np.conj(cotangent))[1:]
         by = {name: np.conj(np.asarray(x)) for name, x in zip(NAMES, found, strict=True)}
         real = {name: by[name] if np.iscomplexobj(given[name]) else by[name].real for name in given}

@@ -35,7 +35,7 @@ def __dir__() -> list[str]:
 
 @cache
 def _function() -> tuple[Any, Any]:
-    """PyTorch and the autograd function, which is made with the first call."""
+    """Return PyTorch and the autograd function, which is defined at the first call."""
     try:
         import torch
         from torch.autograd.function import once_differentiable
@@ -43,7 +43,7 @@ def _function() -> tuple[Any, Any]:
         raise SceneError('midair.torch needs PyTorch: pip install "midair[torch]"') from error
 
     class Field(torch.autograd.Function):  # type: ignore[misc, unused-ignore]
-        """A quantity, of tensors by their names."""
+        """Autograd function of a quantity; its tensors are given with their names."""
 
         @staticmethod
         def forward(ctx: Any, call: tuple[Any, ...], names: tuple[str, ...], *tensors: Any) -> Any:

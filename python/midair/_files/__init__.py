@@ -1,4 +1,4 @@
-"""Files of other programs and of boards: arrays and drives, one format a file here."""
+"""Files of other programs and of boards: arrays and drives. Each module here reads or writes one format."""
 
 from .control_points import ControlPoints
 from .reading import read, read_array

@@ -1,14 +1,17 @@
-"""Files of AcousTools 1.2 (JoshuaMukherjee/AcousTools, Export): `.csv` of phases, `.holo`; its order.
+"""Files of AcousTools 1.2 (JoshuaMukherjee/AcousTools, Export): `.csv` of phases, and `.holo`.
 
-Two boards of OpenMPD, 512 transducers: its own order is the top board first, x slow, then y, both from the
-lowest. In its .csv, which OpenMPD reads, the top board is reversed, and so is each run of 16 of the bottom
-board. Our drives are those of `Array.preset("openmpd_pair")`, or of an array whose transducers stand like
-these. Arrays of any other number of transducers keep their order. The first line is `frames,transducers`,
-then there are phases in rad, a line a frame; there are no amplitudes.
+Order of transducers: AcousTools has two boards of OpenMPD with 512 transducers. Its own order is the top
+board first; on each board x varies slowly, then y, both from the lowest. In its .csv, which OpenMPD reads,
+the top board is reversed, and so is each run of 16 transducers of the bottom board. midair's drives are those
+of `Array.preset("openmpd_pair")`, or of an array with transducers at the same places. Arrays with any other
+number of transducers keep their order.
 
-`.holo` holds whole numbers of five bytes, packed by zlib. Of each frame: phases round(phi / (2 * 3.1415 / 32)
-+ 16), 0 to 32; 63; amplitudes round(32 a), 0 to 32; 63. Its pi is 3.1415. Transducers are in AcousTools' own
-order. A phase is wrong by pi/32 at most, an amplitude by 1/64.
+`.csv`: the first line is `frames,transducers`. Then follow phases in rad, one line per frame. There are no
+amplitudes.
+
+`.holo`: integers of five bytes, compressed by zlib. Each frame has phases round(phi / (2 * 3.1415 / 32) +
+16), 0 to 32; then 63; then amplitudes round(32 a), 0 to 32; then 63. Pi is 3.1415 in this format. Transducers
+are in AcousTools' own order. The error of a phase is at most pi/32, of an amplitude 1/64.
 """
 
 from __future__ import annotations
@@ -25,24 +28,25 @@ from .._support.arguments import warn
 from .._support.text import MOST_BYTES, content, fault, number, numbers, rows, text, unpacked
 from .played import Played, one_or_more
 
-#: Transducers of two boards, of one, and of a side.
+#: Number of transducers: of a pair of boards, of one board, along one side of a board.
 PAIR, BOARD, SIDE = 512, 256, 16
 
-#: A tolerance in m: transducers of a pair are this near to their places.
+#: Largest distance in m of a transducer from its place on a pair of boards.
 NEAR = 2e-3
 
-#: Steps of a period and of the amplitude in .holo, the phase of a step, the end of a list, bytes of a number.
+#: .holo: steps of a period and of an amplitude; phase of one step; code at the end of a list; bytes of a
+#: number.
 STEPS = 32
 STEP = 2 * 3.1415 / STEPS
 END = 63
 BYTES = 5
 
-#: Amplitudes below this give a warning that they are lost.
+#: Amplitudes below this cause a warning, because .csv does not store them.
 FULL = 1 - 1e-3
 
 
 def own_order(array: Array | None, transducers: int) -> NDArray[np.intp]:
-    """Indices (N,) of our transducers in AcousTools' order."""
+    """Return the indices (N,) of midair's transducers in AcousTools' order."""
     if array is not None and len(array) != transducers:
         raise SceneError(f"drives of {transducers} transducers, an array of {len(array)}: give another board")
     if transducers != PAIR:
@@ -65,7 +69,7 @@ def own_order(array: Array | None, transducers: int) -> NDArray[np.intp]:
 
 
 def csv_order(array: Array | None, transducers: int) -> NDArray[np.intp]:
-    """Indices (N,) of our transducers in the order of the columns."""
+    """Return the indices (N,) of midair's transducers in the order of the columns of a .csv."""
     own = own_order(array, transducers)
     if transducers != PAIR:
         return own
@@ -74,7 +78,7 @@ def csv_order(array: Array | None, transducers: int) -> NDArray[np.intp]:
 
 
 def write(path: Path, drives: Played) -> None:
-    """Write phases; amplitudes are lost, and it is said so."""
+    """Write the phases to a .csv. Warns if amplitudes are lost."""
     order = csv_order(drives.array, drives.transducers)
     least = 1.0
     with path.open("w", encoding="ascii", newline="\n") as stream:
@@ -89,11 +93,11 @@ def write(path: Path, drives: Played) -> None:
 
 
 def read(path: str | PathLike[str], data: bytes, array: Array | None = None) -> NDArray[np.complex64]:
-    """Read drives of an array, of amplitude 1, (N,) of one frame, else (T, N)."""
+    """Return the drives in a .csv with amplitude 1: (N,) for one frame, else (T, N)."""
     table = rows(text(path, data))
     line, head = next(table)
     frames, transducers = (int(number(cell) or 0) for cell in head)
-    # A number takes at least two bytes, with its separator.
+    # A number has at least two bytes, including its separator.
     if not 2 <= 2 * frames * transducers <= len(data):
         reported = f"{frames} frames of {transducers} transducers are stated, more than the file can contain"
         raise fault(path, line, f"{reported}: get the file again")
@@ -113,7 +117,7 @@ def read(path: str | PathLike[str], data: bytes, array: Array | None = None) -> 
 
 
 def write_holo(path: Path, drives: Played) -> None:
-    """Write phases and amplitudes on their grid."""
+    """Write phases and amplitudes, rounded to their steps, to a .holo."""
     size = drives.frames * 2 * (drives.transducers + 1) * BYTES
     if size > MOST_BYTES:
         reported = f"{drives.frames} frames of {drives.transducers} transducers are {size >> 20} MB unpacked"
@@ -131,7 +135,7 @@ def write_holo(path: Path, drives: Played) -> None:
 
 
 def read_holo(path: str | PathLike[str], array: Array | None = None) -> NDArray[np.complex64]:
-    """Read drives of an array, (N,) of one frame, else (T, N)."""
+    """Return the drives in a .holo: (N,) for one frame, else (T, N)."""
     data = unpacked(path, content(path), "zlib")
     if not data or len(data) % BYTES:
         raise fault(path, None, f"{len(data)} bytes are in it: give whole numbers of {BYTES} bytes each")

@@ -1,8 +1,8 @@
-"""AUTD3's geometry, `.json`, as Geometry.to_json of autd3-core 0.12 writes it.
+"""Geometry of AUTD3, `.json`, as Geometry.to_json of autd3-core 0.12 writes it.
 
-It is a list of boards, {"origin": [x, y, z], "rotation": [w, x, y, z]}. The origin, in mm, is that of
-transducer 0, the rotation a unit quaternion. A board has 249 transducers (autd3-core, devices/autd3.rs) and
-radiates along its +z.
+The file is a list of boards, {"origin": [x, y, z], "rotation": [w, x, y, z]}. The origin, in mm, is the place
+of transducer 0. The rotation is a unit quaternion. A board has 249 transducers (autd3-core, devices/autd3.rs)
+and radiates along its +z.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from .._boards.layout import Layout, turned
 from .._midair import Array
 from .._support.text import fault, text
 
-#: Boards of one link.
+#: Most boards in a file.
 MOST_BOARDS = 128
 
 
 def read(path: str | PathLike[str]) -> Layout:
-    """Read boards one after another, each in the order of its transducers."""
+    """Read the boards in the order of the file, each in the order of its transducers."""
     try:
         boards = json.loads(text(path), parse_int=float)
     except json.JSONDecodeError as error:
@@ -47,7 +47,7 @@ def read(path: str | PathLike[str]) -> Layout:
             )
     board = Array.preset("autd3")
     own = board.positions - board.positions[0]
-    # A board's point (x, y, z) is x e_x + y e_y + z e_z of the turned axes.
+    # A place (x, y, z) on a board is x e_x + y e_y + z e_z, where e are the rotated axes.
     axes = np.stack([turned(turns, axis) for axis in np.eye(3).tolist()], axis=1)
     positions = origins[:, None] / 1e3 + np.einsum("ni,bij->bnj", own, axes)
     return Layout(

@@ -1,8 +1,7 @@
-"""`.csv` of control points, for devices that compute drives by themselves, such as Ultraleap's: no phases.
+"""`.csv` of control points without phases, for devices that compute drives themselves, such as Ultraleap's.
 
-A row is t,x,y,z,intensity (s, m, 0 to 1) and, for modulated points, frequency in Hz; rows of one t
-are the points of one frame. z is the distance from the array. Intensities are targets relative to the
-largest.
+A row is t,x,y,z,intensity (s, m, 0 to 1) and, for modulated points, frequency in Hz. Rows with the same t are
+the points of one frame. z is the distance from the array. Intensities are targets relative to the largest.
 """
 
 from __future__ import annotations
@@ -43,7 +42,7 @@ class ControlPoints:
     intensities : (T, M) ndarray
         From 0 to 1.
     frequencies : (T, M) ndarray or None
-        In Hz, at which points are modulated.
+        Frequency of the points' modulation in Hz.
     """
 
     times: Numbers
@@ -53,7 +52,7 @@ class ControlPoints:
 
 
 def control_points(given: Any, rate: float | None, modulate: float | None) -> ControlPoints:
-    """Points of a Path, a Sequence, numbers (M, 3) or (T, M, 3), or ControlPoints."""
+    """Return the control points of a Path, a Sequence, points (M, 3) or (T, M, 3), or ControlPoints."""
     if isinstance(given, ControlPoints):
         return given
     if isinstance(given, Sequence):
@@ -101,7 +100,7 @@ def write(path: File, given: ControlPoints) -> None:
 
 
 def read(path: str | PathLike[str], data: bytes) -> ControlPoints:
-    """Read frames: rows with the same t."""
+    """Read the frames of a file: rows with the same t."""
     table = rows(text(path, data))
     head, names = next(table)
     where = columns(path, head, names, COLUMNS, CURE)

@@ -1,7 +1,7 @@
 """HandyBeam's arrays, `.xml` of "Acoustic Renderer" (ultraleap/HandyBeam, tx_array_library.py), in mm.
 
-System/Transducers/Transducer has Index, Xmm, Ymm, Zmm, and ABX, "X" where a transducer is off. Normals are
-+z; HandyBeam's directivity is cos(theta)^3.376.
+Each System/Transducers/Transducer has Index, Xmm, Ymm, Zmm, and ABX, which is "X" if the transducer is off.
+Normals are +z. HandyBeam's directivity is cos(theta)^3.376.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from .xml import Element
 
 
 def read(path: str | PathLike[str], root: Element) -> Layout:
-    """Read System/Transducers/Transducer, in the order of Index."""
+    """Read all System/Transducers/Transducer elements, in the order of Index."""
     found = [root]
     for name in ("System", "Transducers", "Transducer"):
         found = [child for element in found for child in element.children if child.name == name]

@@ -1,4 +1,4 @@
-"""Played: drives in the form of a file, frame by frame, with their array if it is known."""
+"""`.bin` files of a board's frames; and `Played`, the drives that all writers take, frame by frame."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ CURE = 'give board=, such as "sonicsurface"'
 
 
 def write(path: Path, drives: Played, board: Board | None) -> None:
-    """Write `board.encode` of each drive."""
+    """Write each drive as a frame of the board."""
     if board is None:
         raise SceneError(f"board is left out, and .bin holds the frames of one: {CURE}")
     with path.open("wb") as stream:
@@ -30,7 +30,7 @@ def write(path: Path, drives: Played, board: Board | None) -> None:
 
 
 def read(path: str | PathLike[str], board: Board | None) -> NDArray[np.complex64]:
-    """Read drives by `board.decode`, (N,) of one frame, else (T, N)."""
+    """Return the drives of a board's frames: (N,) for one frame, else (T, N)."""
     if board is None:
         raise fault(path, None, f"it holds frames, and board is left out: {CURE}")
     data, length = content(path), len(board.off_frame)
@@ -46,17 +46,20 @@ def read(path: str | PathLike[str], board: Board | None) -> NDArray[np.complex64
     return one_or_more(drives)
 
 
-#: A drive above full by more is an error; the solvers' f32 rounds by this much.
+#: Tolerance of |q| <= 1 for rounding to float32.
 ROUNDING = 1e-6
 
 
-#: A tolerance in m: an array whose transducers are farther from the board's is another one.
+#: Largest distance in m between the transducers of an array and those of the board.
 APART = 0.5e-3
 
 
 @dataclass(frozen=True, eq=False)
 class Played:
-    """T drives of N transducers; `alone` if one drive (N,) was given and not frames (T, N)."""
+    """T drives of N transducers.
+
+    `alone` is True if a single drive (N,) was given instead of frames (T, N).
+    """
 
     frames: int
     transducers: int
@@ -65,18 +68,21 @@ class Played:
     _drive: Callable[[int], NDArray[np.complex64]]
 
     def __iter__(self) -> Iterator[NDArray[np.complex128]]:
-        """Drives (N,) without negative zeros, whose phase would be -pi instead of pi."""
+        """Yield drives (N,) without negative zeros, whose phase would be -pi instead of pi."""
         for frame in range(self.frames):
             yield self._drive(frame).astype(np.complex128) + 0
 
     def all(self) -> NDArray[np.complex64]:
-        """The drives, (N,) or (T, N)."""
+        """Return the drives, (N,) or (T, N)."""
         found = np.array([self._drive(frame) for frame in range(self.frames)], np.complex64)
         return found[0] if self.alone else found
 
 
 def played(drives: Any, board: Board | None) -> Played:
-    """Drives of a Solution, a Sequence, or numbers (N,) or (T, N); the array may be the board's."""
+    """Return the drives of a Solution, a Sequence, or numbers (N,) or (T, N).
+
+    The board may give the array.
+    """
     array = None if board is None else board.array
     if isinstance(drives, Solution):
         scene, drive = drives.scene, drives.drive
@@ -102,14 +108,14 @@ def played(drives: Any, board: Board | None) -> Played:
 
 
 def known(board: Board | str | PathLike[str] | None) -> Board | None:
-    """Return a board, or the board of a name or .pat file."""
+    """Return a board; a name or a .pat file is converted to one."""
     if board is None or isinstance(board, Board):
         return board
     return Board(board)
 
 
 def one_or_more(drives: NDArray[np.complex64]) -> NDArray[np.complex64]:
-    """Frames (T, N) as the result of a reader: a single one is a drive (N,)."""
+    """Return frames (T, N), or the drive (N,) if there is only one frame."""
     return drives[0] if len(drives) == 1 else drives
 
 

@@ -113,7 +113,7 @@ def _csv(path: str | PathLike[str], array: Array | None) -> NDArray[np.complex64
     raise fault(path, line, f'"{",".join(head)[:60]}" begins no table of drives: {CSV}')
 
 
-#: Larger files are of no array; the largest known, Ultraino's, unpacks to 5 MB.
+#: Most bytes of a file of an array; the largest known one, Ultraino's, unpacks to 5 MB.
 MOST_BYTES = 64 << 20
 
 ENDINGS = (
@@ -161,7 +161,7 @@ def read_array(path: str | PathLike[str], **parts: Any) -> Array:
         made = Array(found.positions, found.normals, **{**own, **given})
     except SceneError as error:
         raise fault(path, None, str(error)) from error
-    # A format that says how its transducers radiate is of a board.
+    # Formats with a directivity describe real boards, whose frequency is 40 kHz.
     return made._with_hardware(None if found.directivity is None else 40e3)
 
 
@@ -180,7 +180,7 @@ def _layout(path: str | PathLike[str]) -> Layout:
 
 
 def _openmpd(path: str | PathLike[str]) -> Layout:
-    """P0 as AcousTools has it, Murata's MA40S4S as a piston."""
+    """Read an OpenMPD board; source pressure as in AcousTools, Murata's MA40S4S as a piston."""
     found = pat.read(path)
     grid = Array.preset("openmpd_board").quantization or {}
     return Layout(

@@ -1,4 +1,4 @@
-"""Solutions as files, and `.npz` of drives alone, `drive` (N,) or `drives` (T, N); no file is executed."""
+"""Files of solutions, and `.npz` of drives alone, `drive` (N,) or `drives` (T, N). No file is executed."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .._support.arguments import path_of
 from .._support.text import MOST_BYTES, arrays, content, fault
 from .played import ROUNDING, Played
 
-#: Keys that a file needs for a solution.
+#: Keys that a file of a solution must have.
 KEYS = ("drive", "pressures", "targets", "scale", "steps", "elapsed")
 
 CURE = "give what Solution.save, Sequence.save or midair.write wrote"
@@ -83,7 +83,7 @@ def load(path: str | PathLike[str]) -> Solution:
         solution: Solution = Solution._restore(_parts(record))  # type: ignore[attr-defined]
     except SceneError as error:
         raise SceneError(f'solution file "{name}": {error}') from error
-    # Any error of zip, NumPy and JSON with a damaged file.
+    # zip, NumPy and JSON raise errors of many kinds for a damaged file.
     except Exception as error:
         raise SceneError(
             f'solution file "{name}" is damaged, or none: give what solution.save or midair solve -o wrote'
@@ -92,7 +92,7 @@ def load(path: str | PathLike[str]) -> Solution:
 
 
 def _parts(record: dict[str, Any]) -> dict[str, Any]:
-    """Parts of a solution; the solver and the status are in the scene's text."""
+    """Return the parts of a solution. Solver and status are in the text of its scene."""
     text = json.loads(str(record["scene"]))
     status, solver = text.pop("status"), text.pop("solver")
     if "scene_solver" in record:
@@ -113,32 +113,32 @@ def _parts(record: dict[str, Any]) -> dict[str, Any]:
 
 
 def _number(value: Any) -> Any:
-    """Numbers as they are; an array of no dimensions is one."""
+    """Return an array; an array without dimensions as a number."""
     array = np.asarray(value)
     return array if array.ndim else array.item()
 
 
 def _complex(value: Any) -> np.ndarray[Any, Any]:
-    """Complex numbers, in JSON as [re, im]."""
+    """Return complex numbers, which JSON stores as [re, im]."""
     array = np.asarray(value)
     return array if np.iscomplexobj(array) else np.array(array, np.float64).view(np.complex128)[:, 0]
 
 
 def write(path: Path, drives: Played) -> None:
-    """Write drives alone."""
+    """Write drives without a solution."""
     name: Any = {"drive" if drives.alone else "drives": drives.all()}
     np.savez(path, **name)
 
 
 def read(path: str | PathLike[str]) -> Solution | Sequence | NDArray[np.complex64]:
-    """Read its content; nothing in it is executed."""
+    """Read a solution, a sequence or drives, by the file's content. Nothing in it is executed."""
     try:
         with zipfile.ZipFile(path) as found:
             sizes = {entry.filename.removesuffix(".npy"): entry.file_size for entry in found.infolist()}
     except OSError as error:
         reason = error.strerror or str(error)
         raise fault(path, None, f"it cannot be read ({reason}): give a file that is there") from error
-    # Whatever a damaged file makes zip raise.
+    # zip raises errors of many kinds for a damaged file.
     except Exception as error:
         raise fault(path, None, f"it is damaged, or no .npz: {CURE}") from error
     if "setting" in sizes:

@@ -1,13 +1,14 @@
 """Files of Ultraino (asiermarzo/Ultraino): arrays, `.xml.gz` or `.xml`; drives, a pair of `.csv`.
 
-An array (arrays/) is a Simulation by XMLDecoder of Java. Its y is up: a flat array lies in y = 0 and faces
-+y. Here it lies in z = 0 and faces +z: (x, y, z) is turned to (x, -z, y), normals too. A transducer has the
-width `apperture`, the directivity sin(x)/x (CalcField.java) and `power`, its pressure times distance at full
-drive in Pa m. Phase corrections belong to the board and are not read.
+An array (arrays/) is a Java object of class Simulation, written by XMLEncoder. Its y axis points up: a flat
+array lies in y = 0 and faces +y. In midair it lies in z = 0 and faces +z, so (x, y, z) becomes (x, -z, y),
+also for normals. A transducer has the width `apperture`, the directivity sin(x)/x (CalcField.java) and
+`power`, its pressure times distance at full drive in Pa m. Phase corrections belong to the board and are not
+read.
 
-A pair (ImportAnimationForm.java) has phases in rad and, beside them, amplitudes 0 to 1. There is no header; a
-row is a frame, a column a transducer, in the order of their numbers. Ultraino finds the amplitudes by putting
-0_Amp where the name of the phases has 0_Phase.
+A pair of .csv (ImportAnimationForm.java) has phases in rad in one file and amplitudes from 0 to 1 in the
+other. There is no header. A row is a frame, a column a transducer, in the order of their numbers. Ultraino
+finds the file of amplitudes by replacing 0_Phase with 0_Amp in the name of the file of phases.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from .xml import Bean, Decoder, Element
 POWER = 2.53
 WIDTH = 0.009
 
-#: Parts of the names of a pair.
+#: Parts of the two file names of a pair.
 PHASE, AMPLITUDE = "Phase", "Amp"
 NAMED = f"0_{PHASE}"
 
@@ -42,7 +43,7 @@ def read(path: str | PathLike[str], root: Element) -> Layout:
     found = _listed(beans) or [bean for bean in beans if bean.kind.endswith(".Transducer")]
     if not found:
         raise fault(path, None, "no Transducer is in it: give a file that Ultraino saved as an array")
-    # Stable: transducers of one number stay in their listed order.
+    # `sorted` is stable: transducers with equal numbers stay in the order of the file.
     found = sorted(found, key=lambda bean: _number(path, bean, "orderNumber", 0.0))
     positions = np.array([_vector(path, _part(path, bean, "translation"), "xyz") for bean in found])
     rotations = np.array([_vector(path, _part(path, bean, "rot"), "wxyz", 1.0) for bean in found])
@@ -68,13 +69,13 @@ def read(path: str | PathLike[str], root: Element) -> Layout:
 
 
 def _upright(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Turns y up into z up."""
+    """Rotate vectors so that Ultraino's y axis becomes z."""
     x, y, z = vectors.T
     return np.stack([x, -z, y], axis=1) + 0.0
 
 
 def _listed(beans: list[Bean]) -> list[Bean]:
-    """The transducers that a Simulation lists."""
+    """Return the transducers in the list of a Simulation; an empty list if there is no such list."""
     for bean in beans:
         listed = bean.properties.get("transducers")
         if bean.kind.endswith(".Simulation") and isinstance(listed, Bean):
@@ -93,7 +94,7 @@ def _part(path: str | PathLike[str], transducer: Bean, name: str) -> Bean:
 
 
 def _vector(path: str | PathLike[str], part: Bean, axes: str, first: float = 0.0) -> list[float]:
-    """Components; those left out are 0, w is 1."""
+    """Return the components of a vector; missing ones are 0, a missing w is `first`."""
     return [_number(path, part, axis, first if axis == "w" else 0.0) for axis in axes]
 
 
@@ -108,7 +109,7 @@ def _number(path: str | PathLike[str], bean: Bean, name: str, default: float) ->
 
 
 def write_pair(path: Path, drives: Played) -> None:
-    """Write both files, each whole or not at all."""
+    """Write the files of phases and amplitudes, each completely or not at all."""
     if NAMED not in path.name:
         cure = f'put {NAMED} into the name, as in "{path.stem}{NAMED}.csv", or Ultraino finds no amplitudes'
         raise SceneError(f'output "{path}" is the phases of a pair: {cure}')
@@ -124,7 +125,7 @@ def write_pair(path: Path, drives: Played) -> None:
 
 
 def partners(path: str | PathLike[str]) -> tuple[Path, Path] | None:
-    """The files of phases and of amplitudes, if the name belongs to a pair."""
+    """Return the files of phases and of amplitudes if the name belongs to a pair, else None."""
     name = Path(path)
     for one, other in ((PHASE, AMPLITUDE), (AMPLITUDE, PHASE)):
         if one in name.name:
@@ -134,7 +135,7 @@ def partners(path: str | PathLike[str]) -> tuple[Path, Path] | None:
 
 
 def read_pair(phases: Path, amplitudes: Path) -> NDArray[np.complex64]:
-    """Read drives, (N,) of one frame, else (T, N)."""
+    """Read drives from a pair of files: (N,) for one frame, else (T, N)."""
     if not amplitudes.exists():
         raise fault(phases, None, f'its amplitudes, "{amplitudes.name}", are not beside it: put them there')
     if not phases.exists():

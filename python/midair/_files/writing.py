@@ -19,7 +19,7 @@ from .control_points import ControlPoints
 from .played import Played, known, played
 
 ENDINGS = (".npz", ".csv", ".json", ".holo", ".bin")
-#: Endings of `Solution.save`.
+#: Formats that `Solution.save` writes.
 SAVED = (".npz", ".json", "drive")
 LAYOUTS = ("drive", "acoustools", "ultraino", "points")
 
@@ -103,7 +103,7 @@ def write(
 
 
 def _layout(file: File, drives: Any, layout: str | None) -> str:
-    """The layout of a .csv; for other files the ending."""
+    """Return the layout of a .csv; for other files the ending."""
     ending = file.suffix.lower()
     if ending != ".csv":
         if layout is not None:
@@ -139,7 +139,7 @@ def _write(file: File, layout: str, drives: Played, board: Board | None) -> None
 
 
 def _drive(path: File, drives: Played) -> None:
-    """Write one drive, a row index,x,y,z,amplitude,phase a transducer; x, y, z where an array is known."""
+    """Write one drive, a row index,x,y,z,amplitude,phase per transducer; x, y, z only of a known array."""
     if drives.frames != 1:
         cure = 'give layout="acoustools" or "ultraino", or a name that ends in .npz'
         raise SceneError(f"{drives.frames} frames: this .csv holds one drive, {cure}")

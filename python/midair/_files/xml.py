@@ -1,4 +1,4 @@
-"""XML as a tree, by expat: no document type, no entities of its own, bounds on depth and elements."""
+"""XML as a tree (expat), with limits on depth and number of elements; document types are rejected."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from xml.parsers import expat
 from .._midair import SceneError
 from .._support.text import fault, number
 
-#: The largest known file has 10^5 elements, 14 deep.
+#: Limits; the largest known file has 10^5 elements, 14 levels deep.
 MOST_ELEMENTS = 1_000_000
 MOST_DEPTH = 100
 
 
 class Element:
-    """An element: name, attributes, elements in it, text, and the line where it begins."""
+    """An element: its name, attributes, child elements and text, and the line where it begins."""
 
     __slots__ = ("attributes", "children", "line", "name", "text")
 
@@ -27,7 +27,7 @@ class Element:
 
 
 def parse(path: str | PathLike[str], content: bytes) -> Element:
-    """The root of a document."""
+    """Return the root element of a document."""
     parser = expat.ParserCreate()
     parser.buffer_text = True
     top = Element("", {}, 0)
@@ -67,7 +67,7 @@ def parse(path: str | PathLike[str], content: bytes) -> Element:
         reason = expat.ErrorString(error.code)
         raise fault(path, error.lineno, f"it is no XML ({reason}): get the file again") from error
     except (LookupError, ValueError) as error:
-        # An encoding that Python has not.
+        # Python does not know the encoding.
         if isinstance(error, SceneError):
             raise
         raise fault(path, None, "its encoding is unknown: give UTF-8") from error
@@ -76,12 +76,12 @@ def parse(path: str | PathLike[str], content: bytes) -> Element:
 
 NUMBERS = ("byte", "short", "int", "long", "float", "double")
 
-#: Java's classes of one number, to which other elements may refer.
+#: Java's classes of numbers. Other elements may refer to such an element.
 BOXES = tuple(f"java.lang.{name}" for name in ("Byte", "Short", "Integer", "Long", "Float", "Double"))
 
 
 class Bean:
-    """An object: the name of its class, its properties and, for a list, its items."""
+    """A Java object: the name of its class, its properties and, for a list, its items."""
 
     __slots__ = ("items", "kind", "line", "properties")
 
@@ -92,7 +92,7 @@ class Bean:
 
 
 class _Field:
-    """A public field of a class, with its `get` and `set`."""
+    """A public field of a Java class, with its `get` and `set`."""
 
     __slots__ = ("name",)
 
@@ -101,7 +101,7 @@ class _Field:
 
 
 class Decoder:
-    """Objects of a document, in the order of their creation."""
+    """Decodes the Java objects of a document; `beans` has them in the order of their creation."""
 
     def __init__(self, path: str | PathLike[str], root: Element) -> None:
         self._path = path
@@ -112,7 +112,7 @@ class Decoder:
             self._value(element, lambda: top)
 
     def _value(self, element: Element, outer: Callable[[], Any]) -> Any:
-        """The value of an element; `outer` is the value of the element around it."""
+        """Return the value of an element; `outer` returns the value of the element around it."""
         if element.name in NUMBERS:
             found = number(element.text.strip())
             if found is None:
@@ -130,7 +130,7 @@ class Decoder:
 
         def own() -> Any:
             if not made:
-                # Placeholder while the value is being made, for a value that refers to itself.
+                # A placeholder, for an element inside that refers to this value while it is still being made.
                 made.append(None)
                 made[0] = self._call(element, arguments, outer)
             return made[0]

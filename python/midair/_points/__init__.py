@@ -1,1 +1,1 @@
-"""Meshes: files of modellers, and the sound on their surfaces."""
+"""Points and meshes: files of pictures and 3D models, quiet boxes at ears, and the sound on meshes."""

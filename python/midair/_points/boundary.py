@@ -1,6 +1,6 @@
-"""Boundary: the sound on a mesh's elements, E linear equations by LAPACK; Ctrl-C arrives meanwhile.
+"""Boundary element method: solves for the sound on a mesh with LAPACK, and caches the solutions in files.
 
-The solved sound is kept in files, by what it depends on.
+Ctrl-C takes effect during the solve. A file's name is a hash of everything that its content depends on.
 """
 
 from __future__ import annotations
@@ -23,27 +23,27 @@ from .._midair import Boundary, SceneError
 from .._support import kept
 from .._support.ctrl_c import interruptibly
 
-#: Elements from which on a solve takes long enough for a progress bar.
+#: Number of elements from which a solve gets a progress bar.
 LONG = 600
 
-#: Of the sound at places inside, what may be left there: bodies that are solved well leave up to 13 %.
+#: Largest relative sound inside of a mesh, where it should be 0; accurately solved meshes have up to 13 %.
 LEFT = 0.25
 
-#: Bytes that are kept; beyond, the oldest go.
+#: Most bytes of cached files; beyond that, the oldest are removed.
 MOST = 1_000_000_000
 
-#: Names of files that are ours, and of those of former versions.
+#: Names of cached files, also of earlier versions.
 OWN = re.compile(r"[0-9a-f]{32}\.np[yz]")
 
 
 def sound(boundary: Boundary) -> NDArray[np.complex64]:
-    """The sound (E, N) on the elements in Pa: solved, or as it was kept."""
+    """Return the sound (E, N) on the elements in Pa, from the cache or by a solve."""
     stored = load(boundary.content(), boundary.shape)
     if stored is not None:
         return stored
     linalg = lapack()
     elements, transducers = boundary.shape
-    # LAPACK wants the right-hand sides column by column: a second copy.
+    # LAPACK needs the right-hand sides in column order, which takes a second copy.
     memory = 8e-6 * elements * (elements + 2 * transducers)
     text = f"sound on a mesh of {elements:,} elements, {memory:,.0f} MB"
     terminal = Console(stderr=True)
@@ -57,9 +57,9 @@ def sound(boundary: Boundary) -> NDArray[np.complex64]:
             bar.update(task, completed=step / steps)
 
         matrix, incident = boundary.matrix(filled), boundary.incident()
-        # LAPACK reports no progress: the bar pulses.
+        # LAPACK reports no progress, so the bar only shows activity.
         bar.update(task, total=None)
-        # The transpose lies in memory as LAPACK wants it, and is factored there.
+        # The transpose is in LAPACK's memory order, and is factored in place.
         factors = interruptibly(linalg.lu_factor, matrix.T, overwrite_a=True, check_finite=False)
         solved = interruptibly(linalg.lu_solve, factors, incident, trans=1, check_finite=False)
     if not np.isfinite(solved).all():
@@ -77,7 +77,7 @@ def sound(boundary: Boundary) -> NDArray[np.complex64]:
 
 
 def lapack() -> Any:
-    """SciPy's linear algebra."""
+    """Return SciPy's linear algebra module."""
     try:
         from scipy import linalg
     except ImportError as error:
@@ -86,7 +86,7 @@ def lapack() -> Any:
 
 
 def folder() -> Path:
-    """Where files are kept: the system's place for what can be made again."""
+    """Return the folder of the cache: the system's folder for data that can be computed again."""
     if sys.platform == "win32":
         base = Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local"))
     elif sys.platform == "darwin":
@@ -97,20 +97,20 @@ def folder() -> Path:
 
 
 def path(content: bytes) -> tuple[Path, str]:
-    """The file of what depends on this content, and what its digest names."""
+    """Return the cache file for what depends on `content`, and the full hash, its identity."""
     key = hashlib.sha256(version("midair").encode() + content).hexdigest()
     return folder() / f"{key[:32]}.npz", key
 
 
 def load(content: bytes, shape: tuple[int, int]) -> NDArray[np.complex64] | None:
-    """Load what was kept, if it is whole."""
+    """Load a cached solution; None if it is missing or damaged."""
     arrays = kept.load(*path(content)) or {}
     found = arrays.get("sound")
     return found if found is not None and found.dtype == np.complex64 and found.shape == shape else None
 
 
 def store(content: bytes, sound: NDArray[np.complex64]) -> None:
-    """Store it, if there is space: the computation does not need it."""
+    """Store a solution if possible; errors are ignored, because the cache is only an aid."""
     target, identity = path(content)
     with suppress(SceneError, OSError):
         kept.save(target, identity, {"sound": sound})
@@ -118,7 +118,7 @@ def store(content: bytes, sound: NDArray[np.complex64]) -> None:
 
 
 def prune(where: Path) -> None:
-    """Leave the newest files, up to MOST bytes."""
+    """Remove the oldest files beyond MOST bytes."""
     files = [file for file in kept.inside(where) if OWN.fullmatch(file.name)]
     size = 0
     for file in sorted(files, key=lambda file: file.stat().st_mtime, reverse=True):

@@ -1,4 +1,4 @@
-"""Tables of a scene file that the core cannot draw: [shape] and [image], and obstacles in files."""
+"""Tables of a scene file that the core cannot read alone: [shape] and [image], and files of obstacles."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ from ..shape import svg, text
 from ..shape._figures import Points
 from .image import image
 
-#: Formats that modellers write and trimesh reads without further packages.
+#: Formats of 3D models that trimesh reads without further packages.
 ENDINGS = (".stl", ".obj", ".ply", ".off", ".glb")
 
-#: Bytes in memory at once for one of a file, by trials of all formats.
+#: Bytes of memory per byte of a file, measured for all formats.
 EACH = 16
 
 
 def read(
     path: str | os.PathLike[str], scale: float = 1.0, offset: Any = (0.0, 0.0, 0.0)
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Vertices (V, 3) in m, each place once, and faces (F, 3), all bodies of the file together.
+    """Return vertices (V, 3) in m without duplicates, and faces (F, 3), of all bodies of a file together.
 
     Parameters
     ----------
     scale
-        Metres of the file's unit.
+        Length of the file's unit in m.
     offset
-        What is added then (3,), in m.
+        Vector (3,) in m that is added after scaling.
     """
     scale = number("scale", scale, least=0)
     if scale == 0:
@@ -62,7 +62,7 @@ def read(
             raise SceneError(f'path is "{file}": it has no faces, give a surface')
         if not np.isfinite(found.vertices).all():
             raise SceneError(f'path is "{file}": it has vertices that are no finite numbers, export it again')
-        # .stl lists the corners of each face again, .obj and .glb those with a texture's or normal's seam.
+        # .stl repeats the corners for each face; .obj and .glb repeat those at seams of textures and normals.
         found.merge_vertices(merge_tex=True, merge_norm=True)
     except (KeyboardInterrupt, SceneError):
         raise
@@ -70,7 +70,7 @@ def read(
         reported = _formats(f"trimesh cannot read it ({reason(error)})")
         raise SceneError(f'path is "{file}": {reported}') from None
     vertices, faces = np.asarray(found.vertices, float), np.asarray(found.faces, np.int64)
-    # Faces two of whose corners have become one have no area, and their neighbours meet without them.
+    # Faces with two equal corners have no area and are left out; the mesh stays closed without them.
     faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
     with np.errstate(over="ignore"):
         return vertices * scale + away, faces
@@ -81,7 +81,7 @@ def _formats(wrong: str) -> str:
 
 
 def library() -> Any:
-    """The package trimesh."""
+    """Return the package trimesh."""
     try:
         import trimesh
     except ImportError as error:
@@ -90,9 +90,10 @@ def library() -> Any:
 
 
 def reason(error: BaseException) -> str:
-    """The line of an error."""
+    """Return the text of an error in one line."""
     if isinstance(error, ImportError) and isinstance(error.__context__, UnicodeError):
-        # Of bytes that are no text, trimesh says that a package is missing which would guess their letters.
+        # If a file is no text, trimesh reports a missing package for guessing encodings; its context has the
+        # real cause.
         error = error.__context__
     return " ".join(f"{type(error).__name__}: {error}".split())
 
@@ -104,7 +105,7 @@ Drawn: TypeAlias = tuple[Points, Any, Any]
 
 
 def points(table: str, keys: str, folder: Path | None) -> Drawn:
-    """Points (M, 3), pressures and weights of a table by its name; keys is TOML, its files in folder."""
+    """Return points (M, 3), pressures and weights of a table; `keys` is its TOML, `folder` has its files."""
     given = tomllib.loads(keys)
     weight = number("weight", given.pop("weight"), least=0) if "weight" in given else None
     if table == "image":
@@ -116,7 +117,7 @@ def points(table: str, keys: str, folder: Path | None) -> Drawn:
 
 
 def mesh(keys: str, folder: Path | None) -> tuple[Points, Faces]:
-    """Vertices (V, 3) and faces (F, 3) of an obstacle's file; keys is TOML."""
+    """Return vertices (V, 3) and faces (F, 3) of an obstacle's file; `keys` is the TOML of its table."""
     given = tomllib.loads(keys)
     given.pop("kind", None)
     found: tuple[Points, Faces] = called(read, "an obstacle's file", given, folder)
@@ -124,7 +125,7 @@ def mesh(keys: str, folder: Path | None) -> tuple[Points, Faces]:
 
 
 def called(draw: Callable[..., Any], kind: str, given: dict[str, Any], folder: Path | None) -> Any:
-    """The result of a function whose arguments are a table's keys; `file` is its path."""
+    """Call a function whose arguments are a table's keys; the key `file` is the argument `path`."""
     named = {("file" if name == "path" else name): one for name, one in signature(draw).parameters.items()}
     needed = [name for name, one in named.items() if one.default is Parameter.empty]
     for name, value in given.items():

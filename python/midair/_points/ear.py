@@ -11,13 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 from .._midair import Scene, Solution, field
 from .._support.arguments import number, refused, vector
 
-#: Quiet points this far apart, in m, leave nothing loud between them: a quarter of the wavelength at 40 kHz.
+#: Default distance in m between quiet points: a quarter of the wavelength at 40 kHz, so that none is loud in
+#: between.
 STEP = 2e-3
 
-#: The reference of the level, in Pa (root mean square): ISO 1683.
+#: Reference pressure of the level in Pa (rms): ISO 1683.
 REFERENCE = 20e-6
 
-#: Quiet points at most: more than any array silences.
+#: Most quiet points; no array can silence as many.
 MOST_POINTS = 100_000
 
 

@@ -1,4 +1,4 @@
-"""Pictures as points: a grid of pixels, each with a target in proportion to its brightness."""
+"""Pictures as points: a grid of pixels, each with a target proportional to its brightness."""
 
 from __future__ import annotations
 
@@ -13,17 +13,19 @@ from .._midair import MOST_POINTS, STEP, SceneError, memory_limit
 from .._support.arguments import existing, flag, number, refused, whole
 from .._support.text import content
 
-#: Formats that are read, whatever a file is called. Of others Pillow runs programs: of .eps Ghostscript.
+#: Formats that are read, whatever the file's ending. For others, such as .eps, Pillow starts programs
+#: (Ghostscript).
 FORMATS = ("PNG", "JPEG", "GIF", "BMP", "WEBP", "TIFF", "PPM")
 
-#: Bytes a pixel that are needed at once: four copies in red, green, blue and opacity.
+#: Bytes of memory per pixel: four copies with red, green, blue and opacity.
 EACH = 16
 
-#: Below this part of white, -26 dB, a pixel is dark: no method makes so small a pressure reliably.
+#: Pixels below this fraction of white (-26 dB) count as dark: no method makes such low pressures reliably.
 DARK = 0.05
 
 
-#: Half a wavelength at 40 kHz and 340 m/s, in m: neighbours nearer than that cannot differ much.
+#: Default distance of pixels: half a wavelength at 40 kHz and 340 m/s, in m. Closer points cannot differ
+#: much.
 PITCH = 2 * STEP
 
 
@@ -118,7 +120,7 @@ def image(
     """
     size, z, pressure = number("size", size, above=0), number("z", z), number("pressure", pressure, above=0)
     quiet = flag("quiet", quiet)
-    # Rounding never takes a pixel away.
+    # The tolerance prevents that rounding removes a pixel.
     pixels = max(int(size / PITCH * (1 + 1e-9)), 1) if pixels is None else whole("pixels", pixels, least=1)
     brightness = _brightness(path, pixels)
     rows, columns = np.indices(brightness.shape)
@@ -135,7 +137,7 @@ def image(
 
 
 def _brightness(path: str | PathLike[str], pixels: int) -> NDArray[np.float64]:
-    """Brightness, 0 to 1, of squares (rows, columns), `pixels` of them on the longer side."""
+    """Return the brightness, 0 to 1, of squares (rows, columns), with `pixels` squares on the longer side."""
     file = existing("path", path, "give a picture such as a .png")
     try:
         from PIL import Image, ImageOps
@@ -155,14 +157,14 @@ def _brightness(path: str | PathLike[str], pixels: int) -> NDArray[np.float64]:
             few = [max(round(side * pixels / longer), 1) for side in opened.size]
             if few[0] * few[1] > MOST_POINTS:
                 raise refused("pixels", pixels, f"more than {MOST_POINTS} points, give fewer")
-            # As its maker meant it to be seen: a photograph may be stored lying on its side.
+            # Cameras store photographs rotated, with a tag for the correct orientation.
             upright = ImageOps.exif_transpose(opened)
             if upright.size != opened.size:
                 few.reverse()
             if upright.mode == "F":
                 raise refused("path", file, "its pixels are fractions, save it with 8 bits a colour")
             if upright.mode.startswith("I"):
-                # Pillow would cut 16 bits off at 255.
+                # Pillow would clip 16-bit values at 255.
                 upright = Image.fromarray((np.asarray(upright) / 257).clip(0, 255).astype(np.uint8))
             colours = upright.convert("RGBA")
             black = Image.new("RGBA", colours.size, (0, 0, 0, 255))
@@ -172,7 +174,7 @@ def _brightness(path: str | PathLike[str], pixels: int) -> NDArray[np.float64]:
         raise
     except Image.DecompressionBombError as error:
         raise refused("path", file, "it has more than 178 million pixels, make it smaller") from error
-    # Whatever a damaged file makes Pillow raise.
+    # Pillow raises errors of many kinds for a damaged file.
     except Exception as error:
         cure = f"it cannot be read as a picture, give a file of {', '.join(FORMATS[:-1])} or {FORMATS[-1]}"
         raise refused("path", file, cure) from error

@@ -1,4 +1,4 @@
-"""The figures of Suzuki et al. 2021, repeated: pictures, tables, and verdicts on its statements."""
+"""Reproduces the figures of Suzuki et al. 2021: pictures, tables, and verdicts on the paper's statements."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from .tables import Found, Run, Tell, Verdict, silent
 
 
 class Figure(Protocol):
-    """The functions of a figure's module."""
+    """Protocol of a figure's module."""
 
     def collect(self, run: Run, /) -> Found:
-        """Find the numbers."""
+        """Compute the numbers of the figure."""
 
     def draw(self, found: Found, /) -> Picture:
-        """Draw them in the paper's layout."""
+        """Draw the numbers in the paper's layout."""
 
     def judge(self, rows: tables.Rows, /) -> list[Verdict]:
-        """Hold the paper's statements against them."""
+        """Check the paper's statements against the numbers."""
 
 
 FIGURES: dict[str, Figure] = {
@@ -53,19 +53,21 @@ def reproduce(
     Parameters
     ----------
     figures
-        Names of FIGURES, or "all".
+        Names in FIGURES, or "all".
     trials
-        Random scenes of figs. 3 and 4, random orders of fig. 7; timing takes 15 rounds at most.
+        Number of random scenes of figs. 3 and 4, and of random orders of fig. 7. Timing takes at most 15
+        rounds.
     scheduler
-        Address of a Dask scheduler for all work except what is timed, which runs on this machine.
+        Address of a Dask scheduler for all work except timing, which runs on this machine.
     progress
-        Opened with the name of each figure; gives what is called with (items done, items).
+        Called with the name of each figure; returns a context manager that yields a function of (items done,
+        items).
 
     Returns
     -------
     list of (str, Verdict)
-        The verdicts, each with the name of its figure. Finished parts stay in `output`/.chunks, from which a
-        stopped run continues.
+        The verdicts, each with the name of its figure. Finished parts are stored in `output`/.chunks, from
+        which a stopped run continues.
     """
     names = [name for requested in figures for name in (FIGURES if requested == "all" else [requested])]
     for name in names:
@@ -88,7 +90,7 @@ def reproduce(
 
 
 def _make(folder: Path) -> None:
-    """Refuse a folder that cannot be written before any work is done."""
+    """Make a folder; raise SceneError before any work if it cannot be written."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
@@ -98,7 +100,10 @@ def _make(folder: Path) -> None:
 
 
 def _figure(name: str, run: Run, output: Path) -> list[Verdict]:
-    """Numbers first, and what is drawn and judged is what the file says."""
+    """Make the numbers, picture and verdicts of a figure.
+
+    Picture and verdicts use the numbers as the file has them, rounded.
+    """
     figure, path = FIGURES[name], output / f"{name}.csv"
     rows, fields = figure.collect(run)
     tables.write(path, rows)

@@ -1,4 +1,4 @@
-"""Figures as PNG and SVG files, byte for byte the same for the same numbers; fields of single scenes."""
+"""Figures as PNG and SVG files, which are identical for identical numbers; fields of single scenes."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.image import AxesImage
 
-#: Pixels per inch of the PNG.
+#: Pixels per inch of a PNG.
 RESOLUTION = 120
 
-#: The array of figs. 2 and 7: 36 x 36.
+#: Transducers per side of the array of figs. 2 and 7.
 SIDE = 36
 
 
 def save(figure: Figure, folder: Path, name: str) -> None:
-    """NAME.png and NAME.svg; no date and no random identifiers in them."""
+    """Write NAME.png and NAME.svg without a date or random identifiers."""
     for ending, metadata in (("png", {"Software": None}), ("svg", {"Date": None})):
         content = io.BytesIO()
         with mpl.rc_context({**FONTS, "svg.hashsalt": "midair"}):
@@ -41,7 +41,7 @@ def save(figure: Figure, folder: Path, name: str) -> None:
 
 
 def lines(axes: Axes, rows: tables.Rows, methods: tuple[Method, ...], x: str, y: str) -> None:
-    """A curve for each method that the rows have; error bars where they have an interval."""
+    """Draw a curve for each method in the rows, with error bars if the rows have intervals."""
     for method in methods:
         mine = tables.pick(rows, method=method.key)
         if not mine:
@@ -68,12 +68,12 @@ def lines(axes: Axes, rows: tables.Rows, methods: tuple[Method, ...], x: str, y:
 
 
 def scene(points: list[list[float]], target: float) -> Scene:
-    """Points over the paper's large array, with equal targets."""
+    """Return a scene with points over the paper's large array and equal targets."""
     return Scene(Array.grid(SIDE, SIDE, PITCH, source_pressure=1e-3), points, target)
 
 
 def settings(points: list[list[float]], target: float, solver: str, options: Options, size: float) -> Options:
-    """Settings of `solve_field`: a picture of size m in steps of 0.5 mm."""
+    """Return the settings of `solve_field` for a picture of `size` m in steps of 0.5 mm."""
     return {
         "points": points,
         "target": target,
@@ -85,7 +85,7 @@ def settings(points: list[list[float]], target: float, solver: str, options: Opt
 
 
 def solve_field(settings: Mapping[str, Any], start: int, stop: int) -> Arrays:
-    """|p|^2 on the plane (1, pixels, pixels), |p| at the points (1, M), metrics (1,)."""
+    """Return |p|^2 in the plane (1, pixels, pixels), |p| at the points (1, M), and metrics (1,)."""
     requested = scene(settings["points"], settings["target"])
     solution = _midair.solve(requested, settings["solver"], **settings["options"])
     plane = Plane(Z, settings["size"], settings["pixels"])
@@ -99,7 +99,7 @@ def solve_field(settings: Mapping[str, Any], start: int, stop: int) -> Arrays:
 
 
 def picture(axes: Axes, field: NDArray[np.float64], size: float, top: float) -> AxesImage:
-    """|p|^2 in colours from 0 to top, lengths in mm."""
+    """Draw |p|^2 in colours from 0 to `top`, with lengths in mm."""
     edge = size * 500 * (1 + 1 / (len(field) - 1))
     axes.set(xlabel="x / mm", ylabel="y / mm")
     extent = (-edge, edge, -edge, edge)
@@ -107,7 +107,7 @@ def picture(axes: Axes, field: NDArray[np.float64], size: float, top: float) -> 
 
 
 def pixels(fields: Mapping[str, NDArray[np.float64]]) -> tables.Rows:
-    """A row for each place: ix and iy in steps of 0.5 mm from the middle, and |p|^2 by each panel."""
+    """Return a row for each place: ix and iy in steps of 0.5 mm from the centre, and |p|^2 of each panel."""
     half = len(next(iter(fields.values()))) // 2
     indices = range(-half, half + 1)
     return [

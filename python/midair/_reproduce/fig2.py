@@ -1,4 +1,4 @@
-"""Fig. 2: the smiley of 38 points, |p| = 1 each, over 36 x 36 transducers."""
+"""Fig. 2: a smiley of 38 points with |p| = 1 each, over 36 x 36 transducers."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from .tables import Found, Run, Verdict, outcome
 
 SIZE = 0.1
 
-#: A point is lost below this part of the mean over the points.
+#: A point counts as lost if its |p| is below this fraction of the mean over the points.
 LOST = 0.5
 
 
 def collect(run: Run) -> Found:
-    """A row for each method and point, and the fields."""
+    """Return a row for each method and point, and the fields."""
     points = scenes.smiley()
     jobs = [
         Job(
@@ -50,7 +50,7 @@ def collect(run: Run) -> Found:
 
 
 def draw(found: Found) -> Figure:
-    """A panel for each method, all in the same colours."""
+    """Draw a panel for each method, all on the same colour scale."""
     height = -(-len(found.fields) // 3)
     figure = Figure(figsize=(9.6, 3.25 * height), layout="compressed")
     grid = figure.subplots(height, 3, squeeze=False, sharex=True, sharey=True)
@@ -58,7 +58,7 @@ def draw(found: Found) -> Figure:
     for axes in grid.flat[len(found.fields) :]:
         axes.set_axis_off()
     for axes, (key, field) in zip(grid.flat, found.fields.items(), strict=False):
-        # The target is 1; brighter spots are shown as bright as the scale goes.
+        # The target is 1. Values above 1.5 have the colour of the scale's top.
         image = drawing.picture(axes, field, SIZE, 1.5)
         first = tables.pick(found.rows, method=key)[0]
         axes.set_title(
@@ -71,13 +71,13 @@ def draw(found: Found) -> Figure:
 
 
 def lost(rows: tables.Rows, method: str) -> int:
-    """How many points a method loses."""
+    """Return the number of points that a method loses."""
     pressure = tables.column(tables.pick(rows, method=method), "pressure")
     return int((pressure < LOST * pressure.mean()).sum())
 
 
 def judge(rows: tables.Rows) -> list[Verdict]:
-    """Which methods lose points."""
+    """Return the verdicts on which methods lose points."""
     counts = {key: lost(rows, key) for key in tables.labels(rows)}
     reported = ", ".join(f"{key} {count}" for key, count in counts.items())
     return [

@@ -1,4 +1,4 @@
-"""Fig. 3: mean accuracy over the number of points, of trials at random points that fig. 4 shares."""
+"""Fig. 3: mean accuracy over the number of points, in random scenes that fig. 4 also uses."""
 
 from __future__ import annotations
 
@@ -10,24 +10,24 @@ from . import drawing, scenes, tables
 from .scenes import curves
 from .tables import Found, Run, Verdict, outcome, percent, span
 
-#: Trials that are stored together: the slowest method takes a second or two for them.
+#: Trials that are stored together; the slowest method takes one or two seconds for them.
 CHUNK = 25
 
 SIDE = 20
 
 
 def collect(run: Run) -> Found:
-    """The trials' accuracy, eq. (12)."""
+    """Return the accuracy of the trials, eq. (12)."""
     return Found(study(run, "accuracy"))
 
 
 def draw(found: Found) -> Figure:
-    """Curves over M."""
+    """Draw the curves over M."""
     return over_points(found.rows, "accuracy, eq. (12)")
 
 
 def judge(rows: tables.Rows) -> list[Verdict]:
-    """The paper's statements about accuracy."""
+    """Return the verdicts on the paper's statements about accuracy."""
     mean = tables.by_method(rows, "mean")
     counts = [row["M"] for row in tables.pick(rows, method="greedy")]
     greedy, lm, gspat = mean["greedy"], mean["lm"], mean["gspat"]
@@ -77,7 +77,7 @@ def judge(rows: tables.Rows) -> list[Verdict]:
 
 
 def study(run: Run, metric: str) -> tables.Rows:
-    """Mean, standard deviation and interval of a metric, for each method and number of points."""
+    """Return mean, standard deviation and interval of a metric for each method and number of points."""
     blocks = {
         (method.key, count): {
             **scenes.random_points(SIDE, count),
@@ -90,7 +90,8 @@ def study(run: Run, metric: str) -> tables.Rows:
         for method in curves()
         for count in scenes.COUNTS
     }
-    # Chunk by chunk over all methods, so that the time left is known early.
+    # Each chunk is run for all methods before the next one, so that the remaining time can be estimated
+    # early.
     jobs = [
         Job(solve_block, settings, start, min(start + CHUNK, run.trials), key)
         for start in range(0, run.trials, CHUNK)
@@ -110,7 +111,7 @@ def study(run: Run, metric: str) -> tables.Rows:
 
 
 def over_points(rows: tables.Rows, label: str) -> Figure:
-    """Curves over M with their 95 % intervals."""
+    """Draw curves over M with their 95 % intervals."""
     figure = Figure(figsize=(7.2, 4.6), layout="constrained")
     axes = figure.subplots()
     drawing.lines(axes, rows, curves(), "M", "mean")

@@ -1,4 +1,4 @@
-"""Fig. 4: mean deviation sigma over the number of points."""
+"""Fig. 4: mean deviation sigma of the points' pressures over the number of points."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from . import fig3, tables
 from .scenes import PAPER
 from .tables import Found, Run, Verdict, outcome
 
-#: The mean sigma that an even field may have.
+#: Largest mean sigma of a field that counts as even.
 EVEN = 1e-4
 
 
 def collect(run: Run) -> Found:
-    """The trials' sigma, eq. (13)."""
+    """Return the sigma of the trials, eq. (13)."""
     return Found(fig3.study(run, "sigma"))
 
 
 def draw(found: Found) -> Figure:
-    """Curves over M, on a log axis: the methods' sigmas are orders of magnitude apart."""
+    """Draw the curves over M on a log axis: the sigmas differ by orders of magnitude."""
     figure = fig3.over_points(found.rows, "deviation sigma, eq. (13) with 1/M")
     figure.axes[0].set_ylim(auto=True)
     figure.axes[0].set_yscale("log")
@@ -28,7 +28,7 @@ def draw(found: Found) -> Figure:
 
 
 def judge(rows: tables.Rows) -> list[Verdict]:
-    """The paper's statements about the variation among points."""
+    """Return the verdicts on the paper's statements about the variation among points."""
     mean = tables.by_method(rows, "mean")
     counts = [row["M"] for row in tables.pick(rows, method="greedy")]
     others = [method.key for method in PAPER if method.key != "greedy"]
@@ -72,7 +72,7 @@ def judge(rows: tables.Rows) -> list[Verdict]:
 def _louder(
     sigma: NDArray[np.float64], mean: dict[str, NDArray[np.float64]], others: list[str]
 ) -> NDArray[np.bool_]:
-    """Where at most one of the others varies more."""
+    """Return where at most one of the other methods varies more than `sigma`."""
     above: NDArray[np.bool_] = np.sum([mean[key] > sigma for key in others], axis=0) <= 1
     return above
 

@@ -1,4 +1,4 @@
-"""Figs. 5 and 6: time over the number of points and over the number of transducers."""
+"""Figs. 5 and 6: computation time over the number of points and over the number of transducers."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ from .tables import Found, Run, Verdict, outcome
 
 SIDE = 20
 
-#: Below this many points what is done once a transducer hides the slope.
+#: The second slope uses this many points or more: with fewer, the constant work per transducer dominates.
 LARGE = 64
 
-#: "Computation is linear": the slope of log time over log M within this of 1.
+#: "Computation is linear" holds if the slope of log time over log M differs from 1 by at most this.
 LINEAR = 0.1
 
 
 def collect(run: Run) -> Found:
-    """Times of every method."""
+    """Return the times of every method."""
     return Found(timing.study(run, [(SIDE, count) for count in scenes.MANY], "M", LARGE))
 
 
 def draw(found: Found) -> Figure:
-    """Times over M."""
+    """Draw the times over M."""
     return timing.draw(found.rows, "M", "control points M, N = 400")
 
 
 def judge(rows: tables.Rows) -> list[Verdict]:
-    """Greedy is linear in M; which method is faster than which."""
+    """Return the verdicts: greedy is linear in M, and which methods are faster."""
     median = tables.by_method(rows, "median")
     counts = [row["M"] for row in tables.pick(rows, method="greedy")]
     slow = [method.key for method in PAPER if method.key not in ("greedy", "gspat")]
@@ -58,7 +58,7 @@ def judge(rows: tables.Rows) -> list[Verdict]:
 
 
 def linear(rows: tables.Rows, x: str, method: str) -> Verdict:
-    """Whether a method's time is linear in x."""
+    """Return the verdict on whether a method's time is linear in x."""
     row = tables.pick(rows, method=method)[0]
     return Verdict(
         f"{'greedy' if method == 'greedy' else 'greedy by plain brute force'} is linear in {x}",
@@ -68,18 +68,18 @@ def linear(rows: tables.Rows, x: str, method: str) -> Verdict:
 
 
 class Transducers:
-    """Fig. 6: time over the number of transducers, 64 points."""
+    """Fig. 6: time over the number of transducers, with 64 points."""
 
     def collect(self, run: Run, /) -> Found:
-        """Times of every method; the range of the points grows with the array."""
+        """Return the times of every method. The region of the points grows with the array."""
         places = [(side, scenes.FIXED_COUNT) for side in scenes.SIDES]
         return Found(timing.study(run, places, "N", 0))
 
     def draw(self, found: Found, /) -> Figure:
-        """Times over N."""
+        """Draw the times over N."""
         return timing.draw(found.rows, "N", "transducers N, M = 64")
 
     def judge(self, rows: tables.Rows, /) -> list[Verdict]:
-        """Greedy is linear in N."""
+        """Return the verdicts: greedy is linear in N."""
         found = [key for key in ("greedy", "greedy-brute") if tables.pick(rows, method=key)]
         return [linear(rows, "N", key) for key in found]

@@ -1,4 +1,4 @@
-"""Fig. 7: one focus over 36 x 36 transducers, weak and strong, in random and fixed order, and balanced."""
+"""Fig. 7: a focus over 36 x 36 transducers: weak and strong, random and fixed order, and balanced."""
 
 from __future__ import annotations
 
@@ -19,15 +19,16 @@ from .tables import Found, Run, Verdict, outcome
 SIZE = 0.04
 POINT = [[0.0, 0.0, scenes.Z]]
 
-#: Widths are measured over this far to either side, m.
+#: Range in m, to each side, in which widths are measured; and its sampling step.
 SPAN = 0.06
 STEP = 1e-4
 
-#: A region above half the maximum that is wider than this, in m, is not one focus: the ideal one has 6.7 mm.
+#: A region above half the maximum that is wider than this, in m, is no single focus; an ideal one has 6.7 mm.
 NARROW = 0.015
-#: Widths of an ideal focus, m: 1.2 lambda/(2 NA) within a twentieth.
+#: Widths of an ideal focus in m: 1.2 lambda/(2 NA) within 5 %.
 IDEAL = (6.3e-3, 7.1e-3)
-#: Beyond this from the focus, m, sound is an artefact: twice the ideal width is past the first side lobe.
+#: Sound farther than this from the focus, in m, counts as an artefact: twice the ideal width, past the first
+#: side lobe.
 AWAY = 0.0134
 
 CHUNK = 10
@@ -44,12 +45,12 @@ PANELS = (
 
 
 def measure(settings: Mapping[str, Any], start: int, stop: int) -> Arrays:
-    """Widths along x and y in m, artefacts and radiated power for seeds start to stop."""
+    """Return the widths along x and y in m, artefacts and radiated power for seeds start to stop."""
     scene = drawing.scene(POINT, settings["target"])
     steps = np.arange(-round(SPAN / STEP), round(SPAN / STEP) + 1) * STEP
     zero = np.zeros_like(steps)
     lines = np.concatenate([np.column_stack([steps, zero]), np.column_stack([zero, steps])])
-    # A quarter wavelength apart no lobe can hide between.
+    # Samples a quarter of a wavelength apart cannot miss a lobe.
     grid = np.arange(-30, 31) * SPAN / 30
     plane = np.stack(np.meshgrid(grid, grid), axis=-1).reshape(-1, 2)
     places = np.concatenate([lines, plane])
@@ -69,13 +70,13 @@ def measure(settings: Mapping[str, Any], start: int, stop: int) -> Arrays:
 
 
 def _width(line: NDArray[np.float32]) -> float:
-    """Distance between the outermost samples above half the maximum."""
+    """Return the distance between the outermost samples above half the maximum."""
     loud = np.flatnonzero(line > line.max() / 2)
     return float(loud[-1] - loud[0]) * STEP
 
 
 def collect(run: Run) -> Found:
-    """A row for each panel, over all orders where they are random, and the fields of the first."""
+    """Return a row for each panel, over all orders if they are random, and the field of the first order."""
     jobs = []
     for panel, target, order, balance in PANELS:
         options: Options = {"order": order, "balance": balance}
@@ -112,7 +113,10 @@ def collect(run: Run) -> Found:
 
 
 def draw(found: Found) -> Figure:
-    """Weak above strong above balanced; random orders left, the fixed one right; each in its own colours."""
+    """Draw the panels: weak, strong, balanced from top to bottom; random order left, fixed order right.
+
+    Each panel has its own colour scale.
+    """
     figure = Figure(figsize=(7.8, 9.6), layout="compressed")
     for axes, row in zip(figure.subplots(3, 2, sharex=True, sharey=True).flat, found.rows, strict=True):
         field = found.fields[row["panel"]]
@@ -126,7 +130,7 @@ def draw(found: Found) -> Figure:
 
 
 def judge(rows: tables.Rows) -> list[Verdict]:
-    """The paper's statements on each panel, and that balancing cures the weak focus."""
+    """Return the verdicts on the paper's statements about each panel, and on balancing of the weak focus."""
     a, b, c, d, e, f = rows
     return [
         Verdict(

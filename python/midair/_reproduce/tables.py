@@ -1,4 +1,4 @@
-"""Tables of numbers behind the figures, as lists of rows and CSV files, and the run that finds them."""
+"""Tables of the numbers behind the figures, as lists of rows and CSV files; the run that computes them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Outcome = Literal["holds", "holds in part", "does not hold"]
 
 
 class Verdict(NamedTuple):
-    """A statement, its verdict, and the numbers that decide."""
+    """A statement, its verdict, and the numbers on which the verdict is based."""
 
     statement: str
     verdict: Outcome
@@ -31,32 +31,35 @@ class Verdict(NamedTuple):
 
 
 def outcome(*parts: bool) -> Outcome:
-    """The verdict on a statement with several parts."""
+    """Return the verdict on a statement with several parts."""
     if all(parts):
         return "holds"
     return "holds in part" if any(parts) else "does not hold"
 
 
 def span(gaps: NDArray[np.float64], counts: list[int]) -> str:
-    """Smallest and largest of differences of accuracy over M, in points."""
+    """Return the smallest and largest difference of accuracy over M as text, in percentage points."""
     ends = (int(gaps.argmin()), int(gaps.argmax()))
     return " to ".join(f"{100 * gaps[end]:+.1f} points (M = {counts[end]})" for end in ends)
 
 
 def percent(part: float) -> str:
-    """0.8512 as 85.1 %."""
+    """Return a fraction as text: 0.8512 as "85.1 %"."""
     return f"{100 * part:.1f} %"
 
 
 Row = dict[str, Any]
 Rows = list[Row]
 
-#: Half a 95 % interval of a mean in its standard errors.
+#: Half-width of a mean's 95 % interval, in standard errors.
 NORMAL = 1.96
 
 
 def spread(values: NDArray[np.float64]) -> Row:
-    """Mean, standard deviation (n - 1) and the mean's 95 % interval; one value has no spread."""
+    """Return mean, standard deviation (n - 1) and the mean's 95 % interval.
+
+    A single value has deviation 0.
+    """
     count, mean = len(values), float(np.mean(values))
     std = float(np.std(values, ddof=1)) if count > 1 else 0.0
     half = NORMAL * std / math.sqrt(count)
@@ -64,7 +67,7 @@ def spread(values: NDArray[np.float64]) -> Row:
 
 
 def write(path: Path, rows: Rows) -> None:
-    """A CSV file; numbers with six digits."""
+    """Write a CSV file with six significant digits."""
     text = io.StringIO()
     out = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
     out.writeheader()
@@ -76,7 +79,7 @@ def write(path: Path, rows: Rows) -> None:
 
 
 def read(path: Path) -> Rows:
-    """The rows again, numbers as numbers."""
+    """Read the rows of a CSV file, with numbers as numbers."""
     with path.open(newline="", encoding="utf-8") as file:
         return [{key: _number(text) for key, text in row.items()} for row in csv.DictReader(file)]
 
@@ -91,28 +94,28 @@ def _number(text: str) -> Any:
 
 
 def pick(rows: Rows, **wanted: Any) -> Rows:
-    """The rows with these values."""
+    """Return the rows that have these values."""
     return [row for row in rows if all(row[key] == value for key, value in wanted.items())]
 
 
 def column(rows: Rows, name: str) -> NDArray[np.float64]:
-    """A column as numbers."""
+    """Return a column as an array of numbers."""
     return np.array([row[name] for row in rows], float)
 
 
 def by_method(rows: Rows, name: str) -> dict[str, NDArray[np.float64]]:
-    """A column for each method."""
+    """Return a column for each method."""
     return {key: column(pick(rows, method=key), name) for key in labels(rows)}
 
 
 def largest(of: dict[str, NDArray[np.float64]], keys: Sequence[str]) -> NDArray[np.float64]:
-    """The largest of some methods at each place."""
+    """Return the largest value of some methods at each index."""
     top: NDArray[np.float64] = np.max([of[key] for key in keys], axis=0)
     return top
 
 
 def labels(rows: Rows) -> Sequence[str]:
-    """The methods' keys in the order in which they come."""
+    """Return the methods' keys in the order of the rows."""
     return list(dict.fromkeys(row["method"] for row in rows))
 
 
@@ -124,7 +127,7 @@ def silent(done: int, items: int) -> None:
 
 
 class Found(NamedTuple):
-    """The numbers behind a figure: a table, and the fields of a picture where there are any."""
+    """The numbers of a figure: a table, and the fields of its panels if it shows fields."""
 
     rows: Rows
     fields: Mapping[str, NDArray[np.float64]] = MappingProxyType({})
@@ -132,17 +135,20 @@ class Found(NamedTuple):
 
 @dataclass(frozen=True)
 class Run:
-    """Request: trials, seed, place of the work and of its results."""
+    """A run: trials, seed, the folder of its results, and where it is computed."""
 
     trials: int
     seed: int
     chunks: Path
     scheduler: str | None = None
-    #: Called with (items done, items) of the figure in work.
+    #: Called with (items done, items) for the current figure.
     tell: Tell = silent
 
     def gather(self, jobs: Sequence[Job], *, alone: bool = False) -> dict[Hashable, Arrays]:
-        """Each owner's results, the chunks joined. What is timed runs alone, in one thread of this one."""
+        """Return each owner's results with their chunks joined.
+
+        `alone`: one thread of this process, for timing.
+        """
         parts: defaultdict[Hashable, list[Arrays]] = defaultdict(list)
         items, done = sum(job.stop - job.start for job in jobs), 0
 

@@ -1,4 +1,4 @@
-"""The times behind figs. 5 and 6: CPU time of a whole `midair.solve`, all threads, methods in turns."""
+"""Times of figs. 5 and 6: CPU time of a whole `midair.solve`, over all threads; the methods take turns."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from . import drawing, scenes, tables
 from .scenes import Options, timed
 from .tables import Run
 
-#: Rounds at most: the median of this many is steady to a few per cent on a quiet machine.
+#: Most rounds. On a quiet machine the median of this many varies by a few per cent.
 ROUNDS = 15
 
-#: A measurement takes at least this long, s, by solving again: a thousand times the clock's step.
+#: Shortest measurement in s, a thousand times the clock's step; faster solves are repeated.
 LEAST = 2e-3
 
 
 def measure(settings: Mapping[str, Any], start: int, stop: int) -> Arrays:
-    """Seconds of CPU time (rounds, methods); a scene of its own for each round, the same for every method."""
+    """Return CPU times (rounds, methods) in s. All methods solve the same scene in a round."""
     side, count = settings["side"], settings["count"]
     array = Array.grid(side, side, scenes.PITCH, source_pressure=1e-3)
     target, half = scenes.reach(side) / math.sqrt(count), side * scenes.PITCH / 2
@@ -38,7 +38,7 @@ def measure(settings: Mapping[str, Any], start: int, stop: int) -> Arrays:
         flat = half * (2 * random.random((count, 2)) - 1)
         return Scene(array, np.column_stack([flat, np.full(count, scenes.Z)]), target)
 
-    # Once unmeasured: caches, pages, and how often a method must run.
+    # A first run without measurement fills the caches, and shows how often each method must be repeated.
     repeats = [max(1, math.ceil(LEAST / _seconds(scene(stop), method, 1))) for method in methods]
     seconds = np.empty((stop - start, len(methods)))
     for index in range(start, stop):
@@ -58,9 +58,9 @@ def _seconds(scene: Scene, method: tuple[str, Options], repeats: int) -> float:
 
 
 def study(run: Run, places: Sequence[tuple[int, int]], x: str, least: int) -> tables.Rows:
-    """Median and quartiles for each method at each (side, count), and the slope over x = "M" or "N".
+    """Return median and quartiles for each method at each (side, count), and slopes over x = "M" or "N".
 
-    Slopes are fitted twice: over all places, and over those of x from `least` on.
+    The slopes are fitted twice: over all sizes, and over sizes x >= `least`.
     """
     methods = timed()
     rounds = min(run.trials, ROUNDS)
@@ -100,7 +100,7 @@ def study(run: Run, places: Sequence[tuple[int, int]], x: str, least: int) -> ta
 
 
 def slope(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, float]:
-    """Slope of log y over log x by least squares, and its standard error."""
+    """Return the slope of log y over log x by least squares, and its standard error."""
     across, up = np.log(x) - np.log(x).mean(), np.log(y) - np.log(y).mean()
     found = float(across @ up / (across @ across))
     left = up - found * across
@@ -108,7 +108,7 @@ def slope(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, float]
 
 
 def draw(rows: tables.Rows, x: str, label: str) -> Figure:
-    """Time over size, both logarithmic; bars from the lower to the upper quartile."""
+    """Draw time over size on log axes; bars extend from the lower to the upper quartile."""
     figure = Figure(figsize=(7.2, 4.6), layout="constrained")
     axes = figure.subplots()
     drawing.lines(axes, rows, timed(), x, "median")
@@ -120,7 +120,7 @@ def draw(rows: tables.Rows, x: str, label: str) -> Figure:
 
 
 def stated_slope(row: tables.Row) -> str:
-    """A method's slopes in words."""
+    """Return a method's slopes as text."""
     reported = f"{row['slope']:.2f} ± {row['slope_error']:.2f}"
     if row["from"] == 0:
         return reported

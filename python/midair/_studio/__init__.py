@@ -1,4 +1,4 @@
-"""Studio: the page where one touches the field, for a browser of this machine and for notebooks."""
+"""Studio: a web page in which points can be dragged and their field is shown; for browsers and notebooks."""
 
 from .view import View, view
 

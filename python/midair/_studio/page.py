@@ -1,4 +1,4 @@
-"""Scenes in the form of the studio's page, and back."""
+"""Conversion of scenes to the studio page's JSON, and back."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ from .._midair import (
 from .._support import output
 from .._support.arguments import warn
 
-#: Where they are.
+#: Folder of the built files of the page.
 BUILT = Path(__file__).with_name("built")
 
 
 def file(name: str, folder: Path = BUILT) -> Path:
-    """A file of the page by name. Raises SceneError where the page was never built."""
+    """Return the path of a file of the page. Raises SceneError if the page was not built."""
     path = folder / name
     if not path.is_file():
         raise SceneError(f"the studio's {name} is not built: run `make studio` in a clone of midair")
     return path
 
 
-#: The most points that the page takes.
+#: Most points that the page accepts.
 MOST_POINTS = 64
 
 #: The page's frequency in Hz.
@@ -45,7 +45,7 @@ FREQUENCY = 40e3
 
 
 def greeting(array: Array) -> Scene:
-    """Three foci and an upright slice, over an array or between its boards."""
+    """Return the studio's first scene: three foci over an array or between boards, and a vertical slice."""
     x, y, _ = array.positions.mean(axis=0)
     low, high = array.positions[:, 2].min(), array.positions[:, 2].max()
     z = (low + high) / 2 if high - low > 0.05 else high + 0.13
@@ -56,9 +56,9 @@ def greeting(array: Array) -> Scene:
 
 
 def scene_text(what: Scene | Solution) -> str:
-    """A scene, or a solution's scene with its solver, as JSON text.
+    """Return a scene, or a solution's scene and solver, as JSON text for the page.
 
-    Raises SceneError for what the page has no place for, and gives a SceneWarning where it solves otherwise.
+    Raises SceneError for content that the page cannot show; warns if the page will solve it differently.
     """
     scene = what.scene if isinstance(what, Solution) else what
     if scene is None:
@@ -76,7 +76,7 @@ def scene_text(what: Scene | Solution) -> str:
 
 
 def shown_scene(state: dict[str, Any]) -> Scene:
-    """The scene of a page's State (studio/src/types.ts), to be solved by its method A."""
+    """Return the scene of a page's State (studio/src/types.ts), with its method A as the solver."""
     array, pressures = state["array"], state["pressures"]
     named = ("preset", "tiles") if "preset" in array else ("positions", "normals")
     document = {
@@ -98,14 +98,14 @@ def shown_scene(state: dict[str, Any]) -> Scene:
 
 
 def _plane(slice_: dict[str, Any]) -> dict[str, Any]:
-    """The page's slice as a scene file's plane: its center in the axes that lead right and up along it."""
+    """Return the page's slice as the plane of a scene file, with its centre along the plane's two axes."""
     axis, middle = slice_["axis"], dict(zip("xyz", (*slice_["center"], slice_["z"]), strict=True))
     across = [middle[other] for other in "xyz" if other != axis]
     return {"axis": axis, "at": middle[axis], "size": slice_["size"], "center": across}
 
 
 def _unknown(scene: Scene, written: dict[str, Any]) -> Iterator[str]:
-    """The parts of a scene that the page rejects; `written` is its array as files have it."""
+    """Yield the parts of a scene that the page cannot show; `written` is its array as in a scene file."""
     if scene.frequency != FREQUENCY:
         yield f"frequency = {scene.frequency:g} (its own is {FREQUENCY:g})"
     if "preset" in written:
@@ -128,7 +128,7 @@ def _unknown(scene: Scene, written: dict[str, Any]) -> Iterator[str]:
 
 
 def _passed_over(what: Scene | Solution) -> Iterator[str]:
-    """The parts of a scene or solution that the page ignores."""
+    """Yield the parts of a scene or solution that the page ignores."""
     if isinstance(what, Solution):
         if what.solver not in solvers():
             yield f"the solver {what.solver}"
@@ -139,12 +139,12 @@ def _passed_over(what: Scene | Solution) -> Iterator[str]:
 
 
 def _has_options(solution: Solution) -> bool:
-    """Whether its solver had options other than the usual ones."""
+    """Return whether a solution's solver has options other than the defaults."""
     assert solution.scene is not None
     scene = solution.scene
     usual = Solver(scene.array, solution.solver).options
     if solvers()[solution.solver].uses_aim:
         usual = {"aim": "max" if scene.pressures is None else "target", **usual}
-    # Compared as JSON, because options may be arrays.
+    # Options may be arrays, so they are compared as JSON.
     alike: bool = json.loads(output.to_json(usual)) == json.loads(output.to_json(solution.options))
     return not alike

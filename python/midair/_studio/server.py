@@ -1,4 +1,4 @@
-"""Server: the page, and a board that it plays, for browsers of this machine only."""
+"""Web server for the studio page and for a board that it plays; only browsers on this machine have access."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .._boards import BoardError, Connection
 from .._midair import SceneError
 from .page import BUILT, file
 
-#: Types by ending; a browser that may not guess asks for them.
+#: Content types by file ending. Browsers require them, because the header "nosniff" forbids guessing.
 TYPES = {
     ".html": "text/html; charset=utf-8",
     ".js": "text/javascript; charset=utf-8",
@@ -31,14 +31,14 @@ TYPES = {
     ".bin": "application/octet-stream",
 }
 
-#: The page may use only its own files, and no other page may frame it.
+#: Content security policy: the page may load only its own files, and no other page may embed it.
 POLICY = (
     "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; "
     "img-src 'self' data: blob:; connect-src 'self'; worker-src 'self' blob:; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
 
-#: A page that opened this one has no hold of it, no other page takes its files or reaches the serial ports.
+#: Headers that isolate the page from other pages, so that these cannot read its files or use serial ports.
 HEADERS = {
     "Cross-Origin-Opener-Policy": "same-origin",
     "Cross-Origin-Resource-Policy": "same-origin",
@@ -48,40 +48,39 @@ HEADERS = {
     "Cache-Control": "no-store",
 }
 
-#: Names of this machine. Another one in a request is a foreign page whose name leads here.
+#: Host names of this machine. A request for another host name comes from a foreign page (DNS rebinding).
 HERE = re.compile(r"(127\.0\.0\.1|localhost)(:\d+)?", re.IGNORECASE)
 
 
-#: Seconds without a message from the page after which the board is off. The page repeats its drive before
-#: that.
+#: Time in s without a message from the page after which the board turns off. The page repeats its drive in
+#: time.
 HOLD = 1.0
 
 
 class PagesBoard:
-    """A connection that plays the newest drive of a page; off where the page is silent for HOLD."""
+    """A connection that plays the page's newest drive; the board turns off without messages for HOLD s."""
 
     def __init__(self, connection: Connection, scene: str) -> None:
         self.connection = connection
-        #: The array by which the page knows whether its drives are for this board.
+        #: The array, by which the page checks whether its drives are for this board.
         self._array: dict[str, Any] = json.loads(scene)["array"]
         self._lock = threading.Lock()
         self._last = 0.0
 
     def described(self) -> bytes:
-        """The board's name and array, as JSON."""
+        """Return the board's name and array as JSON."""
         return json.dumps({"name": self.connection.board.name, "array": self._array}).encode()
 
     @property
     def most(self) -> int:
-        """The bytes of a drive: re and im of each transducer, as float32."""
+        """Bytes of a drive: re and im of each transducer, as float32."""
         return 8 * len(self.connection.board.array)
 
     def take(self, at: float, content: bytes) -> None:
         """Play a drive, or turn the board off if the content is empty.
 
-        `at` is the time of the drive in ms: a drive older than the last one is ignored.
-
-        Raises SceneError for a drive of another array, BoardError where the board is gone.
+        `at` is the time of the drive in ms. A drive older than the last one is ignored. Raises SceneError for
+        a drive of another array, BoardError if the board is gone.
         """
         if content and len(content) != self.most:
             raise SceneError(
@@ -100,12 +99,13 @@ class PagesBoard:
 
 
 class Server(ThreadingHTTPServer):
-    """Serves the built page, a scene's JSON text at /scene.json, and a board at /board, until it is stopped.
+    """Serves the page, a scene's JSON text at /scene.json, and a board at /board, until it is stopped.
 
     Parameters
     ----------
     port
-        Of 127.0.0.1; 0 for a free one. Raises SceneError where it cannot be had, or nothing is built.
+        Port of 127.0.0.1; 0 chooses a free one. Raises SceneError if it is in use, or if the page was not
+        built.
     """
 
     daemon_threads = True
@@ -115,7 +115,7 @@ class Server(ThreadingHTTPServer):
         self, scene: str | None = None, port: int = 0, folder: Path = BUILT, board: PagesBoard | None = None
     ) -> None:
         file("index.html", folder)
-        # The server sends no other files.
+        # All files that the server sends.
         self.files = {
             f"/{path.relative_to(folder).as_posix()}": path for path in folder.rglob("*") if path.is_file()
         }
@@ -130,42 +130,42 @@ class Server(ThreadingHTTPServer):
 
     @property
     def address(self) -> str:
-        """Where a browser finds the page, with scene and board if there are some."""
+        """URL of the page, with a query for the scene and the board if there are any."""
         parts = [name for name, there in (("scene", self.scene), ("board", self.board)) if there is not None]
         return f"http://127.0.0.1:{self.server_port}/{'?' * bool(parts)}{'&'.join(parts)}"
 
     def server_bind(self) -> None:
-        """Takes the port; HTTPServer's own would look for the machine's name, which can take seconds."""
+        """Bind the port without looking up the machine's name as HTTPServer does; that can take seconds."""
         TCPServer.server_bind(self)
         self.server_name, self.server_port = "127.0.0.1", self.socket.getsockname()[1]
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """Reports no error for browsers that leave in the middle of an answer."""
+        """Ignore errors of browsers that disconnect during an answer."""
         if not isinstance(sys.exc_info()[1], ConnectionError):
             super().handle_error(request, client_address)
 
 
 class Answer(BaseHTTPRequestHandler):
-    """The answer to one request: a file, the scene, a refusal, or the result of a drive for the board."""
+    """Handles one request: a file, the scene, or a drive for the board."""
 
     server: Server
     protocol_version = "HTTP/1.1"
     server_version, sys_version = "midair", ""
-    #: Seconds without a byte after which a connection is closed.
+    #: Time in s without data after which a connection is closed.
     timeout = 60
 
     def do_GET(self) -> None:
-        """Answers with the content."""
+        """Answer with headers and content."""
         self._answer(with_content=True)
 
     def do_HEAD(self) -> None:
-        """Answers without."""
+        """Answer with headers only."""
         self._answer(with_content=False)
 
     def do_POST(self) -> None:
-        """Plays the page's drive on the board at /board?MS, or turns the board off for an empty one.
+        """Play the page's drive on the board at /board?MS, or turn the board off if it is empty.
 
-        A page of another origin is refused: its requests bear its own name, or lack one.
+        A page of another origin is refused: its requests have another Origin header, or none.
         """
         board, (name, _, at) = self.server.board, self.path.partition("?")
         host = self.headers.get("Host", "")
@@ -185,14 +185,14 @@ class Answer(BaseHTTPRequestHandler):
             self._play(board, float(at), self.rfile.read(int(length)))
 
     def end_headers(self) -> None:
-        """Puts the policy below every answer's headers, a refusal's, too."""
+        """Add the policy headers to every answer, also to errors."""
         self.send_header("Content-Security-Policy", POLICY)
         for name, value in HEADERS.items():
             self.send_header(name, value)
         super().end_headers()
 
     def log_message(self, format: str, *arguments: Any) -> None:
-        """Says nothing."""
+        """Print nothing."""
 
     def _answer(self, *, with_content: bool) -> None:
         if not HERE.fullmatch(self.headers.get("Host", "")):
@@ -212,7 +212,7 @@ class Answer(BaseHTTPRequestHandler):
         self._send(HTTPStatus.OK, kind, content, with_content=with_content)
 
     def _play(self, board: PagesBoard, at: float, content: bytes) -> None:
-        """Answers with the line of the fault, or with none."""
+        """Play a drive, and answer with the text of the error, or with an empty text."""
         try:
             board.take(at, content)
             status, line = HTTPStatus.OK, ""

@@ -1,4 +1,4 @@
-"""`midair.view`: the studio in a notebook, two ways with Python."""
+"""`midair.view`: the studio in a notebook; Python and the page exchange points in both directions."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class View:
             from .widget import Widget
         except ImportError as error:
             raise SceneError('view needs anywidget: pip install "midair[notebook]"') from error
-        #: Values that Python has set and the page has not yet changed.
+        #: The scene that Python has set, until the page reports a change; None after that.
         self._given: Scene | None = what if isinstance(what, Scene) else Scene.parse(text)
         self._widget = Widget(
             _esm=file("widget.mjs", folder).read_text(encoding="utf-8"),
@@ -84,7 +84,8 @@ class View:
     @scene.setter
     def scene(self, scene: Scene) -> None:
         text = scene_text(scene)
-        # The page, where points may have been dragged since, reacts only to differences.
+        # The page reacts only if the text changes. Its points may have been dragged since it got the same
+        # text.
         self._widget.scene = f"{text}\n" if text == self._widget.scene else text
         self._given = scene
 
@@ -101,7 +102,7 @@ class View:
         scene = before.replace(points=points)
         plane = before.plane
         if plane is not None and _cuts(plane, before) and not _cuts(plane, scene) and len(scene.points):
-            # The slice goes along, as it does in the page.
+            # The slice moves with its point, as it does in the page.
             at = scene.points[0, "xyz".index(plane.axis)]
             scene = scene.replace(
                 plane=Plane(None, plane.size, plane.pixels, plane.center, axis=plane.axis, at=at)
@@ -136,7 +137,7 @@ class View:
         return state
 
     def _reported(self, _: object) -> None:
-        """The page has changed its state, or taken the values that Python set."""
+        """Called if the page has changed its state, or has taken the values that Python set."""
         self._given = None
 
     def _repr_mimebundle_(self, **keywords: Any) -> Any:
@@ -147,5 +148,5 @@ class View:
 
 
 def _cuts(plane: Plane, scene: Scene) -> bool:
-    """Whether the slice goes through a point."""
+    """Return whether a point lies in the slice."""
     return bool(np.isclose(scene.points[:, "xyz".index(plane.axis)], plane.at).any())

@@ -1,4 +1,4 @@
-"""Widget: the page in a notebook, and its messages to and from Python."""
+"""Notebook widget of the studio page, and the values that it exchanges with Python."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ import traitlets
 
 
 class Widget(anywidget.AnyWidget):
-    """The page's traits: Python writes `scene`, the page writes `state` and `metrics`."""
+    """The page's values: Python writes `scene`, the page writes `state` and `metrics`."""
 
     _esm = traitlets.Unicode().tag(sync=True)
-    #: The core, built for WebAssembly.
+    #: The core, compiled to WebAssembly.
     wasm = traitlets.Bytes().tag(sync=True)
-    #: A scene file as JSON text; each change is shown.
+    #: Text of a scene file as JSON. The page shows each change.
     scene = traitlets.Unicode().tag(sync=True)
-    #: The page's State (studio/src/types.ts) as JSON text, after each change; "" before the page is up.
+    #: The page's State (studio/src/types.ts) as JSON, after each change; "" until the page has started.
     state = traitlets.Unicode().tag(sync=True)
     #: Metrics by method.
     metrics = traitlets.Dict().tag(sync=True)

@@ -1,1 +1,1 @@
-"""Support: functions of many packages."""
+"""Support: helper functions for several packages."""

@@ -1,4 +1,4 @@
-"""Arguments of shapes and pictures, each checked; errors state name, value and cure."""
+"""Checks of arguments; errors state name, value and cure."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from numpy.typing import NDArray
 
 from .._midair import SceneError, SceneWarning
 
-#: A file larger than this is no drawing, as with scene files.
+#: Most bytes of a drawing or a scene file.
 MOST_BYTES = 64 << 20
 
 
 def refused(item: str, value: Any, cure: str) -> SceneError:
-    """A refusal, as one line."""
+    """Return the error for an argument, in one line."""
     given = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
     return SceneError(" ".join(f"{item} is {shown(given)}: {cure}".split()))
 
 
 def warn(text: str) -> None:
-    """Warns by a SceneWarning, at the line that called the package."""
+    """Emit a SceneWarning that points to the line of the caller's code."""
     level, frame = 1, sys._getframe()
     while frame.f_back is not None and _is_inside(frame):
         level, frame = level + 1, frame.f_back
@@ -43,15 +43,15 @@ def _is_inside(frame: FrameType) -> bool:
 
 
 def shown(value: Any) -> str:
-    """A short text of a value."""
+    """Return a short text of a value."""
     if isinstance(value, str | PathLike):
-        # A character that a terminal does not show is shown as its code.
+        # A terminal does not display code 0, so it is written as \0.
         return f'"{str(value).replace(chr(0), chr(92) + "0")}"'
     return reprlib.repr(value)
 
 
 def number(item: str, value: Any, *, above: float | None = None, least: float | None = None) -> float:
-    """A finite number, above or at least a bound."""
+    """Check a finite number, above or at least a bound; return it as a float."""
     bound = "" if above is None else f" above {above:g}"
     bound = bound if least is None else f" of at least {least:g}"
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.integer | np.floating):
@@ -68,33 +68,33 @@ def number(item: str, value: Any, *, above: float | None = None, least: float | 
 
 
 def whole(item: str, value: Any, *, least: int) -> int:
-    """A whole number."""
+    """Check a whole number; return it as an int."""
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | np.integer) or value < least:
         raise refused(item, value, f"give a whole number of at least {least}")
     return int(value)
 
 
 def word(item: str, value: Any) -> str:
-    """Text."""
+    """Check that a value is text, and return it."""
     if not isinstance(value, str):
         raise refused(item, value, "give text in quotes")
     return value
 
 
 def flag(item: str, value: Any) -> bool:
-    """True or false."""
+    """Check that a value is true or false; return it as a bool."""
     if not isinstance(value, bool | np.bool_):
         raise refused(item, value, "give true or false")
     return bool(value)
 
 
 def vector(item: str, value: Any) -> NDArray[np.float64]:
-    """Three finite numbers."""
+    """Check three finite numbers; return them as an array."""
     return _numbers(item, value, (3,), "give three finite numbers")
 
 
 def vectors(item: str, value: Any) -> NDArray[np.float64]:
-    """At least two times three finite numbers."""
+    """Check at least two vectors of three finite numbers; return them as an array."""
     found = _numbers(item, value, (-1, 3), "give a list of [x, y, z] in m")
     if len(found) < 2:
         raise refused(item, found, "give at least two")
@@ -102,13 +102,13 @@ def vectors(item: str, value: Any) -> NDArray[np.float64]:
 
 
 def as_array(value: Any) -> NDArray[Any]:
-    """An array of anything that numpy reads, or that has `__dlpack__`, in place where its memory allows.
+    """Return an array of anything that numpy reads or that has `__dlpack__`, without a copy if possible.
 
-    What lies on a GPU is copied. Raises whatever the other library raises for what it does not give away.
+    Data on a GPU are copied. Raises the other library's error if it does not export its data.
     """
     if isinstance(value, np.ndarray) or not hasattr(type(value), "__dlpack__"):
         return np.asarray(value)
-    # Memory of a GPU, types that numpy does not have; and numpy 1.26 knows no device.
+    # from_dlpack fails for GPU memory and for types that numpy lacks; numpy 1.26 does not accept `device`.
     with suppress(Exception):
         return np.from_dlpack(value)
     with suppress(Exception):
@@ -117,7 +117,7 @@ def as_array(value: Any) -> NDArray[Any]:
 
 
 def real(item: str, value: Any, cure: str) -> NDArray[np.float64]:
-    """Real numbers of any shape, a read-only copy."""
+    """Check real numbers of any shape; return a read-only copy."""
     try:
         found = as_array(value)
     except ValueError:
@@ -138,14 +138,14 @@ def _numbers(item: str, value: Any, shape: tuple[int, ...], cure: str) -> NDArra
 
 
 def path_of(item: str, value: Any, cure: str = "give the name of a file") -> Path:
-    """The name of a file, which need not be there."""
+    """Check the name of a file, which need not exist; return it as a Path."""
     if not isinstance(value, str | PathLike) or "\0" in os.fsdecode(value):
         raise refused(item, value, cure)
     return Path(value)
 
 
 def json_object(item: str, text: str | bytes, cure: str) -> dict[str, Any]:
-    """A JSON object without NaN and infinity."""
+    """Parse a JSON object; rejects NaN and infinity."""
 
     def nan(name: str) -> float:
         raise SceneError(f"{item} holds {name}: give finite numbers")
@@ -162,13 +162,13 @@ def json_object(item: str, text: str | bytes, cure: str) -> dict[str, Any]:
 
 
 def callback(value: Any, arguments: str) -> None:
-    """Refuse a `progress` that cannot be called with `arguments`."""
+    """Raise SceneError if `progress` cannot be called; `arguments` describes how it will be called."""
     if value is not None and not callable(value):
         raise refused("progress", value, f"give a function of ({arguments})")
 
 
 def existing(item: str, value: Any, cure: str) -> Path:
-    """A file that can be read."""
+    """Check a file that exists and is not too large; return it as a Path."""
     path = path_of(item, value, cure)
     if not path.is_file():
         raise refused(item, path, f"there is no such file, {cure}")

@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM: work stops between two steps, library calls are abandoned, the rest cleans up."""
+"""Ctrl-C and SIGTERM: work stops between two steps, calls of libraries are abandoned."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from typing import Any, NoReturn, TypeVar
 
 T = TypeVar("T")
 
-#: The name of a thread that calls a library.
+#: Name of a thread that runs a library's function.
 LIBRARY = "midair: a library's call"
 
-#: Signals that ask a program to end; Windows has only the first two.
+#: Signals that request the end of a program; Windows has only the first two.
 ENDING = [
     signal.Signals[name] for name in ("SIGINT", "SIGTERM", "SIGHUP") if name in signal.Signals.__members__
 ]
 
 
 class Terminated(KeyboardInterrupt):
-    """The end requested by a signal other than Ctrl-C."""
+    """Raised if a signal other than Ctrl-C requests the end of the program."""
 
     def __init__(self, number: int) -> None:
         super().__init__(number)
@@ -32,24 +32,24 @@ class Terminated(KeyboardInterrupt):
 
 
 class Stop:
-    """Whether a stop was requested; `number` is the signal, 0 before."""
+    """Whether a signal has requested a stop; `number` is the signal, 0 without a request."""
 
     number = 0
 
     def __call__(self) -> bool:
-        """Whether there was a request."""
+        """Return whether a stop was requested."""
         return self.number != 0
 
     def error(self) -> KeyboardInterrupt:
-        """The end requested by the signal, for work that stores only finished parts."""
+        """Return the exception for the signal; work raises it after its finished parts are stored."""
         return KeyboardInterrupt() if self.number == signal.SIGINT else Terminated(self.number)
 
 
 @contextmanager
 def interruptible() -> Iterator[Stop]:
-    """Turns Ctrl-C and SIGTERM into a request to stop, which the block asks for. A second one ends.
+    """Convert Ctrl-C and SIGTERM to a request that the block checks. A second signal ends the program.
 
-    Outside the main thread, where no signal arrives, there never is one.
+    Threads other than the main thread receive no signals, so they never get a request.
     """
     stop = Stop()
 
@@ -64,7 +64,7 @@ def interruptible() -> Iterator[Stop]:
 
 @contextmanager
 def terminable() -> Iterator[None]:
-    """End the block by `Terminated` on request, and clean up as after Ctrl-C."""
+    """Raise `Terminated` in the block if a signal requests the end, so that it cleans up as after Ctrl-C."""
 
     def end(number: int, _: FrameType | None) -> None:
         signal.signal(number, before[signal.Signals(number)])
@@ -75,10 +75,10 @@ def terminable() -> Iterator[None]:
 
 
 def interruptibly(function: Callable[..., T], *arguments: Any, **keywords: Any) -> T:
-    """Calls a library's function that releases the GIL; Ctrl-C arrives meanwhile, within a tenth of a second.
+    """Call a library's function that releases the GIL, so that Ctrl-C takes effect within 0.1 s.
 
-    The call runs in a thread. Ctrl-C leaves it behind, and Python ends when it has ended: a library's memory
-    must not go while it computes.
+    The call runs in a thread. After Ctrl-C the caller no longer waits for this thread. Python itself ends
+    only when the thread has, because it still uses the library's memory.
     """
     result: Future[T] = Future()
 
@@ -96,7 +96,7 @@ def interruptibly(function: Callable[..., T], *arguments: Any, **keywords: Any) 
 
 
 def leave(status: int) -> NoReturn:
-    """Ends the program, at once where Ctrl-C left a library's call behind."""
+    """End the program; at once if a library's call still runs after Ctrl-C."""
     if any(thread.name == LIBRARY for thread in threading.enumerate()):
         os._exit(status)
     sys.exit(status)
@@ -107,7 +107,10 @@ Handler = Callable[[int, FrameType | None], Any]
 
 @contextmanager
 def _handling(handler: Handler, numbers: list[signal.Signals]) -> Iterator[dict[signal.Signals, Any]]:
-    """Signals under a handler, and their former handlers; ignored ones, as under nohup, stay so."""
+    """Yield the former handlers while `handler` handles the signals.
+
+    Ignored signals, as under nohup, stay ignored.
+    """
     before: dict[signal.Signals, Any] = {}
     if threading.current_thread() is threading.main_thread():
         for number in numbers:

@@ -1,4 +1,4 @@
-"""Cache files: arrays that can be computed again, each with a digest, in folders of one run at a time."""
+"""Cache files: arrays that can be computed again, each with a hash; one run at a time uses a folder."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from . import output
 
 Arrays = dict[str, NDArray[Any]]
 
-#: A file of more bytes is not read.
+#: Files with more bytes are not read.
 MOST_BYTES = 1 << 32
 
-#: Bytes of the digest, the last of a file.
+#: Bytes of the hash at the end of a file.
 DIGEST = hashlib.sha256().digest_size
 
-#: The file that a process locks while it works on a folder.
+#: Name of the file that a process locks while it uses a folder.
 LOCK = "lock"
 
 
@@ -41,21 +41,21 @@ def load(path: Path, identity: str) -> Arrays | None:
         if content[-DIGEST:] != digest(identity, packed):
             return None
         with zipfile.ZipFile(io.BytesIO(packed)) as file:
-            # An entry that is not compressed cannot grow while it is read.
+            # Compressed entries are rejected, because they could unpack to any size.
             if any(part.compress_type != zipfile.ZIP_STORED for part in file.infolist()):
                 return None
         with np.load(io.BytesIO(packed), allow_pickle=False) as file:
             arrays = dict(file)
         return arrays if all(array.nbytes <= len(packed) for array in arrays.values()) else None
-    # Whatever the file holds, it does not end a run.
+    # A file with any content must not end a run.
     except Exception:
         return None
 
 
 def save(path: Path, identity: str, arrays: Mapping[str, NDArray[Any]]) -> None:
-    """Save arrays with a digest of their bytes and of `identity`, the work that they answer.
+    """Save arrays with a hash of their bytes and of `identity`, which names the work that gave them.
 
-    Raises SceneError where the file cannot be written.
+    Raises SceneError if the file cannot be written.
     """
     if path.parent.is_symlink():
         raise SceneError(f'"{path.parent}" is a link: remove it, or choose another output')
@@ -68,13 +68,16 @@ def save(path: Path, identity: str, arrays: Mapping[str, NDArray[Any]]) -> None:
 
 
 def digest(identity: str, packed: bytes) -> bytes:
-    """Digest of the bytes and of the work: a file moved to another work's place is damaged, too."""
+    """Return the hash of the bytes and the identity.
+
+    A file that was moved to another identity's name is rejected, too.
+    """
     return hashlib.sha256(f"{identity}\n".encode() + packed).digest()
 
 
 @contextmanager
 def refusing(path: Path) -> Iterator[None]:
-    """Report the system's error on a path as one line."""
+    """Convert the system's errors about a path to a SceneError of one line."""
     try:
         yield
     except OSError as error:
@@ -85,7 +88,7 @@ def refusing(path: Path) -> Iterator[None]:
 
 
 def check(folder: Path) -> None:
-    """Refuse a folder of kept files that is a link or no folder."""
+    """Raise SceneError if a folder for cache files is a link or no folder."""
     if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
         raise SceneError(
             f'"{folder}" is there and no folder of kept results: remove it, or choose another output'
@@ -94,7 +97,7 @@ def check(folder: Path) -> None:
 
 @contextmanager
 def locked(folder: Path) -> Iterator[None]:
-    """Make the folder if it is missing, and lock it: no other run works on it at the same time.
+    """Make the folder if it is missing and lock it, so that no other run uses it at the same time.
 
     Raises SceneError at once if another process has the lock. The system frees the lock of a killed process.
     """
@@ -110,7 +113,7 @@ def locked(folder: Path) -> Iterator[None]:
     try:
         yield
     finally:
-        # Windows removes no open file; elsewhere it must be removed while it is locked.
+        # Windows cannot remove an open file. Elsewhere the file must be removed while it is still locked.
         if windows:
             os.close(handle)
         with suppress(OSError):
@@ -121,7 +124,7 @@ def locked(folder: Path) -> Iterator[None]:
 
 
 def _kept(folder: Path) -> int | None:
-    """Open and lock the folder's lock file; None where another run has it."""
+    """Open and lock the folder's lock file; None if another run has locked it."""
     path = folder / LOCK
     while True:
         folder.mkdir(parents=True, exist_ok=True)
@@ -129,7 +132,7 @@ def _kept(folder: Path) -> int | None:
             handle = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
             try:
                 _lock(handle)
-                # A run that has just ended may have removed this very file.
+                # A run that has just ended may have removed this file after it was opened.
                 if os.path.samestat(os.fstat(handle), path.stat()):
                     return handle
             except (BlockingIOError, PermissionError):
@@ -142,7 +145,7 @@ def _kept(folder: Path) -> int | None:
 
 
 def _lock(handle: int) -> None:
-    """Lock an open file, unless another run has it."""
+    """Lock an open file; raises an OSError if another run has locked it."""
     if sys.platform == "win32":
         import msvcrt
 
@@ -154,7 +157,10 @@ def _lock(handle: int) -> None:
 
 
 def remove(folder: Path, own: re.Pattern[str]) -> None:
-    """Remove own names from a folder, and the folder if it holds nothing else; follow no link."""
+    """Remove files with these names from a folder, and the folder if it is then empty.
+
+    Does not follow links.
+    """
     for file in inside(folder):
         if own.fullmatch(file.name) or temporary(own, file.name):
             with suppress(OSError):
@@ -164,11 +170,11 @@ def remove(folder: Path, own: re.Pattern[str]) -> None:
 
 
 def temporary(own: re.Pattern[str], name: str) -> bool:
-    """Whether a name is the temporary one of an own file, as `output.write` makes them."""
+    """Return whether a name is the temporary name of such a file, as `output.write` makes it."""
     found = re.fullmatch(r"\.(.+)\.\d+\.part", name)
     return found is not None and own.fullmatch(found[1]) is not None
 
 
 def inside(folder: Path) -> list[Path]:
-    """List a folder; a link or a missing folder counts as empty."""
+    """Return the paths in a folder; a link or a missing folder counts as empty."""
     return [] if folder.is_symlink() or not folder.is_dir() else list(folder.iterdir())

@@ -1,4 +1,4 @@
-"""Result files: drives as .npz, .csv and .json, every file written whole or not at all."""
+"""Result files: drives as .npz, .csv and .json. Every file is written completely or not at all."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ METRICS = ("accuracy", "sigma", "uniformity", "level", "residual", "leak")
 IMAGES = (".png", ".svg", ".pdf", ".jpg")
 
 
-#: Longer names leave no room for the temporary part; file systems take 255 bytes.
+#: Longest name to which the suffix of a temporary file is appended; file systems allow 255 bytes.
 LONG = 100
 
 
 def check(path: Path, endings: tuple[str, ...], others: Iterable[Path] = ()) -> None:
-    """Refuse a path that nothing can be written to, before any work is done for it.
+    """Reject a path that cannot be written, before any work is done for it.
 
-    `others` are files that it must not be, under whatever name: those that are read, and the other outputs.
+    `others` are files that it must not be, under any name: the input files and the other outputs.
     """
     if path.suffix.lower() not in endings:
         raise SceneError(
@@ -61,30 +61,30 @@ def check(path: Path, endings: tuple[str, ...], others: Iterable[Path] = ()) -> 
 
 
 def real(path: Path) -> Path:
-    """The file itself, where the path is a link to it."""
+    """Return the file that a path names, with links resolved."""
     return Path(os.path.realpath(path))
 
 
 def _same(path: Path, other: Path) -> bool:
-    """Whether two names mean one file, by links, dots or letters that the file system treats as equal."""
+    """Return whether two names are the same file: by links, dots, or letters that count as equal."""
     if os.path.normcase(os.path.realpath(path)) == os.path.normcase(os.path.realpath(other)):
         return True
     return path.exists() and other.exists() and path.samefile(other)
 
 
 def part_of(path: Path) -> Path:
-    """The temporary name beside it."""
+    """Return the name of the temporary file beside a path."""
     return path.with_name(f"{_begin(path)}{os.getpid()}.part")
 
 
 def _begin(path: Path) -> str:
-    """The beginning of the temporary names of a path; the process's number follows."""
+    """Return the beginning of a path's temporary names; the number of the process follows."""
     name = os.fsencode(path.name)
     return f".{path.name if len(name) <= LONG else sha256(name).hexdigest()[:32]}."
 
 
 def tidy(path: Path) -> None:
-    """Remove the temporary files that dead processes have left of a path."""
+    """Remove temporary files of a path whose processes have ended."""
     begin = _begin(path)
     for part in path.parent.iterdir():
         number = part.name.removeprefix(begin).removesuffix(".part")
@@ -94,7 +94,7 @@ def tidy(path: Path) -> None:
 
 
 def _lives(process: int) -> bool:
-    """Whether a process of that number exists; Windows has no such check."""
+    """Return whether a process with this number exists; always True on Windows, which cannot check it."""
     if os.name == "nt":
         return True
     try:
@@ -107,14 +107,14 @@ def _lives(process: int) -> bool:
 
 
 def write(path: Path, content: bytes) -> None:
-    """Write under a temporary name and rename, so that no reader ever meets half a file."""
+    """Write a temporary file and rename it, so that no program reads an incomplete file."""
     target = real(path)
     part = part_of(target)
     try:
         part.write_bytes(content)
         put(part, target)
     except OSError as error:
-        # The temporary name says nothing to the user.
+        # The error names the user's file instead of the temporary one.
         raise OSError(error.errno, error.strerror, str(path)) from error
     finally:
         with suppress(OSError):
@@ -122,12 +122,15 @@ def write(path: Path, content: bytes) -> None:
 
 
 def put(part: Path, target: Path) -> None:
-    """Give a finished temporary file its name; first its bytes, then the name reach the disk itself."""
+    """Rename a finished temporary file.
+
+    Its content is written to the disk first, so a crash cannot leave an empty file.
+    """
     if target.exists():
         part.chmod(stat.S_IMODE(target.stat().st_mode))
     _sync(part, os.O_RDWR)
     part.replace(target)
-    # Windows has no folders to open, some file systems none to bring to disk.
+    # Windows cannot open folders, and some file systems cannot write them to the disk.
     with suppress(OSError):
         _sync(target.parent, os.O_RDONLY)
 
@@ -155,12 +158,12 @@ def write_drive(path: Path, scene: Scene, solution: Solution) -> None:
 
 
 def drive_json(scene: Scene, solution: Solution) -> str:
-    """A drive as the text of a .json file."""
+    """Return the text of a .json file of a drive."""
     return to_json(_record(scene, solution))
 
 
 def summary(scene: Scene, solution: Solution) -> str:
-    """The settings of a solve and its metrics, point by point, as JSON text: all but the drive."""
+    """Return the settings of a solve and its metrics and pressures as JSON, without the drive."""
     record = _record(scene, solution)
     own = {name: getattr(solution, name) for name in ("solver", "options", "status")}
     kept = ("steps", "elapsed", "scale", *METRICS, "complex_error", "points", "targets", "pressures")
@@ -168,7 +171,7 @@ def summary(scene: Scene, solution: Solution) -> str:
 
 
 def to_json(record: Any) -> str:
-    """JSON: arrays as lists, complex numbers as [re, im]."""
+    """Return JSON text: arrays as lists, complex numbers as [re, im]."""
     return json.dumps(record, default=_plain, allow_nan=False)
 
 
@@ -194,7 +197,7 @@ def _record(scene: Scene, solution: Solution) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Arrays as lists, complex numbers as [re, im]."""
+    """Return an array as nested lists, complex numbers as [re, im]."""
     array = np.asarray(value)
     if np.iscomplexobj(array):
         array = np.stack([array.real, array.imag], axis=-1)

@@ -1,7 +1,7 @@
-"""Slips of the keyboard: a keyword that a public callable does not have is refused by one line with a hint.
+"""Mistyped arguments: a call with an unknown keyword gets an error of one line with a hint.
 
-`attach` wraps what a package's `__all__` names, once, when it is loaded. A call that succeeds pays for one
-more Python frame, and signatures and docstrings stay.
+`attach` wraps the names of a package's `__all__` once, when the package is loaded. A successful call costs
+one more Python frame. Signatures and docstrings do not change.
 """
 
 from __future__ import annotations
@@ -16,15 +16,16 @@ from typing import Any, cast
 
 from .._midair import SceneError, array_parts, scene_keys, unknown
 
-#: Keywords that the core declares, by the name of the last argument that takes them: `**parts` of an array.
+#: Keywords that the core declares, by the name of the `**` argument that takes them, such as `**parts` of an
+#: array.
 DECLARED = {"parts": tuple(array_parts()), "keys": (*scene_keys()["medium"], *array_parts())}
 
-#: Kinds of parameters that a keyword may name.
+#: Kinds of parameters that can be given by keyword.
 NAMED = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
 
 
 def attach(package: str) -> None:
-    """Guides the functions and classes of a package's `__all__`, those that it has loaded."""
+    """Wrap the functions and classes of a package's `__all__` that are already loaded."""
     module = sys.modules[package]
     for key in module.__all__:
         if key in vars(module):
@@ -32,12 +33,12 @@ def attach(package: str) -> None:
 
 
 def guided(value: Any, name: str) -> Any:
-    """A public function, guided in its keywords, or a class whose methods now are; anything else as it is."""
+    """Return a public function or class with checked keywords; other values are returned unchanged."""
     if isinstance(value, type):
         _class(value, name)
     elif callable(value) and not isinstance(value, ModuleType):
         wrapped = _guided(value, name)
-        # Where it is defined as well: pickles find a function there.
+        # Also replaced in its own module, because pickle looks for the function there.
         home: Any = sys.modules.get(value.__module__)
         key = name.rpartition(".")[2]
         if getattr(home, key, None) is value:
@@ -47,14 +48,14 @@ def guided(value: Any, name: str) -> Any:
 
 
 class Later:
-    """A method that a module has, loaded when it is first looked up, and guided in its keywords.
+    """A method that is a function of another module, which is imported at the first use.
 
     Parameters
     ----------
     home, name
-        The module, below midair, and what it is called there.
+        The module, relative to midair, and the function's name in it.
     static
-        Whether it takes no instance.
+        Whether the function is a static method.
     """
 
     def __init__(self, home: str, name: str, *, static: bool = False) -> None:
@@ -67,7 +68,8 @@ class Later:
 
     def __get__(self, instance: object, owner: type) -> Any:
         function = getattr(import_module(f"midair.{self.home}"), self.name)
-        # One that is a public function, too, is guided under that name already.
+        # A public function already checks its keywords under its own name; the method checks them under
+        # another one.
         method = getattr(function, "__wrapped__", function)
         if not self.key.startswith("_"):
             method = _guided(method, f"midair.{self.owner.__name__}.{self.key}")
@@ -76,10 +78,10 @@ class Later:
 
 
 def _class(owner: type, name: str) -> None:
-    """Wraps the methods of a class, those that call it among them."""
+    """Wrap the methods of a class, and its constructor."""
     for key, value in list(vars(owner).items()):
         if key == "_new":
-            # The constructor of a class of the extension.
+            # Classes of the extension construct instances by `_new`.
             cast(Any, owner).__new__ = _constructor(value.__func__, owner, name)
         elif key in ("__init__", "__new__"):
             if isinstance(value, FunctionType):
@@ -93,7 +95,7 @@ def _class(owner: type, name: str) -> None:
 
 
 def _guided(function: Callable[..., Any], name: str, signed: Any = None) -> Callable[..., Any]:
-    """A function whose refusal of a keyword hints at the one that was meant. `signed` has its signature."""
+    """Return a function whose errors about a keyword suggest the correct one. `signed` has its signature."""
 
     @functools.wraps(function)
     def call(*arguments: Any, **keywords: Any) -> Any:
@@ -110,7 +112,7 @@ def _guided(function: Callable[..., Any], name: str, signed: Any = None) -> Call
 
 
 def _takes_declared(function: Any) -> bool:
-    """Whether the last argument stands for keywords that the core declares."""
+    """Return whether the last argument takes keywords that the core declares."""
     if code := getattr(function, "__code__", None):
         last = code.co_varnames[code.co_argcount + code.co_kwonlyargcount :][:1]
         return bool(code.co_flags & inspect.CO_VARKEYWORDS) and last[:1] and last[0] in DECLARED
@@ -118,7 +120,7 @@ def _takes_declared(function: Any) -> bool:
 
 
 def _signature(function: Callable[..., Any]) -> inspect.Signature:
-    """A function's signature, with the keywords that the core declares one by one."""
+    """Return a function's signature with the core's keywords listed one by one."""
     signature = inspect.signature(function)
     *own, last = signature.parameters.values()
     one = [
@@ -128,7 +130,7 @@ def _signature(function: Callable[..., Any]) -> inspect.Signature:
 
 
 def _constructor(make: Callable[..., Any], owner: type, name: str) -> Callable[..., Any]:
-    """A class's `__new__` of a function that makes its instances."""
+    """Return a `__new__` that makes instances by the function `make`."""
     guided = _guided(make, name, owner)
 
     def new(cls: type, /, *arguments: Any, **keywords: Any) -> Any:
@@ -147,7 +149,7 @@ def _slip(
     keywords: Mapping[str, Any],
     error: Exception,
 ) -> Exception | None:
-    """The error in other words, if a keyword that the function does not name is its cause."""
+    """Return a better error if a keyword that the function does not name has caused it, else None."""
     signature = inspect.signature(function)
     named = [each.name for each in signature.parameters.values() if each.kind in NAMED]
     known = [each for each in named if each != "self" and not each.startswith("_")]
@@ -157,7 +159,7 @@ def _slip(
         hint, line = unknown(f"argument of {name}", keyword, known)
         if not _binds(signature, arguments, keywords):
             return TypeError(line if known else f'{name} takes no keywords: leave "{keyword}" out')
-        # Options go on to a solver. One that it does not have may be a slip of an argument's name.
+        # Other keywords are a solver's options. An unknown one may be a mistyped argument's name.
         place = f'"{keyword}": known'
         if hint and place in str(error):
             return type(error)(str(error).replace(place, f'"{keyword}": {hint}known'))
@@ -165,7 +167,7 @@ def _slip(
 
 
 def _binds(signature: inspect.Signature, arguments: Sequence[Any], keywords: Mapping[str, Any]) -> bool:
-    """Whether a call has the arguments that the signature requires."""
+    """Return whether a call has all arguments that the signature requires."""
     try:
         signature.bind(*arguments, **keywords)
     except TypeError:

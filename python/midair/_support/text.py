@@ -1,4 +1,7 @@
-"""Foreign files: read up to a limit, never executed; errors state file, line, value and cure."""
+"""Files of other programs: read up to a size limit, never executed.
+
+Errors state file, line, value and cure.
+"""
 
 from __future__ import annotations
 
@@ -18,34 +21,36 @@ from numpy.typing import NDArray
 
 from .._midair import SceneError, memory_limit
 
-#: Limits in bytes, of a file and of its unpacked content. A drive of 512 transducers is 5 kB at most: 50 000
-#: frames.
+#: Most bytes of a file and of its unpacked content: 50 000 frames of 512 transducers, of at most 5 kB each.
 MOST_BYTES = 256 << 20
 
 
 def meanings(table: str) -> dict[str, str]:
-    """The meaning of each column of a printed table, by its head: columns.toml."""
+    """Return the meaning of each column of a printed table by its heading, from columns.toml."""
     found = tomllib.loads(Path(__file__).with_name("columns.toml").read_text(encoding="utf-8"))[table]
     return {str(head): str(meaning) for head, meaning in found.items()}
 
 
 def fault(path: str | PathLike[str], line: int | None, reason: str) -> SceneError:
-    """The message about a faulty file, in one line."""
+    """Return the error about a faulty file, in one line."""
     place = f'file "{path}"' if line is None else f'file "{path}", line {line}'
     return SceneError(" ".join(f"{place}: {reason}".split()))
 
 
-#: A pipe or a device may never end.
+#: Error text; a pipe or a device may send data without end.
 NO_FILE = "it is a folder, device or pipe: give a file"
 
 
 def _no_file(file: Path) -> bool:
-    """Whether the path exists and is no file."""
+    """Return whether the path exists and is no regular file."""
     return file.exists() and not file.is_file()
 
 
 def content(path: str | PathLike[str], most: int = MOST_BYTES, *, empty: bool = False) -> bytes:
-    """The bytes of a file, which may be empty; at most `most`, and at most the limit of MIDAIR_MEMORY."""
+    """Return the bytes of a file: at most `most`, and at most the limit MIDAIR_MEMORY.
+
+    `empty` allows empty files.
+    """
     file, most = Path(path), min(most, memory_limit())
     if "\0" in str(file):
         raise SceneError("a name of a file has a character of code 0: give the name of a file")
@@ -65,10 +70,10 @@ def content(path: str | PathLike[str], most: int = MOST_BYTES, *, empty: bool = 
 
 
 def arrays(path: str | PathLike[str], only: Collection[str] | None = None) -> dict[str, NDArray[Any]]:
-    """The arrays of an .npz file, all or some, unpacked to no more bytes than MIDAIR_MEMORY allows.
+    """Return arrays of an .npz file, all or those in `only`, unpacked up to the limit MIDAIR_MEMORY.
 
-    Raises OSError where the file cannot be opened, SceneError where it is too large, and ValueError for all
-    that is damaged.
+    Raises OSError if the file cannot be opened, SceneError if it is too large, and ValueError if it is
+    damaged.
     """
     if _no_file(Path(path)):
         raise SceneError(NO_FILE)
@@ -87,13 +92,13 @@ def arrays(path: str | PathLike[str], only: Collection[str] | None = None) -> di
                 return {name: found[name] for name in names}
         except SceneError:
             raise
-        # Whatever a damaged file makes zip and NumPy raise.
+        # zip and NumPy raise errors of many kinds for a damaged file.
         except Exception as error:
             raise ValueError(f"no .npz: {error}") from error
 
 
 def array(path: str | PathLike[str]) -> NDArray[Any]:
-    """The array of a .npy file. Raises ValueError where it is damaged."""
+    """Return the array of a .npy file. Raises ValueError if it is damaged."""
     found = io.BytesIO(content(path))
     try:
         whole: NDArray[Any] = npy.read_array(found, allow_pickle=False)
@@ -103,12 +108,12 @@ def array(path: str | PathLike[str]) -> NDArray[Any]:
 
 
 def _size(count: int) -> str:
-    """A number of bytes as text."""
+    """Return a number of bytes as text."""
     return f"{count >> 20} MB" if count >= 1 << 20 else f"{count} bytes"
 
 
 def text(path: str | PathLike[str], found: bytes | None = None) -> str:
-    """The text of a file, UTF-8."""
+    """Return the text of a file in UTF-8."""
     try:
         return (content(path) if found is None else found).decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -116,7 +121,7 @@ def text(path: str | PathLike[str], found: bytes | None = None) -> str:
 
 
 def unpacked(path: str | PathLike[str], found: bytes, kind: str, most: int = MOST_BYTES) -> bytes:
-    """The unpacked bytes of zlib, "gzip" or "zlib", and no more than `most` of them."""
+    """Return the unpacked bytes of "gzip" or "zlib" data; rejects more than `most` bytes."""
     packed = zlib.decompressobj(31 if kind == "gzip" else 15)
     try:
         whole = packed.decompress(found, most + 1)
@@ -132,20 +137,20 @@ def unpacked(path: str | PathLike[str], found: bytes, kind: str, most: int = MOS
 
 
 def rows(text: str) -> Iterator[tuple[int, list[str]]]:
-    """Line numbers and cells; empty lines and those that begin with # are passed over."""
+    """Yield the number and the cells of each line, without empty lines and those that begin with #."""
     for line, row in enumerate(text.splitlines(), 1):
         if row.strip() and not row.lstrip().startswith("#"):
             yield line, cells(row)
 
 
 def cells(row: str) -> list[str]:
-    """The cells of a row."""
+    """Return the cells of a row."""
     separator = next((mark for mark in ";\t" if mark in row), ",")
     return [cell.strip().strip('"').strip() for cell in row.split(separator)]
 
 
 def number(cell: str) -> float | None:
-    """A finite number, None for anything else."""
+    """Return a finite number, None for any other text."""
     try:
         found = float(cell) if "_" not in cell else np.nan
     except ValueError:
@@ -156,12 +161,12 @@ def number(cell: str) -> float | None:
 def numbers(
     path: str | PathLike[str], line: int, found: Sequence[str], names: Sequence[str] = ()
 ) -> NDArray[np.float64]:
-    """A row of finite numbers; `names` are those of its columns, else they are counted."""
+    """Return a row of finite numbers. Errors name the column by `names`, or by its number."""
     try:
         row = np.array(found, np.float64)
     except ValueError:
         row = np.array([np.nan])
-    # Python's numbers may have underscores.
+    # Python's number syntax allows underscores; files must not have them.
     if not np.isfinite(row).all() or "_" in "".join(found):
         for index, cell in enumerate(found):
             if number(cell) is None:
@@ -173,7 +178,7 @@ def numbers(
 def columns(
     path: str | PathLike[str], line: int, header: Sequence[str], needed: Sequence[str], cure: str
 ) -> dict[str, int]:
-    """Where a row of names has its columns; those that are needed must be there, none twice."""
+    """Return the index of each column in a row of names. The needed columns must be there, each once."""
     found = [name.lower() for name in header]
     for name in needed:
         if name not in found:
@@ -186,18 +191,18 @@ def columns(
 def picked(
     path: str | PathLike[str], line: int, row: Sequence[str], where: dict[str, int], names: Sequence[str]
 ) -> NDArray[np.float64]:
-    """Some columns of a row, by name."""
+    """Return some cells of a row as numbers, by the names of their columns."""
     cell = [row[where[name]] if where[name] < len(row) else "" for name in names]
     return numbers(path, line, cell, names)
 
 
 def counted(count: int, thing: str) -> str:
-    """A count in words: "1 point", "2 points"."""
+    """Return a number and a noun: "1 point", "2 points"."""
     return f"{count} {thing}" if count == 1 else f"{count} {thing}s"
 
 
 def plain(columns: Mapping[str, list[str]]) -> str:
-    """A heading, a rule and a line for each row."""
+    """Return a table as text: a heading, a rule and one line per row."""
     lines = list(zip(*([name, *column] for name, column in columns.items()), strict=True))
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     texts = ["  ".join(map(str.ljust, line, widths)).rstrip() for line in lines]
@@ -205,7 +210,7 @@ def plain(columns: Mapping[str, list[str]]) -> str:
 
 
 def html(columns: Mapping[str, list[str]], caption: str = "") -> str:
-    """The same as an HTML table, under a caption if there is one."""
+    """Return a table as HTML, with a caption if given."""
     head = "".join(f"<th>{escape(name)}</th>" for name in columns)
     rows = zip(*columns.values(), strict=True)
     body = "".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in rows)

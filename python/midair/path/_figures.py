@@ -1,4 +1,4 @@
-"""Circles, lines, polylines and Lissajous figures as paths: points that move along a curve of the core."""
+"""Circles, lines, polylines and Lissajous figures: points that move along a curve from the core."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from .._support.arguments import flag, number, real, refused, vector, vectors, w
 from ._path import Path
 from ._piece import Numbers, Piece, constant_pressures
 
-#: Straight pieces in a period of a sine: a Lissajous figure of 0.1 m strays by 1e-9 m.
+#: Straight pieces per period of a sine: a Lissajous figure of 0.1 m has an error of 1e-9 m.
 PIECES = 16384
 
-#: More lobes are probably a mistake.
+#: Largest number in `ratio`; larger ones are probably a mistake.
 MOST_LOBES = 100
 
 
@@ -33,7 +33,7 @@ def circle(
     points: int = 1,
     pressures: ArrayLike | None = None,
 ) -> Path:
-    """Move points, evenly spaced, around a circle, counterclockwise seen against its normal.
+    """Move points, evenly spaced, around a circle, counterclockwise about its normal.
 
     Parameters
     ----------
@@ -221,7 +221,7 @@ def lissajous(
         raise refused("size", size, "give (width, height) in m, not both 0")
     if lobes.shape != (2,) or not all(1 <= n <= MOST_LOBES and n == round(n) for n in lobes):
         raise refused("ratio", ratio, f"give two whole numbers from 1 to {MOST_LOBES}")
-    # In lowest terms the figure is traversed once.
+    # In lowest terms, one period traverses the figure once.
     a, b = Fraction(int(lobes[0]), int(lobes[1])).as_integer_ratio()
     u = 2 * math.pi * np.arange(PIECES * max(a, b)) / (PIECES * max(a, b))
     shifts = sizes / 2 * np.stack([np.sin(a * u + phase), np.sin(b * u)], axis=1)
@@ -231,26 +231,26 @@ def lissajous(
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Walk(Piece):
-    """Points on one curve, each `way` further at the end."""
+    """Points on one curve; each moves by `way` m during the piece."""
 
     curve: Curve
     #: Start of each of the M points, in m along the curve.
     starts: Numbers
-    #: A length in m.
+    #: Distance in m that each point moves.
     way: float
     #: Targets (M,).
     targets: Numbers
 
     def place(self, times: Numbers) -> Numbers:
-        """Places by arc length."""
+        """Return the places at these times."""
         return self.curve.after(self.starts + self.way * (times / self.duration)[:, None])
 
     def pace(self, times: Numbers) -> Numbers:
-        """The constant speed."""
+        """Return the speed, which is constant."""
         return np.full((len(times), self.points), self.way / self.duration)
 
     def level(self, times: Numbers) -> Numbers:
-        """The constant targets."""
+        """Return the targets, which are constant."""
         return np.tile(self.targets, (len(times), 1))
 
 
@@ -263,7 +263,7 @@ def walk(
     points: int = 1,
     pressures: ArrayLike | None = None,
 ) -> Path:
-    """Points, evenly spaced on a curve, that move along it `laps` times."""
+    """Return the path of points, evenly spaced on a curve, that move along it `laps` times."""
     targets = constant_pressures(pressures, points)
     way = laps * curve.length
     return Path(
@@ -281,7 +281,7 @@ def walk(
 
 
 def lasting(way: float, laps: float, *, speed: float | None, frequency: float | None) -> float:
-    """Duration in s of `laps` of a way in m, by speed in m/s or by frequency in laps a second."""
+    """Return the duration in s of `way` m, from a speed in m/s or a frequency in laps per second."""
     if not 0 < way < math.inf:
         raise SceneError(f"the way is {way:g} m long: give a path of a finite length above 0")
     if speed is not None and frequency is not None:

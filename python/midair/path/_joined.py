@@ -1,8 +1,9 @@
-"""Pieces one after the other; points that do not continue fade out and in between them, at rest.
+"""Joins paths: at the same time, or one after the other with a fade where points do not continue.
 
-A piece of M points has M slots. Points of the second piece that start where points of the first end keep
-their slots. All others of the first fade to 0; those of the second rise from 0, in slots whose target is 0,
-or in new ones. A slot whose target is 0 has no point, and only such a slot changes its place at once.
+A piece with M points has M slots. A point of the second piece that starts where a point of the first piece
+ends keeps that point's slot. All other points of the first piece fade to 0. All other points of the second
+piece rise from 0, in slots whose target is 0 or in new slots. A slot with target 0 has no point; only such a
+slot may change its place suddenly.
 """
 
 from __future__ import annotations
@@ -20,26 +21,29 @@ from .._midair import SceneError
 from .._support.arguments import shown
 from ._piece import ROUNDING, Numbers, Piece, mixed
 
-#: Closed pieces of different durations meet again after at most as many laps of one.
+#: Two closed pieces played together must return to their starts within this many laps of one of them.
 MOST_LAPS = 64
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Beside(Piece):
-    """The points of all parts, one part after the other; a closed part may repeat."""
+    """All parts played at the same time: the points of one part after those of another.
+
+    Closed parts repeat.
+    """
 
     parts: tuple[Piece, ...]
 
     def place(self, times: Numbers) -> Numbers:
-        """Places of all parts."""
+        """Return the places of all parts."""
         return self._all(times, lambda part: part.place)
 
     def pace(self, times: Numbers) -> Numbers:
-        """Speeds of all parts."""
+        """Return the speeds of all parts."""
         return self._all(times, lambda part: part.pace)
 
     def level(self, times: Numbers) -> Numbers:
-        """Targets of all parts."""
+        """Return the targets of all parts."""
         return self._all(times, lambda part: part.level)
 
     def _all(self, times: Numbers, of: Callable[[Piece], Callable[[Numbers], Numbers]]) -> Numbers:
@@ -67,14 +71,14 @@ def beside(first: Piece, second: Piece) -> Piece:
 
 
 def same_unit(first: Piece, second: Piece) -> None:
-    """Reject a path in Pa together with one that is balanced."""
+    """Raise SceneError if one path has targets in Pa and the other relative ones."""
     if first.pascals != second.pascals:
         which = "first" if first.pascals else "second"
         raise SceneError(f"pressures are given for the {which} path only: give them for both or for neither")
 
 
 def _together(first: Piece, second: Piece) -> float:
-    """The duration after which both end, or reach their starts."""
+    """Return the duration after which both pieces end or are at their starts again."""
     ratio = Fraction(1)
     if first.closed and second.closed and ROUNDING < first.duration / second.duration < 1 / ROUNDING:
         ratio = Fraction(first.duration / second.duration).limit_denominator(MOST_LAPS)
@@ -88,13 +92,13 @@ def _together(first: Piece, second: Piece) -> float:
     return ends[0]
 
 
-#: An end and a start nearer than this, in m, are one place: a ten-thousandth of the wavelength.
+#: An end and a start closer than this, in m, count as the same place: a ten-thousandth of the wavelength.
 MEET = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A piece in its slots; the other slots are at `idle` (M, 3), with target 0."""
+    """A piece and the slots of its points. All other slots stay at `idle` (M, 3), with target 0."""
 
     piece: Piece
     slots: NDArray[np.int64]
@@ -103,21 +107,21 @@ class Part:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Joined(Piece):
-    """Parts, each from its start (s) on."""
+    """Parts one after the other, each with its start in s."""
 
     parts: tuple[Part, ...]
     starts: Numbers
 
     def place(self, times: Numbers) -> Numbers:
-        """Places in the part of each time."""
+        """Return the places, from the part that plays at each time."""
         return self._each(times, lambda part: part.idle, lambda part: part.piece.place)
 
     def pace(self, times: Numbers) -> Numbers:
-        """Speeds in the part of each time."""
+        """Return the speeds, from the part that plays at each time."""
         return self._each(times, lambda _: np.zeros(self.points), lambda part: part.piece.pace)
 
     def level(self, times: Numbers) -> Numbers:
-        """Targets in the part of each time."""
+        """Return the targets, from the part that plays at each time."""
         return self._each(times, lambda _: np.zeros(self.points), lambda part: part.piece.level)
 
     def _each(
@@ -138,37 +142,37 @@ class Joined(Piece):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Fade(Piece):
-    """Points at rest whose targets change along half a period of a cosine."""
+    """Points at rest whose targets change along half a period of a cosine, from `before` to `after`."""
 
-    #: (M, 3) in m.
+    #: Places (M, 3) in m.
     at: Numbers
-    #: (M,) each.
+    #: Targets (M,) at the start and at the end.
     before: Numbers
     after: Numbers
 
     def place(self, times: Numbers) -> Numbers:
-        """The same places at all times."""
+        """Return the places, which do not change."""
         return np.tile(self.at, (len(times), 1, 1))
 
     def pace(self, times: Numbers) -> Numbers:
-        """Speeds of 0."""
+        """Return the speeds, which are 0."""
         return np.zeros((len(times), self.points))
 
     def level(self, times: Numbers) -> Numbers:
-        """Raised cosine: before (1 + c) / 2 + after (1 - c) / 2, c = cos(pi t / duration)."""
+        """Return before (1 + c) / 2 + after (1 - c) / 2, with c = cos(pi t / duration)."""
         shares = (1 - np.cos(math.pi * times / self.duration)[:, None]) / 2
         return mixed(self.before, self.after, shares)
 
 
 class State(NamedTuple):
-    """Places (M, 3) and targets (M,) at one time."""
+    """Places (M, 3) in m and targets (M,) at one time."""
 
     places: Numbers
     targets: Numbers
 
 
 def then(first: Piece, second: Piece, fade: float | None) -> Piece:
-    """The second after the first, with a fade of a duration in s between them if they do not meet."""
+    """Return the second piece after the first, with a fade of `fade` s between them unless they meet."""
     same_unit(first, second)
     end, begin = _state(first, first.duration), _state(second, 0.0)
     slots, goes_on = _slots(end, begin)
@@ -232,7 +236,7 @@ def _state(piece: Piece, time: float) -> State:
 
 
 def _slots(end: State, begin: State) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """The slot of each point of the second piece, and whether a point of the first continues in it."""
+    """Return the slot of each point of the second piece, and whether a point of the first continues there."""
     count = len(begin.places)
     slots, goes_on = np.full(count, -1), np.zeros(count, bool)
     open_ends = end.targets > 0
@@ -248,7 +252,7 @@ def _slots(end: State, begin: State) -> tuple[NDArray[np.int64], NDArray[np.bool
 
 
 def _jump(end: State, begin: State, slots: NDArray[np.int64], goes_on: NDArray[np.bool_]) -> str:
-    """The difference at the joint, in words."""
+    """Return the difference between end and start as text, for an error."""
     counts = [int((state.targets > 0).sum()) for state in (end, begin)]
     if counts[0] != counts[1]:
         return f"M changes from {counts[0]} to {counts[1]} at the joint"

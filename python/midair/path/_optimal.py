@@ -1,15 +1,16 @@
-"""The fastest run along a curve: as fast as a trap can pull a bead.
+"""The fastest run along a curve: as fast as a trap can accelerate a bead.
 
-Along a curve r(s) of length s, unit tangent t and curvature vector n, a bead of speed v that gains u a second
-needs the force
+Let r(s) be a curve of length s with unit tangent t and curvature vector n. A bead with speed v that gains u
+per second needs, in addition to its weight, the force
 
     f = m (v^2 n + u t) + drag(v) t
 
-beside its weight. Its trap gives at most R_k along its axis k, and of several axes what lies in the ellipsoid
-sum_k (f_k/R_k)^2 <= margin^2. So each s and v^2 have a least and a largest u, and the fastest run follows
-from one pass backwards, that finds up to which v^2 the rest can be done, and one forwards, that goes
-as fast as it may (H. Pham and Q.-C. Pham, IEEE Trans. Robotics 34, 645, 2018); a closed curve goes around
-until its end meets its start. V. Paneva et al., "OptiTrap", CHI 2022, find such runs by optimal control.
+A trap gives at most the force R_k along its axis k, and along several axes the forces of the ellipsoid sum_k
+(f_k/R_k)^2 <= margin^2. So at each s, every v^2 has a least and a largest u. The fastest run follows from two
+passes (H. Pham and Q.-C. Pham, IEEE Trans. Robotics 34, 645, 2018). The backward pass finds, at each s, the
+largest v^2 from which the rest of the curve is possible. The forward pass takes the largest u within these
+limits. On a closed curve the passes repeat until end and start match. V. Paneva et al., "OptiTrap", CHI 2022,
+find such runs by optimal control.
 """
 
 from __future__ import annotations
@@ -25,16 +26,16 @@ from ._path import Path
 from ._piece import Numbers
 from ._samples import Samples
 
-#: Steps along a curve, and traps that are looked at: each half a wavelength, but no more than these.
+#: Steps along a curve; and the most traps that are solved along it, half a wavelength apart.
 STEPS, TRAPS = 500, 48
 
-#: Speeds that are tried at each step, and how often: each time between two of the time before, to 1 cm/s.
+#: Speeds compared in each search, and number of searches: each one refines the interval, down to 1 cm/s.
 TRIED, TIMES = 48, 4
 
-#: Speeds above are none of a bead, in m/s.
+#: Highest speed of a bead that is considered, in m/s.
 TOP = 20.0
 
-#: Times in s: from a place of the path to the next, and the least time for a change of the force.
+#: Times in s: between two places of the path, and the shortest time in which the force may change.
 TICK, SMOOTH = 1e-4, 1e-3
 
 
@@ -121,18 +122,18 @@ def fastest(
 
 
 class _Curve(NamedTuple):
-    """A curve at steps of one length, its start and its end included.
+    """A curve at steps of equal length, with its start and its end.
 
     Attributes
     ----------
     step
-        In m.
+        Length of a step in m.
     places
         (S, 3) in m.
     tangents
-        (S, 3), of length 1.
+        (S, 3), unit vectors.
     bends
-        (S, 3), the slope of the tangent in 1/m.
+        (S, 3): curvature vectors, the derivative of the tangent, in 1/m.
     """
 
     step: float
@@ -141,7 +142,7 @@ class _Curve(NamedTuple):
     bends: Numbers
 
     def at(self, ways: Numbers, loop: bool) -> Numbers:
-        """Places (T, 3) at ways (T,) in m along it: cubic between the steps."""
+        """Return the places (T, 3) at lengths (T,) in m along the curve, cubic between the steps."""
         last = len(self.places) - 1
         ways = ways / self.step
         ways = ways % last if loop else ways.clip(0, last)
@@ -156,7 +157,7 @@ class _Curve(NamedTuple):
 
 
 def _smooth(points: Numbers, loop: bool) -> _Curve:
-    """The cubic spline through points, at steps of its length."""
+    """Return the cubic spline through points, at steps of equal length."""
     if loop and np.allclose(points[0], points[-1], atol=1e-9):
         points = points[:-1]
     if len(points) < 4:
@@ -170,7 +171,7 @@ def _smooth(points: Numbers, loop: bool) -> _Curve:
     along = np.concatenate([[0], np.cumsum(chords)])
 
     def spline(at: Numbers) -> tuple[Numbers, Numbers, Numbers]:
-        """Places and their first and second slopes."""
+        """Return places, and their first and second derivatives."""
         k = np.minimum(np.searchsorted(along, at, side="right") - 1, len(chords) - 1)
         h, a = chords[k][:, None], (at - along[k])[:, None]
         b = h - a
@@ -179,7 +180,7 @@ def _smooth(points: Numbers, loop: bool) -> _Curve:
         slope = (m1 * a**2 - m0 * b**2) / (2 * h) + (high - low) / h - (m1 - m0) * h / 6
         return place, slope, (m0 * b + m1 * a) / h
 
-    # Its length, and where on it the steps lie.
+    # Length along the spline as a function of its parameter, which is inverted at equal steps.
     at = np.linspace(0, along[-1], 20 * fine + 1)
     speed = np.linalg.norm(spline(at)[1], axis=1)
     way = np.concatenate([[0], np.cumsum((speed[1:] + speed[:-1]) / 2 * np.diff(at))])
@@ -192,7 +193,7 @@ def _smooth(points: Numbers, loop: bool) -> _Curve:
 
 
 def _second(corners: Numbers, chords: Numbers, loop: bool) -> Numbers:
-    """Second slopes (K, 3) of the cubic spline: periodic, or 0 at its ends."""
+    """Return the second derivatives (K, 3) of the cubic spline: periodic, or 0 at its ends."""
     slopes = np.diff(corners, axis=0) / chords[:, None]
     count = len(chords) if loop else len(chords) + 1
     matrix, right = np.zeros((count, count)), np.zeros((count, 3))
@@ -210,14 +211,14 @@ def _second(corners: Numbers, chords: Numbers, loop: bool) -> Numbers:
 
 
 class _Traps(NamedTuple):
-    """Traps at the steps of a curve, each that of the nearest place looked at.
+    """Traps at the steps of a curve; each is the trap that was solved at the nearest place.
 
     Attributes
     ----------
     axes
-        (S, 3, 3), a unit vector a row.
+        (S, 3, 3): three unit vectors as rows.
     most
-        (S, 3) in N, the least of both ways that it pulls back with.
+        (S, 3) in N: the largest restoring force along each axis, in the weaker of its two directions.
     """
 
     axes: Numbers
@@ -225,7 +226,7 @@ class _Traps(NamedTuple):
 
 
 def _traps(scene: Scene, curve: _Curve, bead: Bead) -> _Traps:
-    """The traps of a bead along a curve."""
+    """Return the traps of a bead along a curve."""
     last = len(curve.places) - 1
     half = scene.sound_speed / scene.frequency / 2
     count = min(max(int(last * curve.step / half), 4), TRAPS)
@@ -246,7 +247,7 @@ def _traps(scene: Scene, curve: _Curve, bead: Bead) -> _Traps:
 
 
 def _speeds(curve: _Curve, traps: _Traps, bead: Bead, share: float, loop: bool) -> Numbers:
-    """The squares of the speeds (S,) in m^2/s^2 of the fastest run."""
+    """Return v^2 (S,) in m^2/s^2 of the fastest run."""
     scale = traps.axes / (share * traps.most)[..., None]
     gain = bead.mass * np.einsum("skx,sx->sk", scale, curve.tangents)
     turn = bead.mass * np.einsum("skx,sx->sk", scale, curve.bends)
@@ -255,7 +256,7 @@ def _speeds(curve: _Curve, traps: _Traps, bead: Bead, share: float, loop: bool) 
     drags = bead.needed(np.outer(fast, [1.0, 0, 0]), np.zeros((len(fast), 3)))[:, 0]
 
     def limits(i: int, squares: Numbers) -> tuple[Numbers, Numbers]:
-        """The least and the largest gain at a step by v^2 (K,); NaN where there is none."""
+        """Return the least and the largest u at step i for each v^2 (K,); NaN where no u is possible."""
         own = np.outer(squares, turn[i]) + np.outer(np.interp(np.sqrt(squares), fast, drags), resist[i])
         a, b, c = gain[i] @ gain[i], own @ gain[i], (own**2).sum(axis=1) - 1
         with np.errstate(invalid="ignore"):
@@ -263,13 +264,13 @@ def _speeds(curve: _Curve, traps: _Traps, bead: Bead, share: float, loop: bool) 
         return (-b - root) / a, (-b + root) / a
 
     def highest(i: int, after: float) -> float:
-        """The largest v^2 at a step from which the next one's can be reached."""
+        """Return the largest v^2 at step i from which v^2 = `after` at the next step can be reached."""
         low, high = 0.0, TOP**2
         for _ in range(TIMES):
             squares = np.linspace(low, high, TRIED)
             least, _ = limits(i, squares)
             good = squares + 2 * curve.step * least <= after
-            # At rest the trap holds the bead: some v^2 is always possible.
+            # At v = 0 every trap can keep its bead, so that at least one v^2 is possible.
             k = int(good.argmin()) - 1 if not good.all() else TRIED - 1
             low, high = squares[max(k, 0)], squares[min(max(k, 0) + 1, TRIED - 1)]
         return float(low)
@@ -296,12 +297,13 @@ def _speeds(curve: _Curve, traps: _Traps, bead: Bead, share: float, loop: bool) 
 
 
 def _timed(step: float, squares: Numbers, loop: bool) -> Numbers:
-    """Ways (T,) in m along the curve at each tick, of a run by its speeds' squares, a little smoothed."""
+    """Return lengths (T,) in m along the curve at each tick, of a run with these v^2, slightly smoothed."""
     speeds = np.sqrt(squares)
     times = np.concatenate([[0], np.cumsum(2 * step / (speeds[1:] + speeds[:-1]))])
     count = int(np.ceil(times[-1] / TICK))
     lap, length = times[-1], step * (len(speeds) - 1)
-    # This many ticks on each side are averaged, twice; a run from rest to rest takes as much longer.
+    # Twice, this many ticks on each side are averaged. This lengthens a run from rest to rest by as many
+    # ticks.
     side = int(SMOOTH / TICK) // 2
     ends = (2 if loop else 4) * side
     ticks = np.arange(-ends, count + ends + (not loop)) * (lap / count)
@@ -320,7 +322,7 @@ def _timed(step: float, squares: Numbers, loop: bool) -> Numbers:
 def poised(
     scene: Scene, drive: NDArray[np.complex64], point: Numbers, bead: Bead, force: Numbers
 ) -> Numbers | None:
-    """The place (3,) by a point where a trap gives a force (3,) in N beside its weight, if there is."""
+    """Return the place (3,) near a point where a trap gives `force` (3,) in N plus the weight, or None."""
     trap = rest(scene, drive, [point], **bead.under(force.tolist()))
     place: Numbers = trap.place[0]
     near = np.linalg.norm(place - point) < scene.sound_speed / scene.frequency / 2

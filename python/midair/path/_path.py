@@ -1,4 +1,4 @@
-"""Path: control points and their targets as functions of time, and combinations of paths."""
+"""`midair.path.Path`: control points and their targets as functions of time; combinations of paths."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ._piece import ROUNDING, Numbers, Piece, instants
 
 Shape: TypeAlias = Literal["sqrt", "cosine", "square"]
 
-#: Shapes by periods since the start; each begins at 1.
+#: Shapes of a modulation as functions of the periods since the start. Each begins at 1.
 SHAPES: dict[str, Callable[[Numbers], Numbers]] = {
     "sqrt": lambda periods: np.sqrt((1 + np.cos(2 * math.pi * periods)) / 2),
     "cosine": lambda periods: (1 + np.cos(2 * math.pi * periods)) / 2,
@@ -26,20 +26,20 @@ SHAPES: dict[str, Callable[[Numbers], Numbers]] = {
 
 @dataclass(frozen=True, eq=False)
 class Wave:
-    """A modulation: factors of the targets that repeat.
+    """A modulation: factors of the targets, which repeat.
 
     Attributes
     ----------
     frequency
         In Hz.
     finest
-        The highest frequency that frames must follow, in Hz.
+        The highest frequency that the frames must be able to represent, in Hz.
     depth
-        1 - depth + depth s.
+        d in the factor 1 - d + d s, where s(t) is the shape or the samples.
     shape
-        Of s, without samples.
+        Name of s, used if there are no samples.
     samples
-        (S,) of s in a period.
+        (S,): values of s in a period.
     """
 
     frequency: float
@@ -49,7 +49,7 @@ class Wave:
     samples: Numbers | None = None
 
     def factors(self, periods: Numbers) -> Numbers:
-        """Factors by periods since the start."""
+        """Return the factors after these numbers of periods since the start."""
         if self.samples is None:
             s = SHAPES[self.shape](periods)
         else:
@@ -59,7 +59,7 @@ class Wave:
 
 
 def wave(given: float | ArrayLike, shape: str, depth: float, samples_rate: float | None) -> Wave:
-    """1 - depth + depth s, s a shape at a frequency in Hz, or samples (S,) of 0 to 1 that repeat."""
+    """Return the modulation 1 - depth + depth s; s has a shape and frequency in Hz, or samples (S,)."""
     depth = number("depth", depth, least=0)
     if depth > 1:
         raise refused("depth", depth, "give a number from 0 to 1")
@@ -78,26 +78,26 @@ def wave(given: float | ArrayLike, shape: str, depth: float, samples_rate: float
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Modulated(Piece):
-    """A piece whose targets are multiplied by the factors of a wave."""
+    """A piece whose targets are multiplied by a modulation."""
 
     piece: Piece
     wave: Wave
 
     def place(self, times: Numbers) -> Numbers:
-        """Places of the piece."""
+        """Return the places of the piece."""
         return self.piece.place(times)
 
     def pace(self, times: Numbers) -> Numbers:
-        """Speeds of the piece."""
+        """Return the speeds of the piece."""
         return self.piece.pace(times)
 
     def level(self, times: Numbers) -> Numbers:
-        """Targets of the piece, modulated."""
+        """Return the targets of the piece, modulated."""
         return self.wave.factors(self.wave.frequency * times)[:, None] * self.piece.level(times)
 
 
 def modulated(piece: Piece, by: Wave) -> Piece:
-    """The piece, modulated; a closed one must have a whole number of periods."""
+    """Return the modulated piece. Rejects a closed piece without a whole number of periods."""
     periods = by.frequency * piece.duration
     if piece.closed and abs(periods - round(periods)) > ROUNDING * max(periods, 1):
         near = " or ".join(
@@ -118,7 +118,7 @@ def modulated(piece: Piece, by: Wave) -> Piece:
     )
 
 
-#: Frames times points of one answer; 10^8 are 3.2 GB.
+#: Most frames times points of one call; 10^8 take 3.2 GB.
 MOST_FRAMES = 100_000_000
 
 
@@ -287,7 +287,7 @@ class Path:
         return Path(beside(self._piece, _piece("other", other)))
 
     def __and__(self, other: Any) -> Path:
-        """Both at the same time, like `beside`."""
+        """Return both paths played at the same time, like `beside`."""
         return self.beside(other)
 
     def then(self, other: Path, fade: float | None = None) -> Path:
@@ -377,7 +377,7 @@ class Path:
         return Path(modulated(self._piece, wave(frequency, shape, depth, samples_rate)))
 
     def __repr__(self) -> str:
-        """Points, duration and whether it closes."""
+        """Return points, duration and closedness as text."""
         return f"Path(points={self.points}, duration={self.duration:.6g}, closed={self.closed})"
 
 

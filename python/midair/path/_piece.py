@@ -1,4 +1,4 @@
-"""Arguments of paths: targets, times and sets of points, each checked; errors state name, value and cure."""
+"""Base class of paths, and checks of their arguments. Errors state name, value and cure."""
 
 from __future__ import annotations
 
@@ -12,56 +12,63 @@ from numpy.typing import ArrayLike, NDArray
 from .._midair import SceneError
 from .._support.arguments import real, refused
 
-#: Functions of times (T,): ways (T, M), places (T, M, 3), targets (T, M).
+#: Values at times (T,): speeds and targets (T, M), places (T, M, 3).
 Numbers: TypeAlias = NDArray[np.float64]
 
-#: Rounding of times, in parts of a frame or of a period, never decides the side of a step.
+#: Tolerance for rounding of times, relative to a frame or a period, so that it never decides on which side of
+#: a jump they are.
 ROUNDING = 1e-9
 
 
 def mixed(before: Numbers, after: Numbers, shares: Numbers) -> Numbers:
-    """Before at share 0, after at share 1, linear between; exact at both and at rest."""
+    """Return linear interpolation: `before` at share 0, `after` at share 1.
+
+    Exact at both ends, and if they are equal.
+    """
     return np.where(shares == 1, after, before + shares * (after - before))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Piece(ABC):
-    """M points that move for a time; `place`, `pace` and `level` get times within it only."""
+    """M points that move for a time.
 
-    #: M.
+    `place`, `pace` and `level` are called with times within the piece only.
+    """
+
+    #: Number of points M.
     points: int
-    #: A time in s.
+    #: Duration in s.
     duration: float
-    #: Whether the end joins the start: a time after the end is one after the start.
+    #: Whether the end joins the start: the piece can repeat.
     closed: bool
-    #: Whether targets are in Pa, or relative to full.
+    #: Whether the targets are in Pa; otherwise they are relative to full.
     pascals: bool
     #: Highest frequency of amplitude modulation, in Hz.
     modulation: float = 0.0
 
     @abstractmethod
     def place(self, times: Numbers) -> Numbers:
-        """Places (T, M, 3) in m."""
+        """Return the places (T, M, 3) in m."""
 
     @abstractmethod
     def pace(self, times: Numbers) -> Numbers:
-        """Speeds (T, M) in m/s."""
+        """Return the speeds (T, M) in m/s."""
 
     @abstractmethod
     def level(self, times: Numbers) -> Numbers:
-        """Targets (T, M)."""
+        """Return the targets (T, M)."""
 
     def within(self, times: Numbers) -> Numbers:
-        """Map times into the piece: repeated if it is closed, else limited to its start or its end."""
+        """Return times within the piece: modulo its duration if it is closed, else limited to its ends."""
         return times % self.duration if self.closed else times.clip(0.0, self.duration)
 
 
-#: A distance in m; a scene rejects nearer ones for another reason.
+#: Largest coordinate in m; farther points are rejected here.
 FARTHEST = 1e6
 
 
 def instants(value: ArrayLike) -> Numbers:
-    """Check times (T,), finite."""
+    """Check times (T,); rejects times that are not finite."""
     cure = "give a list of finite times in s"
     found = real("times", value, cure)
     if found.ndim != 1 or not np.isfinite(found).all():
@@ -70,12 +77,12 @@ def instants(value: ArrayLike) -> Numbers:
 
 
 def constant_pressures(value: ArrayLike | None, points: int) -> Numbers:
-    """Targets (M,): one for all points or one for each, in Pa; 1 by default."""
+    """Return targets (M,) in Pa: one value for all points or one for each; 1 if None is given."""
     return np.ones(points) if value is None else _pressures(value, (points,))
 
 
 def changing_pressures(value: ArrayLike | None, frames: int, points: int) -> Numbers:
-    """Targets (T, M): one for all, one for each point or one for each frame and point; else as above."""
+    """Return targets (T, M) in Pa: one value for all, per point, or per frame and point; 1 if None."""
     return np.ones((frames, points)) if value is None else _pressures(value, (frames, points))
 
 
@@ -93,7 +100,7 @@ def _pressures(value: ArrayLike, shape: tuple[int, ...]) -> Numbers:
 
 
 def point_sets(item: str, value: Any) -> Numbers:
-    """Frames (T, M, 3) of points: at least two, each of as many points."""
+    """Return frames (T, M, 3) of points: at least two frames, each with the same number of points."""
     cure = "give frames x points x 3 numbers in m, at least two frames of at least one point"
     if not isinstance(value, np.ndarray):
         value = _stacked(item, value, cure)
@@ -112,7 +119,7 @@ def point_sets(item: str, value: Any) -> Numbers:
 
 
 def _stacked(item: str, value: Any, cure: str) -> Any:
-    """Frames in a list as one array, where all have as many points."""
+    """Return a list of frames as one array; rejects frames of different numbers of points."""
     try:
         frames = [np.asarray(frame) for frame in value]
     except (TypeError, ValueError):

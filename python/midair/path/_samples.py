@@ -1,4 +1,4 @@
-"""Points given frame by frame, on straight lines between the frames."""
+"""Paths through points that are given frame by frame, with linear interpolation between frames."""
 
 from __future__ import annotations
 
@@ -131,32 +131,32 @@ def read(path: Path | ArrayLike, rate: float, pressures: ArrayLike | None = None
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Samples(Piece):
-    """K frames at a rate; a closed piece continues from the last to the first."""
+    """K frames at a rate. A closed piece continues from the last frame to the first."""
 
     rate: float
-    #: (K, M, 3) in m.
+    #: Places (K, M, 3) in m.
     frames: Numbers
-    #: (K, M).
+    #: Targets (K, M).
     targets: Numbers
 
     def place(self, times: Numbers) -> Numbers:
-        """Places between two frames."""
+        """Return the places, interpolated between two frames."""
         before, after, share = self._between(times)
         return mixed(self.frames[before], self.frames[after], share[:, None, None])
 
     def pace(self, times: Numbers) -> Numbers:
-        """Distances of two frames by their time."""
+        """Return the speeds: distance between two frames, times their rate."""
         before, after, _ = self._between(times)
         apart: Numbers = np.linalg.norm(self.frames[after] - self.frames[before], axis=2)
         return self.rate * apart
 
     def level(self, times: Numbers) -> Numbers:
-        """Targets between two frames."""
+        """Return the targets, interpolated between two frames."""
         before, after, share = self._between(times)
         return mixed(self.targets[before], self.targets[after], share[:, None])
 
     def _between(self, times: Numbers) -> tuple[np.ndarray, np.ndarray, Numbers]:
-        """The frame before and the frame after each time, and the fraction between them."""
+        """Return the frames before and after each time, and the fraction of the way between them."""
         ways = times * self.rate
         ways = np.where(np.abs(ways - np.rint(ways)) < ROUNDING * (1 + ways), np.rint(ways), ways)
         count = len(self.frames)

@@ -1,4 +1,4 @@
-"""Lines, circles, polylines and text; contours at their place, along which the core makes points."""
+"""Lines, circles, polylines and text as points; contours in space, along which the core places points."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 from .._midair import STEP, Curve, along
 from .._support.arguments import flag, number, refused, vector, vectors, word
 
-#: Coordinates (M, 3), or (K, 2) of a plane.
+#: Coordinates (M, 3) in m, or (K, 2) in a plane.
 Points: TypeAlias = NDArray[np.float64]
 
-#: Vertices of straight lines, and whether the last is joined to the first.
+#: Vertices of a polyline, and whether the last one is joined to the first.
 Contour: TypeAlias = tuple[Points, bool]
 
-#: A curve becomes as many straight pieces: an arc of a whole turn strays by 3e-4 of its radius.
+#: Straight pieces per curve: a full circle has an error of 3e-4 of its radius.
 PIECES = 128
 
 
@@ -165,7 +165,7 @@ def text(string: str, *, height: float, z: float, step: float = STEP, font: str 
 
 
 def _outlines(string: str, font: str | None) -> list[Contour]:
-    """The contours of a text, curves as polygons, at any one size; all close."""
+    """Return the contours of a text, with curves as polygons. All are closed; their scale is arbitrary."""
     from matplotlib.font_manager import FontProperties, findfont, get_font
     from matplotlib.path import Path
     from matplotlib.textpath import text_to_path
@@ -191,12 +191,12 @@ def _outlines(string: str, font: str | None) -> list[Contour]:
 
 
 def points_along(contours: Iterable[Contour], step: float) -> Points:
-    """Points (M, 3) along contours of vertices (K, 3)."""
+    """Return points (M, 3) along contours with vertices (K, 3)."""
     return along([np.concatenate([way, way[:1]]) if closed else way for way, closed in contours], step)
 
 
 def placed(contours: Iterable[Contour], scale: tuple[float, float], z: float) -> list[Contour]:
-    """Contours (K, 2) of a plane, stretched and brought to a height, the middle of them all at x = y = 0."""
+    """Return contours (K, 2) scaled and moved to the plane at z, with their common centre at x = y = 0."""
     contours = list(contours)
     least, most = box(contours)
     flat = [((vertices - (least + most) / 2) * scale, closed) for vertices, closed in contours]
@@ -204,11 +204,11 @@ def placed(contours: Iterable[Contour], scale: tuple[float, float], z: float) ->
 
 
 def box(contours: Iterable[Contour]) -> tuple[Points, Points]:
-    """The least and the largest coordinates of contours."""
+    """Return the least and the largest coordinates of contours."""
     every = np.concatenate([vertices for vertices, _ in contours])
     return every.min(axis=0), every.max(axis=0)
 
 
 def ways(straight: bool) -> Points:
-    """Where on a straight or curved segment, from 0 to 1, its vertices are taken."""
+    """Return the parameters, from 0 to 1, at which a straight or curved segment is sampled."""
     return np.linspace(0.0, 1.0, 2 if straight else PIECES + 1)

@@ -1,4 +1,4 @@
-"""SVG drawings as points, by svgelements."""
+"""SVG drawings as points (svgelements)."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from .._support.arguments import existing, number, refused, shown
 from .._support.text import content
 from ._figures import Contour, Points, box, placed, points_along, ways
 
-#: Bounds of a drawing that svgelements reads within seconds: its time grows by the square of the letters of a
-#: transform or a style sheet. Elements and letters count as often as references repeat them.
+#: Limits with which svgelements reads a drawing within seconds. Its time grows with the square of the length
+#: of a transform or a style sheet. References count as copies of the elements that they name.
 MOST_DEPTH = 100
 MOST_LETTERS = 4 << 20
 MOST_TRANSFORM = 2000
 MOST_STYLE = 16_000
 
-#: Attributes that may be long; a picture inside a drawing is passed over.
+#: Attributes that may be long; attributes that are ignored, such as embedded pictures.
 LONG, PASSED = ("d", "points"), ("href", "{http://www.w3.org/1999/xlink}href")
 
 
@@ -66,7 +66,7 @@ def svg(path: str | PathLike[str], *, size: float, z: float, step: float = STEP)
 
 
 def outlines(caller: str, path: str | PathLike[str], size: float, z: float) -> list[Contour]:
-    """The contours in m of an SVG file or text, for the function `caller`."""
+    """Return the contours in m of an SVG file or text; errors name the function `caller`."""
     size, z = number("size", size, above=0), number("z", z)
     written = isinstance(path, str) and path.lstrip().startswith("<")
     name = Path("SVG text") if written else existing("path", path, "give an SVG file")
@@ -83,7 +83,7 @@ def outlines(caller: str, path: str | PathLike[str], size: float, z: float) -> l
         ]
     except SceneError:
         raise
-    # Whatever a damaged file makes the parser raise.
+    # The parser raises errors of many kinds for a damaged file.
     except Exception as error:
         raise refused("path", name, "it cannot be read as SVG, give another file") from error
     if not found:
@@ -97,7 +97,7 @@ def outlines(caller: str, path: str | PathLike[str], size: float, z: float) -> l
 
 
 def _check(file: Path, source: bytes) -> None:
-    """Refuse a drawing that is too large or too deep once its references are unfolded."""
+    """Raise SceneError for a drawing that is too large or too deeply nested, with its references expanded."""
 
     def wrong(what: str) -> SceneError:
         return refused("path", file, f"{what}, simplify it")
@@ -129,7 +129,7 @@ def _unfolded(
     known: dict[int, tuple[int, int, int]],
     wrong: Callable[[str], SceneError],
 ) -> tuple[int, int, int]:
-    """Elements, letters of attributes and depth of an element whose references are unfolded."""
+    """Return the number of elements, letters of attributes, and depth, with references expanded."""
     if id(element) in known:
         if not (found := known[id(element)])[0]:
             raise wrong("a <use> in it refers to itself")
@@ -153,7 +153,7 @@ def _unfolded(
 
 
 def _parts(svgelements: Any, file: Path, drawing: Any) -> Iterator[list[Any]]:
-    """The segments of each part of a drawing's paths and shapes."""
+    """Yield the segments of each part of a drawing's paths and shapes."""
     left = MOST_POINTS
     for element in drawing.elements():
         if isinstance(element, svgelements.Shape):
@@ -168,7 +168,7 @@ def _parts(svgelements: Any, file: Path, drawing: Any) -> Iterator[list[Any]]:
 
 
 def _contours(svgelements: Any, part: list[Any]) -> Iterator[Contour]:
-    """The contour of a part as a polygon in the drawing's units, y down; none of no length."""
+    """Yield the contour of a part as a polygon in the drawing's units, y down; none for length 0."""
     drawn = [
         segment for segment in part if not isinstance(segment, svgelements.Move) and segment.end is not None
     ]
