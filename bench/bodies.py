@@ -1,6 +1,7 @@
-"""Bodies: foci beside a ball, solved without it, by its series and by its mesh, and a picture for the docs.
+"""Foci beside a ball: solved without the ball, with its exact series and with a mesh of it; and a picture for
+docs.
 
-Prints its table; every number is judged by the exact series in f64 of python/tests/sphere_series.py.
+Prints its table. All numbers are judged by the exact series in f64 of python/tests/sphere_series.py.
 """
 
 from __future__ import annotations
@@ -21,12 +22,12 @@ from sphere_series import total
 SOLVERS = ("naive", "fast", "greedy", "uniform")
 CENTER = np.array([0, 0, 0.1])
 RADIUS = 0.02
-#: One in the shadow, three beside.
+#: One point in the ball's shadow, three beside it.
 POINTS = np.array([[0, 0, 0.145], [0.035, 0, 0.1], [-0.035, 0, 0.1], [0, 0.035, 0.1]])
 
 
 def main() -> None:
-    """The table, and the picture."""
+    """Prints the table and draws the picture."""
     array = midair.Array.grid(16, 16, 10e-3)
     ball = trimesh.creation.icosphere(3, RADIUS)
     scene = midair.Scene(array, POINTS)

@@ -1,4 +1,4 @@
-"""The charts of docs/performance.md from the newest record: docs/peers.png, docs/peers-even.png."""
+"""Draws the charts of docs/performance.md from the newest record: docs/peers.png, docs/peers-even.png."""
 
 from pathlib import Path
 
@@ -8,12 +8,12 @@ from matplotlib.axes import Axes
 import record
 
 ROOT = Path(__file__).parents[1]
-#: The lines of the first chart: program, method, and how far up its name is moved, in points.
+#: The lines of the first chart: program, method, and the upward shift of its name, in points.
 LINES = (
     ("midair", "fast", -4), ("midair", "uniform", 2), ("midair", record.GREEDY, 0), ("autd3-rs", "gspat", 0),
     ("autd3", "gspat", 0), ("autd3", record.GREEDY, 0),
 )  # fmt: skip
-#: The points of the second chart, and the places of their names.
+#: The points of the second chart, with the offsets of their names, in points.
 POINTS = {
     ("midair", "fast"): (8, -12), ("midair", "uniform"): (-14, 10), ("midair", "best"): (0, 10),
     ("midair", record.GREEDY): (9, -3), ("midair", "gspat"): (-20, -17), ("midair", "naive"): (-10, 9),
@@ -23,12 +23,12 @@ POINTS = {
 }  # fmt: skip
 COLOURS = {"midair": "#0b7285", "autd3": "#b35900", "autd3-rs": "#8a6d3b"}
 STYLES = {"midair": "-", "autd3": "--", "autd3-rs": ":"}
-#: Widths in inches and letters in points that are still read where the page is 390 pixels wide.
+#: Width and height in inches, and a font size in points that is readable on a page 390 pixels wide.
 SIZE, LETTERS = (5.6, 4.6), 12
 
 
 def found() -> dict[tuple[str, str, int], record.Row]:
-    """The newest record's rows on the boards' grid, by program, method and M."""
+    """Returns the newest record's rows on the boards' grid, by program, method and M."""
     newest = max((ROOT / "bench" / "records").glob("20*.csv"))
     return {
         (row["rival"], row["method"], int(row["M"])): row
@@ -39,7 +39,7 @@ def found() -> dict[tuple[str, str, int], record.Row]:
 
 
 def axes() -> Axes:
-    """Empty axes of the page's size."""
+    """Returns empty axes of the page's width."""
     plt.rcParams.update({"font.size": LETTERS})
     ax = plt.subplots(figsize=SIZE, layout="constrained")[1]
     ax.grid(alpha=0.3)
@@ -48,7 +48,7 @@ def axes() -> Axes:
 
 
 def times(rows: dict[tuple[str, str, int], record.Row]) -> None:
-    """Time of a solve over the number of points, each line named at its end."""
+    """Draws the time of a solve over the number of points, with the name at the end of each line."""
     ax = axes()
     for rival, method, up in LINES:
         sizes = sorted(m for name, kind, m in rows if (name, kind) == (rival, method) and m <= 64)
@@ -67,7 +67,7 @@ def times(rows: dict[tuple[str, str, int], record.Row]) -> None:
 
 
 def evenness(rows: dict[tuple[str, str, int], record.Row]) -> None:
-    """Spread of the pressures over the time of a solve, at 16 points."""
+    """Draws the spread of the pressures over the time of a solve, for 16 points."""
     ax = axes()
     for (rival, method), offset in POINTS.items():
         row = rows[rival, method, 16]

@@ -1,7 +1,7 @@
-"""Training scenes that a core makes in a second: adds a line to bench/records/dataset.csv.
+"""Measures how many training scenes a core makes in a second: adds a line to bench/records/dataset.csv.
 
-The request is docs/sweeps/dataset.toml with a tenth of its trials, made by `midair.dataset`. Time is
-CPU time of the process with all its threads: other work on the machine does not count.
+The request is docs/sweeps/dataset.toml with a tenth of its trials, made by `midair.dataset`. The time is
+CPU time of the process with all its threads, so other work on the machine does not count.
 """
 
 import platform
@@ -20,13 +20,13 @@ RECORD = ROOT / "bench" / "records" / "dataset.csv"
 
 
 def seconds() -> float:
-    """CPU time of this process."""
+    """Returns the CPU time of this process in s."""
     used = resource.getrusage(resource.RUSAGE_SELF)
     return used.ru_utime + used.ru_stime
 
 
 def main() -> None:
-    """Make the scenes and write the line."""
+    """Makes the scenes and writes the line."""
     request = tomllib.loads((ROOT / "docs" / "sweeps" / "dataset.toml").read_text())
     request["seeds"] //= 10
     began = seconds()

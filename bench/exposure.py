@@ -1,6 +1,6 @@
 """Exposure, tolerance and streaming: prints the tables of docs/exposure.md and draws its pictures.
 
-About half a minute.
+It takes about half a minute.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ FOCI = np.array([[x, y, 0.15] for x in (-0.03, 0.03) for y in (-0.03, 0.03)])
 
 
 def ears() -> None:
-    """A head over four AUTD3 boards: levels without and with quiet points at its ears."""
+    """Prints the levels at a head over four AUTD3 boards, without and with quiet points at its ears."""
     array = midair.Array.preset("autd3", tiles=(2, 2))
     middle = array.positions.mean(axis=0)
     scene = midair.Scene(array, middle + np.array([[-0.03, 0, 0.2], [0.03, 0, 0.2]]))
@@ -37,7 +37,7 @@ def ears() -> None:
 
 
 def others() -> None:
-    """Reported maximum of a box, minus the loudest of 400 and of 40,000 other places in it, in dB."""
+    """Prints the reported maximum of a box minus the loudest of 400 and of 40,000 places in it, in dB."""
     array = midair.Array.grid(20, 20, 10e-3)
     random = np.random.default_rng(0)
     focused = midair.solve(midair.Scene(array, FOCI), "uniform").drive
@@ -56,7 +56,7 @@ def others() -> None:
 
 
 def tolerance() -> None:
-    """Eight foci of 16 x 16 transducers, every fault."""
+    """Prints the tolerance of eight foci of 16 x 16 transducers to every fault."""
     array = midair.Array.grid(16, 16, 10e-3)
     points = np.c_[np.random.default_rng(1).uniform(-0.05, 0.05, (8, 2)), np.full(8, 0.15)]
     sizes = {"phase": 20, "gain": 0.2, "dead": 0.05, "reversed": 0.05, "temperature": 5, "tilt": 1}
@@ -66,7 +66,7 @@ def tolerance() -> None:
 
 
 def behind(count: int, seed: int) -> NDArray[np.float64]:
-    """Points in the four columns of 5 mm radius behind the foci, 2 to 10 cm above them."""
+    """Returns random points in four vertical columns of 5 mm radius, 2 to 10 cm above the foci."""
     random = np.random.default_rng(seed)
     around = 0.005 * np.sqrt(random.random(count)) * np.exp(2j * np.pi * random.random(count))
     return (
@@ -76,7 +76,7 @@ def behind(count: int, seed: int) -> NDArray[np.float64]:
 
 
 def streaming() -> None:
-    """Force in the columns behind four foci, by the number and weight of quiet points there."""
+    """Prints the force in the columns above four foci, by the number and weight of quiet points there."""
     scene = midair.Scene(midair.Array.grid(20, 20, 10e-3), FOCI)
     level = scene.reach().level
     places = behind(4000, 2)
@@ -102,7 +102,7 @@ def streaming() -> None:
 
 
 def draw(scene: midair.Scene, drives: dict[str, midair.Solution]) -> None:
-    """The force in the plane through two of the foci, in the same colours."""
+    """Draws the force in the plane through two of the foci, with one colour scale."""
     plane = midair.Plane(size=0.14, pixels=200, center=(0, 0.17), axis="y", at=0.03)
     maps = {name: midair.streaming(scene, drive, plane) for name, drive in drives.items()}
     top = max(one.force.max() for one in maps.values())
@@ -115,7 +115,7 @@ def draw(scene: midair.Scene, drives: dict[str, midair.Solution]) -> None:
 
 
 def main() -> None:
-    """Print the tables and draw the pictures."""
+    """Prints the tables and draws the pictures."""
     ears()
     others()
     tolerance()

@@ -1,7 +1,7 @@
-"""The quality-time picture, `make figures`: docs/quality-time.png and the numbers behind it, .csv beside it.
+"""Draws quality over time, `make figures`: docs/quality-time.png, with its numbers in quality-time.csv.
 
-Quality is the mean over the paper's random scenes. Time is CPU time of a whole `midair.solve` in one thread:
-the median of rounds in which the methods take turns, on the first of those scenes.
+Quality is the mean over the paper's random scenes. Time is the CPU time of a whole `midair.solve` in one
+thread: the median of rounds in which the methods take turns, for the first of those scenes.
 """
 
 import io
@@ -26,17 +26,17 @@ SIDE = 20
 COUNTS = (4, 16, 64)
 SCENES = 20
 ROUNDS = 15
-#: A measurement takes at least this long, s, by solving again.
+#: The least duration of a measurement in s; shorter solves are repeated.
 LEAST = 5e-3
 
 LABELS = {"accuracy": "accuracy (higher is louder)", "sigma": "sigma (lower is more even)"}
 
-#: Options beyond the defaults.
+#: Options other than the defaults.
 OPTIONS = {"uniform": {"aim": "max"}, "best": {"aim": "max"}}
 FINE = methods.Method(
     "greedy 256 x 16", "greedy 256 x 16", "greedy", {"phases": 256, "amplitudes": 16}, "#7f0000"
 )
-#: Sizes of the paper's figures, and of further points.
+#: The colours of the methods, as in the paper's figures.
 COLOURS = {method.solver: method.colour for method in (*methods.PAPER, methods.GS, *methods.even())} | {
     "fast": "#e377c2",
     "wgs": "#008b8b",
@@ -49,7 +49,7 @@ COLOURS = {method.solver: method.colour for method in (*methods.PAPER, methods.G
 
 
 def compared() -> list[methods.Method]:
-    """Every registered method with its defaults, and greedy on the paper's finest grid."""
+    """Returns every registered method with its defaults, and greedy on the paper's finest grid."""
     found = [
         methods.Method(name, name, name, OPTIONS.get(name, {}), COLOURS.get(name, "#1a55ff"))
         for name in midair.solvers()
@@ -58,7 +58,7 @@ def compared() -> list[methods.Method]:
 
 
 def settings(method: methods.Method, count: int) -> dict[str, object]:
-    """The paper's random scenes for a method, as the sweeps take them."""
+    """Returns the paper's random scenes for a method, in the form that sweeps take."""
     return {
         **scenes.random_points(SIDE, count),
         "solver": method.solver,
@@ -70,7 +70,7 @@ def settings(method: methods.Method, count: int) -> dict[str, object]:
 
 
 def measure(work: Sequence[methods.Method], count: int) -> tables.Rows:
-    """A row a method: mean accuracy and sigma over all scenes, median time in s on the first."""
+    """Returns a row per method: mean accuracy and sigma over all scenes, median time in s for the first."""
     answers = [solve_block(settings(method, count), 0, SCENES) for method in work]
     array = midair.Array.grid(SIDE, SIDE, scenes.PITCH, source_pressure=1e-3)
     scene = midair.Scene(array, answers[0]["points"][0], answers[0]["targets"][0])
@@ -95,7 +95,7 @@ def measure(work: Sequence[methods.Method], count: int) -> tables.Rows:
 
 
 def seconds(scene: midair.Scene, method: methods.Method, repeats: int) -> float:
-    """CPU time of a solve, of all threads that there might be."""
+    """Returns the CPU time of a solve in s, summed over all threads."""
     began = time.process_time_ns()
     for _ in range(repeats):
         midair.solve(scene, method.solver, **method.options)
@@ -103,7 +103,7 @@ def seconds(scene: midair.Scene, method: methods.Method, repeats: int) -> float:
 
 
 def draw(rows: tables.Rows) -> Figure:
-    """Accuracy above sigma, over time; a column for each number of points."""
+    """Draws accuracy above sigma, over time, with a column for each number of points."""
     colours = {method.key: method.colour for method in compared()}
     figure = Figure(figsize=(11, 7.4), dpi=drawing.RESOLUTION, layout="constrained")
     panels = figure.subplots(2, len(COUNTS), sharex=True, sharey="row")
@@ -124,7 +124,7 @@ def draw(rows: tables.Rows) -> Figure:
             axes.margins(0.1, 0.06)
             axes.grid(alpha=0.3)
             named.append((axes, keys, points, shades))
-    # Names are placed in pixels: only now is it known where the points are.
+    # Names are placed in pixels, which are known only after the figure is laid out.
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     for panel in named:
@@ -133,7 +133,7 @@ def draw(rows: tables.Rows) -> Figure:
 
 
 def main() -> None:
-    """Measure, write the table, draw the picture."""
+    """Measures, writes the table and draws the picture."""
     rows = [row for count in COUNTS for row in measure(compared(), count)]
     tables.write(FOLDER / "quality-time.csv", rows)
     picture = io.BytesIO()

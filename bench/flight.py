@@ -1,10 +1,11 @@
-"""Beads in flight between two OpenMPD boards: OptiTrap's shapes, and how fast a flight is computed.
+"""Beads in flight between two OpenMPD boards: shapes as in OptiTrap, and the speed of the simulation.
 
-Shapes of the sizes and rates of V. Paneva et al., "OptiTrap", CHI 2022, in the upright plane through the
-boards' axis, drawn by points of our own: one bead of 1 mm radius, 10,000 frames a second on the board's
-phases. Each is flown by `path.fastest` at the margin that brings it to the paper's rate, and at the largest
-margin that holds it, and judged by `midair.fly` over a second: whether the bead stays, and how far it is
-from the curve at most. Then the speed of `midair.fly`: seconds of flight that a second of one core takes.
+The shapes have the sizes and rates of V. Paneva et al., "OptiTrap", CHI 2022, in the upright plane through
+the boards' axis, but outlines of our own. One bead of 1 mm radius moves with 10,000 frames a second on the
+board's phases. `path.fastest` computes each path at two margins: the one that gives the paper's rate, and
+the largest that keeps the bead. `midair.fly` simulates each for a second, and tells whether the bead
+stays, and its largest distance from the curve. The last figure is the speed of `midair.fly`: the seconds
+of flight that it simulates in a second on one core.
 
     python bench/flight.py [record.csv]
 """
@@ -20,19 +21,19 @@ import numpy as np
 import midair
 
 RATE, CHANGE, AIR = 10e3, np.pi / 4, {"temperature": 25}
-#: Margins that are tried, from below.
+#: The margins that are tried, in rising order.
 MARGINS = np.round(np.arange(0.1, 0.95, 0.1), 2)
 FIELDS = ("shape", "size_mm", "margin", "rate_Hz", "held", "off_mm", "speed", "acceleration")
 
 
 def mirrored(half: list[tuple[float, float]]) -> np.ndarray:
-    """A closed outline of one half and its mirror image."""
+    """Returns a closed outline from one half and its mirror image."""
     points = np.array(half)
     return np.concatenate([points, (points[1:-1] * [-1, 1])[::-1]])
 
 
 def petals() -> np.ndarray:
-    """Five petals."""
+    """Returns the outline of five petals."""
     angle = np.linspace(0, 2 * np.pi, 60, endpoint=False)[:, None]
     return (0.36 + 0.14 * np.cos(5 * angle)) * np.concatenate([np.cos(angle), np.sin(angle)], axis=1)
 
@@ -44,7 +45,7 @@ DOLPHIN = [
     *[(48, -14), (36, -5), (20, -6), (5, -12), (-5, -24), (-10, -12), (-25, -12), (-38, -8)],
 ]
 
-#: Outlines, longer sides in m and laps a second.
+#: Shapes: outline, longer side in m, laps per second.
 SHAPES = {
     "heart": (mirrored(HEART), 0.056, 10.0),
     "dolphin": (np.array(DOLPHIN, float), 0.047, 3.3),
@@ -54,7 +55,7 @@ SHAPES = {
 
 
 def outline(name: str) -> np.ndarray:
-    """Points (K, 3) in m of a shape around the middle between the boards, upright."""
+    """Returns points (K, 3) in m of an upright shape around the middle between the boards."""
     points, size, _ = SHAPES[name]
     points = points - (points.max(axis=0) + points.min(axis=0)) / 2
     points = points * size / np.ptp(points, axis=0).max()
@@ -62,7 +63,7 @@ def outline(name: str) -> np.ndarray:
 
 
 def margin_for(name: str, boards: midair.Array) -> float:
-    """The margin at which a shape is as fast as in the paper."""
+    """Returns the margin at which a shape is as fast as in the paper."""
     wanted, low, high = 1 / SHAPES[name][2], 0.01, 0.99
     for _ in range(10):
         middle = (low + high) / 2
@@ -72,7 +73,7 @@ def margin_for(name: str, boards: midair.Array) -> float:
 
 
 def flown(name: str, boards: midair.Array, margin: float) -> dict[str, object]:
-    """A second of a shape at a margin."""
+    """Returns the row of a shape that is flown for a second at a margin."""
     path = midair.path.fastest(outline(name), boards, margin=margin, **AIR)
     sequence = midair.sequence(boards, path, rate=RATE, change=CHANGE, signature="trap", **AIR)
     flight = midair.fly(sequence, duration=max(1.0, 5 * path.duration))
@@ -93,7 +94,7 @@ def flown(name: str, boards: midair.Array, margin: float) -> dict[str, object]:
 
 
 def shapes() -> Iterator[dict[str, object]]:
-    """Each shape at the paper's rate, and at the largest margin at which its bead stays."""
+    """Yields the row of each shape at the paper's rate, and at the largest margin at which the bead stays."""
     boards = midair.Array.preset("openmpd_pair")
     for name in SHAPES:
         yield flown(name, boards, margin_for(name, boards))
@@ -108,7 +109,7 @@ def shapes() -> Iterator[dict[str, object]]:
 
 
 def speed() -> None:
-    """Seconds of flight a second of eight beads on one core: at rest, and in laps."""
+    """Prints the seconds of flight of eight beads per second on one core: at rest, and on a circle."""
     boards = midair.Array.preset("openmpd_pair", quantization={})
     points = [[x, y, z] for x in (-0.02, 0.02) for y in (-0.02, 0.02) for z in (-0.015, 0.015)]
     still = midair.path.still(points, duration=0.02)
@@ -129,7 +130,7 @@ def speed() -> None:
 
 
 def main() -> None:
-    """Fly, print and write the record."""
+    """Flies the shapes, prints the rows and writes the record."""
     rows = []
     for row in shapes():
         rows.append(row)

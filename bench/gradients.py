@@ -1,8 +1,9 @@
-"""Value and gradient of |p| beside JAX, in one run: bench/records/gradients.csv.
+"""Value and gradient of |p| in midair and in JAX, measured in one run: bench/records/gradients.csv.
 
-JAX runs on all threads, in single precision, as it does by default, and in double; midair runs in double
-precision. Their answers are compared before the clock runs. Times are CPU time in ms of all threads, the
-least of rounds in turns, so that other programs on the machine count little. It needs `midair[jax]`.
+JAX runs on all threads, in single precision (its default) and in double precision; midair runs in double
+precision. Their results are compared before the times are measured. Times are CPU times in ms of all
+threads, the least of several rounds in which all calls take turns, so that other programs on the machine
+have little effect. This needs `midair[jax]`.
 """
 
 from __future__ import annotations
@@ -24,26 +25,26 @@ import midair
 
 RECORD = Path(__file__).parent / "records" / "gradients.csv"
 WAVENUMBER = 2 * np.pi * 40e3 / 340
-#: Transducers along a side, and points.
+#: Transducers along a side of the array, and numbers of points.
 SIZES = ((16, 4), (16, 64), (32, 4), (32, 64), (32, 256))
 ROUNDS, CALLS = 15, 10
 
 
 def jax_loss(drive: Any, points: Any, positions: Any, weights: Any) -> Any:
-    """The sum of weights times |p|, in JAX's own operations."""
+    """Returns the sum of weights times |p|, in JAX's own operations."""
     d = points[:, None] - positions
     r = jnp.sqrt((d**2).sum(-1))
     field = (4.386 / r * jnp.exp(1j * WAVENUMBER * r)) @ drive
     return (weights * jnp.abs(field)).sum()
 
 
-#: Its value and its gradients by drive, points and positions, compiled.
+#: The compiled `jax_loss`, and its gradients by drive, points and positions.
 VALUE = jax.jit(jax_loss)
 SLOPES = jax.jit(jax.value_and_grad(jax_loss, argnums=(0, 1, 2)))
 
 
 def interleaved(calls: dict[str, Callable[[], Any]]) -> dict[str, float]:
-    """The CPU time of each call in ms, all of them in turns."""
+    """Returns the CPU time of each call in ms, measured in turns."""
     times: dict[str, list[float]] = {name: [] for name in calls}
     for _ in range(ROUNDS):
         for name, call in calls.items():
@@ -55,7 +56,7 @@ def interleaved(calls: dict[str, Callable[[], Any]]) -> dict[str, float]:
 
 
 def measure(side: int, count: int) -> dict[str, float]:
-    """Times of one size: both by drive, points and positions."""
+    """Returns the times for one size; both programs compute gradients by drive, points and positions."""
     rng = np.random.default_rng(1)
     array = midair.Array.grid(side, side, 10e-3)
     points = rng.uniform([-0.05, -0.05, 0.1], [0.05, 0.05, 0.2], (count, 3))
@@ -87,7 +88,7 @@ def measure(side: int, count: int) -> dict[str, float]:
 
 
 def main() -> None:
-    """Measure all sizes, print them, and add them to the record."""
+    """Measures all sizes, prints them, and adds them to the record."""
     jax.config.update("jax_enable_x64", True)
     rows = []
     for side, count in SIZES:

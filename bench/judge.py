@@ -1,4 +1,6 @@
-"""One forward model and one judgement for all programs: point sources in double precision, NumPy only."""
+"""The forward model and the metrics that judge all programs:
+point sources in double precision, NumPy only.
+"""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,14 +13,16 @@ WAVENUMBER = 2 * np.pi * 40e3 / SOUND_SPEED  # rad/m
 
 
 def propagation(positions: ArrayLike, points: ArrayLike, source_pressure: float) -> Complex:
-    """G (M, N) in Pa: P0/r e^{jkr} from positions (N, 3) to points (M, 3), both in m."""
+    """Returns G (M, N) in Pa: P0/r e^{jkr} from positions (N, 3) to points (M, 3), both in m."""
     r = np.linalg.norm(np.asarray(points, float)[:, None] - np.asarray(positions, float), axis=2)
     G: Complex = source_pressure / r * np.exp(1j * WAVENUMBER * r)
     return G
 
 
 def metrics(G: Complex, drive: ArrayLike, targets: ArrayLike) -> dict[str, float]:
-    """Accuracy, sigma, uniformity (docs/conventions.md) of a drive (N,); targets (M,) in Pa, all above 0."""
+    """Returns accuracy, sigma and uniformity (docs/conventions.md) of a drive (N,);
+    targets (M,) in Pa, all above 0.
+    """
     p, targets = np.abs(G @ np.asarray(drive, complex)), np.asarray(targets, float)
     x = p / targets
     relative = x / x.max()

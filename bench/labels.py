@@ -1,4 +1,4 @@
-"""Names beside the points of a scatter plot, so that nothing covers anything."""
+"""Places names beside the points of a scatter plot, so that no name covers another name or a point."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -10,22 +10,24 @@ from numpy.typing import NDArray
 #: Boxes (K, 4) in pixels: x0, y0, x1, y1.
 Boxes = NDArray[np.float64]
 
-#: Lengths in points of 1/72 inch: half of a marker, from it to a name, around a name (its box has room above
-#: and below the letters), and a name's size.
+#: Lengths in points of 1/72 inch. MARKER: half of a marker. GAPS: from a marker to its name. MARGIN: around a
+#: name, across and up (negative because a text's box has empty space above and below the letters). SIZE: font
+#: size.
 MARKER = 3.2
 GAPS = (1.0, 3.0, 6.0, 10.0)
 MARGIN = (1.0, -1.0)
 SIZE = 8.0
-#: Right and left first: there a name is read most easily.
+#: Directions of a name from its point, in order of preference: right and left are easiest to read.
 ANGLES = np.radians([0, 180, 90, 270, 30, 150, 210, 330, 60, 120, 240, 300])
-#: Cost of a place for a label: its gap, for each angle that comes before its own, and for what it covers.
+#: Costs of a place besides its gap: for each direction that is preferred to its own, and for each box that it
+#: covers.
 TURN, COVER = 0.25, 1000.0
-#: Orders in which the names take their places.
+#: Number of random orders in which the names choose their places.
 ORDERS = 50
 
 
 class Place(NamedTuple):
-    """A place for a name: its offset from the point, its box, and its cost before other names."""
+    """A place for a name: its offset from the point, its box, and its cost without other names."""
 
     offset: NDArray[np.float64]
     box: Boxes
@@ -33,7 +35,7 @@ class Place(NamedTuple):
 
 
 def write(axes: Axes, names: Sequence[str], points: NDArray[np.float64], colours: Sequence[str]) -> None:
-    """Each name near its point of (K, 2) in data; the figure's layout must be final."""
+    """Writes each name near its point (K, 2) in data coordinates; the figure's layout must be final."""
     unit = axes.get_figure().dpi / 72
     pixels = axes.transData.transform(points)
     markers = np.hstack([pixels - MARKER * unit, pixels + MARKER * unit])
@@ -62,7 +64,7 @@ def write(axes: Axes, names: Sequence[str], points: NDArray[np.float64], colours
 def _places(
     point: NDArray[np.float64], half: NDArray[np.float64], others: Boxes, frame: Boxes, unit: float
 ) -> list[Place]:
-    """All places for a name around its point."""
+    """Returns all places for a name around its point."""
     places = []
     for gap in GAPS:
         for turn, angle in enumerate(ANGLES):
@@ -75,13 +77,15 @@ def _places(
 
 
 def _covered(box: Boxes, others: Boxes) -> int:
-    """The number of other boxes that overlap a box."""
+    """Returns the number of other boxes that overlap a box."""
     apart = (box[2:] <= others[:, :2]) | (box[:2] >= others[:, 2:])
     return int((~apart.any(axis=1)).sum())
 
 
 def _arrange(choices: Sequence[list[Place]]) -> list[Place]:
-    """A place for each name: each takes the cheapest that is left, in many orders; the cheapest of all."""
+    """Returns a place for each name. In many random orders each name takes its cheapest place;
+    the cheapest order wins.
+    """
     random = np.random.default_rng(0)
     best: list[Place] = []
     least = np.inf

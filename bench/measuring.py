@@ -1,8 +1,8 @@
-"""Measuring: results of calibration and tuning for arrays with faults that the model does not include.
+"""Results of calibration and tuning for arrays with faults that the model does not include.
 
-Prints the tables of docs/measuring.md and draws docs/measuring.png. The rigs are plain float64: transducers
-off their places by 0.3 mm (sd), gains and phases off, some dead, a piston's lobe unknown to the fit, an
-echo of 5 % from a wall behind, air of 346.1 m/s believed to be 340.
+Prints the tables of docs/measuring.md and draws docs/measuring.png. The arrays are simulated in float64:
+transducers misplaced by 0.3 mm (standard deviation), errors of gain and phase, some dead, a piston's
+directivity unknown to the fit, an echo of 5 % from a wall behind, and air with 346.1 m/s instead of 340.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ BAD = {"gain": 0.2, "phase": 40.0, "dead": 0.05, "turned": 0.05}
 
 @dataclass
 class Rig:
-    """An array as it is, its microphones, and four new points."""
+    """A simulated array with its faults, its microphones, and four new points."""
 
     seed: int
     array: midair.Array = field(default_factory=lambda: midair.Array.grid(16, 16, 10e-3))
@@ -42,7 +42,7 @@ class Rig:
     fixed: bool = False
 
     def __post_init__(self) -> None:
-        """Draw the errors."""
+        """Draws the random errors."""
         self.rng = rng = np.random.default_rng(self.seed)
         n = len(self.array)
         self.positions = self.array.positions + rng.normal(0, JITTER, (n, 3))
@@ -64,7 +64,7 @@ class Rig:
         self.best = np.abs(self.truth @ midair.solve(midair.Propagation(self.truth), "uniform").drive).mean()
 
     def spots(self, count: int, reach: float) -> Real:
-        """Places at random, 20 mm apart."""
+        """Returns random places, at least 20 mm apart."""
         while True:
             found = self.rng.uniform(-reach, reach, (count, 2))
             apart = np.linalg.norm(found[:, None] - found, axis=2) + np.eye(count)
@@ -72,7 +72,9 @@ class Rig:
                 return found
 
     def matrix(self, points: Real) -> Complex:
-        """Pressures (M, N): eq. (5) with a piston's lobe, and the echo of images behind a wall."""
+        """Returns pressures (M, N): eq. (5) with a piston's directivity,
+        and the echo of a wall behind by images.
+        """
         number = 2 * np.pi * 40e3 / SPEED
         found = np.zeros((len(points), len(self.positions)), complex)
         for share, places in ((1.0, points), (ECHO, points * [1, 1, -1] + [0, 0, 2 * WALL])):
@@ -83,29 +85,29 @@ class Rig:
         return np.asarray(found * self.response)
 
     def noise(self, decibels: float) -> float:
-        """Standard deviation in Pa, so far below the level of the four foci."""
+        """Returns a standard deviation in Pa, this many decibels below the level of the four foci."""
         return float(self.best * 10 ** (-decibels / 20))
 
     def read(self, drives: Any, decibels: float, phased: bool) -> Any:
-        """Readings (K, M)."""
+        """Returns readings (K, M)."""
         p = drives @ self.matrix(self.places).T
         parts = self.noise(decibels) * self.rng.normal(size=(2, *p.shape))
         return p + (parts[0] + 1j * parts[1]) / np.sqrt(2) if phased else np.abs(np.abs(p) + parts[0])
 
     def kept(self, drive: Any) -> tuple[float, float]:
-        """Level over that of solving with the truth, and evenness, at the new points."""
+        """Returns the level at the new points, relative to a solve with the true model, and min/max."""
         p = np.abs(self.truth @ drive)
         return float(p.mean() / self.best), float(p.min() / p.max())
 
     def solved(self, array: midair.Array, speed: float) -> tuple[float, float]:
-        """Measure the same quantities for an array's answer."""
+        """Returns the same quantities for a drive solved for this array."""
         return self.kept(midair.solve(midair.Scene(array, self.new, sound_speed=speed), "uniform").drive)
 
 
 def calibrated(
     rig: Rig, readings: float, decibels: float, phased: bool = False
 ) -> tuple[midair.Calibration, float]:
-    """A calibration and its CPU seconds."""
+    """Returns a calibration and its CPU time in s."""
     drives = midair.calibration_drives(rig.array, readings, microphones=rig.microphones, seed=rig.seed)
     received = rig.read(drives, decibels, phased)
     began = time.process_time()
@@ -117,7 +119,7 @@ def calibrated(
 def row(
     name: str, readings: float, decibels: float, phased: bool = False, seeds: Any = SEEDS, **keywords: Any
 ) -> None:
-    """A row of the first table: over seeded rigs."""
+    """Prints a row of the first table: medians over random arrays."""
     levels, evens, models, speeds, seconds, dead = [], [], [], [], [], np.zeros(3, int)
     for seed in seeds:
         rig = Rig(seed, **keywords)
@@ -137,7 +139,7 @@ def row(
 
 
 def tuned(name: str, decibels: float | None, method: Any, **keywords: Any) -> None:
-    """A row of the second table: readings at the points themselves."""
+    """Prints a row of the second table: tuning with readings at the points themselves."""
     before, after, readings = [], [], 0
     for seed in SEEDS[:5]:
         rig = Rig(seed)
@@ -159,7 +161,7 @@ def tuned(name: str, decibels: float | None, method: Any, **keywords: Any) -> No
 
 
 def main() -> None:
-    """Print the tables and draw the picture."""
+    """Prints the tables and draws the picture."""
     rig = Rig(1, turned=0.03)
     calibrated(rig, 4, 60)[0].plot().savefig(Path(__file__).parents[1] / "docs" / "measuring.png", dpi=110)
     print("| readings | model | calibrated | worst | min/max | dead found, wrongly | m/s off | CPU s |")

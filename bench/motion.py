@@ -1,4 +1,5 @@
-"""Motion: evenness, level and changes of `glide` and of tracks, by an independent forward model in f64.
+"""Motion: evenness, level and phase changes of `glide` and of sequences, by an independent forward model in
+f64.
 
 Prints the tables of docs/motion.md and draws docs/motion.png.
 """
@@ -21,7 +22,7 @@ AHEAD = (0, 10, 30, "all")
 
 
 def paths(kind: str, count: int, speed: float, seed: int) -> NDArray[np.float64]:
-    """Points (T, M, 3) in m over four AUTD3 boards, 0.2 m above them."""
+    """Returns points (T, M, 3) in m over four AUTD3 boards, 0.2 m above them."""
     rng = np.random.default_rng(seed)
     start = rng.uniform(-0.05, 0.05, (count, 2))
     t = np.arange(FRAMES)[:, None] / RATE
@@ -44,7 +45,7 @@ def paths(kind: str, count: int, speed: float, seed: int) -> NDArray[np.float64]
 def moduli(
     array: midair.Array, points: NDArray[np.float64], drives: NDArray[np.complex64], tau: float
 ) -> NDArray[np.float64]:
-    """|p| (T, M) at the frames' ends: eq. (5) in f64, with envelopes of a time constant."""
+    """Returns |p| (T, M) at the frames' ends: eq. (5) in f64, for transducers with a time constant tau."""
     kept = np.exp(-1 / (RATE * tau)) if tau else 0.0
     number, received = 2 * np.pi * 40e3 / 340, np.zeros(points.shape[:2])
     envelope = drives[0].astype(complex)
@@ -58,7 +59,9 @@ def moduli(
 def row(
     array: midair.Array, count: int, speed: float, parts: int, tau: float
 ) -> tuple[float, float, float, float, float]:
-    """Worst change over the bound, uniformity at rest and in motion, least and mean level, over all kinds."""
+    """Returns the worst change over its bound, uniformity at rest and in motion, least and mean level,
+    over all kinds.
+    """
     change = np.pi / parts
     ratios, even, moving, levels = [], [], [], []
     for index, kind in enumerate(KINDS):
@@ -78,7 +81,7 @@ def row(
 
 
 def foreseen(array: midair.Array, count: int, speed: float, parts: int) -> tuple[list[float], list[float]]:
-    """Mean level and least uniformity, over all kinds, the more frames are known in advance."""
+    """Returns mean level and least uniformity over all kinds, for each number of frames known in advance."""
     levels, even = np.empty((len(AHEAD), len(KINDS))), np.empty((len(AHEAD), len(KINDS)))
     for index, kind in enumerate(KINDS):
         points = paths(kind, count, speed, 7 + index)
@@ -94,7 +97,7 @@ def foreseen(array: midair.Array, count: int, speed: float, parts: int) -> tuple
 
 
 def draw(array: midair.Array, path: Path) -> None:
-    """Phase changes of every transducer, and evenness in motion, frame by frame with and without a memory."""
+    """Draws each transducer's phase changes, and the evenness in motion, frame by frame, for two solvers."""
     points = paths("circles", 8, 0.5, 3)
     points[..., :2] += array.positions.mean(axis=0)[:2]
     cold = midair.Solver(array, "uniform", aim="max", absorption=0)
@@ -130,8 +133,8 @@ def draw(array: midair.Array, path: Path) -> None:
 
 
 def main() -> None:
-    """Print the table and draw the picture."""
-    # Point sources in the paper's medium, as `moduli` has them.
+    """Prints the tables and draws the picture."""
+    # Point sources in the paper's medium, as in `moduli`.
     board = midair.Array.preset("autd3", (2, 2))
     array = midair.Array(board.positions, quantization=board.quantization)
     draw(array, Path(__file__).parents[1] / "docs" / "motion.png")

@@ -1,4 +1,4 @@
-"""Moving: docs/moving.webp, three foci going round above a SonicSurface, its phases beside their field."""
+"""Draws docs/moving.webp: three foci that circle above a SonicSurface, its phases beside their field."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from PIL import Image, ImageDraw
 import midair
 from midair._pictures.colours import table
 
-#: Frames of a turn, of which a third is seen again and again, and every which of them is drawn.
+#: Frames of a turn, of which the film repeats a third, and the step between drawn frames.
 FRAMES, EVERY = 480, 5
 SIDE, SIZE, HEIGHT = 280, 0.1, 0.12
 BACK, GAP = (12, 15, 20), 16
 
 
 def shades(parts: NDArray[np.floating], name: Literal["field", "phase"]) -> NDArray[np.uint8]:
-    """The colours of parts of a map, 0 to 1."""
+    """Returns the colours of values from 0 to 1 in a colour map."""
     return table(name)[np.rint(255 * parts).astype(int)]
 
 
 def board(drive: NDArray[np.complex64]) -> Image.Image:
-    """Transducers as discs in the colour of their phase."""
+    """Draws the transducers as discs in the colours of their phases."""
     picture = Image.new("RGB", (2 * SIDE, 2 * SIDE), BACK)
     pen = ImageDraw.Draw(picture)
     side = round(len(drive) ** 0.5)

@@ -1,10 +1,10 @@
-"""How well moving traps hold: figures of docs/traps.md, as Markdown.
+"""How well moving traps keep beads: prints a table of docs/traps.md, as Markdown.
 
-One, two and four beads on a circle of 18 mm across two OpenMPD boards, from rest to a speed in 50 ms and once
-round at 10,000 frames a second, no phase changing by more than pi/16. The first figure is the least
-eigenvalue of the stiffness in the worst frame, as a part of that of a solve of the frame alone; in brackets
-is the mean. The second is the largest distance of beads from the path, which python/tests/beads.py simulates.
-It takes some minutes.
+One, two and four beads move on a circle of 18 mm radius between two OpenMPD boards: from rest to a speed
+in 50 ms and once around, at 10,000 frames a second, with phase changes of at most pi/16. The first figure
+is the least eigenvalue of the stiffness in the worst frame, relative to that of the frame solved alone;
+the mean is in brackets. The second is the beads' largest distance from the path, simulated by
+python/tests/beads.py. It takes some minutes.
 """
 
 import sys
@@ -20,14 +20,14 @@ import beads
 import traps
 
 RATE, CHANGE = 10e3, np.pi / 16
-#: The board's transducers, in Pa m.
+#: The source pressure of the board's transducers, in Pa m.
 SOURCE = 2.3
-#: Frames between two that are solved alone.
+#: Step in frames between those that are also solved alone.
 APART = 40
 
 
 def main() -> None:
-    """Solve the sequences, fly the beads and print the table."""
+    """Solves the sequences, simulates the beads and prints the table."""
     positions, normals = traps.openmpd()
     array, air = midair.Array(positions, normals, source_pressure=SOURCE), beads.Air(positions, SOURCE)
     print("| | 0.3 m/s | 0.8 m/s |", "|---|---|---|", sep="\n")

@@ -1,6 +1,6 @@
-"""Obstacles: foci before walls, solved with and without them, and the picture of docs/obstacles.md.
+"""Foci in front of a wall, solved with and without it, and the picture of docs/obstacles.md.
 
-Prints its table; every number is judged by a sum of images in f64 that is written out here.
+Prints its table. All numbers are judged by a sum of image sources in f64 that is written out here.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 import midair
 
 SOLVERS = ("naive", "fast", "greedy", "uniform")
-#: A wall beside the points, 45 mm from the array's axis.
+#: Distance in m of a wall beside the points from the array's axis.
 SIDE = 0.045
 POINTS = np.array([[-0.03, 0, 0.15], [-0.01, 0, 0.15], [0.01, 0, 0.15], [0.03, 0, 0.15]])
 
@@ -22,7 +22,9 @@ POINTS = np.array([[-0.03, 0, 0.15], [-0.01, 0, 0.15], [0.01, 0, 0.15], [0.03, 0
 def received(
     array: midair.Array, points: NDArray[np.float64], drive: NDArray[np.complex64]
 ) -> NDArray[np.float64]:
-    """|p| at points (P, 3): eq. (5) of point sources and their images in the rigid wall, in f64."""
+    """Returns |p| at points (P, 3): eq. (5) of point sources and of their images in the rigid wall,
+    in f64.
+    """
     k, found = 2 * np.pi * 40e3 / 340, np.zeros(len(points), complex)
     for places in (array.positions, array.positions * [-1, 1, 1] + [2 * SIDE, 0, 0]):
         r = np.linalg.norm(points[:, None] - places, axis=2)
@@ -31,8 +33,8 @@ def received(
 
 
 def main() -> None:
-    """The table, and the picture."""
-    # The last column of the array stands 5 mm from the wall.
+    """Prints the table and draws the picture."""
+    # The last column of the array is 5 mm from the wall.
     array = midair.Array.grid(9, 16, 10e-3)
     scene = midair.Scene(array, POINTS)
     wall = midair.Wall([SIDE, 0, 0], [-1, 0, 0])

@@ -1,4 +1,4 @@
-"""midair beside its rivals in one run: `make bench-peers`. README.md here says how, and whom it favours."""
+"""Compares midair with other programs in one run: `make bench-peers`. bench/README.md explains the method."""
 
 import argparse
 import datetime
@@ -18,8 +18,8 @@ from tasks import TASKS, Task
 
 import record
 
-PLACE = 1e-6  # m, by which positions may differ
-CLAIM = 1e-3  # by which judged metrics may differ from reported ones
+PLACE = 1e-6  # m, the largest allowed difference of positions
+CLAIM = 1e-3  # the largest allowed difference of judged metrics from reported ones
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ QUICK = Effort(rounds=3, scenes=3, least=10e6, most=64)
 
 @dataclass
 class Entry:
-    """One rival's method on one task, its measurements and its answers."""
+    """One program's method on one task, with its measurements and judged results."""
 
     worker: Worker
     task: Task
@@ -56,7 +56,9 @@ class Entry:
         return self.worker.ask(self.task.request(scene) | request)
 
     def judge(self, scene: int) -> None:
-        """The answer in the one forward model. A wrong place or a wrong claim ends the run."""
+        """Judges the result for a scene by our forward model.
+        A wrong position or a wrong reported metric ends the run.
+        """
         answer, points = self.ask(scene, 0), self.task.points(scene)
         apart = np.abs(np.array(answer["positions"]) - self.task.array.positions).max()
         if not apart <= PLACE:
@@ -70,7 +72,7 @@ class Entry:
         self.answers.append(found)
 
     def measure(self) -> None:
-        """One measurement of enough calls to be long beside the clock."""
+        """Measures once, with enough calls that the clock's resolution does not matter."""
         self.times.append(self.ask(0, self.repeat)["ns"])
 
     def calibrate(self, least: float) -> None:
@@ -107,7 +109,7 @@ def entries(workers: list[Worker], most: int) -> Iterator[Entry]:
 
 
 def run(workers: list[Worker], effort: Effort) -> list[record.Row]:
-    """Judges every answer, then measures in rounds, each in another order."""
+    """Judges every result, then measures in rounds, each in another order."""
     work = list(entries(workers, effort.most))
     for entry in work:
         for scene in range(effort.scenes):
@@ -138,7 +140,7 @@ def start(stack: ExitStack) -> list[Worker]:
 
 
 def keep(rows: list[record.Row]) -> None:
-    """The record, and the pages' tables if all that they compare with took part."""
+    """Writes the record, and the pages' tables if the program to which they relate all times took part."""
     path = BENCH / "records" / f"{rows[0]['date']}.csv"
     record.write(path, rows)
     print(f"wrote {path.relative_to(BENCH.parent)}")

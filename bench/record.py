@@ -1,4 +1,4 @@
-"""The record of a run as CSV, and the tables of pages made from it."""
+"""Writes the record of a run as CSV, and makes the tables of pages from it."""
 
 import csv
 import os
@@ -12,9 +12,9 @@ FIELDS = (
     "scenes", "accuracy", "sigma", "uniformity",
 )  # fmt: skip
 BEGIN, END = "<!-- bench:begin -->", "<!-- bench:end -->"
-#: The method that all ratios refer to.
+#: The program and the method to which all ratios relate.
 REFERENCE, GREEDY = "autd3", "greedy 16 phases"
-#: The rows of the README's table, which links to all of them.
+#: The rows of the README's table.
 BRIEF = (("midair", "fast"), ("midair", "uniform"), (REFERENCE, GREEDY))
 #: The rows of the comparison page.
 SHORT = tuple(
@@ -23,18 +23,18 @@ SHORT = tuple(
     + [("autd3-rs", method) for method in (GREEDY, "gspat", "naive")]
     + [("textbook f64", GREEDY)]
 )
-#: The rows of a table: NumPy in, NumPy out, or the call itself where there is no other.
+#: The form of a call in the tables, by program: NumPy in and out, where a program has it.
 _FORMS = {"midair": "solve", "autd3": "full", "autd3-rs": "full", "acoustools": "full"}
 _SIZES, _JUDGED = (1, 4, 8, 16, 64), (16, 64)
 _COUNT = "996"
 
 Row = dict[str, str]
-#: Rows of a table by rival, method, grid and M.
+#: Rows of a table by program, method, grid and M.
 _Found = dict[tuple[str, str, str, int], Row]
 
 
 def cpu() -> str:
-    """Architecture and the widest vectors that the CPU reports."""
+    """Returns the architecture and the widest vector instructions that the CPU reports."""
     try:
         flags = Path("/proc/cpuinfo").read_text().split()
     except OSError:
@@ -44,7 +44,7 @@ def cpu() -> str:
 
 
 def write(path: Path, rows: Sequence[Row]) -> None:
-    """Write the file whole or not at all."""
+    """Writes the file completely or not at all."""
     path.parent.mkdir(exist_ok=True)
     new = path.with_suffix(".new")
     with new.open("w", newline="") as file:
@@ -55,13 +55,13 @@ def write(path: Path, rows: Sequence[Row]) -> None:
 
 
 def read(path: Path) -> list[Row]:
-    """Rows of a file that `write` wrote."""
+    """Returns the rows of a file that `write` wrote."""
     with path.open(newline="") as file:
         return list(csv.DictReader(file))
 
 
 def tables(rows: Sequence[Row]) -> dict[str, str]:
-    """The table of each page that has one, by the page's path in the repository."""
+    """Returns the table of each page that has one, by the page's path in the repository."""
     return {
         "README.md": brief(rows),
         "docs/comparison.md": table(rows, "../bench", SHORT),
@@ -70,7 +70,7 @@ def tables(rows: Sequence[Row]) -> dict[str, str]:
 
 
 def brief(rows: Sequence[Row]) -> str:
-    """Markdown of three rows: times of both grids left out, the unevenness at most points last."""
+    """Returns three rows as Markdown: speeds on the boards' grid, then the unevenness for the most points."""
     found, first, most = _found(rows), rows[0], _SIZES[-1]
     reference = {m: found.get((REFERENCE, GREEDY, "board", m)) for m in _SIZES}
     caption = (
@@ -96,7 +96,9 @@ def _found(rows: Sequence[Row]) -> _Found:
 
 
 def table(rows: Sequence[Row], bench: str = "bench", only: Sequence[tuple[str, str]] | None = None) -> str:
-    """Markdown: a row a method, medians as ratios at each M, quality of the answers."""
+    """Returns the table as Markdown: a row per method with ratios of the medians at each M,
+    and the results' quality.
+    """
     found = _found(rows)
     first = rows[0]
     caption = (
@@ -128,7 +130,7 @@ def table(rows: Sequence[Row], bench: str = "bench", only: Sequence[tuple[str, s
 
 
 def _setting(rows: Sequence[Row]) -> list[str]:
-    """Another table: GS-PAT's own setting, if it was measured."""
+    """Returns the lines of another table, for the setting of the GS-PAT paper, if it was measured."""
     own = [
         f"| midair, {row['method']}, `solve_batch`, {row['form'].removeprefix('batch, ')} |"
         f" {1e9 / float(row['ns_median']):,.0f} |"
@@ -153,7 +155,7 @@ def _cells(found: _Found, rival: str, method: str) -> list[str]:
 
 
 def _beside_gspat(found: _Found) -> str:
-    """Sentence on the fastest method of midair and of autd3, at few points."""
+    """Returns a sentence on the fastest method of midair and of autd3, for few points."""
     ours, theirs = (
         [found.get((*name, "board", m)) for m in (1, 4, 8)]
         for name in (("midair", "fast"), (REFERENCE, "gspat"))
@@ -180,7 +182,7 @@ def _ratio(reference: Row | None, row: Row | None) -> str:
 
 
 def place(page: Path, text: str) -> None:
-    """Put the table between the page's markers."""
+    """Replaces the table between the page's markers."""
     before, begin, rest = page.read_text().partition(BEGIN)
     _, end, after = rest.partition(END)
     if not begin or not end:

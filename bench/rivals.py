@@ -1,4 +1,4 @@
-"""The compared libraries: one process each, of its own environment, limited to one thread."""
+"""The compared programs: each runs in a process and an environment of its own, limited to one thread."""
 
 import json
 import os
@@ -16,7 +16,7 @@ ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("RAYON", "OMP", "OPENBLAS"
 
 @dataclass(frozen=True)
 class Rival:
-    """A worker's command, the file without which it cannot start, and how to get that."""
+    """A program's command, a file that it needs, and how to get that file."""
 
     name: str
     command: tuple[str, ...]
@@ -52,7 +52,7 @@ RIVALS = (
 
 
 class Worker:
-    """A rival's running process; ends with the `with` block."""
+    """The running process of a program; ends with the `with` block."""
 
     def __init__(self, rival: Rival) -> None:
         self.name = rival.name
@@ -79,8 +79,8 @@ class Worker:
             self._process.kill()
 
     def ask(self, request: dict[str, Any]) -> dict[str, Any]:
-        """One request, one answer (workers/serve.py)."""
-        with suppress(BrokenPipeError):  # then there is no answer either, which is reported
+        """Sends a request and returns the reply (workers/serve.py)."""
+        with suppress(BrokenPipeError):  # without the reply, `_hear` reports the failure
             self._in.write(json.dumps(request) + "\n")
             self._in.flush()
         return self._hear(f"it answered {request['method']}, M = {len(request['points'])}")

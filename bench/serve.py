@@ -1,8 +1,8 @@
-"""`midair serve`: from a client's message to the frame that it changes, beside a busy program.
+"""Measures the delay of `midair serve` from a client's message to the changed frame, beside a busy program.
 
-`python bench/serve.py [BUSY PROGRAMS] [MESSAGES]` starts the server on a board that writes its frames, 1,000
-a second as AUTD3's, into a pipe, and a program that never rests. It reads the clock before each message and
-at the first changed frame.
+`python bench/serve.py [BUSY PROGRAMS] [MESSAGES]` starts the server on a simulated board, which writes its
+frames into a pipe, 1,000 a second as for AUTD3. It also starts programs that compute all the time. It
+reads the clock before each message and when the first changed frame arrives.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from websockets.sync.client import connect
 import midair
 from midair._boards.transport import before_what_computes
 
-#: Messages of each kind, and s between two of them.
+#: Number of messages of each kind, and range of the time between two messages in s.
 MESSAGES, APART = 400, (0.02, 0.04)
 
 BUSY = "while True: pass"
@@ -33,7 +33,7 @@ Frame = tuple[float, bytes]
 
 
 class Frames:
-    """Frames from a pipe, each with the time at which it came."""
+    """Frames read from a pipe, each with its time of arrival."""
 
     def __init__(self, pipe: Path) -> None:
         self.length = len(midair.Board("autd3").off_frame)
@@ -55,7 +55,9 @@ class Frames:
                     data = b""
 
     def first(self, after: int, fits: Callable[[bytes], bool]) -> float:
-        """When the first frame came that fits, after so many others."""
+        """Waits for the first frame for which `fits` is true, after the first `after` frames;
+        returns its time.
+        """
         with self._news:
             while True:
                 for came, frame in self.came[after:]:
@@ -66,7 +68,7 @@ class Frames:
 
 
 def points(address: str, frames: Frames, messages: int) -> list[float]:
-    """From a point in a binary message to the first frame that is another one."""
+    """Returns times from sending a point in a binary message to the first frame that differs."""
     found, random = [], np.random.default_rng(0)
     with connect(address, max_queue=None) as client:
         client.recv()
@@ -82,7 +84,9 @@ def points(address: str, frames: Frames, messages: int) -> list[float]:
 
 
 def parameters(address: str, frames: Frames, messages: int) -> list[float]:
-    """From a parameter of a tacton of Adaptics, its intensity, to the first frame that is off or on."""
+    """Returns times from changing a parameter of an Adaptics tacton, its intensity,
+    to the first frame off or on.
+    """
     off = midair.Board("autd3").off_frame
     constant = {"name": "linear", "params": {}}
 
@@ -138,7 +142,7 @@ def parameters(address: str, frames: Frames, messages: int) -> list[float]:
 
 
 def rest(random: np.random.Generator, live: Callable[[], None]) -> None:
-    """Wait for a random time with a sign of life in its middle."""
+    """Waits for a random time, and calls `live` in the middle of it to keep the connection."""
     pause = random.uniform(*APART) / 2
     time.sleep(pause)
     live()
@@ -156,13 +160,13 @@ def main(programs: int = 1, messages: int = MESSAGES) -> None:
 
 
 def measure(pipe: Path, messages: int) -> None:
-    """Print the quantiles of each kind of message."""
+    """Prints the quantiles for each kind of message."""
     os.mkfifo(pipe)
     frames = Frames(pipe)
     command = [sys.executable, "-m", "midair", "serve", "--on", f"file:{pipe}"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
         assert server.stdout is not None
-        # The client is no part of what is measured.
+        # The client runs before the busy programs, because its own delay is not measured.
         before_what_computes()
         address, _, adaptics = (server.stdout.readline().split()[0] for _ in range(3))
         while not frames.came:

@@ -1,7 +1,7 @@
-"""GS-PAT's own setting: 32 points, again and again, over all cores.
+"""The setting of the GS-PAT paper: 32 points, solved again and again, on all cores.
 
-D. M. Plasencia et al., "GS-PAT", ACM Trans. Graphics 39(4), 138, 2020, report 17,000 solutions a second on a
-GTX 1660. The size of their array is not known here: this is the pair of OpenMPD boards, 512 transducers.
+D. M. Plasencia et al., "GS-PAT", ACM Trans. Graphics 39(4), 138, 2020, report 17,000 solutions a second on
+a GTX 1660. We do not know the size of their array; here it is the pair of OpenMPD boards, 512 transducers.
 """
 
 import os
@@ -20,7 +20,7 @@ HALF = 0.05  # m, half the side of the cube of points
 
 
 def timed(array: midair.Array, method: str) -> Callable[[], float]:
-    """A measurement: nanoseconds of wall time a solution."""
+    """Returns a function that measures the wall time per solution in ns."""
     middle = np.mean(array.positions, axis=0)
     points = middle + np.random.default_rng(COUNT).uniform(-HALF, HALF, (PROBLEMS, COUNT, 3))
 
@@ -33,7 +33,7 @@ def timed(array: midair.Array, method: str) -> Callable[[], float]:
 
 
 def rows(common: dict[str, str], rounds: int) -> list[dict[str, str]]:
-    """A row a method, measured in turns; `common` has the columns that all rows share."""
+    """Returns a row per method, measured in turns; `common` has the columns that all rows share."""
     array = midair.Array.preset("openmpd_pair")
     measures = {method: timed(array, method) for method in METHODS}
     times = [[measure() for measure in measures.values()] for _ in range(rounds + 1)][1:]

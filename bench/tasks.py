@@ -1,4 +1,4 @@
-"""Tasks of every library: arrays, seeded points, targets, grid of the drives."""
+"""The tasks of all compared programs: arrays, seeded points, targets, grid of the drives."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,17 +14,17 @@ HALF = 0.1  # m, half the side of the square of points
 
 METHODS = ("greedy 16 phases", "fast", "uniform", "best", "lm", "gspat", "gs", "wgs", "naive")
 SEARCHES = METHODS[:2]
-#: On its board midair's greedy takes phases and amplitudes of the board by default.
+#: On its board, midair's greedy uses the board's phases and amplitudes by default.
 BOARD_METHODS = ("greedy 256 x 16", *METHODS)
-#: The grid that drives lie on: none, any of |q| <= 1 will do, or the preset's board's.
+#: The grid of the drives: none (any |q| <= 1), or that of the preset's board.
 NONE, BOARD = "none", "board"
-#: Target of a single point as a part of p1, which is within reach anywhere in the square.
+#: Target of a single point relative to p1; it is within reach anywhere in the square.
 ALONE = 0.85
 
 
 @dataclass(frozen=True)
 class Task:
-    """Points that all take the same share of the array's p1: p1 / sqrt M, with p1 at (0, 0, HEIGHT)."""
+    """Points with equal targets p1 / sqrt M, where p1 is the most that the array gives at (0, 0, HEIGHT)."""
 
     preset: str
     tiles: tuple[int, int] | None
@@ -41,19 +41,19 @@ class Task:
         return judge.propagation(self.array.positions, points, self.array.source_pressure)
 
     def points(self, scene: int) -> judge.Real:
-        """(M, 3) in m, the same for the same scene number."""
+        """Returns points (M, 3) in m, the same for the same scene number."""
         rng = np.random.default_rng([len(self.array), self.count, scene])
         flat = rng.uniform(-HALF, HALF, (self.count, 2))
         return np.column_stack([flat, np.full(self.count, HEIGHT)])
 
     @cached_property
     def targets(self) -> judge.Real:
-        """(M,) in Pa."""
+        """Returns targets (M,) in Pa."""
         p1 = np.abs(self.propagation(np.array([[0, 0, HEIGHT]]))).sum()
         return np.full(self.count, p1 * (ALONE if self.count == 1 else 1 / np.sqrt(self.count)))
 
     def request(self, scene: int) -> dict[str, Any]:
-        """Arguments of workers/serve.py without method, form and repeat."""
+        """Returns a request of workers/serve.py without method, form and repeat."""
         return {
             "preset": self.preset,
             "tiles": self.tiles,
@@ -70,7 +70,7 @@ class Task:
 
 _SEARCHERS = ("midair", "textbook f64", "textbook f32")
 _ANY = (*_SEARCHERS, "acoustools")
-#: autd3 answers in its boards' codes, whatever the request.
+#: autd3 always returns codes of its boards.
 _BOARD = ("midair", "autd3", "autd3-rs")
 
 TASKS = (

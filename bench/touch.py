@@ -1,7 +1,7 @@
-"""Four usual techniques on the skin, by `midair.skin`: docs/touch.png, and their strength; `midair.haptic`.
+"""Four common techniques on the skin, by `midair.skin`: docs/touch.png, and their strength; `midair.haptic`.
 
-`make touch` runs it, and prints the tables of docs/touch.md. The cost needs OPENBLAS_NUM_THREADS=1: threads
-that wait count as CPU time.
+`make touch` runs it, and prints the tables of docs/touch.md. The measured cost needs
+OPENBLAS_NUM_THREADS=1, because waiting threads count as CPU time.
 """
 
 from __future__ import annotations
@@ -32,18 +32,18 @@ TECHNIQUES = {
 }
 
 
-#: Boards, the height of the hand in m, and frames a second.
+#: Boards, the height of the hand in m, and frames per second.
 BOARDS = {
     "four AUTD3 boards": (midair.Array.preset("autd3", tiles=(2, 2)), HEIGHT, 4e3),
     "SonicSurface": (midair.Array.preset("sonicsurface"), 0.15, 89.0),
 }
 
-#: Sweeps of the bound over the lines.
+#: The largest number of sweeps over the spectral lines in `bound`.
 SWEEPS = 12
 
 
 def letter(height: float) -> NDArray[np.float64]:
-    """An S of 3 cm, of two arcs of three quarters."""
+    """Returns points of an S 3 cm high, from two arcs of three quarters of a circle."""
     turn = np.linspace(0, 1.5 * np.pi, 80)
     upper = 0.0075 * np.stack([np.cos(turn), 1 + np.sin(turn)], axis=1)
     lower = 0.0075 * np.stack([np.sin(turn), np.cos(turn) - 1], axis=1)
@@ -52,11 +52,12 @@ def letter(height: float) -> NDArray[np.float64]:
 
 
 def bound(answers: NDArray[np.complex64]) -> float:
-    """The most that the fast channel can feel on a curve, in the root of the mean square, of a schedule.
+    """Returns an upper bound of the root mean square that fast receptors feel on a curve, over all schedules.
 
-    Of one focus a frame, the lines I_f of a schedule of T frames have sum_f (I_f I_f^H + conj.) <= T diag(n),
-    n the frames of each focus. So sum_f I_f^H M_f I_f <= T^2 max(diag Z), for every real symmetric Z with
-    2 Z >= M_f for all f, where M_f = A_f^H A_f / X.
+    A schedule plays one focus per frame. Its lines I_f over T frames have sum_f (I_f I_f^H + conj.) <= T
+    diag(n), where n counts the frames of each focus. So sum_f I_f^H M_f I_f <= T^2 max(diag Z) for every
+    real symmetric Z with 2 Z >= M_f for all f. Here M_f = A_f^H A_f / X, A_f are the skin's responses at X
+    places to each focus.
     """
     strongest = np.argsort([-np.linalg.norm(a, 2) for a in answers])
     matrices = [a.conj().T @ a / len(a) for a in answers[strongest].astype(np.complex128)]
@@ -75,7 +76,7 @@ def bound(answers: NDArray[np.complex64]) -> float:
     return float(np.sqrt(np.diag(total).max()))
 
 
-#: Of the bound on a circle: angular orders that it links, lags of a frame, and angles where it counts.
+#: Of `on_circle`: angular orders in the constraints, time lags in frames, and angles in the constraints.
 ORDERS, LAGS, ANGLES = 14, 60, 61
 
 #: The finest detail of a focus 20 cm from four AUTD3 boards, in 1/m: 2 k times the sine of half its angle.
@@ -83,13 +84,13 @@ FINEST = 1150.0
 
 
 def on_circle(radius: float, speed: float, rate: float = 4e3) -> float:
-    """The most in dB that any order of foci of one push on a circle gains over one at a speed in m/s.
+    """Returns an upper bound in dB of the gain of any order of foci on a circle over a steady motion in m/s.
 
     Let C(a, l) be the probability of a focus at an angle a from that of l frames ago, and S_m(f) >= 0 its
-    lines: sum_f S_m(f) = 1, and S_0 is at 0 Hz alone. The mean square on the circle is the sum over m, f of
-    |R_m(f)|^2 S_m(f), with R_m the skin's answer to the order m. Let D(a, l) >= 0 have -D_m(f) >= |R_m(f)|^2
-    for every m > 0. Then the mean square is at most D_0(0), because sum D C >= 0. A linear program finds the
-    least D_0(0); the errors of its grids are added.
+    spectral lines: sum_f S_m(f) = 1, and S_0 is at 0 Hz alone. The mean square on the circle is the sum over
+    m, f of |R_m(f)|^2 S_m(f), where R_m is the skin's response to the order m. Let D(a, l) >= 0 satisfy
+    -D_m(f) >= |R_m(f)|^2 for every m > 0. Then the mean square is at most D_0(0), because sum D C >= 0. A
+    linear program finds the least D_0(0); the errors of its grids are added.
     """
     from scipy.optimize import linprog
     from scipy.sparse import block_diag, csr_array, eye_array, hstack, kron, vstack
@@ -101,7 +102,7 @@ def on_circle(radius: float, speed: float, rate: float = 4e3) -> float:
     waves = jv(orders[:, None], k * radius) ** 2 * k * (FINEST / 4000)
 
     def powers(frequencies: NDArray[np.float64]) -> NDArray[np.float64]:
-        """|R_m(f)|^2 in squares of the threshold, for 1 N."""
+        """Returns |R_m(f)|^2 in squares of the threshold, for a force of 1 N."""
         felt = (frequencies > 0) & (frequencies <= HIGHEST)
         f = np.where(felt, frequencies, HIGHEST)
         answers = waves @ (1 / (k[:, None] ** 2 + sheet.decay(f) ** 2)) / (2 * np.pi * sheet.tension)
@@ -139,7 +140,7 @@ def on_circle(radius: float, speed: float, rate: float = 4e3) -> float:
 
 
 def chosen() -> None:
-    """Print the gain by `midair.haptic`, and the bounds."""
+    """Prints the gain by `midair.haptic`, and the bounds."""
     gain = on_circle(0.015, 7.0)
     print(f"foci on a circle of 3 cm, in any order: at most {gain:.2f} dB above one at 7 m/s")
     for board, (array, height, rate) in BOARDS.items():
@@ -166,7 +167,9 @@ def chosen() -> None:
 
 
 def palm(corners: int) -> midair.Mesh:
-    """An ellipsoid of 9 x 18 x 2.4 cm that rests on the plane of the points, of so many corners."""
+    """Returns an ellipsoid of 9 x 18 x 2.4 cm with this many vertices,
+    whose lowest point is in the points' plane.
+    """
     from scipy.spatial import ConvexHull
 
     k = np.arange(corners) + 0.5
@@ -180,7 +183,7 @@ def palm(corners: int) -> midair.Mesh:
 
 
 def cost() -> None:
-    """Print the CPU time of `midair.skin` for each frame, the least of five, on a plane and on a mesh."""
+    """Prints the CPU time per frame of `midair.skin`, the least of five, on a plane and on a mesh."""
     array, ring = BOARDS["four AUTD3 boards"][0], midair.path.circle(MIDDLE, 0.02, speed=7)
     for name, hand in (("plane, 4096 places", PLANE), ("mesh, 4000 corners", palm(4000))):
         for rate in (4e3, 10e3, 20e3):
@@ -196,7 +199,7 @@ def cost() -> None:
 
 
 def main() -> None:
-    """Draw and print."""
+    """Draws the picture and prints the tables."""
     cost()
     chosen()
     array = midair.Array.preset("autd3", tiles=(2, 2))

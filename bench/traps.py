@@ -1,9 +1,9 @@
-"""How strong traps between two OpenMPD boards are, by signature: the table of docs/traps.md, as Markdown.
+"""Strength of traps between two OpenMPD boards, by signature: prints the table of docs/traps.md, as Markdown.
 
-Ten scenes each of 1, 2, 4 and 8 points at random, 20 mm apart or more, up to 50 mm from the axis along x
-and y and 20 mm along z. A scene's figure is the least stiffness over its points and axes, as a part of what
-L-BFGS finds over all phases from two starts (python/tests/traps.py); "trapped" counts the scenes in which
-every stiffness is above 0. About a minute; OMP_NUM_THREADS=1 helps where the cores are few.
+There are ten scenes each of 1, 2, 4 and 8 random points, at least 20 mm apart, up to 50 mm from the axis
+along x and y and 20 mm along z. A scene's figure is the least stiffness over its points and axes, relative
+to the best of two L-BFGS searches over all phases (python/tests/traps.py). "trapped" counts the scenes in
+which every stiffness is above 0. It takes about a minute; OMP_NUM_THREADS=1 helps on few cores.
 """
 
 import sys
@@ -21,7 +21,7 @@ SCENES = 10
 
 
 def main() -> None:
-    """Solve the scenes and print the table."""
+    """Solves the scenes and prints the table."""
     positions, normals = traps.openmpd()
     array = midair.Array(positions, normals)
     methods = ["trap", "trap, equal foci", "twin", "vortex"]

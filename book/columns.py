@@ -1,4 +1,6 @@
-"""docs/columns.md: every column of every printed table, from the package's columns.toml: `make schema`."""
+"""Writes docs/columns.md: every column of every printed table, from the package's columns.toml:
+`make schema`.
+"""
 
 from __future__ import annotations
 
@@ -21,12 +23,12 @@ columns of a sweep's file.
 
 
 def anchor(table: str, head: str) -> str:
-    """The anchor of a column, such as solutions-complex-error."""
+    """Returns the anchor of a column, such as solutions-complex-error."""
     return re.sub(r"\W+", "-", f"{table} {head}").strip("-").lower()
 
 
 def page() -> str:
-    """A section for each table, a row for each column."""
+    """Returns the page: a section for each table, a row for each column."""
     tables = tomllib.loads(SOURCE.read_text(encoding="utf-8"))
     sections = [HEAD]
     for table, columns in tables.items():

@@ -1,4 +1,6 @@
-"""Count the words that docs/style.md replaces in all texts and sources of the repository, for `make lint`."""
+"""Counts the words that docs/style.md replaces, in all texts and sources of the repository,
+for `make lint`.
+"""
 
 import re
 import subprocess
@@ -7,11 +9,11 @@ from collections import Counter
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-#: A change may lower this number and never raises it.
+#: The allowed number; a change may lower it but not raise it.
 MOST = 19
-#: Generated from texts that are counted where they are written, and recorded data.
+#: Files generated from texts that are counted where they are written.
 GENERATED = {"docs/map.md", "docs/scene.schema.json", "docs/sweep.schema.json", "capi/include/midair.h"}
-#: Names that programs use, an attribute of midair.Rest and the ends of a track; and data that are held out.
+#: Names in programs (an attribute of midair.Rest, the ends of a track), and "held out" of data sets.
 PUBLIC = r"held[ _-]out|\.held\b|\bheld(?=: |\()|::Held\b|\bHeld,"
 TEXTS = (
     ".c", ".cpp", ".cs", ".h", ".hpp", ".md", ".mjs", ".py", ".pyi", ".rs", ".sh", ".toml", ".ts", ".vhd",
@@ -20,19 +22,19 @@ TEXTS = (
 
 
 def words(page: str) -> list[str]:
-    """The code spans in the first column of the style page's table."""
+    """Returns the words in code spans in the first column of the style page's table."""
     rows = re.findall(r"^\| (`[^|]+) \|", page, re.MULTILINE)
     return [word for row in rows for word in re.findall(r"`(\w+)`", row)]
 
 
 def prose(text: str, markdown: bool) -> str:
-    """The text without public names, and of a page without code spans and words between quotation marks."""
+    """Returns the text without public names, and without code spans and quotations if it is Markdown."""
     text = re.sub(PUBLIC, "", text)
     return re.sub(r"`[^`\n]+`|\"[^\"\n]+\"", "", text) if markdown else text
 
 
 def counts(pattern: re.Pattern[str]) -> dict[str, int]:
-    """How often the words stand in each file, also as parts of longer names."""
+    """Returns how often the words occur in each file, also as parts of longer names."""
     listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True)
     files = [name for name in listed.stdout.splitlines() if name.endswith(TEXTS) and name not in GENERATED]
     texts = {name: ROOT.joinpath(name) for name in files}
@@ -45,7 +47,9 @@ def counts(pattern: re.Pattern[str]) -> dict[str, int]:
 
 
 def main() -> None:
-    """Fail above the number, and print the files with most of the words."""
+    """Prints the number and the files with most of the words;
+    fails if the number is above the allowed one.
+    """
     listed = words(ROOT.joinpath("docs", "style.md").read_text())
     pattern = re.compile(rf"(?<![A-Za-z])(?:{'|'.join(listed)})(?![A-Za-z])", re.IGNORECASE)
     found = counts(pattern)

@@ -1,4 +1,6 @@
-"""The compiled core's docstrings and signatures, which its stubs lack, for pages written from the stubs."""
+"""Adds the compiled core's docstrings and signatures to its stubs,
+from which the reference pages are made.
+"""
 
 from __future__ import annotations
 
@@ -11,18 +13,20 @@ import griffe
 
 from midair import _midair as compiled
 
-#: Classes of keywords in `midair._keywords`, beside those of each solver.
+#: Classes of keywords in `midair._keywords`, besides those of each solver.
 KEYWORDS = ("Board", "Solve", "Setting", "Solver", "Batch")
 
 
 class Docstrings(griffe.Extension):
-    """Fills the stubs of `midair._midair` once the package is read and before its names are followed."""
+    """Completes the stubs of `midair._midair` after the package is read and before its aliases are
+    resolved.
+    """
 
     def on_package(self, *, pkg: griffe.Module, loader: griffe.GriffeLoader, **_: Any) -> None:
-        """Look at every name that the compiled core exports."""
+        """Handles every name that the compiled core exports."""
         self.pkg, self.loader = pkg, loader
         for name in compiled.__all__:
-            # A function with overloads only is no member.
+            # A function that the stubs have only as overloads is not a member of them.
             thing, found = getattr(compiled, name), pkg["_midair"].members.get(name)
             stubs = pkg[found.target_path.split(".")[1]] if found and found.is_alias else pkg["_midair"]
             if name not in stubs.members:
@@ -30,7 +34,7 @@ class Docstrings(griffe.Extension):
             self.describe(stubs.members[name], thing)
 
     def describe(self, described: griffe.Object, thing: Any) -> None:
-        """Gives a class or function the docstring that it has when it runs, and so for a class's members."""
+        """Adds the docstring that a class or function has at run time, also for a class's members."""
         text = getattr(thing, "__doc__", None)
         if text and described.docstring is None:
             parser, options = self.loader.docstring_parser, self.loader.docstring_options
@@ -47,7 +51,9 @@ class Docstrings(griffe.Extension):
                     self.describe(member, own)
 
     def method(self, name: str, thing: Any, parent: griffe.Class) -> griffe.Function:
-        """A function of the package that is a method of a compiled class, without its first argument."""
+        """Returns a function of the package that is a method of a compiled class,
+        without its first argument.
+        """
         written = inspect.unwrap(thing)
         home = self.pkg[written.__module__.removeprefix("midair.")]
         found = home.members[written.__name__]
@@ -55,7 +61,7 @@ class Docstrings(griffe.Extension):
         return griffe.Function(name, parameters=parameters, returns=found.returns, parent=parent)
 
     def construct(self, described: griffe.Class, thing: Any) -> None:
-        """Gives a class the parameters that it is called with, which pages look for in `__init__`."""
+        """Adds `__init__` with the parameters of a class, which the pages look for there."""
         new = described.members.get("__new__")
         if isinstance(new, griffe.Function):
             init = griffe.Function("__init__", parameters=new.parameters, parent=described)
@@ -69,7 +75,7 @@ class Docstrings(griffe.Extension):
     def joined(
         self, name: str, thing: Any, parent: griffe.Module | griffe.Class, overloads: list[griffe.Function]
     ) -> griffe.Function:
-        """A function of which the stubs have overloads only, as one: the signature that covers them all."""
+        """Returns one function for several overloads, with a signature that covers them all."""
         parameters = [
             griffe.Parameter(
                 one.name,
@@ -85,7 +91,9 @@ class Docstrings(griffe.Extension):
         )
 
     def kinds(self, name: str, overloads: list[griffe.Function]) -> Iterator[str]:
-        """The types that overloads give a parameter, a solver's name as a str, or that a keyword has."""
+        """Yields the types of a parameter in the overloads (str for a solver's name),
+        or of a keyword in its classes.
+        """
         for one in overloads:
             if name in one.parameters and name != "options":
                 text = self.plain(one.parameters[name].annotation)
@@ -98,7 +106,7 @@ class Docstrings(griffe.Extension):
                     return
 
     def plain(self, annotation: Any) -> str:
-        """A type with the private aliases of the stubs written out."""
+        """Returns a type with the stubs' private aliases replaced by their values."""
         text = str(annotation)
         for stubs in ("_calls", "_midair"):
             for name in re.findall(r"\b_[A-Z]\w+", text):

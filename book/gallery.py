@@ -1,4 +1,4 @@
-"""The gallery, `make gallery`: runs the examples, stores their pictures and writes docs/gallery.md."""
+"""Makes the gallery, `make gallery`: runs the examples, stores their pictures and writes docs/gallery.md."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ Each picture is the output of a short program in the folder [examples](../exampl
 Eight programs begin with a scene of the [studio's](studio.md) gallery.
 `midair studio docs/scenes/gallery/smiley.json` opens such a scene.
 """
-#: A card: picture, title, first sentence, and the program.
+#: The Markdown of a card: picture, title, first sentence, and a link to the program.
 CARD = """\
 <div class="card" markdown>
 
@@ -45,18 +45,20 @@ CARD = """\
 
 </div>
 """
-#: Pixels across, at most.
+#: The largest width of a picture in pixels.
 WIDTH = 1000
 
 
 def cells(path: Path, kind: str) -> list[str]:
-    """The cells of a notebook that are "code" or "markdown"."""
+    """Returns the cells of a notebook of one kind, "code" or "markdown"."""
     found = json.loads(path.read_text())["cells"]
     return ["".join(cell["source"]) for cell in found if cell["cell_type"] == kind]
 
 
 def run(path: Path) -> dict[str, Any]:
-    """Run a script or a notebook in the current folder, where it writes its picture; return its names."""
+    """Runs a script or a notebook in the current folder, where it writes its picture;
+    returns its variables.
+    """
     if path.suffix == ".ipynb":
         names: dict[str, Any] = {}
         exec(compile("\n".join(cells(path, "code")), str(path), "exec"), names)
@@ -66,7 +68,7 @@ def run(path: Path) -> dict[str, Any]:
 
 
 def reported(path: Path) -> tuple[str, str]:
-    """Title and description of an example."""
+    """Returns title and description of an example."""
     if path.suffix == ".ipynb":
         title, text = cells(path, "markdown")[0].split("\n", 1)
         return title.removeprefix("# "), text.strip()
@@ -77,7 +79,7 @@ def reported(path: Path) -> tuple[str, str]:
 
 
 def page() -> str:
-    """The page: a grid of cards for each theme, made from the examples' own texts."""
+    """Returns the page: a grid of cards for each theme, from the examples' own texts."""
 
     def parts() -> Iterator[str]:
         yield INTRODUCTION
@@ -93,13 +95,13 @@ def page() -> str:
 
 
 def scene(name: str) -> str | None:
-    """The scene of the studio's gallery that an example begins with, such as "smiley"."""
+    """Returns the studio's scene that an example uses, such as "smiley", None if it uses none."""
     found = re.search(r'SCENES / \\?"(\w+)\.json', (EXAMPLES / name).read_text())
     return found[1] if found else None
 
 
 def links(name: str, folder: str, studio: bool) -> str:
-    """Links to an example's files in `folder`, "gallery/" or "", and to its scene in the studio."""
+    """Returns links to an example's files in `folder`, "gallery/" or "", and to its scene in the studio."""
     stem, up = folder + Path(name).stem, "" if folder else "../"
     found = [f'<a href="{stem}.py" download>program</a>'] if name.endswith(".py") else []
     found.append(f'<a href="{stem}.ipynb" download>notebook</a>')
@@ -109,7 +111,7 @@ def links(name: str, folder: str, studio: bool) -> str:
 
 
 def own_page(name: str, studio: bool) -> str:
-    """The site's page of an example: text, picture or live cell, downloads and program."""
+    """Returns the website's page of an example: text, picture or live cell, downloads and program."""
     title, text = reported(EXAMPLES / name)
     stem = Path(name).stem
     picture = f"![{title}]({stem}.webp)"
@@ -126,20 +128,20 @@ def own_page(name: str, studio: bool) -> str:
 
 
 def program(name: str) -> str:
-    """The program of a script, below its description."""
+    """Returns the program of a script, without its description."""
     source = (EXAMPLES / name).read_text()
     return source[source.index('"""', 3) + 3 :].strip()
 
 
 def notebook_page(path: Path) -> str:
-    """A notebook's cells as Markdown."""
+    """Returns a notebook's cells as Markdown."""
     kinds = {"markdown": "{}\n", "code": "```python\n{}\n```\n"}
     found = json.loads(path.read_text())["cells"]
     return "\n".join(kinds[cell["cell_type"]].format("".join(cell["source"])) for cell in found)
 
 
 def notebook(name: str) -> str:
-    """An example as a notebook; a program becomes one cell below its description."""
+    """Returns an example as a notebook; a script becomes one cell below its description."""
     if name.endswith(".ipynb"):
         return (EXAMPLES / name).read_text()
     title, text = reported(EXAMPLES / name)
@@ -159,7 +161,7 @@ def notebook(name: str) -> str:
 
 
 def keep(picture: Path) -> None:
-    """A picture as a small file of docs/gallery."""
+    """Stores a picture as a small file in docs/gallery."""
     from PIL import Image
 
     image = Image.open(picture).convert("RGB")
@@ -168,7 +170,7 @@ def keep(picture: Path) -> None:
 
 
 def main() -> None:
-    """Run all, keep their pictures, write the page."""
+    """Runs all examples, stores their pictures and writes the page."""
     import matplotlib.pyplot as plt
 
     plt.switch_backend("Agg")

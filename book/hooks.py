@@ -1,7 +1,7 @@
-"""Hooks of mkdocs: pages from elsewhere join those of docs/, and links find them.
+"""Hooks of mkdocs: add pages from outside of docs/, and correct the links to them.
 
-Pages of docs/ link to files of the repository as GitHub shows them, `../CHANGELOG.md`. On the site such a
-file is a page under `repository/`, with those that it links to.
+Pages in docs/ link to files of the repository as on GitHub, `../CHANGELOG.md`. On the website such a file
+is a page in `repository/`, and so are the files that it links to.
 """
 
 from __future__ import annotations
@@ -24,24 +24,24 @@ import gallery
 import reference
 
 ROOT = Path(__file__).parents[1]
-#: The studio as `make studio` builds it; without it the book has pictures in place of live cells.
+#: The studio that `make studio` builds; without it the book has pictures instead of live cells.
 STUDIO = ROOT / "studio" / "built"
 EXAMPLES = {f"examples/{name}": name for names in gallery.ORDER.values() for name in names}
-#: A card's link to its program; on the site there are more.
+#: A card's link to its program; the website replaces it by several links.
 PROGRAM = re.compile(r"^\[(\w+\.\w+)\]\(\.\./examples/\1\)$", re.MULTILINE)
-#: A paragraph that is one picture, and the most pixels across of those that a phone shows whole.
+#: A paragraph with only a picture, and the largest width in pixels of pictures that a phone shows whole.
 PICTURE = re.compile(r'<p>(<img [^>]*src="([^"]+)"[^>]*>)</p>')
 NARROW = 800
 #: Formulas as GitHub writes them: in a line, and in a block.
 FORMULA = re.compile(r"\$`([^`\n]+)`\$|^```math\n(.*?)\n```$", re.MULTILINE | re.DOTALL)
-#: Pages of the navigation that no page of docs/ may happen to link to.
+#: Pages of the navigation, even if no page in docs/ links to them.
 ALWAYS = ("CHANGELOG.md", "CONTRIBUTING.md")
-#: The target of a Markdown link to a file: no address of the web, no bare anchor.
+#: The target of a Markdown link to a file, not to a web address or an anchor.
 TARGET = re.compile(r"(?<=\]\()([^)#:\s]+)")
 
 
 def home(page: str) -> str:
-    """Where in the repository a page of the site comes from."""
+    """Returns the path in the repository of a page of the website."""
     own = next((path for path in EXAMPLES if place(path) == page), None)
     if own or not page.startswith("repository/"):
         return own or f"docs/{page}"
@@ -50,7 +50,7 @@ def home(page: str) -> str:
 
 
 def place(path: str) -> str:
-    """Where on the site a file or folder of the repository is."""
+    """Returns the path on the website of a file or folder of the repository."""
     if (ROOT / path).is_dir():
         return f"repository/{path}/index.md"
     if path in EXAMPLES:
@@ -61,7 +61,9 @@ def place(path: str) -> str:
 
 
 def outside(target: str, page: str) -> str | None:
-    """The file or folder of the repository that a link leads to, if mkdocs does not find it by itself."""
+    """Returns the file or folder of the repository that a link leads to,
+    None if mkdocs resolves it by itself.
+    """
     path = posixpath.normpath(posixpath.join(posixpath.dirname(home(page)), target))
     of_docs = not page.startswith("repository/") and home(page).startswith("docs/")
     at_home = of_docs and path.startswith("docs/") and (ROOT / path).is_file()
@@ -69,7 +71,7 @@ def outside(target: str, page: str) -> str | None:
 
 
 def shown(path: str) -> str:
-    """A file of the repository as Markdown: code in a block, a notebook's cells, a folder's names."""
+    """Returns a file of the repository as Markdown: code in a block, a notebook's cells, a folder's names."""
     if (ROOT / path).is_dir():
         names = sorted(file.name for file in (ROOT / path).iterdir())
         return f"# {path}\n\n" + "".join(f"- [{name}]({name})\n" for name in names)
@@ -80,13 +82,15 @@ def shown(path: str) -> str:
 
 
 def on_config(config: Any) -> None:
-    """Leaves the script of live cells out where the studio is not built."""
+    """Removes the script of live cells if the studio is not built."""
     if not STUDIO.is_dir():
         config.extra_javascript = [each for each in config.extra_javascript if "live" not in str(each)]
 
 
 def assets() -> Iterator[tuple[str, Path | str]]:
-    """Files of the site that are in no folder of its sources: their place, and their path or content."""
+    """Yields files that are in no source folder:
+    their path on the website, and their source path or content.
+    """
     for path, name in EXAMPLES.items():
         stem = f"gallery/{Path(name).stem}"
         yield f"{stem}.ipynb", gallery.notebook(name)
@@ -102,7 +106,7 @@ def assets() -> Iterator[tuple[str, Path | str]]:
 
 
 def on_files(files: Any, config: Any) -> None:
-    """Adds the pages that are written now, and those of the repository that are linked to."""
+    """Adds the generated pages, and the files of the repository that pages link to."""
     for place_, found in assets():
         given = {"abs_src_path": str(found)} if isinstance(found, Path) else {"content": found}
         files.append(File.generated(config, place_, **given))
@@ -119,7 +123,7 @@ def on_files(files: Any, config: Any) -> None:
 
 
 def formula(found: re.Match[str]) -> str:
-    """A formula as MathML, which browsers draw without a script."""
+    """Returns a formula as MathML, which browsers draw without a script."""
     line, block = found.groups()
     if line:
         return convert(line)
@@ -128,7 +132,7 @@ def formula(found: re.Match[str]) -> str:
 
 
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
-    """Links as they are on the site. A search finds the pages of docs/ before files of the repository."""
+    """Converts links to those of the website. Adds words so that a search finds pages of docs/ first."""
     here = page.file.src_uri
     markdown = FORMULA.sub(formula, markdown)
     if here == "gallery.md":
@@ -144,13 +148,13 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
 
 
 def on_page_context(context: dict[str, Any], page: Any, config: Any, **_: Any) -> dict[str, Any]:
-    """Chooses the language of the theme's own words, page by page."""
+    """Sets the language of the theme's own words, page by page."""
     config.theme["language"] = "ja" if page.url.startswith("ja/") else "en"
     return context
 
 
 def scrolled(found: re.Match[str], page: str) -> str:
-    """A picture; a wide one in a box that a phone scrolls, so that its letters stay readable."""
+    """Puts a wide picture into a box that a phone can scroll, so that its text stays readable."""
     path = ROOT / "docs" / posixpath.normpath(posixpath.join(posixpath.dirname(page), found[2]))
     if not path.is_file() or path.suffix == ".svg" or Image.open(path).width <= NARROW:
         return found[0]
@@ -158,7 +162,7 @@ def scrolled(found: re.Match[str], page: str) -> str:
 
 
 def on_post_page(output: str, page: Any, **_: Any) -> str:
-    """Names the search, to which the theme gives no name; lets wide pictures scroll."""
+    """Names the search, which has no accessible name in the theme, and makes wide pictures scroll."""
     output = PICTURE.sub(lambda found: scrolled(found, page.url), output)
     search = 'data-md-component="search" role="dialog"'
     return output.replace(search, f'{search} aria-label="Search"')

@@ -1,4 +1,4 @@
-"""Every link of the built site: links to nowhere, and files that a page would load from other hosts."""
+"""Checks the links of the built website: broken links, and files that a page would load from other hosts."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
-#: Attributes by which a page loads something as soon as it is opened.
+#: Attributes whose file a page loads as soon as it is opened.
 LOADED = {("script", "src"), ("img", "src"), ("iframe", "src"), ("source", "src"), ("video", "src")}
 #: Kinds of <link> that load nothing.
 UNLOADED = {"canonical", "next", "prev", "alternate"}
@@ -25,7 +25,7 @@ class Page(HTMLParser):
         self.feed(path.read_text())
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """Called with each tag."""
+        """Collects anchors, links and loaded files of a tag."""
         given = {name: value or "" for name, value in attrs}
         self.anchors |= {given[name] for name in ("id", "name") if name in given}
         for name in ("href", "src"):
@@ -36,7 +36,7 @@ class Page(HTMLParser):
 
 
 def faults(site: Path) -> list[str]:
-    """One line each."""
+    """Returns the faults, one line each."""
     pages = {path.resolve(): Page(path) for path in site.resolve().rglob("*.html")}
     found = []
     for path, page in pages.items():
@@ -44,7 +44,7 @@ def faults(site: Path) -> list[str]:
         found += [f"{where}: loads {url} from elsewhere" for url in page.loads if urlsplit(url).netloc]
         for url in page.links + page.loads:
             parts = urlsplit(url)
-            # 404.html is shown at any address, and its links begin at the site's root.
+            # 404.html is shown at any address; its links are relative to the website's root.
             if parts.scheme or parts.netloc or path.name == "404.html":
                 continue
             target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
@@ -60,7 +60,7 @@ def faults(site: Path) -> list[str]:
 
 
 def main() -> None:
-    """Print the faults of the site in the given folder, and exit with 1 if there are any."""
+    """Prints the faults of the website in the given folder, and exits with 1 if there are any."""
     found = faults(Path(sys.argv[1]))
     print("\n".join(found) or "no broken link, nothing loaded from elsewhere")
     sys.exit(1 if found else 0)

@@ -1,5 +1,5 @@
-// The built book in a browser: node book/look.mjs SITE [FOLDER for pictures]. Fails on serious faults of axe, requests to other
-// hosts, missing files, and pages that are wider than a phone.
+// Checks the built book in a browser: node book/look.mjs SITE [FOLDER for pictures]. Fails on serious faults of axe, requests
+// to other hosts, missing files, and pages that are wider than a phone.
 import { mkdir, readFile } from "node:fs/promises";
 import { createServer } from "node:http";
 import { createRequire } from "node:module";

@@ -1,4 +1,4 @@
-"""Every public name of the package on the built site: names without a place of their own are reported."""
+"""Checks that the built website has an anchor for every public name of the package; reports missing names."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ import midair
 
 
 def members(owner: type) -> Iterator[str]:
-    """A class's public attributes and methods, own and inherited; docstrings tell a dataclass's fields."""
+    """Yields a class's public attributes and methods, own and inherited, without fields,
+    which docstrings describe.
+    """
     fields = {field.name for field in dataclasses.fields(owner)} if dataclasses.is_dataclass(owner) else set()
     fields |= set(getattr(owner, "_fields", ()))
     for base in owner.__mro__:
@@ -23,7 +25,7 @@ def members(owner: type) -> Iterator[str]:
 
 
 def names() -> Iterator[str]:
-    """All of them, as the site's anchors end."""
+    """Yields all public names, as the website's anchors end."""
     for name in midair.__all__:
         thing = getattr(midair, name)
         inner = [getattr(thing, one) for one in thing.__all__] if isinstance(thing, ModuleType) else [thing]
@@ -36,14 +38,14 @@ def names() -> Iterator[str]:
 
 
 def faults(site: Path) -> list[str]:
-    """Names without an anchor."""
+    """Returns the names without an anchor."""
     pages = "".join(path.read_text() for path in sorted((site / "reference" / "python").glob("*.html")))
     anchors = [f".{anchor}" for anchor in re.findall(r' id="(midair\.[^"]+)"', pages)]
     return sorted({name for name in names() if not any(anchor.endswith(f".{name}") for anchor in anchors)})
 
 
 def main() -> None:
-    """Print the names that the site in the given folder lacks, and exit with 1 if there are any."""
+    """Prints the names that the website in the given folder lacks, and exits with 1 if there are any."""
     found = faults(Path(sys.argv[1]))
     print("\n".join(f"{name} is not in the reference" for name in found) or "every public name is there")
     sys.exit(1 if found else 0)

@@ -1,4 +1,4 @@
-"""The page docs/paper.md, `make paper`, from tables of `midair reproduce`: python book/paper.py OUT DOCS."""
+"""Writes docs/paper.md from tables of `midair reproduce`, `make paper`: python book/paper.py OUT DOCS."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from midair._reproduce import FIGURES, fig2, tables, timing
 from midair._reproduce.tables import Outcome
 from midair._support import output
 
-#: Colours that the pictures on the page are reduced to, and their width in pixels, for a small repository.
+#: Number of colours and width in pixels of the page's pictures, so that the repository stays small.
 COLOURS = 128
 WIDTH = 860
 
@@ -105,7 +105,7 @@ DIFFERENCES = r"""## Where the paper's text and its authors' code differ, or lea
 
 
 def build(folder: Path, docs: Path) -> None:
-    """Copy the tables and reduced pictures of `folder` to docs/paper, and write docs/paper.md."""
+    """Copies the tables and reduced pictures of `folder` to docs/paper, and writes docs/paper.md."""
     place = docs / "paper"
     place.mkdir(exist_ok=True)
     for name in FIGURES:
@@ -115,7 +115,7 @@ def build(folder: Path, docs: Path) -> None:
 
 
 def reduce(picture: Path, target: Path) -> None:
-    """Write a picture of few colours and of the page's width."""
+    """Writes a picture with few colours and the page's width."""
     image = Image.open(picture).convert("RGB")
     image.thumbnail((WIDTH, 2 * WIDTH))
     content = io.BytesIO()
@@ -126,7 +126,7 @@ def reduce(picture: Path, target: Path) -> None:
 
 
 def text(place: Path) -> str:
-    """The page, from the tables in docs/paper."""
+    """Returns the page, from the tables in docs/paper."""
     rows = {name: tables.read(place / f"{name}.csv") for name in FIGURES}
     verdicts = {name: figure.judge(rows[name]) for name, figure in FIGURES.items()}
     outcomes = [verdict.verdict for judged in verdicts.values() for verdict in judged]
@@ -146,13 +146,13 @@ def text(place: Path) -> str:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Rows in Markdown."""
+    """Returns rows as a Markdown table."""
     lines = [head, ["---"] * len(head), *rows]
     return "".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |\n" for line in lines)
 
 
 def pattern(rows: tables.Rows) -> str:
-    """Fig. 2: a row for each method."""
+    """Returns the table of fig. 2, with a row for each method."""
     names = ("accuracy", "sigma", "uniformity")
     lines = []
     for key in tables.labels(rows):
@@ -162,14 +162,14 @@ def pattern(rows: tables.Rows) -> str:
 
 
 def wide(rows: tables.Rows, x: str, cell: Callable[[tables.Row], str]) -> str:
-    """A row for each method, a column for each value of x."""
+    """Returns a table with a row for each method and a column for each value of x."""
     sizes = dict.fromkeys(str(row[x]) for row in rows)
     methods = [tables.pick(rows, method=key) for key in tables.labels(rows)]
     return table([f"{x} =", *sizes], [[mine[0]["label"], *map(cell, mine)] for mine in methods])
 
 
 def means(rows: tables.Rows, factor: float, digits: int) -> str:
-    """Figs. 3 and 4: means and half their intervals."""
+    """Returns a table of figs. 3 and 4: means and half their confidence intervals."""
 
     def cell(row: tables.Row) -> str:
         half = (row["high"] - row["low"]) / 2
@@ -179,7 +179,7 @@ def means(rows: tables.Rows, factor: float, digits: int) -> str:
 
 
 def times(rows: tables.Rows, x: str) -> str:
-    """Figs. 5 and 6: medians in ms, and slopes."""
+    """Returns the tables of figs. 5 and 6: medians in ms, and slopes."""
     firsts = [tables.pick(rows, method=key)[0] for key in tables.labels(rows)]
     slopes = [[row["label"], timing.stated_slope(row)] for row in firsts]
     medians = wide(rows, x, lambda row: f"{1e3 * row['median']:.3g}")
@@ -187,7 +187,7 @@ def times(rows: tables.Rows, x: str) -> str:
 
 
 def foci(rows: tables.Rows) -> str:
-    """Fig. 7: a row for each panel."""
+    """Returns the table of fig. 7, with a row for each panel."""
     names = ("panel", "target", "order", "balance", "orders")
     head = [*names, "width x / mm", "width y / mm", "artefact", "power"]
     return table(
@@ -215,7 +215,7 @@ TABLES: dict[str, Callable[[tables.Rows], str]] = {
 
 
 def ours(rows: dict[str, tables.Rows]) -> str:
-    """Advantages of `uniform` over the paper's best two methods."""
+    """Returns a table of the advantages of `uniform` over the paper's best two methods."""
     accuracies = (tables.pick(rows["fig3"], method=key) for key in ("greedy", "lm", "uniform"))
     lines = [
         [str(sigma["M"]), *(f"{100 * row['mean']:.1f}" for row in found), f"{sigma['mean']:.1e}"]

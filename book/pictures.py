@@ -1,6 +1,6 @@
-"""Pictures of pages, drawn by the package itself: `make pictures`. Letters are readable on a phone.
+"""Draws pictures of the pages with the package itself: `make pictures`. Their text is readable on a phone.
 
-Writes docs/traps.webp, boards.png, embedded.png, sweeps.png and why.png, and the card that links show.
+Writes docs/traps.webp, boards.png, embedded.png, sweeps.png and why.png, and the card picture for links.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 INK, TEAL, AMBER, SOFT = "#0c0f14", "#0b7f74", "#b35900", "#6b7686"
 COLOURS = {"naive": SOFT, "gspat": "#7a5195", "greedy": AMBER, "uniform": TEAL, "fast": "#2f6fb5"}
-#: A page is 360 points wide on a phone: letters of 12 points in 5.6 inches have 11 there.
+#: A page is 360 points wide on a phone, so text of 12 points in a picture of 5.6 inches appears as 11 points.
 mpl.rcParams.update({"font.size": 12, "axes.spines.top": False, "axes.spines.right": False})
 WIDTH = 5.6
 
 
 def figure(height: float, rows: int = 1, columns: int = 1) -> tuple[Figure, np.ndarray]:
-    """A figure of the page's width, and its axes as a flat array."""
+    """Returns a figure of the page's width, and its axes as a flat array."""
     drawn, axes = plt.subplots(rows, columns, figsize=(WIDTH, height), layout="constrained", squeeze=False)
     return drawn, axes.ravel()
 
 
 def save(drawn: Figure, name: str) -> None:
-    """Write a picture of few colours into docs."""
+    """Writes a picture with few colours to docs."""
     from paper import reduce
 
     path = DOCS / f"{name}.png"
@@ -42,7 +42,7 @@ def save(drawn: Figure, name: str) -> None:
 
 
 def traps() -> None:
-    """Upright slice through the bead's place in a TinyLev: |p|, the force, and the bead."""
+    """Draws an upright slice through a trap in a TinyLev: |p|, the force, and the bead."""
     scene = midair.Scene(midair.Array.preset("tinylev"), [[0, 0, 0]], signature="trap")
     solution = midair.solve(scene)
     field = midair.field(scene, solution, midair.Plane(axis="y", at=0, size=0.034, pixels=260, center=(0, 0)))
@@ -66,7 +66,7 @@ def traps() -> None:
 
 
 def boards() -> None:
-    """Arrays of boards on one scale, each transducer as a disc."""
+    """Draws arrays of boards at the same scale, each transducer as a disc."""
     names = {
         "autd3": "AUTD3, 249",
         "sonicsurface": "SonicSurface, 256",
@@ -90,7 +90,7 @@ def boards() -> None:
 
 
 def embedded() -> None:
-    """Instructions of a frame over the number of points, of the table in docs/embedded.md."""
+    """Draws the instructions of a frame over the number of points, from the table in docs/embedded.md."""
     rows = re.findall(r"^\| `(\w+)` \|(.*)\|$", (DOCS / "embedded.md").read_text(), re.MULTILINE)
     cells = [
         (name, [float(cell.replace(",", "")) for cell in row.split("|")]) for name, row in rows if "." in row
@@ -115,7 +115,9 @@ def embedded() -> None:
 
 
 def sweeps() -> None:
-    """Uniformity over M by four methods with 95 % intervals: 1600 problems of the page's first sweep."""
+    """Draws uniformity over M by four methods with 95 % intervals:
+    1600 problems of the page's first sweep.
+    """
     methods = ["naive", "gspat", "greedy", "uniform"]
     table = midair.sweep(
         {
@@ -154,7 +156,7 @@ def sweeps() -> None:
 
 
 def why() -> None:
-    """The level of two foci over the phase between them, and eight points by three methods."""
+    """Draws the level of two foci over the phase between them, and eight points by three methods."""
     pair = midair.Scene(midair.Array.grid(16, 16, 10e-3), [[-0.006, 0, 0.15], [0.006, 0, 0.15]])
     G = pair.propagation()
     turns = np.linspace(0, 1, 181)
@@ -172,7 +174,7 @@ def why() -> None:
 
 
 def bars(ax: Axes, scene: midair.Scene) -> None:
-    """|p| at each point relative to the balanced level, by three methods."""
+    """Draws |p| at each point relative to the balanced level, by three methods."""
     level = scene.reach().level
     for k, name in enumerate(("naive", "greedy", "uniform")):
         solution = midair.solve(scene, name)
@@ -184,7 +186,9 @@ def bars(ax: Axes, scene: midair.Scene) -> None:
 
 
 def card() -> None:
-    """The picture that other programs show for a link: the name, one sentence, and the field of a smiley."""
+    """Draws the picture that other programs show for a link:
+    the name, one sentence, and the field of a smiley.
+    """
     scene = midair.Scene.load(DOCS / "scenes" / "gallery" / "smiley.json")
     solution = midair.solve(scene, "uniform")
     points = scene.points

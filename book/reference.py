@@ -1,6 +1,6 @@
-"""The reference pages that are written at build time: package, methods, presets, command line, scene file.
+"""Generates the reference pages at build time: package, methods, presets, command line, scene file.
 
-As a program it writes docs/api.md, the page of all names, which is in the tree.
+Run as a program, it writes docs/api.md, the page of all names, which is in the repository.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from midair._cli.app import COMMANDS, app, explain
 
 ROOT = Path(__file__).parents[1]
 
-#: Every public name of the package, a page a theme: file, title, subject, names.
+#: All public names of the package, by page: file, title, subject, names.
 PYTHON = [
     (
         "scenes",
@@ -105,7 +105,9 @@ pressure of a transducer on its axis times the distance. [Boards](../boards.md) 
 
 
 def entry(name: str) -> str:
-    """A public name, looked up where it is defined: `midair.skin` is also the name of a file."""
+    """Returns the directive for a public name at its definition:
+    `midair.skin` is also the name of a module.
+    """
     thing = inspect.unwrap(getattr(midair, name))
     home = getattr(thing, "__module__", None) or "midair"
     path = f"midair.{name}" if home in ("midair", "midair._midair") else f"{home}.{thing.__qualname__}"
@@ -113,7 +115,7 @@ def entry(name: str) -> str:
 
 
 def python() -> Iterator[tuple[str, str]]:
-    """A page a theme. A public name that is on none of them, or on two, is an error."""
+    """Yields a page for each theme; raises ValueError if a public name is on no page or on two."""
     listed = [name for *_, names in PYTHON for name in names.split()]
     if sorted(listed) != sorted(midair.__all__):
         wrong = set(listed) ^ set(midair.__all__)
@@ -127,7 +129,7 @@ def python() -> Iterator[tuple[str, str]]:
 
 
 def source(name: str) -> str:
-    """The file of the repository in which a public name and its docstring are written."""
+    """Returns the file of the repository with the definition and docstring of a public name."""
     thing = getattr(midair, name)
     if thing is not getattr(midair._midair, name, None):
         return Path(inspect.getfile(inspect.unwrap(thing))).relative_to(ROOT).as_posix()
@@ -140,7 +142,7 @@ def source(name: str) -> str:
 
 
 def index() -> str:
-    """The page of all names, which is in the tree: docs/api.md."""
+    """Returns the page of all names, docs/api.md."""
     text = INDEX
     for _, title, about, names in PYTHON:
         text += f"\n## {title}\n\n{about}\n\n" + row("name", "summary") + row("---", "---")
@@ -151,12 +153,12 @@ def index() -> str:
 
 
 def row(*cells: object) -> str:
-    """A row of a table; a bar within a cell is no border."""
+    """Returns a row of a Markdown table; bars within cells are escaped."""
     return "| " + " | ".join(str(cell).replace("|", r"\|") for cell in cells) + " |\n"
 
 
 def methods() -> str:
-    """Every method with its options, on the command line, in scene files and in Python alike."""
+    """Returns the page of all methods with their options, which are the same everywhere."""
     text = METHODS
     for name, about in midair.solvers().items():
         uses = {
@@ -175,7 +177,7 @@ def methods() -> str:
 
 
 def presets() -> str:
-    """Every array that is known by its name."""
+    """Returns the page of all presets."""
     head = row("preset", "N", "tiles", "P0 / Pa m", "board", "what it is", "source")
     rows = [
         row(
@@ -193,7 +195,9 @@ def presets() -> str:
 
 
 def command_line() -> str:
-    """Every command with every option, as in `--help`; the contents are the site's own."""
+    """Returns the page of all commands with their options, as in `--help`,
+    without its own table of contents.
+    """
     explain(*COMMANDS)
     text = app.generate_docs(output_format="markdown")
     before, rest = text.split("## Table of Contents", 1)
@@ -202,7 +206,7 @@ def command_line() -> str:
 
 
 def pages() -> Iterator[tuple[str, str]]:
-    """All of them: where they are in the site, and their Markdown."""
+    """Yields all pages: path on the website, and Markdown."""
     yield from python()
     yield "reference/methods.md", methods()
     yield "reference/presets.md", presets()

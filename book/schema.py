@@ -1,4 +1,6 @@
-"""The JSON Schemas and the fuzzer's words of scene files and sweeps, from the core's keys: `make schema`."""
+"""Makes JSON Schemas and fuzzing dictionaries of scene files and sweeps from the core's keys:
+`make schema`.
+"""
 
 from __future__ import annotations
 
@@ -11,22 +13,22 @@ from midair._midair import directivities, scene_keys, sweep_keys
 
 ROOT = Path(__file__).parents[1]
 
-#: The directivities by name, each with its formula.
+#: The directivities that have a name, each with its formula.
 DIRECTIVITIES = {name: about for name, (_, about, _) in directivities().items()}
-#: Values that a fuzzer writes beside keys: names, numbers at the ends, null.
+#: Values for the fuzzing dictionary: names, extreme numbers, booleans, null.
 VALUES = ['"autd3"', '"paper20"', "[1, 2]", '"max"', '"full"', '"all"', "true", "null"]
 VALUES += ["inf", "nan", "-0.0", "1e308", "9223372036854775808"]
 HEAD = {"$schema": "http://json-schema.org/draft-07/schema#"}
-#: Lists of any length whose example is as long as a place in space.
+#: Lists of any length, although their example has three numbers.
 FREE = {"array.quantization.amplitudes"}
-#: Numbers, or lists of them.
+#: Keys that take a number or a list of numbers.
 NUMBER_OR_LIST = {"motion.path[].pressures", "motion.path[].size"}
-#: Tables that may be written once or many times.
+#: Tables that may occur once or several times.
 REPEATED = {"shape", "image", "motion.path"}
 
 
 def tables() -> dict[str, dict[str, tuple[Any, str]]]:
-    """The core's keys: path of a table, and its keys with an example and the meaning of each."""
+    """Returns the core's keys: by the path of a table, its keys with an example and the meaning of each."""
     found = {
         table: {key: (json.loads(example), about) for key, (example, about) in keys.items()}
         for table, keys in scene_keys().items()
@@ -38,7 +40,7 @@ def tables() -> dict[str, dict[str, tuple[Any, str]]]:
 
 
 def of_value(example: Any, free: bool) -> dict[str, Any]:
-    """The type of a value like the example; the innermost list of numbers has its length, unless free."""
+    """Returns the type of a value like the example; lists of numbers have its length, unless `free`."""
     if isinstance(example, bool):
         return {"type": "boolean"}
     if isinstance(example, str):
@@ -52,7 +54,7 @@ def of_value(example: Any, free: bool) -> dict[str, Any]:
 
 
 def of_key(path: str, example: Any, of_table: Callable[[str], dict[str, Any] | None]) -> dict[str, Any]:
-    """The schema of a key, whose value may be a table, tables, or a plain value."""
+    """Returns the schema of a key, whose value may be a table, a list of tables, or a plain value."""
     if path == "motion.ahead":
         return {"anyOf": [{"type": "integer"}, {"type": "string"}]}
     if path in NUMBER_OR_LIST:
@@ -72,7 +74,7 @@ def of_key(path: str, example: Any, of_table: Callable[[str], dict[str, Any] | N
 
 
 def schema() -> dict[str, Any]:
-    """The whole schema."""
+    """Returns the schema of scene files."""
     known = tables()
 
     def of_table(table: str) -> dict[str, Any] | None:
@@ -82,7 +84,7 @@ def schema() -> dict[str, Any]:
         for key, (example, about) in known[table].items():
             path = f"{table}.{key}" if table else key
             properties[key] = {"description": about, **of_key(path, example, of_table)}
-        # A solver has options of its own.
+        # Each solver has options of its own.
         return {"type": "object", "properties": properties, "additionalProperties": table == "solver"}
 
     root = of_table("")
@@ -91,12 +93,12 @@ def schema() -> dict[str, Any]:
 
 
 def several(rule: dict[str, Any]) -> dict[str, Any]:
-    """A value, or a list of such."""
+    """Returns the schema of a value or a list of such values."""
     return {"anyOf": [rule, {"type": "array", "items": rule}]}
 
 
 def axes(table: dict[str, Any]) -> dict[str, Any]:
-    """A table of a scene file, where a list of values is an axis of a sweep."""
+    """Returns the schema of a table in a sweep file, where a list of values is an axis of the sweep."""
     axis = {}
     for key, rule in table["properties"].items():
         one = {name: part for name, part in rule.items() if name != "description"}
@@ -105,7 +107,9 @@ def axes(table: dict[str, Any]) -> dict[str, Any]:
 
 
 def sweep_schema() -> dict[str, Any]:
-    """The schema of sweep files: arrays, medium, points and solvers as in a scene file, and lists of each."""
+    """Returns the schema of sweep files: arrays, medium, points and solvers as in a scene file,
+    or lists of them.
+    """
     scene, number = schema()["properties"], {"type": "number"}
     range_ = {"anyOf": [number, {"type": "array", "items": number, "minItems": 2, "maxItems": 2}]}
     own: dict[str, dict[str, Any]] = {
@@ -133,12 +137,12 @@ def sweep_schema() -> dict[str, Any]:
 
 
 def text(schema: dict[str, Any]) -> str:
-    """A schema as it is written."""
+    """Returns a schema as JSON text."""
     return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
 
 
 def words(known: dict[str, dict[str, Any]]) -> str:
-    """The fuzzer's dictionary: tables and keys of both formats, and values."""
+    """Returns the fuzzing dictionary: tables and keys in TOML and JSON, and values."""
     paths = [path.removesuffix("[]") for path in known if path]
     keys = dict.fromkeys(key for table in known.values() for key in table)
     found = [f"[{path}]" for path in paths] + [f"[[{path}]]" for path in paths]
@@ -148,7 +152,7 @@ def words(known: dict[str, dict[str, Any]]) -> str:
 
 
 def page() -> str:
-    """The same as a page: a table of keys for each table of a scene file."""
+    """Returns the reference page: a list of keys for each table of a scene file."""
     lines = [
         "# Scene file\n",
         "Every key of a scene file, TOML or JSON, as the core knows them.",
@@ -168,7 +172,7 @@ def page() -> str:
     return "\n".join(lines)
 
 
-#: Files that `make schema` writes.
+#: Functions that make the files of `make schema`, by path.
 WRITTEN = {
     "docs/scene.schema.json": lambda: text(schema()),
     "docs/sweep.schema.json": lambda: text(sweep_schema()),

@@ -16,13 +16,13 @@ solution = midair.solve(midair.Scene(board.array, points))
 with midair.connect("sonicsurface:loop") as surface:
     surface.send(solution)
 
-# Values from -16 to 15: half a turn is 16 steps.
+# Values from -16 to 15; 16 steps are half a turn.
 steps = (np.round(solution.phases / (2 * np.pi / 32)) + 16) % 32 - 16
 figure, axes = plt.subplots(1, 2, figsize=(10, 4.2), layout="constrained")
 x, y = 1e3 * board.array.positions[:, 0], 1e3 * board.array.positions[:, 1]
 midair.plot(solution, axes[1])
 axes[1].set_title("three foci, 12 cm above")
-# midair's cyclic map, which the colour-blind can read; its plots bring it along.
+# midair's cyclic colour map, which colour-blind people can read; midair.plot registers it.
 discs = axes[0].scatter(x, y, c=steps, s=90, cmap="midair.phase", vmin=-16, vmax=16, ec="0.5", lw=0.4)
 axes[0].set(aspect="equal", xlabel="x / mm", ylabel="y / mm", title="phase steps of 2 pi/32")
 figure.colorbar(discs, ax=axes[0], ticks=[-16, -8, 0, 8, 16])

@@ -18,12 +18,14 @@ from matplotlib.figure import Figure
 import midair
 
 FREQUENCY = 40e3
-#: Seconds of sound that a reading takes, and that the air takes to settle after a drive.
+#: Duration of a reading, and of the time after a change of drive before the sound is steady, in s.
 LISTEN, SETTLE = 10e-3, 5e-3
 
 
 def simulated(scene: midair.Scene, seed: int = 0) -> Callable[[Any], Any]:
-    """Readings of an array with gains of 10 %, phases of 20 degrees, 3 % dead, in air of 346.1 m/s; 60 dB."""
+    """Returns readings of an array with errors:
+    gains 10 %, phases 20 degrees, 3 % dead, 346.1 m/s, noise 60 dB.
+    """
     rng = np.random.default_rng(seed)
     n = len(scene.array)
     response = (1 + 0.1 * rng.normal(size=n)) * np.exp(1j * np.radians(20) * rng.normal(size=n))
@@ -36,9 +38,9 @@ def simulated(scene: midair.Scene, seed: int = 0) -> Callable[[Any], Any]:
 def sound_card(
     play: Callable[[Any], object], device: int, channels: int, rate: float, pascals: float
 ) -> Callable[[Any], Any]:
-    """Readings of a sound card: the amplitude at 40 kHz of each channel, `pascals` at its full scale.
+    """Returns readings of a sound card: the amplitude at 40 kHz of each channel, `pascals` at its full scale.
 
-    The card's clock is its own: only |p| comes out.
+    The card has its own clock, so there is no phase: readings are |p|.
     """
     try:
         import sounddevice
@@ -62,7 +64,7 @@ def sound_card(
 
 
 def draw(received: Mapping[str, Any]) -> None:
-    """Print the foci of each way, and draw them as microphone.png."""
+    """Prints the foci of each method, and draws them as microphone.png."""
     figure = Figure(figsize=(7, 3.8), layout="constrained")
     ax = figure.subplots()
     for k, (way, pressures) in enumerate(received.items()):
@@ -74,7 +76,7 @@ def draw(received: Mapping[str, Any]) -> None:
 
 
 def main() -> None:
-    """Tune, and print the result."""
+    """Tunes the foci, and prints the result."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument(
         "--device", type=int, help="number of the sound card (python -m sounddevice lists them)"

@@ -13,7 +13,7 @@ Real, Complex = NDArray[np.float64], NDArray[np.complex64]
 
 
 def best_of_many(propagation: Complex, targets: Real, weights: Real, tries: int = 1000) -> Complex:
-    """Superposed foci at random phases, the drive brought to full amplitude: the best of many."""
+    """Returns the best of many superpositions of foci with random phases, scaled to full amplitude."""
     rng = np.random.default_rng(1)
     phases = np.exp(2j * np.pi * rng.random((tries, len(targets))))
     drives = (phases * targets) @ propagation.conj()

@@ -18,6 +18,6 @@ plt.imsave("heart.png", np.where(heart, 0.75 + 0.25 * y, 0), cmap="gray", vmin=0
 
 array = midair.Array.preset("autd3", tiles=(2, 2))
 wanted = midair.image("heart.png", size=0.12, z=0.15, pixels=32, quiet=True)
-with warnings.catch_warnings(action="ignore", category=midair.SceneWarning):  # "missed by 7 %": see above
+with warnings.catch_warnings(action="ignore", category=midair.SceneWarning):  # "missed by 7 %": see the top
     solution = midair.solve(midair.Scene(array, **wanted), "descent")
 solution.plot().savefig("picture.png")

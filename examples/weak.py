@@ -12,7 +12,7 @@ import midair
 SCENES = Path(__file__).parents[1] / "docs" / "scenes" / "gallery"
 
 scene = midair.Scene.load(SCENES / "weak.json")
-with warnings.catch_warnings(action="ignore"):  # midair says itself that such a focus comes out smeared
+with warnings.catch_warnings(action="ignore"):  # without balancing, midair warns that such a focus is smeared
     table = midair.compare(scene, [("greedy", {"balance": False}), ("greedy", {"balance": True}), "fast"])
 
 table.plot().savefig("weak.png")

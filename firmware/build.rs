@@ -1,4 +1,4 @@
-//! Puts the board's memory layout where the linker looks for it.
+//! Copies the board's memory layout to the folder where the linker searches for it.
 
 use std::path::Path;
 use std::{env, fs};

@@ -1,7 +1,7 @@
-"""The firmware built and run on an emulated board, and the same frames on this machine.
+"""Builds the firmware, runs it on an emulated board, and computes the same frames on this machine.
 
-Debian's compiler and the source of its standard library build it: no target has to be downloaded. Installs
-nothing.
+Debian's compiler builds it together with the source of its standard library, so no target is downloaded.
+Nothing is installed.
 """
 
 import os
@@ -16,7 +16,7 @@ from pathlib import Path
 HERE = Path(__file__).parent
 TARGET = "thumbv7em-none-eabihf"
 METHODS = ("fast", "greedy", "naive", "uniform")
-#: At -icount shift=0 an instruction takes 1 ns of the emulated time, and a tick of the 25 MHz clock 40 ns.
+#: With -icount shift=0 an instruction takes 1 ns of emulated time, and a tick of the 25 MHz clock 40 ns.
 INSTRUCTIONS_A_TICK = 40
 NEEDS = {
     "/usr/bin/rustc": "rustc-web",
@@ -29,7 +29,9 @@ LINKERS = ("ld.lld", "ld.lld-19", "ld.lld-14")
 
 @dataclass(frozen=True)
 class Run:
-    """Output of a program: numbers by name, the bits of each frame's drive, all bytes of its line."""
+    """Output of a program: numbers by name, the bits of each frame's drive,
+    all bytes sent on its serial line.
+    """
 
     numbers: dict[str, int]
     drives: list[str]
@@ -40,14 +42,16 @@ class Run:
 
 
 def build() -> Path:
-    """Builds all methods for the board and the tested player of this machine; the programs' folder."""
+    """Builds all methods for the board, and the same player for this machine;
+    returns the programs' folder.
+    """
     missing = [package for place, package in NEEDS.items() if not Path(place).exists()]
     linker = next((found for name in LINKERS if (found := shutil.which(name))), None)
     if missing or linker is None:
         names = " ".join(missing + ["lld"] * (linker is None))
         sys.exit(f"firmware: missing: apt install --no-install-recommends {names}")
     target = Path(os.environ.get("CARGO_TARGET_DIR", HERE / "target"))
-    # -Zbuild-std asks a stable compiler for this; a rustup toolchain must not step in.
+    # -Zbuild-std needs these variables with a stable compiler; a rustup toolchain must not be used instead.
     own = {
         "RUSTC_BOOTSTRAP": "1",
         "RUSTC": "/usr/bin/rustc",
@@ -64,7 +68,7 @@ def build() -> Path:
 
 
 def emulated(target: Path, method: str, array: str, board: str, points: int) -> Run:
-    """A method's program on the emulated board."""
+    """Runs a method's program on the emulated board."""
     program = target / TARGET / "release" / method
     words = [f"arg={word}" for word in (method, array, board, points)]
     with tempfile.TemporaryDirectory() as folder:
@@ -84,7 +88,7 @@ def emulated(target: Path, method: str, array: str, board: str, points: int) -> 
 
 
 def here(target: Path, method: str, array: str, board: str, points: int) -> Run:
-    """The same frames on this machine, by the scalar instruction set."""
+    """Computes the same frames on this machine, with the scalar instruction set."""
     program = target / "release" / "examples" / "pc"
     words = [str(program), method, array, board, str(points)]
     reported = subprocess.run(words, capture_output=True, text=True, check=True)
@@ -94,7 +98,7 @@ def here(target: Path, method: str, array: str, board: str, points: int) -> Run:
 
 
 def flash(target: Path, method: str) -> int:
-    """Bytes of a program in flash: those that its ELF file loads."""
+    """Returns the bytes of a program in flash: those that its ELF file loads."""
     elf = (target / TARGET / "release" / method).read_bytes()
     offset, count = struct.unpack_from("<I", elf, 28)[0], struct.unpack_from("<H", elf, 44)[0]
     headers = [struct.unpack_from("<8I", elf, offset + 32 * k) for k in range(count)]

@@ -1,4 +1,5 @@
-"""Flash, heap, stack and instructions of every method on the emulated board: the table of docs/embedded.md.
+"""Prints flash, heap, stack and instructions of every method on the emulated board: the table of
+docs/embedded.md.
 
 python3 firmware/measure.py
 """
@@ -14,7 +15,7 @@ POINTS = (1, 4, 8)
 
 
 def table(target: Path) -> str:
-    """Numbers of the third frame."""
+    """Returns the table, with the numbers of the third frame."""
     lines = [
         "| method | flash / kB | N | M | heap / kB | stack / kB | set-up | new points | solve | encode |",
         "|---|---|---|---|---|---|---|---|---|---|",

@@ -1,4 +1,4 @@
-"""Every method on the emulated board against this machine: drives to the bit, bytes of the line, allocations.
+"""Compares every method on the emulated board with this machine: bits of drives, sent bytes, allocations.
 
 python3 firmware/test.py
 """
@@ -7,7 +7,7 @@ import sys
 
 import emulated
 
-#: Arrays, N of a square grid or a preset, and the board that plays each.
+#: Arrays, as N of a square grid or as a preset, and the board that plays each.
 ARRAYS = (
     ("64", "mega64"),
     ("100", "sonicsurface"),
@@ -17,12 +17,13 @@ ARRAYS = (
     ("sonicsurface", "sonicsurface"),
 )
 POINTS = (1, 4, 8)
-#: `uniform` takes the steps that its points ask for: a frame may take one that none took before.
+#: Solvers that allocate nothing after the first frame. `uniform` may: its number of steps depends on the
+#: points.
 STEADY = ("fast", "greedy", "naive")
 
 
 def faults(target: emulated.Path, method: str, array: str, board: str, points: int) -> list[str]:
-    """The differences."""
+    """Returns the differences, one line each."""
     own = emulated.emulated(target, method, array, board, points)
     other = emulated.here(target, method, array, board, points)
     found = []
@@ -39,7 +40,7 @@ def faults(target: emulated.Path, method: str, array: str, board: str, points: i
 def main() -> None:
     target = emulated.build()
     cases = [(m, *array, points) for m in emulated.METHODS for array in ARRAYS for points in POINTS]
-    # Greedy's 16 phases are not among the 10 of a MEGA64: it plays grids of free phases there.
+    # Greedy's 16 phases are not among the 10 of a MEGA64, so there it only solves grids without quantization.
     cases = [case for case in cases if case[:2] != ("greedy", "ultraino_flat8x8")]
     failed = 0
     for method, array, board, points in cases:

@@ -1,4 +1,4 @@
-"""The makers' emulators of AUTD3 devices with midair's bytes: what comes of them, recorded in golden/autd3.
+"""Sends midair's bytes to the makers' emulators of AUTD3 devices, and records the results in golden/autd3.
 
 python gateware/autd3_run.py
 
@@ -28,7 +28,9 @@ def main() -> None:
 
 
 def record(firmware: str) -> None:
-    """Lets devices of a firmware play, and writes down the steps they are sent and what they have then."""
+    """Lets devices of a firmware play, and records the steps that they receive and their state after each
+    act.
+    """
     from autd3_emulators import Built
     from autd3_fake import acts
     from autd3_wire import Wire

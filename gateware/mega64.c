@@ -1,5 +1,5 @@
-// Ultraino's published binary on an emulated ATmega2560: bytes in, ports out. Usage: mega64 BINARY.hex BYTES [CYCLES]
-// Prints "port cycle value" for what the program writes to a port from CYCLES after the last byte on, for 20 periods.
+// Runs Ultraino's published binary on an emulated ATmega2560: bytes in, ports out. Usage: mega64 BINARY.hex BYTES [CYCLES].
+// Prints "port cycle value" for every write to a port in 20 periods, from CYCLES after the last byte on.
 #include <simavr/avr_ioport.h>
 #include <simavr/avr_uart.h>
 #include <simavr/sim_avr.h>
@@ -20,8 +20,8 @@ static void written(struct avr_irq_t *irq, uint32_t value, void *port) {
         printf("%c %llu %u\n", *(const char *)port, (unsigned long long)(avr->cycle - begin), value & 0xff);
 }
 
-// The driver board joins pin 2, where the program has timer 3 make a wave of 396 cycles (OCR3A + 1), to pin 3, whose falling
-// edge it waits for. The emulator leaves timers' pins alone.
+// On the driver board, pin 2 is connected to pin 3. Timer 3 makes a wave of 396 cycles (OCR3A + 1) at pin 2, and the program
+// waits for the falling edge at pin 3. The emulator does not drive the pins of timers, so this function does.
 static avr_cycle_count_t toggled(struct avr_t *chip, avr_cycle_count_t when, void *pin) {
     (void)chip;
     static uint32_t level = 0;
@@ -59,7 +59,8 @@ int main(int count, char **words) {
     const uint64_t pause = count > 3 ? strtoull(words[3], NULL, 10) : HERTZ / 500;
     int letter = fgetc(file);
     while (avr->cycle < begin || avr->cycle - begin < (uint64_t)PERIODS * SYNC) {
-        // The program switches timer 0 off by the power reduction register, which the emulator does not know: TIMSK0 = 0.
+        // The program switches timer 0 off by the power reduction register, which the emulator does not implement: clear
+        // TIMSK0.
         avr->data[0x6e] = 0;
         if (letter != EOF && avr->cycle >= next) {
             avr_raise_irq(line, (uint32_t)letter);

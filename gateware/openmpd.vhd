@@ -1,14 +1,14 @@
--- One OpenMPD board: the makers' blocks from the bytes on, joined as their top.vhd joins them; without the buffer behind USB,
--- which passes bytes on after a second.
+-- One OpenMPD board: the makers' blocks from the received bytes on, connected as in their top.vhd. The buffer of the USB chip
+-- is left out; it only passes bytes on after a second.
 library ieee;
 use ieee.std_logic_1164.all;
 
 entity board is
     port (
-        clock, fast : in std_logic;       -- 50 MHz and what the makers' PLL makes of it: 40.96 MHz
+        clock, fast : in std_logic;       -- 50 MHz, and 40.96 MHz from the makers' PLL
         byte_ready : in std_logic;
         byte : in std_logic_vector(7 downto 0);
-        sync_in : in std_logic;           -- of a board that follows; 0 of one that leads
+        sync_in : in std_logic;           -- from the leading board; 0 for a board that leads
         sync_out : out std_logic;
         pins : out std_logic_vector(255 downto 0) := (others => '0')
     );

@@ -10,7 +10,7 @@ entity bench is
 end entity;
 
 architecture simulated of bench is
-    constant HALF : time := 12207031 fs;        -- of 40.96 MHz
+    constant HALF : time := 12207031 fs;        -- half a period of 40.96 MHz
     signal clock : std_logic := '0';
     signal fast : std_logic_vector(0 to 1) := "00";
     signal sync : std_logic;
@@ -24,7 +24,7 @@ begin
     clock <= not clock after 10 ns;
     fast(0) <= not fast(0) after HALF;
     process begin
-        wait for offset * 1 ns;                 -- the second has an oscillator of its own
+        wait for offset * 1 ns;                 -- the second board has its own oscillator
         loop
             fast(1) <= not fast(1);
             wait for HALF;

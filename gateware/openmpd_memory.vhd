@@ -1,4 +1,4 @@
--- The memories of an OpenMPD board: they stand in for the blocks of the FPGA's maker, which are not public.
+-- The memories of an OpenMPD board, in place of the blocks of the FPGA's maker, which are not public.
 library ieee;
 use ieee.std_logic_1164.all;
 use ieee.numeric_std.all;

@@ -1,9 +1,10 @@
-"""The makers' own gateware with midair's bytes: its pins beside midair's report, recorded in golden/gateware.
+"""Runs the makers' own gateware with midair's bytes, compares its pins with midair's report, and records
+both.
 
 python gateware/run.py [FOLDER]
 
-FOLDER has the makers' repositories, which are theirs; left out, gateware/makers. Needs Debian's packages
-ghdl, simavr, libsimavr-dev and gcc.
+FOLDER contains the makers' repositories, by default gateware/makers. The records are in golden/gateware.
+This needs Debian's packages ghdl, simavr, libsimavr-dev and gcc.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ HERE = Path(__file__).parent
 RECORDS = HERE.parent / "golden" / "gateware"
 GHDL = ["--std=08", "-fsynopsys"]
 
-#: Repositories of the makers and the commits that ran here.
+#: Repositories of the makers, with the commits that were simulated.
 MAKERS = {
     "SonicSurface": ("https://github.com/upnalab/SonicSurface", "666c2dd53a0e3cecfac1c6a8a305a23f026fe9b2"),
     "OpenMPD_Hardware": (
@@ -38,23 +39,24 @@ MAKERS = {
 }
 
 Pins = NDArray[np.complex128]
-#: Plays the frame in a file and returns the drive of each channel, (channels,), up to a common phase.
+#: A function that plays the frame in a file and returns the drive of each channel, (channels,), up to a
+#: common phase.
 Play = Callable[[Path], Pins]
 
 
 @dataclass(frozen=True)
 class Case:
-    """A board and how its makers' gateware is made ready in a folder."""
+    """A board, and the function that prepares its makers' gateware in a folder."""
 
     board: str
     ready: Callable[[Path, Path], Play]
 
 
 def harmonic(times: NDArray[np.float64], levels: NDArray[np.int64], period: float) -> Pins:
-    """The first harmonic of levels (K, pins) from times (K + 1,) on.
+    """Returns the first harmonic of levels (K, pins) that change at times (K + 1,).
 
-    It is 1 for half a period high, and a later pulse has a larger phase: c = pi / T times
-    the integral of level(t) exp(2 pi j t / T) over a period T.
+    It is c = pi / T times the integral of level(t) exp(2 pi j t / T) over a period T. A pulse of half a
+    period has |c| = 1, and a later pulse has a larger phase.
     """
     edges = np.exp(2j * np.pi * times / period)
     return np.asarray((edges[1:] - edges[:-1]) @ levels / 2j)
@@ -68,7 +70,7 @@ def ghdl(folder: Path, *words: str) -> str:
 
 
 def simulated(folder: Path, frame: Path, *generics: str) -> Pins:
-    """The pins of both boards of a bench in the last period that it prints."""
+    """Returns the drive of the pins of both boards of a test bench, in the last period that it prints."""
     rows: list[list[tuple[int, str]]] = [[], []]
     for line in ghdl(folder, "-r", *GHDL, "bench", f"-gbytes={frame}", *generics).splitlines():
         words = line.split()
@@ -78,7 +80,7 @@ def simulated(folder: Path, frame: Path, *generics: str) -> Pins:
     for board in rows:
         times = np.array([time for time, _ in board], float)
         bits = np.array([[int(bit) for bit in reversed(f"{int(word, 16):0256b}")] for _, word in board])
-        if len(times) < 2:  # nothing moves
+        if len(times) < 2:  # the pins never change
             pins.append(np.zeros(256, complex))
             continue
         last = (times >= times[-1] - period - 1) & (times < times[-1] - 1)
@@ -86,7 +88,7 @@ def simulated(folder: Path, frame: Path, *generics: str) -> Pins:
     return np.concatenate(pins)
 
 
-#: The makers' blocks, those that others use first.
+#: The makers' blocks, in order of dependency.
 SONICSURFACE = ["RSSFilter_1", "Counter", "UARTReader", "Distribute", "PulseExpander", "LatchBuffer"]
 SONICSURFACE += ["PhaseLine", "Mux8", "AllChannels"]
 OPENMPD = ["RSSFilter", "Counter", "CommandReader", "PhaseCalibration", "PinMapping", "CalibrationAndMapping"]
@@ -98,7 +100,9 @@ def sources(folder: Path, blocks: list[str]) -> list[str]:
 
 
 def sonicsurface(makers: Path, folder: Path) -> Play:
-    """Both boards: COUNT[7] of the primary resets the secondary. Filters are as in each one's diagram."""
+    """Prepares both boards: COUNT[7] of the primary resets the secondary.
+    Filters are as in the makers' diagrams.
+    """
     for library in ("primary", "secondary"):
         source = makers / "SonicSurface" / "Firmware" / f"FPGA {library}" / "src"
         files = [*sources(source, SONICSURFACE), str(HERE / "sonicsurface.vhd")]
@@ -139,7 +143,7 @@ def mega64(makers: Path, folder: Path) -> Play:
 
 
 def period_of(writes: list[tuple[int, int]]) -> Pins:
-    """The eight pins of a port in the period of 396 cycles before its last write."""
+    """Returns the drive of a port's eight pins, in the period of 396 cycles before its last write."""
     if not writes:
         return np.zeros(8, complex)
     times, values = np.array(writes).T
@@ -148,14 +152,17 @@ def period_of(writes: list[tuple[int, int]]) -> Pins:
     return harmonic(np.append(times[last], times[-1]), bits, 396)
 
 
-#: A byte that sets the step of the tactile firmware's modulation; periods of 40 kHz that are looked at.
+#: A byte that sets the step of the tactile firmware's modulation, and the number of simulated periods of 40
+#: kHz.
 STEP, PERIODS = 165, 440
 
 
 def tactile(makers: Path, folder: Path) -> None:
-    """SonicSurface's tactile firmware with midair's bytes: prints how it modulates and how its phases differ.
+    """Runs SonicSurface's tactile firmware with midair's bytes: prints its modulation and the errors of its
+    phases.
 
-    Its table of polarities is its own, and its 16 phases are codes less their last bit: both are made up for.
+    This firmware has its own table of polarities, and its 16 phases are codes without their last bit. Both
+    are corrected for.
     """
     source = makers / "SonicSurface" / "Firmware" / "FPGA tactile modulation" / "src"
     files = [*sources(source, [*SONICSURFACE, "AmpModulator"]), str(HERE / "tactile.vhd")]
@@ -171,7 +178,7 @@ def tactile(makers: Path, folder: Path) -> None:
     assert table, "the makers' table of polarities"
     codes = np.frombuffer(frame, np.uint8)[1:257] + np.array(table[1].split(","), int)
     ticks = np.arange(17.0)
-    # Each channel in the middle of the periods in which it pulses as long as all do.
+    # For each channel, a period in the middle of those in which its pulse has the common length.
     length = np.median(bits.sum(axis=1)[bits.any(axis=1)])
     whole = [np.flatnonzero(sums == length) for sums in bits.sum(axis=1).T]
     pins = np.array([harmonic(ticks, bits[k[len(k) // 2], :, [c]].T, 16)[0] for c, k in enumerate(whole)])
@@ -197,7 +204,7 @@ CASES += [Case("openmpd_pair", openmpd), Case("mega64", mega64)]
 
 
 def drives(board: midair.Board) -> dict[str, NDArray[np.complex64]]:
-    """A drive of any phases and amplitudes, a focus, and a focus with quiet points beside it."""
+    """Returns a drive of random phases and amplitudes, a focus, and a focus with quiet points beside it."""
     rng = np.random.default_rng(38)
     count = len(board.array)
     free = rng.uniform(0.2, 1, count) * np.exp(2j * np.pi * rng.uniform(size=count))
@@ -231,7 +238,7 @@ def main() -> int:
 
 
 def record(case: Case, play: Play, folder: Path) -> None:
-    """Plays the board's drives, prints how far its pins are from the report, and writes both down."""
+    """Plays the board's drives, prints the difference of its pins from midair's report, and records both."""
     board = midair.Board(case.board)
     frames = []
     for name, drive in drives(board).items():

@@ -1,14 +1,14 @@
--- One SonicSurface board: the makers' blocks, joined as their block diagram QuadrupleBuffer.bdf joins them.
--- It is compiled once with the primary's blocks and once with the secondary's.
+-- One SonicSurface board: the makers' blocks, connected as in their block diagram QuadrupleBuffer.bdf. It is compiled twice,
+-- with the blocks of the primary and with those of the secondary.
 library ieee;
 use ieee.std_logic_1164.all;
 
 entity board is
     generic (taps : integer);
     port (
-        clock : in std_logic;             -- what the makers' PLL makes of 50 MHz: 10.24 MHz
+        clock : in std_logic;             -- 10.24 MHz from the makers' PLL
         serial : in std_logic;            -- MISC_B
-        reset : in std_logic;             -- MISC_A of the secondary; the ground in the primary
+        reset : in std_logic;             -- MISC_A of the secondary; ground in the primary
         count_high : out std_logic;       -- COUNT[7], on MISC_D of the primary
         pins : out std_logic_vector(255 downto 0)
     );
@@ -37,8 +37,8 @@ begin
         address => address, data_out => data);
     count_high <= count(7);
 
-    -- 32 shift registers 74HC595 of eight channels each. A bit that the multiplexer takes at count s is channel s of its
-    -- eight; the latch comes with count 4, so the newest bit is channel 2 and the oldest channel 3.
+    -- 32 shift registers 74HC595 of eight channels each. A bit that the multiplexer takes at count s is channel s of its eight.
+    -- The latch comes with count 4, so the newest bit is channel 2 and the oldest channel 3.
     shift <= not clock and clocks;
     latch <= count(2) and clocks;
     registers : for chip in 0 to 31 generate

@@ -1,4 +1,4 @@
--- Two SonicSurface boards on one line: bytes in, pins out. Prints the pins at each change once all bytes are in.
+-- Two SonicSurface boards on one line: bytes in, pins out. Prints the pins at each change after the last byte.
 library ieee, primary, secondary;
 use ieee.std_logic_1164.all;
 use std.textio.all;
@@ -9,7 +9,7 @@ entity bench is
 end entity;
 
 architecture simulated of bench is
-    constant HALF : time := 48828125 fs;        -- of 10.24 MHz
+    constant HALF : time := 48828125 fs;        -- half a period of 10.24 MHz
     constant BIT_TIME : time := 1 sec / 230400;
     signal clocks : std_logic_vector(0 to 1) := "00";
     signal serial : std_logic := '1';
@@ -21,7 +21,7 @@ architecture simulated of bench is
 begin
     clocks(0) <= not clocks(0) after HALF;
     process begin
-        wait for offset * 1 ns;                      -- the secondary has an oscillator of its own
+        wait for offset * 1 ns;                      -- the secondary has its own oscillator
         loop
             clocks(1) <= not clocks(1);
             wait for HALF;

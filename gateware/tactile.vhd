@@ -1,5 +1,5 @@
--- A SonicSurface with its makers' tactile firmware: their blocks, joined as their block diagram QuadrupleBuffer.bdf joins them;
--- bytes in. Prints the pins at each of the 16 ticks of periods of 40 kHz, once all bytes are in.
+-- A SonicSurface with its makers' tactile firmware: their blocks, connected as in their block diagram QuadrupleBuffer.bdf;
+-- bytes in. Prints the pins at each of the 16 ticks of periods of 40 kHz, after the last byte.
 library ieee;
 use ieee.std_logic_1164.all;
 use std.textio.all;
@@ -10,7 +10,7 @@ entity tactile is
 end entity;
 
 architecture simulated of tactile is
-    constant HALF : time := 97656250 fs;        -- of 5.12 MHz, what the makers' PLL makes of 50 MHz
+    constant HALF : time := 97656250 fs;        -- half a period of 5.12 MHz from the makers' PLL
     constant BIT_TIME : time := 1 sec / 230400;
     signal clock : std_logic := '0';
     signal serial : std_logic := '1';

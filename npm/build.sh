@@ -1,5 +1,5 @@
 #!/bin/bash
-# Makes npm/dist/, of which `npm pack` makes the package, from the door and its module (`make studio` builds both).
+# Makes npm/dist/, the content of the npm package, from the binding and its WebAssembly module (`make studio` builds both).
 set -eu -o pipefail
 cd "$(dirname "$0")"
 tools=../studio/node_modules/.bin

@@ -1,4 +1,4 @@
-// Two foci over a SonicSurface that turn about its axis; then the bytes that make the board play the last frame.
+// Solves two foci over a SonicSurface that turn about its axis; then encodes the bytes of the last frame.
 import { load } from "midair";
 
 const midair = await load();

@@ -1,36 +1,36 @@
-/** midair in Node and browsers: scenes that are solved, followed, looked at and played. */
+/** midair in Node and browsers: scenes that are solved, evaluated and played. */
 
 import { compile, type Door, openDoor } from "../studio/src/door.ts";
 
 export type { Answer, BoardKind, Catalogue, Door, Frame, Metrics, Preset, Probe, Solver } from "../studio/src/door.ts";
 export type { Vec3 } from "../studio/src/types.ts";
 
-/** A scene file's text, or the same as an object. */
+/** The text of a scene file, or its content as an object. */
 export type SceneFile = string | object;
 
-/** How a scene is read. */
+/** Options for reading a scene. */
 export interface Reading {
   /** Whether the text is TOML; JSON is recognised by its first character. */
   toml?: boolean;
-  /** Whether to use scalar instructions, whose bits are those of every machine. */
+  /** Whether to use scalar instructions, which give the same bits on every machine. */
   scalar?: boolean;
 }
 
-/** A scene with its session: everything of a Door but the opening. */
+/** A scene with its session: all functions of a Door except `open` and `catalogue`. */
 export type Scene = Omit<Door, "open" | "catalogue"> & {
-  /** Warnings of the scene, a line each. */
+  /** Warnings about the scene, one line each. */
   readonly warnings: readonly string[];
 };
 
 /** The compiled module. */
 export interface Midair {
-  /** Presets, solvers and boards, and the version. */
+  /** Returns presets, solvers and boards, and the version. */
   catalogue(): ReturnType<Door["catalogue"]>;
-  /** Opens a scene; throws one line that names the item, its value and the cure. `free` returns its memory. */
+  /** Opens a scene; throws a message of one line with the item, its value and the cure. `free` returns its memory. */
   open(scene: SceneFile, reading?: Reading): Scene;
 }
 
-/** Bytes of the module, where they lie, or nothing for the file beside this one. */
+/** The bytes of the module, or its address; by default the file beside this one. */
 export type Source = BufferSource | URL | string;
 
 async function bytes(source: Source): Promise<BufferSource> {
@@ -45,7 +45,7 @@ async function bytes(source: Source): Promise<BufferSource> {
   return response.arrayBuffer();
 }
 
-/** Loads the module: once a page or program. */
+/** Loads the module. Call this once per page or program. */
 export async function load(source: Source = new URL(/* @vite-ignore */ "./midair.wasm", import.meta.url)): Promise<Midair> {
   const module = await compile(await bytes(source));
   return {

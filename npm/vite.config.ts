@@ -1,4 +1,4 @@
-// One module for Node and browsers, which finds midair.wasm beside itself.
+// Builds one module for Node and browsers, which loads midair.wasm from its own folder.
 export default {
   root: import.meta.dirname,
   build: {

@@ -1,7 +1,8 @@
-"""Rehearses a release: builds it into out/release, tries each part in an empty environment, lists uploads.
+"""Rehearses a release: builds it into out/release, tests each part in an empty environment, lists the
+uploads.
 
-Needs what `make wheels` and `make npm` need. Environments for Python 3.11 and newer are made of the
-interpreters that uv finds; none of them sees Rust.
+It needs all that `make wheels` and `make npm` need. Environments are made for all interpreters from Python
+3.11 on that uv finds; none of them contains Rust.
 """
 
 import hashlib
@@ -27,7 +28,7 @@ BIN = Path(sys.executable).parent
 VERSION = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]["version"]
 PYTHONS = ("3.11", "3.12", "3.13", "3.14")
 THIRD_PARTY = ROOT / "python" / "THIRD-PARTY.md"
-#: Licences that a wheel may bundle: each asks for its text or less.
+#: Licences that a wheel may bundle: each requires its text or less.
 ALLOWED = {
     "MIT",
     "Apache-2.0",
@@ -40,7 +41,7 @@ ALLOWED = {
 ALLOWED |= {"Unicode-3.0", "Unlicense", "CC0-1.0", "BSL-1.0"}
 #: A scene of a board.
 BOARD = 'array.preset = "sonicsurface"\n[[points]]\nposition = [0, 0, 0.15]\n'
-#: Bytes of a wheel at most.
+#: The largest size of a wheel, in bytes.
 MOST = 6_000_000
 
 
@@ -56,7 +57,7 @@ def run(*command: object, cwd: Path = ROOT, env: dict[str, str] | None = None) -
 
 
 def bundled() -> list[tuple[str, str, str]]:
-    """Name, version and licence of each crate that is compiled into a wheel."""
+    """Returns name, version and licence of each crate that is compiled into a wheel."""
     metadata: dict[str, Any] = json.loads(run("cargo", "metadata", "--format-version", "1", "--locked"))
     needs = {node["id"]: node["deps"] for node in metadata["resolve"]["nodes"]}
     packages = {package["id"]: package for package in metadata["packages"]}
@@ -75,13 +76,13 @@ def bundled() -> list[tuple[str, str, str]]:
 
 
 def is_allowed(licence: str) -> bool:
-    """Whether one way to read a licence's expression needs known licences alone."""
+    """Returns whether a licence expression can be met with allowed licences alone."""
     parts = [part.strip(" ()") for part in licence.split(" AND ")]
     return all(any(one in ALLOWED for one in re.split(" OR |/", part)) for part in parts)
 
 
 def third_party() -> str:
-    """The list of what a wheel bundles, as Markdown."""
+    """Returns the list of the crates in a wheel, as Markdown."""
     for name, _, licence in bundled():
         if not is_allowed(licence):
             raise SystemExit(f"{name} has the licence {licence}: read it, then add it to ALLOWED")
@@ -93,7 +94,7 @@ def third_party() -> str:
 
 
 def build() -> None:
-    """sdist, wheels, crate and package for Node."""
+    """Builds sdist, wheels, crate and package for Node."""
     shutil.rmtree(OUT, ignore_errors=True)
     OUT.mkdir(parents=True)
     say("licences of what is bundled")
@@ -117,7 +118,7 @@ def build() -> None:
 
 @contextmanager
 def empty(python: str) -> Iterator[tuple[Path, dict[str, str]]]:
-    """An environment of one Python with the wheel installed, in an empty folder and without Rust."""
+    """Makes an environment of one Python with the wheel, in an empty folder and without Rust."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         run(BIN / "uv", "venv", "--quiet", "--python", python, folder / "env")
@@ -131,14 +132,16 @@ def empty(python: str) -> Iterator[tuple[Path, dict[str, str]]]:
 
 
 def example() -> str:
-    """The first Python program of the README."""
+    """Returns the first Python program of the README."""
     found = re.search(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
     assert found
     return found[1]
 
 
 def try_wheel(python: str) -> None:
-    """README's example, the command line, the studio's page and a board's loop, by the installed wheel."""
+    """Tests README's example, the command line, the studio's page and a simulated board,
+    with the installed wheel.
+    """
     with empty(python) as (folder, env):
         (folder / "board.toml").write_text(BOARD)
         for command in (
@@ -162,7 +165,7 @@ def try_wheel(python: str) -> None:
 
 
 def fetched(address: str) -> bytes:
-    """A file, as soon as it is served."""
+    """Returns a file of a server, as soon as it is served."""
     for _ in range(100):
         try:
             with urllib.request.urlopen(address, timeout=5) as answer:
@@ -173,7 +176,7 @@ def fetched(address: str) -> bytes:
 
 
 def try_node() -> None:
-    """The package's example in an empty folder."""
+    """Tests the package's example in an empty folder."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "package.json").write_text('{"name": "empty", "private": true, "type": "module"}')
@@ -182,7 +185,7 @@ def try_node() -> None:
 
 
 def try_crate() -> None:
-    """A program that depends on the packed crate."""
+    """Tests a program that depends on the packed crate."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         run("tar", "xzf", OUT / f"midair-{VERSION}.crate", cwd=folder)

@@ -1,7 +1,7 @@
-"""Type stubs of the calls that take a solver's options, from the registry: `make stubs` writes them.
+"""Writes the type stubs of calls that take a solver's options, from the solver table: `make stubs`.
 
-For each solver a TypedDict of its options and an overload of `solve`, `Solver` and `solve_batch`: editors
-complete the options, and type checkers refuse those that a solver has not.
+For each solver there is a TypedDict of its options and an overload of `solve`, `Solver` and `solve_batch`:
+editors complete the options, and type checkers reject those that a solver does not have.
 """
 
 from __future__ import annotations
@@ -127,11 +127,11 @@ class Solver:
 
 
 def kind(name: str, option: midair.OptionInfo) -> list[str]:
-    """The types that an option takes."""
+    """Returns the types that an option takes."""
     words = ", ".join(f'"{word}"' for word in option.words)
     own = f"Literal[{words}]" if words else type(option.default).__name__
     if name == "objective":
-        # `solve` takes a function, too.
+        # `solve` also takes a function.
         return [own, "Callable[[NDArray[np.complex64], NDArray[np.float64], NDArray[np.float64]], ArrayLike]"]
     return [own, "Sequence[int]", "NDArray[np.integer]"] if option.list else [own]
 
@@ -149,7 +149,7 @@ class {name}:
 
 
 def bodies() -> str:
-    """The file of obstacles that a few numbers describe, a class for each kind."""
+    """Returns the file of obstacles that a few numbers describe, with a class for each kind."""
     kinds = midair._midair.bodies()
     text = '"""Obstacles of a few numbers, from the core. Made by `make stubs`."""\n\n'
     text += "from typing import Final, Literal, TypeAlias, final\n\nfrom numpy.typing import ArrayLike\n\n"
@@ -169,13 +169,13 @@ def bodies() -> str:
 
 
 def getter(name: str, kind: str, owner: type) -> list[str]:
-    """The lines of a property with the docstring that it has when it runs."""
+    """Returns the lines of a property with the docstring that it has at run time."""
     about = inspect.getdoc(getattr(owner, name))
     return ["    @property", f"    def {name}(self) -> {kind}:", f'        """{about}"""']
 
 
 def air() -> str:
-    """The keywords of the air, and the numbers of a scene's as its properties."""
+    """Returns the keywords of the air, and the properties of a scene with its numbers."""
     lines = ["class Air(TypedDict, total=False):"]
     for name, (_, about) in midair._midair.scene_keys()["medium"].items():
         lines += [f"    {name}: float | None", f'    """{about}"""']
@@ -185,7 +185,7 @@ def air() -> str:
     return "\n".join(lines) + "\n"
 
 
-#: Types of an array's parts by their kind: as a keyword, and as a property.
+#: Types of an array's parts by kind: as a keyword, and as a property.
 KINDS = {
     "real": ("float", "float"),
     "directivity": ("_Directivity", "_Directivity"),
@@ -197,7 +197,9 @@ KINDS = {
 
 
 def parts() -> str:
-    """The keywords of an array's parts, alone and beside the air's, and its properties."""
+    """Returns the keywords of an array's parts, alone and together with those of the air,
+    and its properties.
+    """
     kinds = midair._midair.array_parts()
     lines = ["class Parts(TypedDict, total=False):"]
     for name, kind in kinds.items():
@@ -210,13 +212,15 @@ def parts() -> str:
 
 
 def keywords() -> str:
-    """The file of keywords: for each solver a class of its options, and of these with each call's own."""
+    """Returns the file of keywords: for each solver a class of its options,
+    and classes of these with each call's own.
+    """
     classes: dict[str, list[str]] = {}
     every: dict[str, list[str]] = {}
     for name, info in midair.solvers().items():
         classes[name.title()] = fields = [f'"""{info.summary}."""']
         for option_name, option in info.options.items():
-            # `lambda` is a word of Python's own.
+            # `lambda` is a reserved word of Python.
             key = "lambda_" if option_name == "lambda" else option_name
             every[key] = list(dict.fromkeys([*every.get(key, []), *kind(option_name, option)]))
             fields += [f"{key}: {' | '.join(kind(option_name, option))} | None", f'"""{option.doc}"""']
@@ -232,7 +236,9 @@ def keywords() -> str:
 
 
 def calls() -> str:
-    """The file of calls: overloads by the solver's name, for none, for one that is no literal."""
+    """Returns the file of calls: overloads for each solver's name, for no name,
+    and for a name that is not a literal.
+    """
     solvers = [(f'Literal["{name}"]', name.title()) for name in midair.solvers()]
     solvers += [("None = None", "Every"), ("str", "")]
 
@@ -248,7 +254,7 @@ def calls() -> str:
         solver += overload(
             "__new__", f"cls, scene: _Driven, solver: {name}", f"Solver{title}", "Solver", "    "
         )
-        # The fourth argument, or a keyword where points or pressures are left out.
+        # `solver` is the fourth argument, or a keyword if points or pressures are left out.
         if title != "Every":
             batch += overload("solve_batch", first + name, f"Batch{title}", "Batch")
         batch += overload("solve_batch", f"{left_out}*, solver: {name}", f"Batch{title}", "Batch")

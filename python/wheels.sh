@@ -1,5 +1,5 @@
 #!/bin/bash
-# Wheels for Linux on x86-64 and 64-bit ARM into dist, for every glibc since 2.17: Zig's linker knows the old ones.
+# Builds wheels for Linux on x86-64 and 64-bit ARM into dist, for glibc 2.17 and newer: Zig can link against old versions.
 set -eu -o pipefail
 cd "$(dirname "$0")/.."
 .venv/bin/uv pip install --quiet --python .venv/bin/python --group wheels

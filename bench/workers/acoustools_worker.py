@@ -1,7 +1,7 @@
-"""AcousTools, one thread: "call" has its tensors ready, "full" makes them from NumPy arrays and back.
+"""Times AcousTools on one thread: "call" reuses its tensors, "full" converts from NumPy arrays and back.
 
-Its defaults: 200 steps, |q| = 1. It reads the argument -cpu by itself. A board at z = 0 without normals gets
-normals 0, which makes its piston model a point source: the model of all others here.
+It uses its defaults: 200 steps, |q| = 1. It reads the argument -cpu by itself. A board at z = 0 without
+normals gets normals of 0, which makes its piston model a point source, as in all other programs here.
 """
 
 from importlib.metadata import version
@@ -16,7 +16,7 @@ METHODS = ("naive", "wgs", "gspat")
 
 def prepare(task: dict[str, Any]) -> Prepared:
     board = torch.tensor(task["positions"], dtype=torch.float32)
-    # A point source's amplitude is twice this by half of the directivity at 0.
+    # In AcousTools a point source's amplitude is 2 p_ref times the directivity at 0, which is 1/2.
     model = {"board": board, "k": task["wavenumber"], "p_ref": task["source_pressure"]}
     method = getattr(Solvers, task["method"])
     relative = task["pressures"][:, None] / task["pressures"].max()

@@ -1,4 +1,4 @@
-"""autd3: "call" has its foci and buffers ready, "full" makes them from NumPy arrays; both end in bytes."""
+"""Times autd3: "call" reuses foci and buffers, "full" makes them from NumPy arrays; both return bytes."""
 
 from importlib.metadata import version
 from typing import Any
@@ -9,7 +9,7 @@ import autd3_pattern_holo as holo
 import numpy as np
 from serve import Prepared, serve
 
-#: Its defaults: 100 steps, clamped amplitudes, 16 phases. `parallel` would only pass the last step to a pool.
+#: Its defaults: 100 steps, clamped amplitudes, 16 phases. `parallel` would run only the last step in a pool.
 OPTIONS = {
     "naive": holo.NaiveOption(parallel=False),
     "gs": holo.GsOption(parallel=False),
@@ -20,7 +20,9 @@ FULL = core.Intensity.MAX
 
 
 def boards(tiles: list[int]) -> core.Geometry:
-    """Boards x fastest, the middle of all lattices at the origin, as midair's preset."""
+    """Returns the boards, x fastest, with the middle of all transducers at the origin,
+    as in midair's preset.
+    """
     size = (core.Autd3.DEVICE_WIDTH, core.Autd3.DEVICE_HEIGHT)
     sites = (core.Autd3.GRID_X, core.Autd3.GRID_Y)
 
@@ -40,12 +42,12 @@ def prepare(task: dict[str, Any]) -> Prepared:
     method, fixed = getattr(holo, name), (FULL, options) if name == "greedy" else (options,)
 
     def foci() -> list[holo.AmplitudeTarget]:
-        # Sums of Python's numbers, which are faster than those of NumPy's rows.
+        # Arithmetic on Python floats is faster here than on rows of NumPy arrays.
         requested = zip(points.tolist(), pressures.tolist(), strict=True)
         return [holo.AmplitudeTarget(point, pressure * holo.Pa) for point, pressure in requested]
 
     def buffers() -> list[Any]:
-        """Phases, and amplitudes where the method chooses them."""
+        """Returns a buffer of phases, and one of amplitudes if the method does not fix them."""
         phases = geometry.phase_buffer()
         return [phases] if name == "greedy" else [phases, geometry.intensity_buffer()]
 

@@ -1,4 +1,6 @@
-"""midair: "solve" builds a Scene from NumPy arrays at each call, "Solver" owns its workspace and output."""
+"""Times midair: "solve" builds a Scene from NumPy arrays at each call,
+"Solver" reuses its workspace and output.
+"""
 
 from importlib.metadata import version
 from typing import Any
@@ -8,7 +10,7 @@ from serve import Prepared, serve
 
 import midair
 
-#: Methods with options of their own.
+#: Methods with options other than the defaults.
 CHOICES = {
     "greedy 16 phases": ("greedy", {"phases": 16, "amplitudes": 1}),
     "greedy 256 x 16": ("greedy", {"phases": 256, "amplitudes": 16}),
@@ -17,7 +19,7 @@ CHOICES = {
 
 def prepare(task: dict[str, Any]) -> Prepared:
     quantization = {"none": {}, "board": None}[task["grid"]]
-    # Point sources in air without absorption, as in all workers.
+    # Point sources in air without absorption, as in all programs.
     array = midair.Array.preset(
         task["preset"], task["tiles"] and tuple(task["tiles"]), directivity="point", quantization=quantization
     )

@@ -1,4 +1,5 @@
-// The same search laid out for the compiler: planar floats, points in the inner loop, for -Ofast -march=native.
+// The search of textbook.cpp, arranged for the compiler: real and imaginary parts in separate float arrays, points in the inner
+// loop, for -Ofast -march=native.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,7 +9,7 @@
 
 extern "C" const char *version() { return __VERSION__; }
 
-// As in textbook.cpp.
+// The arguments are those of textbook.cpp.
 extern "C" void greedy(int n, int m, const double *positions, const double *points, const double *targets,
                        double p0, double k, int phases, unsigned seed, double *drive) {
     std::vector<float> x(m), y(m), z(m), t(m), r(m), row_re(m), row_im(m), field_re(m), field_im(m);
@@ -32,7 +33,7 @@ extern "C" void greedy(int n, int m, const double *positions, const double *poin
             float dx = x[j] - at_x, dy = y[j] - at_y, dz = z[j] - at_z;
             r[j] = std::sqrt(dx * dx + dy * dy + dz * dz);
         }
-        // Apart, or the two become a sincos that is not vectorised.
+        // Two loops, because compilers merge sin and cos of one loop into a sincos that is not vectorised.
         for (int j = 0; j < m; j++) row_re[j] = float(p0) / r[j] * std::cos(float(k) * r[j]);
         for (int j = 0; j < m; j++) row_im[j] = float(p0) / r[j] * std::sin(float(k) * r[j]);
         float least = std::numeric_limits<float>::max();

@@ -1,9 +1,10 @@
-"""A worker's side of the talk: a line of JSON in, a line of JSON out, the CPU time of this process between.
+"""The protocol of a compared program: a line of JSON in, a line of JSON out; it reports its own CPU time.
 
-First the worker says what it offers: {"version", "methods", "forms"}. Each request is a task {"method",
+First the program prints what it offers: {"version", "methods", "forms"}. Each request is a task {"method",
 "form", "preset", "tiles", "grid", "positions", "source_pressure", "wavenumber", "sound_speed", "points",
-"pressures", "seed", "repeat"} in SI units; the answer is {"ns"} of one of `repeat` calls, after one not
-counted. With "repeat" 0 it is {"drive": [re, im], "positions"}, and "metrics" where the rival reports any.
+"pressures", "seed", "repeat"} in SI units. The reply {"ns"} is the time of one of `repeat` calls, after
+one that does not count. With "repeat" 0 it is {"drive": [re, im], "positions"}, and "metrics" if there are
+any.
 """
 
 import json
@@ -15,14 +16,14 @@ from typing import Any
 
 import numpy as np
 
-#: The timed function, and the untimed one that turns its result into the answer's entries.
+#: The timed function, and an untimed one that converts its result into the entries of the reply.
 Prepared = tuple[Callable[[], Any], Callable[[Any], dict[str, Any]]]
 
 
 def serve(
     version: str, methods: Sequence[str], forms: Sequence[str], prepare: Callable[[dict[str, Any]], Prepared]
 ) -> None:
-    """Answers until the input ends. Whatever a rival prints goes to standard error."""
+    """Replies until the input ends. Other output of the program goes to standard error."""
     with os.fdopen(os.dup(1), "w") as out:
         os.dup2(2, 1)
         _say(out, {"version": version, "methods": list(methods), "forms": list(forms)})

@@ -1,5 +1,5 @@
-// Algorithm 2 of Suzuki et al. 2021 as one writes it down: complex doubles, |p + G q| by the complex modulus,
-// energies summed anew for each candidate, transducers in random order, G by libm and counted.
+// Algorithm 2 of Suzuki et al. 2021, written directly: complex doubles, |p + G q| by the complex modulus, new energy sums for
+// each candidate, transducers in random order. G is computed by libm within the measured time.
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -12,7 +12,7 @@ using Complex = std::complex<double>;
 
 extern "C" const char *version() { return __VERSION__; }
 
-// positions (n, 3) and points (m, 3) in m, targets (m) in Pa, p0 in Pa m, k in rad/m; drive (n, 2) is written.
+// Reads positions (n, 3) and points (m, 3) in m, targets (m) in Pa, p0 in Pa m and k in rad/m; writes drive (n, 2).
 extern "C" void greedy(int n, int m, const double *positions, const double *points, const double *targets,
                        double p0, double k, int phases, unsigned seed, double *drive) {
     std::vector<Complex> gains(std::size_t(n) * m), field(m), candidates(phases);

@@ -1,4 +1,4 @@
-"""Greedy in C++ through ctypes: the path of the compiled library is the argument."""
+"""Times the greedy search in C++ through ctypes; the argument is the path of the compiled library."""
 
 import ctypes
 import sys

@@ -10,7 +10,7 @@
 
 static char message[1024];
 
-/* Ends the program where something was refused, and shows warnings. */
+/* Ends the program after an error, and prints warnings. */
 static void check(midair_result result)
 {
     if (message[0] != '\0') {

@@ -1,4 +1,4 @@
-// A focus that circles above an AUTD3 board, solved a thousand times a second's worth, then requested too near.
+// Solves a focus that circles above an AUTD3 board, a thousand times, and measures the rate; then requests a point too near.
 //
 //     c++ -std=c++17 solve.cpp $(pkg-config --cflags --libs midair) -o solve
 #include <cmath>

@@ -1,10 +1,10 @@
-// Plays control points on a device of Ultraleap's, by its own SDK, which computes the drives: midair gives the places.
+// Plays control points on an Ultraleap device. Its own SDK computes the drives; midair provides the positions.
 //
 //   midair.write("points.csv", path, layout="points", rate=1000)      t,x,y,z,intensity and, if points are modulated, frequency
 //   c++ -std=c++17 -I SDK/include examples/cpp/ultraleap.cpp -o ultraleap ...    and the SDK's library, as for its own examples
-//   ./ultraleap points.csv                                            over and over, until Enter is pressed
+//   ./ultraleap points.csv                                            again and again, until Enter is pressed
 //
-// Names of the SDK are those of its example Streaming_Circle.cpp. Without the SDK this compiles to a program that says so.
+// Names of the SDK are those of its example Streaming_Circle.cpp. Without the SDK this compiles to a program that reports it.
 // Positions are in the device's frame: m from the middle of the array, z away from it.
 
 #if __has_include(<ultraleap/haptics/streaming.hpp>)
@@ -31,7 +31,7 @@ struct Point {
     double x, y, z, intensity, frequency;
 };
 
-/// Points at rising times, which go round from the last to the first.
+/// Points at rising times; after the last frame the first follows.
 struct Points {
     std::vector<double> times;
     std::vector<std::vector<Point>> frames;
@@ -41,7 +41,7 @@ struct Points {
         return times.back() - times.front() + (times.size() > 1 ? times[1] - times[0] : 1.0);
     }
 
-    /// A point at a time since the start, on the line between two frames.
+    /// Returns a point at a time since the start, interpolated between two frames.
     Point at(double time, std::size_t which) const {
         const double turns = time / period();
         const double now = times.front() + period() * (turns - std::floor(turns));
@@ -59,7 +59,7 @@ struct Points {
 bool read(const char *path, Points &points) {
     std::ifstream file(path);
     std::string line;
-    std::getline(file, line); // the names of the columns
+    std::getline(file, line); // skips the names of the columns
     while (std::getline(file, line)) {
         std::replace(line.begin(), line.end(), ',', ' ');
         std::istringstream row(line);
@@ -79,7 +79,7 @@ bool read(const char *path, Points &points) {
     return !points.frames.empty() && std::all_of(points.frames.begin(), points.frames.end(), alike);
 }
 
-/// The SDK asks for the points of an interval before it emits them.
+/// The SDK calls this for the points of a time interval before it emits them.
 void emit(const StreamingEmitter &, OutputInterval &interval, const LocalTimePoint &, void *given) {
     const auto &points = *static_cast<const Points *>(given);
     for (auto &sample : interval) {

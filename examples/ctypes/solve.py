@@ -26,7 +26,7 @@ from ctypes import (
 
 
 class Complex(Structure):
-    """midair_complex."""
+    """The struct midair_complex."""
 
     _fields_ = (("re", c_float), ("im", c_float))
 
@@ -35,7 +35,7 @@ NUMBERS = ["scale", "accuracy", "sigma", "uniformity", "level", "residual", "lea
 
 
 class Answer(Structure):
-    """midair_answer, its metrics in a row."""
+    """The struct midair_answer, with its metrics as single fields."""
 
     _fields_ = (
         ("status", c_int),
@@ -44,7 +44,7 @@ class Answer(Structure):
     )
 
 
-#: The arguments of midair.h that come before message and message_size.
+#: Argument types of the functions in midair.h; message and message_size follow them.
 FUNCTIONS = {
     "midair_array_preset": [c_char_p, c_size_t, c_size_t, POINTER(c_void_p)],
     "midair_session_new": [c_void_p, c_char_p, POINTER(c_void_p)],
@@ -65,7 +65,7 @@ FUNCTIONS = {
 
 
 class Library:
-    """The functions of midair.h: a refusal is raised."""
+    """The functions of midair.h; a failed call raises an exception."""
 
     def __init__(self, path: str) -> None:
         self.functions = CDLL(path)

@@ -1,4 +1,4 @@
-/* midair for Node: sessions, solves and frames by Node-API, which any Node from 16 on can load. */
+/* midair for Node: sessions, solves and frames through Node-API, which Node 16 and newer can load. */
 #define NAPI_VERSION 8
 #include <stdlib.h>
 
@@ -12,10 +12,10 @@ typedef struct {
     size_t transducers;
 } owned;
 
-/* A buffer for what midair says; workers may call at the same time, so that each call has its own. */
+/* A buffer for a message of midair. Worker threads may call at the same time, so each call has its own. */
 typedef char line[1024];
 
-/* Throws what midair refused; whether there was something. */
+/* Throws an error if a call failed; returns whether it did. */
 static int refused(napi_env env, midair_result result, const char *message)
 {
     if (result != MIDAIR_RESULT_OK) {
@@ -44,13 +44,13 @@ static void set(napi_env env, napi_value object, const char *name, double number
     napi_set_named_property(env, object, name, value);
 }
 
-/* A text argument, cut where it is longer than any name. */
+/* Reads a text argument, cut if it is longer than any name. */
 static int text(napi_env env, napi_value value, char *buffer, size_t size)
 {
     return napi_get_value_string_utf8(env, value, buffer, size, NULL) == napi_ok;
 }
 
-/* The numbers of a typed array of one kind. */
+/* Finds the numbers of a typed array of one kind. */
 static int numbers(napi_env env, napi_value value, napi_typedarray_type kind, void **data, size_t *length)
 {
     napi_typedarray_type found;
@@ -112,7 +112,7 @@ static napi_value open_session(napi_env env, napi_callback_info info)
     return string(env, message);
 }
 
-/* set(object, name, number or text): returns warnings. */
+/* set(object, name, number or text): sets an option; returns warnings. */
 static napi_value set_option(napi_env env, napi_callback_info info)
 {
     napi_value arguments[3];
@@ -137,7 +137,7 @@ static napi_value set_option(napi_env env, napi_callback_info info)
     return refused(env, result, message) ? NULL : string(env, message);
 }
 
-/* The answer of one drive, a row of those in a buffer, as an object. */
+/* Returns the answer of one problem as an object; its drive is a row of the buffer. */
 static napi_value answer_of(napi_env env, napi_value buffer, size_t transducers, const midair_answer *found, size_t row)
 {
     static const char *const endings[] = {"done", "out_of_steps", "stopped", "missed"};
@@ -154,7 +154,7 @@ static napi_value answer_of(napi_env env, napi_value buffer, size_t transducers,
     return answer;
 }
 
-/* Those of several drives as an array, and the warnings of all. */
+/* Returns the answers of several problems as an array, which also has their warnings. */
 static napi_value answers_of(napi_env env, napi_value buffer, size_t transducers, const midair_answer *found,
                              size_t count, const char *message)
 {
@@ -167,7 +167,7 @@ static napi_value answers_of(napi_env env, napi_value buffer, size_t transducers
     return answers;
 }
 
-/* Pressures of some points, which may be left out; 0 if they are others. */
+/* Finds the pressures of some points, which may be undefined; returns 0 if their number is wrong. */
 static int pressures_of(napi_env env, napi_value value, size_t points, void **pressures)
 {
     napi_valuetype kind;
@@ -178,7 +178,7 @@ static int pressures_of(napi_env env, napi_value value, size_t points, void **pr
             (numbers(env, value, napi_float64_array, pressures, &given) && given == points));
 }
 
-/* A whole number, 0 for any other. */
+/* Returns a whole number; 0 for any other value. */
 static size_t whole(napi_env env, napi_value value)
 {
     double number = 0;
@@ -186,7 +186,8 @@ static size_t whole(napi_env env, napi_value value)
     return number >= 1 && number < 4294967296.0 ? (size_t)number : 0;
 }
 
-/* solveBatch(object, points, points of a problem, pressures or undefined, threads): an array of what solve gives. */
+/* solveBatch(object, points, points per problem, pressures or undefined, threads): returns an array of answers as
+   solve gives. */
 static napi_value solve_batch(napi_env env, napi_callback_info info)
 {
     napi_value arguments[5], buffer, answers = NULL;
@@ -219,7 +220,7 @@ static napi_value solve_batch(napi_env env, napi_callback_info info)
     return answers;
 }
 
-/* The text of an element, to be freed; NULL where it is none. */
+/* Returns the text of a list's element, which the caller must free; NULL if it is not a text. */
 static char *element(napi_env env, napi_value list, size_t index)
 {
     napi_value value;
@@ -233,7 +234,7 @@ static char *element(napi_env env, napi_value list, size_t index)
     return found;
 }
 
-/* solveScenes(texts, transducers, folder or undefined, threads): an array of what solve gives. */
+/* solveScenes(texts, transducers, folder or undefined, threads): returns an array of answers as solve gives. */
 static napi_value solve_scenes(napi_env env, napi_callback_info info)
 {
     napi_value arguments[4], buffer, answers = NULL;
@@ -273,7 +274,7 @@ static napi_value solve_scenes(napi_env env, napi_callback_info info)
     return answers;
 }
 
-/* solve(object, points, pressures or undefined): the drive as a Float32Array of re, im, and its answer. */
+/* solve(object, points, pressures or undefined): returns an answer whose drive is a Float32Array of re, im. */
 static napi_value solve(napi_env env, napi_callback_info info)
 {
     napi_value arguments[3], answer, buffer;
@@ -301,7 +302,7 @@ static napi_value solve(napi_env env, napi_callback_info info)
     return answer;
 }
 
-/* frame(board, drive): the bytes that make a board play a drive, a Float32Array of re, im. */
+/* frame(board, drive): returns the bytes that make a board play a drive, a Float32Array of re, im. */
 static napi_value frame(napi_env env, napi_callback_info info)
 {
     napi_value arguments[2], buffer, bytes;

@@ -1,4 +1,4 @@
-// Compiles binding.c against Node's own headers and the midair that pkg-config finds.
+// Compiles binding.c with Node's own headers and with the midair that pkg-config finds.
 'use strict';
 
 const { execFileSync } = require('node:child_process');

@@ -13,7 +13,7 @@ function warned(answer) {
   return answer;
 }
 
-// Numbers of whatever depth; left out they stay so.
+// Returns the numbers of nested arrays; undefined stays undefined.
 function flat(numbers) {
   return numbers === undefined ? undefined : Float64Array.from(numbers.flat(Infinity));
 }
@@ -26,19 +26,19 @@ class Session {
     }
   }
 
-  // points: [[x, y, z], ...] in m; pressures: [Pa, ...], or left out for as much as the array reaches.
+  // points: [[x, y, z], ...] in m; pressures: [Pa, ...], or undefined for the most that the array reaches. Returns an answer.
   solve(points, pressures) {
     return warned(binding.solve(this, flat(points), flat(pressures)));
   }
 
-  // problems: [[[x, y, z], ...], ...] of as many points each; pressures: a row for each. An answer for each problem, over so
-  // many threads at most, 0 for one a processor.
+  // problems: [[[x, y, z], ...], ...], all with the same number of points; pressures: a row for each problem. Returns an answer
+  // for each problem, computed on at most this many threads; 0 means one per processor.
   solveBatch(problems, pressures, threads = 0) {
     return warned(binding.solveBatch(this, flat(problems), problems[0]?.length, flat(pressures), threads));
   }
 }
 
-// scenes: the texts of scene files; drives have a row of so many transducers each. An answer for each scene.
+// scenes: the texts of scene files, whose arrays have this many transducers. Returns an answer for each scene.
 function solveScenes(scenes, transducers, folder, threads = 0) {
   return warned(binding.solveScenes(scenes, transducers, folder, threads));
 }

@@ -1,4 +1,4 @@
-// Two foci above a SonicSurface, and the frame that makes the board play them: node build.js && node solve.js
+// Solves two foci above a SonicSurface and encodes the frame for the board: node build.js && node solve.js
 'use strict';
 
 const { Session, frame } = require('.');

@@ -1,4 +1,4 @@
-//! The same frames on a PC: the bits of each drive, then the bytes of each frame; at the end those of silence.
+//! Computes the same frames on a PC: prints the bits of each drive, the bytes of each frame, and the bytes of silence.
 
 use midair::solvers::{Fast, Greedy, Naive, Uniform};
 use midair::{Error, Solve};

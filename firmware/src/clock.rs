@@ -1,4 +1,4 @@
-//! Clock: the processor's SysTick, 24 bits that count down.
+//! Clock: the processor's SysTick, a counter of 24 bits that counts down.
 
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
@@ -10,10 +10,10 @@ const TOP: u32 = 0x00ff_ffff;
 pub struct Clock(SYST);
 
 impl Clock {
-    /// The unit of [`Clock::now`].
+    /// The number of units of [`Clock::now`] in a tick.
     pub const PARTS: u32 = 1 << 8;
 
-    /// Starts it.
+    /// Starts the clock.
     #[must_use]
     pub fn new(mut register: SYST) -> Self {
         register.set_clock_source(SystClkSource::Core);
@@ -23,14 +23,14 @@ impl Clock {
         Self(register)
     }
 
-    /// The time in parts of a tick, this many that it counts through all of u32.
+    /// Returns the time in 1/256 of a tick, so that it counts through all of u32.
     #[must_use]
     pub fn now(&self) -> u32 {
         let _ = &self.0;
         (TOP - SYST::get_current()) * Self::PARTS
     }
 
-    /// Ticks that something took, up to 2^24.
+    /// Returns the ticks that `work` took, up to 2^24, and its result.
     pub fn ticks<R>(&self, work: impl FnOnce() -> R) -> (u32, R) {
         let _ = &self.0;
         let start = SYST::get_current();

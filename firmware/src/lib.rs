@@ -1,6 +1,7 @@
-//! midair on a microcontroller: points in, bytes of a board out, nothing allocated between the first frame and the last.
+//! midair on a microcontroller: it computes the bytes for a board from points, and allocates nothing after the first
+//! frame.
 //!
-//! [`player`] and [`mute`] are the parts of a product; the rest is the machine under it, or measures it.
+//! [`player`] and [`mute`] are parts that a product needs; the other modules belong to the machine, or measure it.
 #![no_std]
 
 extern crate alloc;

@@ -1,4 +1,4 @@
-//! Measured: a few frames under an emulator, their costs and their drives, reported by semihosting.
+//! Measured: runs a few frames under an emulator, and reports their costs and drives by semihosting.
 
 use midair::{Error, Solve};
 use semihosting::println;
@@ -9,15 +9,18 @@ use crate::mute::Mute;
 use crate::player::{FRAMES, Player, array};
 use crate::{heap, stack};
 
-/// Ticks of the clock without a message, of which an emulator makes few: 5 ms at 25 MHz. A product waits for 250 ms.
+/// Ticks of the clock without a message before the board is silenced: 5 ms at 25 MHz, because an emulator is slow. A
+/// product waits for 250 ms.
 const PATIENCE: u32 = 125_000 * Clock::PARTS;
 
-/// Plays frames of an array, a board and a number of points, the three words of the command line, and tells in lines of
-/// `name value`: ticks of set-up, of new points, solving and encoding in the last frame; bytes of heap and stack; the
-/// allocations after the first frame; and of each frame the bits of its drive. After the last frame the board is muted.
+/// Plays frames for the three words of the command line: array, board and number of points. Prints lines of `name
+/// value`: ticks of the set-up, of new points, solving and encoding in the last frame; bytes of heap and stack; the
+/// allocations after the first frame; and for each frame the bits of its drive. After the last frame the board is
+/// silenced.
 ///
 /// # Errors
-/// What cannot be solved; words that are missing.
+///
+/// If a word is missing or wrong, or a frame cannot be solved.
 #[inline(always)]
 pub fn run<S: Solve>(solver: S) -> Result<(), Error> {
     heap::begin();
@@ -44,7 +47,7 @@ pub fn run<S: Solve>(solver: S) -> Result<(), Error> {
         if frame == 0 {
             before = heap::allocations();
         }
-        // Chosen by number, since a text of them all would need allocated memory.
+        // One line per number, because a text of all of them would need allocated memory.
         for q in player.drive() {
             println!("drive {:08x}{:08x}", q.re.to_bits(), q.im.to_bits());
         }
@@ -60,7 +63,7 @@ pub fn run<S: Solve>(solver: S) -> Result<(), Error> {
     Ok(())
 }
 
-/// The end of a program, by its status.
+/// Ends the program with the status of a result.
 pub fn end(result: Result<(), Error>) -> ! {
     if let Err(error) = &result {
         println!("error {error}");

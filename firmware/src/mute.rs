@@ -1,7 +1,7 @@
 //! Mute: silences a board after some time without points, and lets it play again with the next ones.
 //!
-//! Boards play their last frame for ever. A microcontroller that is sent points from elsewhere, by a line that may break, asks
-//! [`Mute::is_due`] as often as it looks for points, and then sends [`crate::player::Player::silence`].
+//! Boards play their last frame for ever. A microcontroller that gets points over a line that may break calls
+//! [`Mute::is_due`] whenever it looks for points. If it is true, it sends [`crate::player::Player::silence`].
 
 /// A timeout for a source of points, in ticks of any clock that counts through all of u32.
 #[derive(Clone, Copy, Debug)]
@@ -12,18 +12,19 @@ pub struct Mute {
 }
 
 impl Mute {
-    /// A board that is silent, and that may play for `patience` ticks, fewer than 2^31, without a message.
+    /// Returns a timer for a silent board, which may play for `patience` ticks, fewer than 2^31, without a message.
     #[must_use]
     pub const fn new(patience: u32) -> Self {
         Self { patience, received: 0, silent: true }
     }
 
-    /// Notes that points arrived, or a message that they stay.
+    /// Records that points arrived, or a message that they stay.
     pub const fn hear(&mut self, now: u32) {
         (self.received, self.silent) = (now, false);
     }
 
-    /// Whether to silence the board now; true once, until points arrive again. Call it within 2^31 ticks.
+    /// Returns whether to silence the board now: true once, until points arrive again. Call it at least every 2^31
+    /// ticks.
     pub const fn is_due(&mut self, now: u32) -> bool {
         let due = !self.silent && now.wrapping_sub(self.received) >= self.patience;
         self.silent |= due;
@@ -67,7 +68,7 @@ mod tests {
         let board = array.board("sonicsurface").unwrap();
         let mut player = Player::new(&array, "sonicsurface", 1, Fast::default()).unwrap();
         let mut mute = Mute::new(250);
-        // Points come every 40 ms, but for a second in the middle; the line to the board is looked at each ms.
+        // Points come every 40 ms, except for a second in the middle; the timer is checked every ms.
         let (mut emits, mut frame) = (false, 0);
         let mut played = vec![Complex32::ZERO; board.len()];
         let mut changes = Vec::new();

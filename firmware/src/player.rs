@@ -1,4 +1,4 @@
-//! Player: points that go round in a circle, solved frame by frame and encoded for a board.
+//! Player: points that move on a circle, solved frame by frame and encoded for a board.
 
 use alloc::format;
 use alloc::vec;
@@ -16,7 +16,7 @@ const CIRCLE: [f64; 2] = [0.03, 0.15];
 /// Turns of the circle between two frames.
 const STEP: f64 = 0.01;
 
-/// Frames that are played where frames are counted or compared.
+/// The number of frames that tests and measurements play.
 pub const FRAMES: u16 = 3;
 
 /// An array, its board, and all the memory that frames need.
@@ -34,10 +34,12 @@ pub struct Player<S> {
     frame: Vec<u8>,
 }
 
-/// The array "sonicsurface", "ultraino_flat8x8" or another preset, or a number of transducers of a square grid.
+/// Returns the preset "sonicsurface", "ultraino_flat8x8" or another one, or a square grid if the name is a number of
+/// transducers.
 ///
 /// # Errors
-/// A name that is neither.
+///
+/// If the name is neither.
 pub fn array(name: &str) -> Result<Array, Error> {
     match name.parse::<usize>() {
         Ok(count) => {
@@ -48,12 +50,13 @@ pub fn array(name: &str) -> Result<Array, Error> {
     }
 }
 
-// None of these is inlined: their variables on the stack would lie below a solve.
+// No function is inlined, because its variables would otherwise stay on the stack during a solve.
 impl<S: Solve> Player<S> {
-    /// The player for an array that a kind of board plays, and a number of points.
+    /// Makes a player for an array, the kind of board that plays it, and a number of points.
     ///
     /// # Errors
-    /// What array, board or medium cannot be.
+    ///
+    /// If array, board or medium are not valid.
     #[inline(never)]
     pub fn new(array: &Array, board: &str, points: usize, solver: S) -> Result<Self, Error> {
         if points == 0 {
@@ -73,10 +76,11 @@ impl<S: Solve> Player<S> {
         })
     }
 
-    /// Moves the points to where they are in a frame.
+    /// Moves the points to their places in a frame.
     ///
     /// # Errors
-    /// A point on a transducer.
+    ///
+    /// If a point is on a transducer.
     #[inline(never)]
     pub fn turn(&mut self, frame: u16) -> Result<(), Error> {
         let count = self.points.len() as f64;
@@ -94,10 +98,11 @@ impl<S: Solve> Player<S> {
         Ok(())
     }
 
-    /// Solves them.
+    /// Solves the frame.
     ///
     /// # Errors
-    /// What the solver refuses; no points yet.
+    ///
+    /// If the solver rejects the points, or if there are none yet.
     #[inline(never)]
     pub fn solve(&mut self) -> Result<(), Error> {
         let problem = self.problem.as_ref().ok_or_else(|| Error::invalid("points", "none yet", "turn them first"))?;
@@ -106,16 +111,17 @@ impl<S: Solve> Player<S> {
         Ok(())
     }
 
-    /// The drives of the frame.
+    /// Returns the drive of the frame.
     #[must_use]
     pub fn drive(&self) -> &[Complex32] {
         self.solution.as_ref().map_or(&[], |solution| &solution.drive)
     }
 
-    /// The bytes of the frame.
+    /// Returns the bytes of the frame.
     ///
     /// # Errors
-    /// No drive yet.
+    ///
+    /// If there is no drive yet.
     #[inline(never)]
     pub fn encode(&mut self) -> Result<&[u8], Error> {
         let Some(solution) = &self.solution else {
@@ -125,7 +131,7 @@ impl<S: Solve> Player<S> {
         Ok(&self.frame)
     }
 
-    /// The bytes that silence the board, from any state.
+    /// Returns the bytes that silence the board in any state.
     #[must_use]
     pub fn silence(&self) -> Vec<u8> {
         self.board.silence()

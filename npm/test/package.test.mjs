@@ -1,4 +1,4 @@
-// The package as it is installed: scenes, moving points, bits, boards, refusals; `npm pack` into an empty folder.
+// The installed package: scenes, moving points, bits, boards, error messages; `npm pack` into an empty folder.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
@@ -57,7 +57,7 @@ for (const name of readdirSync(golden).filter((name) => name.endsWith(".json")))
   test(`golden/${name}: the bits of the scalar set`, () => {
     const text = readFileSync(join(golden, name), "utf8");
     const record = JSON.parse(text);
-    // The text as it is: a seed of 64 bits is no number of JavaScript's.
+    // The text is used unparsed, because a JavaScript number cannot store a seed of 64 bits.
     const scene = text.slice(text.indexOf('"scene":') + 8, text.lastIndexOf("}"));
     const own = midair.open(scene.replace('"solver":{', `"solver":{"balance":${record.balance},`), { scalar: true });
     assert.deepEqual(own.solve().drive, Float32Array.from(record.drive.flat()));

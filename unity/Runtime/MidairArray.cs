@@ -1,15 +1,15 @@
-// Array: the transducers of a board, in the place and direction of this object.
+// Array: the transducers of a board, at the position and rotation of this object.
 using System;
 using UnityEngine;
 
 namespace Midair
 {
     /// <summary>
-    /// An array that lies in this object's plane of x and z and radiates along its y. One unit of this object is a metre.
+    /// An array in this object's plane of x and z, which radiates along y. One unit of this object is a metre.
     /// </summary>
     /// <remarks>
-    /// midair's axes are right-handed, with z away from the array; Unity's are left-handed, with y up. The two differ by an
-    /// exchange of y and z, which also changes the hand.
+    /// midair's axes are right-handed, with z away from the array; Unity's are left-handed, with y up. Exchanging y and z
+    /// converts one into the other.
     /// </remarks>
     [ExecuteAlways]
     public class MidairArray : MonoBehaviour
@@ -40,7 +40,7 @@ namespace Midair
         /// <summary>Number of transducers.</summary>
         public int Count => (int)Library.midair_array_count(Handle);
 
-        /// <summary>Writes a place of Unity's world as midair's point k: x, y, z in m.</summary>
+        /// <summary>Writes a position in Unity's world as midair's point k: x, y, z in m.</summary>
         public void Put(Vector3 world, double[] points, int k)
         {
             Vector3 local = transform.InverseTransformPoint(world);
@@ -49,7 +49,7 @@ namespace Midair
             points[3 * k + 2] = local.y;
         }
 
-        /// <summary>The place in Unity's world of midair's point k.</summary>
+        /// <summary>Returns the position in Unity's world of midair's point k.</summary>
         public Vector3 World(double[] points, int k) =>
             transform.TransformPoint(new Vector3((float)points[3 * k], (float)points[3 * k + 2], (float)points[3 * k + 1]));
 

@@ -4,7 +4,7 @@ using UnityEngine;
 
 namespace Midair
 {
-    /// <summary>Shows |p| in this object's plane of x and y, centred in it: the louder, the more opaque.</summary>
+    /// <summary>Shows |p| in this object's plane of x and y, around its middle: the louder, the more opaque.</summary>
     public class MidairGizmo : MonoBehaviour
     {
         public MidairSolver solver;
@@ -18,14 +18,14 @@ namespace Midair
 
         readonly Repeated drawing = new Repeated();
 
-        /// <summary>The centre of cell k in this object's own axes.</summary>
+        /// <summary>Returns the centre of cell k in this object's own axes.</summary>
         public Vector3 Cell(int k) =>
             new Vector3(Side * (k % across - 0.5f * (across - 1)), Side * (k / across - 0.5f * (Up - 1)), 0f);
 
         float Side => width / across;
         int Up => Math.Max(1, (int)Math.Round(height / Side));
 
-        /// <summary>Computes the values of all cells.</summary>
+        /// <summary>Computes |p| in all cells.</summary>
         public void Fill()
         {
             if (solver == null) throw new MidairException("solver is empty: give a solver to the gizmo");

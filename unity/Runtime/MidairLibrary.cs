@@ -1,4 +1,4 @@
-// The C library: the functions of midair.h that the scripts call, handles that free themselves, and refusals as exceptions.
+// The C library: the functions of midair.h that the scripts call, handles that free themselves, and errors as exceptions.
 using System;
 using System.Runtime.InteropServices;
 using System.Text;
@@ -7,13 +7,13 @@ using UnityEngine;
 
 namespace Midair
 {
-    /// <summary>A refused call: one line that names the item, its value and the cure.</summary>
+    /// <summary>The error of a rejected call: a line that names the item, its value and the cure.</summary>
     public class MidairException : Exception
     {
         public MidairException(string line) : base(line) { }
     }
 
-    /// <summary>midair_metrics: how good a drive is.</summary>
+    /// <summary>midair_metrics: the quality of a drive.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public struct Metrics
     {
@@ -30,7 +30,7 @@ namespace Midair
         public Metrics metrics;
     }
 
-    /// <summary>midair_link: how bytes reach a board; kind 0 is a serial line.</summary>
+    /// <summary>midair_link: how bytes are sent to a board; kind 0 is a serial line.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public struct Link
     {
@@ -74,13 +74,13 @@ namespace Midair
         }
     }
 
-    /// <summary>The functions of midair.h. Points are x, y, z in a row, drives and pressures re, im in a row.</summary>
+    /// <summary>The functions of midair.h. Points are arrays of x, y, z; drives and pressures are arrays of re, im.</summary>
     static class Library
     {
         const string Name = "midair";
         const uint Abi = 1;
 
-        /// <summary>The library's line about the last call. All scripts call it from Unity's main thread.</summary>
+        /// <summary>The library's message about the last call. All scripts call the library from Unity's main thread.</summary>
         internal static readonly byte[] Line = new byte[1024];
         internal static readonly UIntPtr Size = (UIntPtr)1024;
 
@@ -103,7 +103,7 @@ namespace Midair
         [DllImport(Name)] internal static extern int midair_board_link(BoardHandle board, out Link link, byte[] line, UIntPtr size);
         [DllImport(Name)] internal static extern void midair_board_free(IntPtr board);
 
-        /// <summary>Throws the line of a refused call, and logs that of a warning.</summary>
+        /// <summary>Throws the message of a rejected call, and logs warnings.</summary>
         internal static void Check(int result)
         {
             string line = Encoding.UTF8.GetString(Line, 0, Math.Max(Array.IndexOf(Line, (byte)0), 0));
@@ -111,7 +111,7 @@ namespace Midair
             foreach (string warning in line.Split(new[] { '\n' }, StringSplitOptions.RemoveEmptyEntries)) Debug.LogWarning(warning);
         }
 
-        /// <summary>Throws where the library is missing or has another interface.</summary>
+        /// <summary>Throws if the library is missing or has another interface version.</summary>
         internal static void Require()
         {
             try
@@ -125,7 +125,7 @@ namespace Midair
         }
     }
 
-    /// <summary>Runs what Unity repeats in each frame, and logs a refusal once, as one line.</summary>
+    /// <summary>Runs an action that Unity repeats in each frame, and logs the same error only once, as one line.</summary>
     sealed class Repeated
     {
         string last;

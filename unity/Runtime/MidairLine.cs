@@ -1,4 +1,4 @@
-// Line: what carries a player's points or frames: `midair serve` by OSC, or a serial port.
+// Line: sends a player's points or frames: to `midair serve` by OSC, or to a serial port.
 using System;
 using System.IO;
 using System.Linq;
@@ -9,13 +9,14 @@ using UnityEngine;
 
 namespace Midair
 {
-    /// <summary>Points for `midair serve`, whose guard turns the board off 0.2 s after the last message, also if Unity dies.</summary>
+    /// <summary>Sends points to `midair serve`, whose guard turns the board off 0.2 s after the last message, even if Unity
+    /// crashes.</summary>
     sealed class ServerLine : IDisposable
     {
         readonly UdpClient server;
         readonly string token;
 
-        /// <summary>Opens a line that `midair serve` prints: osc://127.0.0.1:PORT token TOKEN.</summary>
+        /// <summary>Opens the address that `midair serve` prints: osc://127.0.0.1:PORT token TOKEN.</summary>
         internal ServerLine(string printed)
         {
             string[] words = printed.Trim().Split(' ');
@@ -25,7 +26,7 @@ namespace Midair
             server = new UdpClient(place.Host, place.Port);
         }
 
-        /// <summary>Sends rows of x, y, z in m and the pressure in Pa; none turns the board off.</summary>
+        /// <summary>Sends rows of x, y, z in m and the pressure in Pa; no rows turn the board off.</summary>
         internal void Give(float[] rows)
         {
             var message = new MemoryStream();
@@ -47,12 +48,13 @@ namespace Midair
         public void Dispose() => server.Dispose();
     }
 
-    /// <summary>A serial port that this program owns: a thread sends the newest frame, or silence where Unity gives none for 0.2 s.</summary>
+    /// <summary>A serial port that this program owns. A thread sends the newest frame, or silence if Unity gives none for 0.2
+    /// s.</summary>
     sealed class SerialLine : IDisposable
     {
         const int Hold = 200;
 
-        /// <summary>The reason why the thread ended, as one line; else null.</summary>
+        /// <summary>The reason why the thread ended, as one line; null while it runs.</summary>
         internal volatile string Failure;
 
         readonly AutoResetEvent given = new AutoResetEvent(false);
@@ -69,7 +71,7 @@ namespace Midair
                     using (Stream port = Open(name, link))
                     {
                         port.Write(off, 0, off.Length);
-                        // The boot loader of an Arduino listens for so long after its port was opened.
+                        // The boot loader of an Arduino waits this long after its port is opened.
                         if (link.restarts != 0) Thread.Sleep(2000);
                         for (byte[] bytes = off; ; bytes = given.WaitOne(Hold) ? newest ?? off : off)
                         {
@@ -99,7 +101,7 @@ namespace Midair
 #endif
         }
 
-        /// <summary>Gives the frame to be played, or null for silence.</summary>
+        /// <summary>Sets the frame to be played, or null for silence.</summary>
         internal void Give(byte[] frame)
         {
             if (Failure != null) throw new MidairException(Failure);

@@ -4,7 +4,7 @@ using UnityEngine;
 
 namespace Midair
 {
-    /// <summary>Sends the newest points or drive in each frame, and silence where there are none and at the end.</summary>
+    /// <summary>Sends the newest points or drive in each frame; sends silence if there are none, and at the end.</summary>
     [DefaultExecutionOrder(100)]
     public class MidairPlayer : MonoBehaviour
     {
@@ -50,7 +50,7 @@ namespace Midair
             return frame;
         }
 
-        /// <summary>Opens the port for the solver's array, with one channel for transducers that are wired together.</summary>
+        /// <summary>Opens the port for the solver's array; transducers that are wired together have one channel.</summary>
         void Open()
         {
             OnDisable();

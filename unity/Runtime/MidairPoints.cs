@@ -1,4 +1,4 @@
-// Points: the places of transforms and the pressures requested there.
+// Points: the positions of transforms and the pressures requested there.
 using System;
 using UnityEngine;
 
@@ -10,11 +10,11 @@ namespace Midair
         public Transform[] foci = new Transform[0];
         [Tooltip("Peak pressures in Pa: one for all foci, or one each; 0 is a quiet point")] public float[] pressures = { 1000f };
 
-        /// <summary>midair's points, x, y, z in m of the array, and pressures in Pa, as last read.</summary>
+        /// <summary>midair's points, x, y, z in m of the array, and pressures in Pa, from the last call of Read.</summary>
         public double[] Points { get; private set; } = new double[0];
         public double[] Pressures { get; private set; } = new double[0];
 
-        /// <summary>Reads the transforms as an array sees them, and returns whether anything changed.</summary>
+        /// <summary>Reads the transforms in the array's axes, and returns whether anything changed.</summary>
         public bool Read(MidairArray array)
         {
             int count = foci.Length;

@@ -1,4 +1,4 @@
-// Solver: a drive of the array for the points, solved again when one of them moves.
+// Solver: the array's drive for the points, solved again when a point moves.
 using System;
 using UnityEngine;
 
@@ -13,7 +13,7 @@ namespace Midair
         [Tooltip("A method, as `midair solvers` lists them")] public string method = "uniform";
         [Tooltip("Temperature of the air in °C")] public float temperature = 25f;
 
-        /// <summary>The drive, re and im of each transducer; null before the first solve and after a refusal.</summary>
+        /// <summary>The drive, re and im of each transducer; null before the first solve and after an error.</summary>
         public float[] Drive { get; private set; }
 
         /// <summary>How the last solve ended, and its metrics.</summary>
@@ -25,7 +25,8 @@ namespace Midair
         ArrayHandle opened;
         readonly Repeated frame = new Repeated();
 
-        /// <summary>Writes complex pressures in Pa, re and im of each point, at midair's points. The scale is counted in.</summary>
+        /// <summary>Writes complex pressures in Pa, re and im of each point, at midair's points, with the answer's scale
+        /// applied.</summary>
         public void Field(double[] places, float[] pressures)
         {
             Library.Check(Library.midair_session_field(

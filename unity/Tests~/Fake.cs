@@ -1,4 +1,4 @@
-// Fake: the few types of Unity that the scripts touch, without an engine. Transforms have a place, turns by quarters, and a scale.
+// Fake: the few types of Unity that the scripts use, without an engine. A transform has a position, a rotation and a scale.
 using System;
 using System.Collections.Generic;
 using System.Reflection;
@@ -11,7 +11,7 @@ namespace UnityEngine
     {
         public readonly Transform transform = new Transform();
 
-        /// <summary>Calls one of Unity's messages, as the engine does; public or not.</summary>
+        /// <summary>Calls one of Unity's messages by name, public or not, as the engine does.</summary>
         public void Send(string message) =>
             GetType().GetMethod(message, BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic).Invoke(this, null);
     }
@@ -30,7 +30,7 @@ namespace UnityEngine
 
     public struct Matrix4x4 { }
 
-    /// <summary>position + R (scale p), where R turns about y by the angle in degrees: clockwise from above, as in Unity.</summary>
+    /// <summary>position + R (scale p); R rotates about y by the angle in degrees: clockwise from above, as in Unity.</summary>
     public class Transform : Object
     {
         public Vector3 position;

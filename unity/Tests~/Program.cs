@@ -1,4 +1,4 @@
-// Program: drives the scripts as Unity would, and prints numbers, a name and its values a line.
+// Program: runs the scripts as Unity would, and prints lines of a name and its numbers.
 using System;
 using System.Collections.Generic;
 using System.Globalization;
@@ -26,7 +26,8 @@ namespace Midair
             Debug.Lines.Clear();
         }
 
-        /// <summary>Two foci above a turned and scaled array, which then move; the field between them.</summary>
+        /// <summary>Solves two foci above a rotated and scaled array, which then move; computes the field between
+        /// them.</summary>
         static void Solve()
         {
             (array.transform.position, array.transform.angle, array.transform.scale) = (new Vector3(0.3f, 0.8f, -0.2f), 90f, 2f);
@@ -57,7 +58,7 @@ namespace Midair
             Print("transducers", Gizmos.Drawn.SelectMany(drawn => new[] { drawn.at.x, drawn.at.y, drawn.at.z }));
         }
 
-        /// <summary>A focus above a board that plays at an address: half a second of frames, a pause, then the end.</summary>
+        /// <summary>Plays a focus at a board's address: half a second of frames, a pause, then the end.</summary>
         static void Play(string board, string address)
         {
             array.board = board;
@@ -76,7 +77,7 @@ namespace Midair
             player.Send("OnDisable");
         }
 
-        /// <summary>What users enter by mistake, each in two frames.</summary>
+        /// <summary>Tries mistakes that users make, each for two frames.</summary>
         static void Refuse()
         {
             points.foci = new[] { At(0f, 0.15f, 0f) };

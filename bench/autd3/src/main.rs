@@ -1,6 +1,6 @@
-//! autd3's crates: "call" has its foci and buffers ready, "full" makes them from arrays of numbers.
+//! Times autd3's crates: "call" reuses foci and buffers, "full" makes them from arrays of numbers.
 //!
-//! The protocol is that of `bench/workers/serve.py`: a line of JSON a request, a line of JSON an answer. The CPU time
+//! The protocol is that of `bench/workers/serve.py`: a line of JSON per request, a line of JSON per reply. The CPU time
 //! of this process is measured around the calls alone.
 
 use std::error::Error;
@@ -21,7 +21,7 @@ use serde_json::json;
 
 const METHODS: [&str; 4] = ["naive", "gs", "gspat", "greedy 16 phases"];
 
-/// A request; fields of `serve.py` that this rival does not need are left out.
+/// A request, without the fields of `serve.py` that this program does not need.
 #[derive(Deserialize)]
 struct Task {
     method: String,
@@ -34,7 +34,7 @@ struct Task {
     repeat: u32,
 }
 
-/// Boards, the order in which greedy visits transducers, and the content of a call.
+/// The geometry of the boards, the order in which greedy visits transducers, and the buffers of a call.
 struct Bench {
     geometry: Geometry,
     wavelength: Length,
@@ -67,7 +67,7 @@ impl Bench {
         pairs.map(|(&point, &pressure)| AmplitudeTarget { point: mm(point), amplitude: pressure as f32 * Pa }).collect()
     }
 
-    /// The method with its defaults: 100 steps, clamped amplitudes, 16 phases.
+    /// Runs a method with its defaults: 100 steps, clamped amplitudes, 16 phases.
     fn call(&mut self, method: &str, foci: &[AmplitudeTarget]) -> Result<(), HoloError> {
         let Self { geometry, wavelength, order, full, phases, intensities } = self;
         macro_rules! by {
@@ -104,7 +104,7 @@ impl Bench {
     }
 }
 
-/// Boards x fastest, the middle of all lattices at the origin, as midair's preset.
+/// Returns the boards, x fastest, with the middle of all transducers at the origin, as in midair's preset.
 fn boards([columns, rows]: [usize; 2]) -> Geometry {
     let corner = |tiles: usize, tile: usize, size: f32, sites: u32| {
         let span = (tiles - 1) as f32 * size + (sites - 1) as f32 * Autd3::PITCH_MM;
@@ -117,7 +117,7 @@ fn boards([columns, rows]: [usize; 2]) -> Geometry {
     }))
 }
 
-/// CPU time of this process in ns.
+/// Returns the CPU time of this process in ns.
 fn cpu() -> i64 {
     let time = clock_gettime(ClockId::ProcessCPUTime);
     time.tv_sec * 1_000_000_000 + time.tv_nsec

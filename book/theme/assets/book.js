@@ -1,4 +1,4 @@
-/** Tables that scroll can be reached and scrolled by the keyboard. */
+/** Makes tables that scroll reachable by the keyboard. */
 document$.subscribe(() => {
   document.querySelectorAll(".md-typeset__scrollwrap").forEach((table, index) => {
     table.tabIndex = 0;

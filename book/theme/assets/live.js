@@ -1,8 +1,8 @@
-/** Live cells: the studio's widget in place of a picture, with the studio's files of this site. */
+/** Live cells: the studio's widget in place of a picture, loaded from this website. */
 const studio = new URL("../studio/", import.meta.url);
 let parts;
 
-/** The widget and the core, loaded once. */
+/** Loads the widget and the core once. */
 function load() {
   parts ??= Promise.all([
     import(new URL("widget.mjs", studio)),
@@ -11,7 +11,7 @@ function load() {
   return parts;
 }
 
-/** Shows the scene of a cell; the picture stays where that fails. */
+/** Shows the scene of a cell; if that fails, the picture stays. */
 async function show(cell) {
   if (cell.dataset.shown) return;
   cell.dataset.shown = "1";

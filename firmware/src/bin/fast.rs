@@ -1,4 +1,4 @@
-//! `fast`, measured.
+//! Measures the solver `fast`.
 #![no_std]
 #![no_main]
 

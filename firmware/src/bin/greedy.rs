@@ -1,4 +1,4 @@
-//! `greedy`, measured.
+//! Measures the solver `greedy`.
 #![no_std]
 #![no_main]
 

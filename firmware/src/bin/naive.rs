@@ -1,4 +1,4 @@
-//! `naive`, measured.
+//! Measures the solver `naive`.
 #![no_std]
 #![no_main]
 

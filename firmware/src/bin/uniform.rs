@@ -1,4 +1,4 @@
-//! `uniform`, measured.
+//! Measures the solver `uniform`.
 #![no_std]
 #![no_main]
 

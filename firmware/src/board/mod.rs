@@ -1,4 +1,5 @@
-//! Board: the one thing of it that is used, a serial line. Beside its memory layout in `boards/` nothing else is its own.
+//! Board: the serial line of the microcontroller board. Only this and the memory layout in `boards/` depend on the
+//! board.
 
 #[cfg(not(feature = "stm32f407"))]
 mod mps2_an386;

@@ -10,15 +10,15 @@ const FULL: u32 = 1;
 const SEND: u32 = 1;
 const CLOCK: u32 = 25_000_000;
 
-/// The line to the array's board.
+/// The serial line to the array's board.
 #[derive(Debug)]
 pub struct Uart(());
 
 impl Uart {
-    /// Opens it.
+    /// Switches the UART on, at this baud rate.
     #[must_use]
     pub fn new(baud: u32) -> Self {
-        // SAFETY: registers of the UART, which no other code names.
+        // SAFETY: these are registers of the UART, which no other code uses.
         unsafe {
             DIVISOR.write_volatile(CLOCK / baud);
             CONTROL.write_volatile(SEND);
@@ -26,10 +26,10 @@ impl Uart {
         Self(())
     }
 
-    /// Sends bytes, waiting for each.
+    /// Sends bytes, and waits until the UART takes each.
     pub fn send(&mut self, bytes: &[u8]) {
         for &byte in bytes {
-            // SAFETY: as above.
+            // SAFETY: these are registers of the UART, which no other code uses.
             unsafe {
                 while STATE.read_volatile() & FULL != 0 {}
                 DATA.write_volatile(byte.into());

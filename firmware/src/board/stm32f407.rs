@@ -1,4 +1,5 @@
-//! USART 2 of an STM32F407, sending at pin PA2, with the clock that runs after reset (RM0090, sections 7, 8 and 30).
+//! USART 2 of an STM32F407, which sends at pin PA2, with the clock that runs after reset (RM0090, sections 7, 8 and
+//! 30).
 
 const CLOCK: u32 = 16_000_000;
 
@@ -13,23 +14,23 @@ const CONTROL: *mut u32 = 0x4000_440c as *mut u32;
 
 const PORT_A: u32 = 1;
 const USART_2: u32 = 1 << 17;
-/// Pin 2 is an alternate function's, ...
+/// Sets pin 2 to an alternate function.
 const ALTERNATE: u32 = 0b10 << 4;
-/// ... and that is the USART's.
+/// Selects alternate function 7 for pin 2: the USART.
 const FUNCTION_7: u32 = 7 << 8;
 const ON_AND_SEND: u32 = 1 << 13 | 1 << 3;
 const EMPTY: u32 = 1 << 7;
 
-/// The line to the array's board.
+/// The serial line to the array's board.
 #[derive(Debug)]
 pub struct Uart(());
 
 impl Uart {
-    /// Opens it.
+    /// Switches the USART on, at this baud rate.
     #[must_use]
     pub fn new(baud: u32) -> Self {
         let set = |register: *mut u32, mask: u32, bits: u32| {
-            // SAFETY: registers of clocks, pin and USART, which no other code names.
+            // SAFETY: these are registers of clocks, pin and USART, which no other code uses.
             unsafe { register.write_volatile(register.read_volatile() & !mask | bits) };
         };
         set(CLOCK_OF_PORTS, 0, PORT_A);
@@ -41,10 +42,10 @@ impl Uart {
         Self(())
     }
 
-    /// Sends bytes, waiting for each.
+    /// Sends bytes, and waits until the USART takes each.
     pub fn send(&mut self, bytes: &[u8]) {
         for &byte in bytes {
-            // SAFETY: as above.
+            // SAFETY: these are registers of the USART, which no other code uses.
             unsafe {
                 while STATE.read_volatile() & EMPTY == 0 {}
                 DATA.write_volatile(byte.into());

@@ -1,10 +1,10 @@
-//! The makers' emulators of AUTD3 devices: `autd3-emulators 0.12|0.13 COUNT` prints the UDP address of this many devices.
-//! Each line of its input is a command: "state" prints a line of JSON with what every device has, a number reboots that
-//! device. It ends with its input.
+//! The makers' emulators of AUTD3 devices: `autd3-emulators 0.12|0.13 COUNT` prints the UDP address of this many
+//! devices. Each line of its input is a command: "state" prints the state of every device as a line of JSON, a number
+//! reboots that device. The program ends with its input.
 
 use std::io::{self, BufRead, Write};
 
-/// Serves devices of one firmware. The two crates have the same names and no type in common.
+/// Serves devices of one firmware. It is a macro, because the two crates have the same names but no common type.
 macro_rules! serve {
     ($firmware:ident, $count:expr, $reboot:expr) => {{
         let emulator = $firmware::udp::UdpEmulator::spawn($count.parse().map_err(io::Error::other)?)?;
@@ -53,7 +53,7 @@ fn main() -> io::Result<()> {
     let words: Vec<String> = std::env::args().skip(1).collect();
     match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["0.12", count] => serve!(firmware12, count, |all: &firmware12::udp::UdpEmulator, k| all.reboot(k)),
-        // Its command to reboot.
+        // This firmware reboots by a command.
         ["0.13", count] => serve!(firmware13, count, |all: &firmware13::udp::UdpEmulator, k| {
             all.with_device(k, |device| device.send(&[0, 7, 0, 0, 0, 0]));
         }),
