@@ -138,7 +138,9 @@ def main() -> None:
     board = midair.Array.preset("autd3", (2, 2))
     array = midair.Array(board.positions, quantization=board.quantization)
     draw(array, Path(__file__).parents[1] / "docs" / "motion.png")
-    print("| M | speed | bound | tau | change / bound | uniformity | in motion | level, each | mean |")
+    print(
+        "| M | speed | bound | tau | change / bound | uniformity | in motion | level, lowest | level, mean |"
+    )
     print("|---|---|---|---|---|---|---|---|---|")
     for count in (4, 16):
         for speed, parts, tau in ((0.5, 16, 0.0), (0.5, 32, 0.0), (2.0, 32, 0.0), (2.0, 8, 0.2e-3)):
