@@ -1,13 +1,13 @@
 #!/bin/bash
-# The steps of docs/extending.md, done to a copy of the core with the page's own words: its solver and its directivity
-# compile without a warning, pass the tests that run over all of them and, the solver alone in the registry, the law book.
-# The same copy has the trials of trials.sh: a key of the medium, a board and an obstacle.
+# Does the steps of docs/extending.md in a copy of the core, with the text of that page. Its solver and its directivity must
+# compile without warnings and pass the tests that run for all solvers and directivities. With the solver alone in the
+# registry, the laws must pass too. Then trials.sh adds a key of the medium, a board and an obstacle to the copy.
 set -eu -o pipefail
 cd "$(dirname "$0")/../.."
 export CARGO_INCREMENTAL=0
 page=docs/extending.md copy=target/extending
 
-words() { # the one thing in backquotes on the page that looks like this
+words() { # prints the only code span on the page that matches a pattern
     local found
     found=$(grep -o "\`$1\`" "$page" | tr -d '`' | sort -u)
     [ "$(wc -l <<<"$found")" = 1 ] && [ -n "$found" ] || { echo "extending: $page says not once: $1" >&2; exit 1; }
@@ -16,19 +16,19 @@ words() { # the one thing in backquotes on the page that looks like this
 
 touched=()
 
-create() { # a file of the copy, from stdin
+create() { # writes stdin to a new file of the copy
     touched+=("$1")
     cat >"$copy/$1"
 }
 
-after() { # a text, then a file: stdin goes below the first line that has the text
+after() { # TEXT FILE: inserts stdin below the first line that contains the text
     touched+=("$2")
     TEXT=$(cat) MARK=$1 awk '{ print } !done && index($0, ENVIRON["MARK"]) { print ENVIRON["TEXT"]; done = 1 }
         END { exit !done }' "$copy/$2" >"$copy/after" || { echo "extending: $2 has no line $1" >&2; exit 1; }
     mv "$copy/after" "$copy/$2"
 }
 
-swap() { # a text, another in its place, and the file
+swap() { # OLD NEW FILE: replaces a text by another
     touched+=("$3")
     grep -qF "$1" "$copy/$3" || { echo "extending: $3 has no $1" >&2; exit 1; }
     OLD=$1 NEW=$2 awk '!done && (at = index($0, ENVIRON["OLD"])) {
@@ -37,12 +37,12 @@ swap() { # a text, another in its place, and the file
     mv "$copy/after" "$copy/$3"
 }
 
-append() { # to a file of the copy, from stdin
+append() { # appends stdin to a file of the copy
     touched+=("$1")
     cat >>"$copy/$1"
 }
 
-at_most() { # a count of files, and for what
+at_most() { # COUNT NAME: checks how many files the trial has changed
     local count
     count=$(printf '%s\n' "${touched[@]}" | sort -u | wc -l)
     echo "extending: $2 touches $count files, $1 at most"
@@ -50,11 +50,11 @@ at_most() { # a count of files, and for what
     touched=()
 }
 
-noted() { # the line of CHANGELOG.md
+noted() { # adds a line to CHANGELOG.md
     after '### What is new, by part' CHANGELOG.md <<<"- **$1**, a trial."
 }
 
-# Compiled for speed it would take minutes; the crates it depends on are those that were compiled before.
+# An optimised build would take minutes. The copy reuses the dependencies that are already compiled.
 rm -rf "$copy"
 mkdir -p "$copy"
 cp -rp Cargo.toml Cargo.lock rustfmt.toml CHANGELOG.md core python "$copy"
@@ -63,7 +63,7 @@ cp -p docs/*.md "$copy/docs"
 sed -i 's/^members = .*/members = ["core", "python"]/; /^exclude = /d' "$copy/Cargo.toml"
 printf '\n[profile.test.package.midair]\nopt-level = 0\n' >>"$copy/Cargo.toml"
 
-block() { # the first or second block of Rust
+block() { # prints the first or second block of Rust on the page
     awk -v wanted="$1" '/^```(rust|rs)$/ { count++; inside = 1; next } /^```$/ { inside = 0 } inside && count == wanted' "$page"
 }
 
@@ -94,7 +94,7 @@ cargo clippy --quiet "${own[@]}" -- -D warnings
 cargo check --quiet --manifest-path "$copy/Cargo.toml" -p midair-python
 python3 -m py_compile "$copy"/python/tests/{firmware,test_obstacles}.py "$copy"/python/midair/{__init__,_pictures/panel}.py
 
-# The law book over this solver alone.
+# The laws for this solver alone.
 sed -i '1a #![allow(unused_imports)]
 /^    Entry::of::<[A-Z]/d' "$copy/core/src/solvers/registry.rs"
 cat >"$copy/core/tests/suite/main.rs" <<'RUST'

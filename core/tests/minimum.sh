@@ -1,5 +1,5 @@
 #!/bin/bash
-# Every crate of the workspace by the oldest Rust that Cargo.toml names, where rustup can get it; says so where it cannot.
+# Compiles all crates of the workspace with the oldest Rust version in Cargo.toml. Reports it if rustup cannot install that.
 set -eu -o pipefail
 cd "$(dirname "$0")/../.."
 version=$(sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)

@@ -1,11 +1,11 @@
 #!/bin/bash
-# The core's unit tests and golden vectors for 64-bit ARM (NEON) under qemu and for WebAssembly (simd128) under Node,
-# and the core without std for a browser. Debian's compiler comes with the source of the standard library, which is
-# built along: no target has to be downloaded. Installs nothing.
+# Runs the core's unit tests and golden vectors for 64-bit ARM (NEON) in qemu and for WebAssembly (simd128) in Node, and
+# compiles the core without std for a browser. Debian's compiler includes the source of the standard library, which is
+# compiled too, so no target has to be downloaded. Installs nothing.
 set -eu -o pipefail
 cd "$(dirname "$0")/../.."
 
-need() { # what it is, where it may be, the package
+need() { # NAME PLACES PACKAGE: sets `found` to the first place that exists
     for place in $2; do
         if [ -e "$place" ]; then found=$place && return; fi
     done
@@ -24,15 +24,15 @@ need "Node 20 or newer" "$(command -v node || true)" nodejs
 need "a linker for WebAssembly" "/usr/bin/wasm-ld-19 /usr/bin/wasm-ld" lld-19
 wasm_linker=$found
 
-# -Zbuild-std asks a stable compiler for this; a rustup toolchain must not step in.
+# A stable compiler needs this variable for -Zbuild-std, and rustup must not choose another compiler.
 export RUSTC_BOOTSTRAP=1 RUSTC=/usr/bin/rustc
 unset RUSTFLAGS
 
 export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc
 export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER="qemu-aarch64 -L /usr/aarch64-linux-gnu"
 
-# std's threads name pthread_join and pthread_detach, which a libc without threads lacks and nothing here calls:
-# a symbol that is missing becomes a trap.
+# std refers to pthread_join and pthread_detach, which a libc without threads does not have. Nothing here calls them, so
+# missing symbols may become traps.
 export CARGO_TARGET_WASM32_WASIP1_LINKER=$wasm_linker
 export CARGO_TARGET_WASM32_WASIP1_RUSTFLAGS="-C target-feature=+simd128 -C link-self-contained=no \
 -L native=/usr/lib/wasm32-wasi -C link-arg=/usr/lib/wasm32-wasi/crt1-command.o \
@@ -41,7 +41,7 @@ export CARGO_TARGET_WASM32_WASIP1_RUNNER="node --no-warnings $PWD/core/tests/was
 
 export CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS="-C target-feature=+simd128"
 
-cargo() { # the verb, the target, the standard library's crates, the rest
+cargo() { # VERB TARGET STD-CRATES [OPTION...]
     echo "== cargo $1 for $2 ${*:4}"
     /usr/bin/cargo "$1" --quiet -p midair --target "$2" -Zbuild-std="$3" "${@:4}"
 }

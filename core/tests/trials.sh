@@ -1,7 +1,7 @@
-# Trials of docs/extending.md: a key of the medium, a board and an obstacle, each added to the copy that extending.sh makes,
-# and every file counted that a contributor edits. `make` writes the others: docs/map.md, schemas, stubs, golden bytes.
+# Trials of docs/extending.md: adds a key of the medium, a board and an obstacle to the copy that extending.sh makes, and
+# counts the files that a contributor edits. `make` writes the others: docs/map.md, schemas, stubs, golden bytes.
 
-# A key of the medium: the coefficient of nonlinearity, which the second harmonic is proportional to.
+# A key of the medium: the coefficient of nonlinearity. The second harmonic is proportional to it.
 after 'pub struct Medium of "medium" {' core/src/scene/medium.rs <<'RUST'
         /// Coefficient of nonlinearity beta, of the second harmonic; left out 1.2, that of air.
         nonlinearity = 1.2, above 0.0, such as 1.2;
@@ -26,7 +26,7 @@ RUST
 noted nonlinearity
 at_most 4 'a key of the medium'
 
-# A board: eight channels of sixteen phases, a byte each behind a start byte.
+# A board with eight channels and sixteen phases: a start byte, then one byte for each channel.
 create core/src/device/boards/eight.rs <<'RUST'
 //! Eight: a start byte, then a byte for each of eight channels.
 
@@ -111,7 +111,7 @@ after '# Boards' docs/boards.md <<<'The board `eight` is a trial.'
 noted eight
 at_most 7 'a board'
 
-# An obstacle: a soft ball small beside the wavelength, which sends on a spherical wave.
+# An obstacle: a soft ball, small beside the wavelength, which scatters a spherical wave.
 swap '        ---' '        /// A soft ball that is small beside the wavelength.
         Bubble = "bubble" {
             /// its middle, x, y, z in m.
@@ -126,7 +126,7 @@ after '                Obstacle::Wall { .. } => false,' core/src/scene/obstacle.
                 Obstacle::Bubble { middle, size, .. } => distance(*middle, place) < size - ON,
 RUST
 create core/src/propagation/bubble.rs <<'RUST'
-//! Bubble: what a soft ball small beside the wavelength sends on, -a p e^{jkr}/r of the pressure p at its middle.
+//! Bubble: the wave that a small soft ball scatters, -a p e^{jkr}/r, for the pressure p at its middle.
 
 use num_complex::Complex64;
 
@@ -134,7 +134,7 @@ use crate::math;
 use crate::propagation::sources::Sources;
 use crate::scene::{Obstacle, Obstacles, distance};
 
-/// Adds what each transducer sends to a point by way of the bubbles, in Pa.
+/// Adds the pressure that each transducer gives at a point by way of the bubbles, in Pa.
 pub(crate) fn add(obstacles: &Obstacles, sources: &Sources, point: [f64; 3], row: &mut [Complex64]) {
     for obstacle in obstacles.given() {
         let Obstacle::Bubble { middle, size, .. } = obstacle else { continue };
@@ -149,7 +149,7 @@ pub(crate) fn add(obstacles: &Obstacles, sources: &Sources, point: [f64; 3], row
 mod tests;
 RUST
 create core/src/propagation/tests/bubble.rs <<'RUST'
-//! A bubble against the series of a soft sphere.
+//! Compares a bubble with the series of a soft sphere.
 
 use crate::control::Control;
 use crate::kernels::InstructionSet;

@@ -1,4 +1,4 @@
-// Runs a WASI program as cargo's runner: node wasi.mjs PROGRAM [ARGUMENT...]. Its exit status is the program's.
+// Runs a WASI program for cargo: node wasi.mjs PROGRAM [ARGUMENT...]. Returns the exit status of the program.
 import { readFile } from "node:fs/promises";
 import { WASI } from "node:wasi";
 
