@@ -1,4 +1,4 @@
-"""Tables of docs/reliability.md: a row for what ran on one day over one state of the code."""
+"""Writes the tables of docs/reliability.md: one row for each test, state of the code and day."""
 
 from __future__ import annotations
 
@@ -14,12 +14,13 @@ Row = list[str]
 
 
 def today() -> str:
-    """The date, as rows have it."""
+    """Return the date in the form of the tables."""
     return datetime.date.today().isoformat()
 
 
 def code(*folders: str) -> str:
-    """The state of some folders: git's short names of their trees, with a plus where they have changes."""
+    """Return the state of some folders: git's short names of their trees, with a plus if there are changes.
+    """
     names = []
     for folder in folders:
         name = _git("rev-parse", "--short=8", f"HEAD:{folder}")
@@ -33,13 +34,15 @@ def _git(*arguments: str) -> str:
 
 
 def rows(table: str) -> list[Row]:
-    """The rows of a table between its markers."""
+    """Return the rows of a table, which is found by its markers."""
     _, inside, _ = _parts(table)
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in inside.splitlines()[2:]]
 
 
 def put(table: str, row: Row, keys: int) -> None:
-    """Write a row in place of the one with the same first cells, or at the end; whole or not at all."""
+    """Write a row in place of the one with the same first `keys` cells, or append it. Replaces the whole
+    file.
+    """
     before, inside, after = _parts(table)
     found = rows(table)
     same = [index for index, other in enumerate(found) if other[:keys] == row[:keys]]

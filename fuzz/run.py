@@ -1,7 +1,8 @@
-"""Guided fuzzing of every target, in slices of some minutes, each recorded in docs/reliability.md.
+"""Guided fuzzing of every target in turns of some minutes, each recorded in docs/reliability.md.
 
-A target is done when it has had so many seconds or executions over the code as it is, in this run and
-earlier ones: what was broken off goes on where it was.
+A target is finished after so many seconds or executions with the present code, in this run and earlier ones.
+An interrupted run continues later.
+
 """
 
 from __future__ import annotations
@@ -19,16 +20,16 @@ from pathlib import Path
 import record
 
 FUZZ = record.ROOT / "fuzz"
-#: Found inputs, kept between runs; not in the tree.
+#: Inputs that fuzzing has found, kept between runs; not in the repository.
 WORK = FUZZ / ".work"
 TARGET = "x86_64-unknown-linux-gnu"
-#: Seconds until the record is written and another target may have its turn.
+#: The length of a turn in seconds. After it, the record is written and the next target runs.
 SLICE = 600
 
 RUST = ("scene", "positions", "sweep", "solve", "field", "session", "instruction_sets", "frames")
 PYTHON = ("arguments", "chunks", "sweep_file", "picture", "drawing", "resume", "sequence_file")
 
-#: Bytes of an input at most: short ones are quick, and as good.
+#: The largest length of an input in bytes: short inputs are faster and find as much.
 LENGTHS = dict.fromkeys(RUST, 1024) | {"positions": 256, "frames": 640} | dict.fromkeys(PYTHON, 4096)
 
 OPTIONS = ["-print_final_stats=1", "-timeout=60", "-rss_limit_mb=4096", "-verbosity=1"]
@@ -36,14 +37,14 @@ OPTIONS = ["-print_final_stats=1", "-timeout=60", "-rss_limit_mb=4096", "-verbos
 
 @dataclass
 class Had:
-    """What a target has had over the code as it is."""
+    """How much a target has run with the present code."""
 
     executions: int = 0
     seconds: int = 0
 
     @classmethod
     def of(cls, name: str, code: str) -> Had:
-        """By the record."""
+        """Read it from the record."""
         had = cls()
         for row in record.rows("fuzz"):
             if row[:2] == [name, code]:
@@ -57,7 +58,7 @@ def _number(text: str) -> int:
 
 
 def seeds(name: str) -> list[Path]:
-    """Folders of inputs to begin with: those of the tree."""
+    """Return the folders with the first inputs of a target, which are in the repository."""
     folders = [FUZZ / "corpus" / name]
     if name == "scene":
         golden = WORK / "golden"
@@ -71,7 +72,7 @@ def seeds(name: str) -> list[Path]:
 
 
 def command(name: str, seconds: int, executions: int) -> list[str]:
-    """A target's program and libFuzzer's options, for so long at most."""
+    """Return a target's program with libFuzzer's options, limited in seconds and executions."""
     corpus = WORK / "corpus" / name
     found = WORK / "found" / name
     for folder in (corpus, found):
@@ -89,7 +90,7 @@ def command(name: str, seconds: int, executions: int) -> list[str]:
 
 
 def environment(name: str) -> dict[str, str]:
-    """For the extension's counters, libFuzzer comes before it, from the library that Atheris has for that."""
+    """Return a target's environment. For Python, it preloads libFuzzer, which coverage counters need."""
     if name in RUST:
         return dict(os.environ)
     (library,) = (FUZZ / ".venv").glob("lib/python*/site-packages/ubsan_with_fuzzer.so")
@@ -97,7 +98,7 @@ def environment(name: str) -> dict[str, str]:
 
 
 def slice_of(name: str, code: str, seconds: int, executions: int) -> bool:
-    """One slice and its row in the record; whether nothing was found."""
+    """Run one turn and record it. Return whether it found no error."""
     begun = time.monotonic()
     log = WORK / f"{name}.log"
     with log.open("wb") as file:
@@ -114,7 +115,7 @@ def slice_of(name: str, code: str, seconds: int, executions: int) -> bool:
 
 
 def note(name: str, code: str, log: Path, seconds: float, status: int) -> None:
-    """The row of what has just run, added to what the target had on this day over this code."""
+    """Record the turn that has ended, added to what the target did on this day with this code."""
     text = log.read_text(errors="replace")
     executed = re.findall(r"number_of_executed_units: (\d+)|^#(\d+)", text, re.M)
     executions = max((int(number) for pair in executed for number in pair if number), default=0)
@@ -137,7 +138,7 @@ def note(name: str, code: str, log: Path, seconds: float, status: int) -> None:
 
 
 def what(text: str) -> str:
-    """What ended libFuzzer, in a few words, and the input's digest."""
+    """Return in a few words why libFuzzer ended, with the name of the input."""
     ends = (r"panicked at .*\n(.*)", r"Uncaught Python exception: ===\n(.*)", r"ERROR: (.*)")
     words = next((found[1] for end in ends if (found := re.search(end, text))), "ended without a word")
     kept = re.findall(r"Test unit written to \S*/(\w+-\w{8})", text)
@@ -146,7 +147,7 @@ def what(text: str) -> str:
 
 
 def build(sanitizer: str, folder: Path) -> None:
-    """The Rust targets, with debug assertions and overflow checks; comparisons are not traced, for speed."""
+    """Build the Rust targets with debug assertions and overflow checks, without tracing comparisons."""
     path = f"{FUZZ / '.tools' / 'bin'}{os.pathsep}{os.environ['PATH']}"
     command = ["cargo", "+nightly", "fuzz", "build", f"--sanitizer={sanitizer}", f"--target-dir={folder}"]
     command += ["--no-trace-compares"]
@@ -154,14 +155,14 @@ def build(sanitizer: str, folder: Path) -> None:
 
 
 def install() -> None:
-    """The package into the environment of Atheris, its extension counting edges, overflow checked."""
+    """Install the package for Atheris; its extension counts code coverage and checks for overflow."""
     passes = ["level=3", "inline-8bit-counters", "pc-table", "trace-compares"]
     flags = ["-Cpasses=sancov-module", *(f"-Cllvm-args=-sanitizer-coverage-{option}" for option in passes)]
     wheels = WORK / "wheels"
     options = ["--profile=dev", f"--target={TARGET}", f"--target-dir={FUZZ / 'target' / 'python'}", "--quiet"]
     made = ["--interpreter", sys.executable, "--compatibility=linux", f"--out={wheels}"]
     tools = Path(sys.executable).parent
-    # Named by a target, the flags leave macros and build scripts alone.
+    # With an explicit target, these flags do not apply to macros and build scripts.
     environment = {**os.environ, "RUSTFLAGS": " ".join(flags)}
     maturin = [tools / "maturin", "build", *options, *made]
     subprocess.run(maturin, cwd=record.ROOT, check=True, env=environment)
@@ -177,7 +178,7 @@ def main() -> int:
     requested = parser.parse_args()
     names = requested.targets or [*RUST, *PYTHON]
     WORK.mkdir(exist_ok=True)
-    # As it is built now, whatever is changed while it runs.
+    # The state of the code that is built now; it may change during the run.
     codes = {name: record.code("core/src", *([] if name in RUST else ["python"])) for name in names}
     if any(name in RUST for name in names):
         build("none", FUZZ / "target")

@@ -1,4 +1,5 @@
-"""Sanitizers and Miri over the core's tests and what fuzzing keeps, recorded in docs/reliability.md."""
+"""Runs the core's tests and the inputs of fuzzing with sanitizers and Miri; recorded in docs/reliability.md.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ from dataclasses import dataclass
 import record
 from run import FUZZ, RUST, TARGET, WORK, build, seeds
 
-#: Seconds after which a check is broken off, which is a finding.
+#: A check that takes longer than this is stopped and counts as an error, in seconds.
 MOST = 3600
 
 FEATURES = ["-p", "midair", "--features", "scene-file,parallel"]
@@ -21,7 +22,7 @@ FEATURES = ["-p", "midair", "--features", "scene-file,parallel"]
 
 @dataclass(frozen=True)
 class Check:
-    """A command that exits with 0 where all is well."""
+    """A command whose exit status is 0 if there is no error."""
 
     name: str
     command: list[str]
@@ -29,13 +30,13 @@ class Check:
 
 
 def tests(sanitizer: str, *chosen: str) -> list[str]:
-    """The core's tests under a sanitizer, the standard library built along, so that it is watched as well."""
+    """Return the command for the core's tests, compiled with a sanitizer as the standard library is."""
     watched = [f"--target={TARGET}", "-Zbuild-std", f"--target-dir={FUZZ / 'target' / sanitizer}"]
     return ["cargo", "+nightly", "test", *FEATURES, *watched, *chosen]
 
 
 def replay(target: str) -> Check:
-    """Every input that a target's fuzzing keeps, once."""
+    """Return the check that runs all inputs of a target once."""
     program = FUZZ / "target" / "replay" / TARGET / "release" / target
     folders = [WORK / "corpus" / target, WORK / "found" / target, *seeds(target)]
     there = [str(folder) for folder in folders if folder.is_dir()]
@@ -43,23 +44,23 @@ def replay(target: str) -> Check:
     return Check(f"address, inputs of `{target}`", [str(program), *options, *there], {})
 
 
-#: The kernels' tests that end within minutes where every operation is interpreted; others take hours.
+#: The tests of the kernels that take only minutes in an interpreter; others take hours.
 SHORT = ("phasor::", "tests::cholesky", "tests::double::a_matrix", "tests::simd")
 
 
 def miri(name: str, flags: str) -> Check:
-    """Some of the kernels' own tests, at few lengths."""
+    """Return the check that runs some of the kernels' tests in Miri."""
     chosen = ["--lib", "--", *(f"kernels::{module}" for module in SHORT)]
     folder = f"--target-dir={FUZZ / 'target' / 'miri'}"
-    # Miri knows no assembly, by which libm takes roots.
+    # Miri does not support the assembly that libm uses for square roots.
     portable = ["--features", "libm/force-soft-floats"]
     command = ["cargo", "+nightly", "miri", "test", "-p", "midair", *portable, folder, *chosen]
-    # The tests' own powers and sines are to be those of the machine: Miri turns their last bits at random.
+    # By default Miri changes the last bits of powers and sines at random; the tests need those of the machine.
     return Check(name, command, {"RUSTFLAGS": flags, "MIRIFLAGS": "-Zmiri-deterministic-floats"})
 
 
 def checks() -> dict[str, list[Check]]:
-    """By the word that chooses them."""
+    """Return the checks, by the word that selects them on the command line."""
     address = {"RUSTFLAGS": "-Zsanitizer=address", "ASAN_OPTIONS": "detect_leaks=1"}
     thread = {"RUSTFLAGS": "-Zsanitizer=thread", "RAYON_NUM_THREADS": "4"}
     core, suite = tests("address", "--lib"), tests("address", "--test", "suite")
@@ -76,7 +77,7 @@ def checks() -> dict[str, list[Check]]:
 
 
 def run(check: Check) -> bool:
-    """One check and its row in the record; whether all is well."""
+    """Run one check and record it. Return whether it found no error."""
     print(f"{check.name}: {' '.join(check.command)}", flush=True)
     begun = time.monotonic()
     log = WORK / f"{re.sub('[^a-z0-9]+', '-', check.name.lower()).strip('-')}.log"
@@ -101,7 +102,7 @@ def run(check: Check) -> bool:
 
 
 def what(text: str, status: int) -> str:
-    """What ended a check, in a few words."""
+    """Return in a few words why a check ended."""
     if status == -1:
         return f"broken off after {MOST} s"
     ends = (r"\w+Sanitizer: .*", r"Undefined Behavior: .*", r"test result: FAILED.*", r"error.*")

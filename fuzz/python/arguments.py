@@ -1,4 +1,5 @@
-"""Arguments from Python: odd values are refused in one line, odd layouts answer as plain ones."""
+"""Arguments from Python: unusual values give an error of one line, unusual memory layouts the usual results.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +10,7 @@ import numpy as np
 from guided import REFUSALS, Data, fuzz, midair, refused
 from values import laid_out, numbers, odd
 
-#: Options and arguments that cost time or memory in proportion, and how much they may.
+#: Options and arguments whose cost in time or memory is proportional to their value, each with its limit here.
 COSTS = {"steps": 20, "starts": 4, "sweeps": 4, "phases": 300}
 COSTS |= {"pixels": 30, "threads": 4, "nx": 20, "ny": 20, "tiles": 2}
 
@@ -18,12 +19,12 @@ POINTS = np.array([[0.0, 0.0, 0.125], [0.015625, 0.0, 0.125], [0.0, 0.03125, 0.2
 SCENE = midair.Scene(ARRAY, POINTS)
 MATRIX = midair.Propagation(np.arange(1.0, 13.0).reshape(3, 4) + 1j)
 DRIVE = np.ones(12, np.complex64)
-#: Where points lie above the array, in m.
+#: The offset of the points above the array, in m.
 ABOVE = np.array([0.0, 0.0, 0.25])
 
 
 def cheap(name: str, value: Any) -> Any:
-    """The value, unless it asks for more work than a test may take."""
+    """Return the value, limited if it would cost more work than a test may take."""
     most = COSTS.get(name)
     if most is None:
         return value
@@ -34,7 +35,7 @@ def cheap(name: str, value: Any) -> Any:
 
 
 def keywords(data: Data, *names: str) -> dict[str, Any]:
-    """Some of these arguments, each anything."""
+    """Return some of these arguments, each with an arbitrary value."""
     chosen = [name for name in names if data.ConsumeIntInRange(0, 3) == 3]
     return {name: cheap(name, odd(data)) for name in chosen}
 
@@ -44,14 +45,14 @@ TRANSDUCER = ("source_pressure", "directivity", "response", "mask", "quantizatio
 
 
 def points(data: Data) -> Any:
-    """Points, mostly good ones."""
+    """Return points, mostly valid ones."""
     if data.ConsumeIntInRange(0, 3) == 0:
         return odd(data)
     return laid_out(data, numbers(data, data.ConsumeIntInRange(1, 4), 3) + ABOVE)
 
 
 def method(data: Data) -> tuple[Any, dict[str, Any]]:
-    """A solver and some of its options."""
+    """Return a solver and some of its options."""
     if data.ConsumeIntInRange(0, 7) == 0:
         return odd(data), keywords(data, "steps", "phases", "order", "limit")
     name = data.PickValueInList(list(midair.solvers()))
@@ -111,7 +112,7 @@ def matrix(data: Data) -> None:
 
 
 def layouts(data: Data) -> None:
-    """However points, pressures and weights lie in memory, they are the same."""
+    """Check that results do not depend on how points, pressures and weights are stored in memory."""
     where, requested = numbers(data, 3, 3) + ABOVE, abs(numbers(data, 3)) + 1.0
     plain = midair.solve(midair.Scene(ARRAY, where, requested, weights=requested), "fast")
     lying = [laid_out(data, array) for array in (where, requested, requested)]

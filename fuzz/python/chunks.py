@@ -1,4 +1,4 @@
-"""Kept results of a sweep: what lies in such a file is the result that was kept, or not there."""
+"""Stored results of a sweep: a file gives the result that was stored, or none if it is damaged."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ def test(content: bytes) -> None:
     data = Data(content)
     way = data.ConsumeIntInRange(0, 2)
     if way == 0:
-        # What was kept, spoilt here and there.
+        # The stored file with some damaged bytes.
         damaged = spoilt(data, KEPT)
         FILE.write_bytes(damaged)
         found = load(FILE, ROWS)
         same = found is not None and all(np.array_equal(found[name], ARRAYS[name]) for name in ARRAYS)
         assert found is None or (damaged == KEPT and same)
     else:
-        # Anything, with a digest that fits or without.
+        # Any bytes, with a digest that fits or without one.
         packed = data.ConsumeBytes(data.remaining_bytes())
         FILE.write_bytes(packed + (digest(identity(FILE), packed) if way == 1 else b""))
         found = load(FILE, ROWS)

@@ -1,4 +1,4 @@
-"""Drawings: any text as SVG is refused in one line, or is finite points, in seconds."""
+"""Drawings: any text, read as SVG, gives an error of one line or finite points, within seconds."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from midair import shape
 
 HEAD = b'<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink">'
 
-#: What drawings are made of.
+#: Typical elements of drawings.
 PARTS = (
     b'<path d="M0 0L9 3"/>',
     b'<path id="a" d="M0 0C1 2 3 4 5 6A3 2 1 0 1 9 9Z"/>',

@@ -1,4 +1,4 @@
-"""Guided fuzzing of a function of bytes, by Atheris over the package; or the inputs of the tree replayed."""
+"""Guided fuzzing of a function of bytes, with Atheris for the package; or a run over the stored inputs."""
 
 from __future__ import annotations
 
@@ -13,67 +13,67 @@ from typing import Any
 try:
     import atheris
 except ImportError:
-    # What replays inputs needs none.
+    # A replay of stored inputs works without Atheris.
     atheris = None
 
 with atheris.instrument_imports(include=["midair", "zipfile", "numpy.lib"]) if atheris else nullcontext():
     import midair
     import midair._sweep
 
-#: What a bad argument may raise: the package's error, or Python's for arguments of another number or name.
+#: The errors that a bad argument may raise: the package's, or Python's for a wrong number or name of arguments.
 REFUSALS = (midair.SceneError, TypeError)
 
-#: Inputs of the tree, a folder a target.
+#: The stored inputs, one folder for each target.
 CORPUS = Path(__file__).resolve().parent.parent / "corpus"
 
 
 class Data:
-    """Values drawn from bytes: an input means the same with Atheris and without."""
+    """Values computed from bytes. An input gives the same values with Atheris and without."""
 
     def __init__(self, content: bytes) -> None:
         self._left = content
 
     def remaining_bytes(self) -> int:
-        """How many bytes are left."""
+        """Return how many bytes are left."""
         return len(self._left)
 
     def ConsumeBytes(self, count: int) -> bytes:
-        """So many bytes, fewer where they end."""
+        """Return the next `count` bytes, or fewer at the end."""
         found, self._left = self._left[: max(count, 0)], self._left[max(count, 0) :]
         return found
 
     def ConsumeInt(self, count: int) -> int:
-        """A whole number of so many bytes, with a sign."""
+        """Return a signed whole number of `count` bytes."""
         return int.from_bytes(self.ConsumeBytes(count), "little", signed=True)
 
     def ConsumeIntInRange(self, low: int, high: int) -> int:
-        """A whole number between bounds, the lower one where no bytes are left."""
+        """Return a whole number between the bounds; the lower one if no bytes are left."""
         size = ((high - low).bit_length() + 7) // 8
         return low + int.from_bytes(self.ConsumeBytes(size), "little") % (high - low + 1)
 
     def ConsumeBool(self) -> bool:
-        """One or the other."""
+        """Return true or false."""
         return bool(self.ConsumeIntInRange(0, 1))
 
     def ConsumeFloat(self) -> float:
-        """A number of any size, infinite ones and those that are none among them."""
+        """Return any number, including infinite ones and NaN."""
         import struct
 
         return float(struct.unpack("<d", self.ConsumeBytes(8).ljust(8, b"\0"))[0])
 
     def PickValueInList(self, values: Sequence[Any]) -> Any:
-        """One of some values."""
+        """Return one of the values."""
         return values[self.ConsumeIntInRange(0, len(values) - 1)]
 
 
 def folder() -> Path:
-    """A folder of this process alone, in memory where there is such a thing."""
+    """Return a folder for this process only, in memory if possible."""
     memory = Path("/dev/shm")
     return Path(tempfile.mkdtemp(dir=memory if memory.is_dir() else None))
 
 
 def spoilt(data: Data, content: bytes) -> bytes:
-    """A file with some bytes cut, put in or changed."""
+    """Return the contents of a file with some bytes removed, inserted or changed."""
     found = bytearray(content)
     for _ in range(data.ConsumeIntInRange(1, 4)):
         at = data.ConsumeIntInRange(0, len(found))
@@ -83,7 +83,7 @@ def spoilt(data: Data, content: bytes) -> bytes:
 
 
 def refused(error: Exception) -> None:
-    """A refusal is one line that says something."""
+    """Check that an error message is one line, neither empty nor very long."""
     text = str(error)
     assert text.strip(), repr(error)
     assert "\n" not in text, text
@@ -91,7 +91,7 @@ def refused(error: Exception) -> None:
 
 
 def fuzz(test: Callable[[bytes], None]) -> None:
-    """Run libFuzzer by the command line's options, or, with "replay", the inputs of the tree."""
+    """Run libFuzzer with the options of the command line; with "replay", run the stored inputs."""
     warnings.simplefilter("ignore")
     if sys.argv[1:] == ["replay"]:
         test(b"")

@@ -1,4 +1,4 @@
-"""Pictures: any bytes are refused in one line, or are points of which each asks for a finite pressure."""
+"""Pictures: any bytes give an error of one line, or points with finite pressures."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ FILE = folder() / "picture.png"
 
 
 def made() -> list[bytes]:
-    """A small picture in each format and mode that is read."""
+    """Return a small picture in each format and mode that can be read."""
     found = []
     pixels = np.random.default_rng(0).integers(0, 256, (7, 5, 4), np.uint8)
     for kind in ("PNG", "JPEG", "GIF", "BMP", "WEBP", "TIFF", "PPM"):
@@ -22,7 +22,7 @@ def made() -> list[bytes]:
             try:
                 Image.fromarray(pixels, "RGBA").convert(mode).save(content, kind)
             except OSError:
-                # Not every format has every mode.
+                # Some formats do not have every mode.
                 continue
             found.append(content.getvalue())
     return found

@@ -1,4 +1,4 @@
-"""Resume folders: with any content, the finished sequence is the requested one."""
+"""Resume folders: whatever they contain, the finished sequence is the requested one."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ motion.BLOCK = 4
 
 
 class Enough(Exception):
-    """All but the last piece are there."""
+    """Raised when all parts but the last have been computed."""
 
 
 def solved(stop: bool) -> midair.Sequence:
@@ -51,7 +51,7 @@ def test(content: bytes) -> None:
     try:
         assert solved(stop=False) == WHOLE
     except midair.SceneError as error:
-        # Another request's name may be what was put there.
+        # A file of another request may have been put there, which is an error.
         refused(error)
 
 

@@ -1,4 +1,4 @@
-"""Files of sequences: any bytes are refused in one line, or are a sequence whose drives a board can play."""
+"""Files of sequences: any bytes give an error of one line, or a sequence whose drives a board can play."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ FILE = folder() / "q.npz"
 
 
 def made() -> list[bytes]:
-    """A sequence of drives and one of codes, stored and packed."""
+    """Return files of a sequence of drives and of one of codes, each uncompressed and compressed."""
     found = []
     for given in (
         {"drives": np.exp(1j * np.arange(54.0).reshape(6, 9))},
@@ -32,7 +32,7 @@ KEPT = made()
 
 def test(content: bytes) -> None:
     data = Data(content)
-    # As if it were too large for memory, or not.
+    # Test the code for files that are too large for memory, or that for smaller ones.
     files.LARGE = data.PickValueInList((0, 1 << 28))
     spoil = data.ConsumeIntInRange(0, 3)
     FILE.write_bytes(spoilt(data, data.PickValueInList(KEPT)) if spoil else content[2:])

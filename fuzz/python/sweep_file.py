@@ -1,4 +1,4 @@
-"""The reader of sweep files: any text is refused in one line, or is a sweep of so many problems."""
+"""The reader of sweep files: any text gives an error of one line, or a sweep with at least one problem."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def test(content: bytes) -> None:
         try:
             assert read(file).problems > 0
         except (*REFUSALS, OSError) as error:
-            # A scene file that is not there is Python's own error.
+            # A missing scene file raises an error of Python itself.
             refused(error)
 
 

@@ -1,17 +1,17 @@
-//! Answers: requirements of every solution, and the largest differences of f32 from f64.
+//! Checks of solutions: what every solution must fulfil, and the largest allowed differences between f32 and f64.
 
 use midair::{Array, Complex32, Complex64, Directivity, Error, Medium, Metrics, Problem, Propagation, Solution};
 
-/// Relative error of sums of a hundred or so elements of G, each within 2e-4 near the array.
+/// The allowed relative error of a sum of about a hundred elements of G, each accurate to 2e-4 near the array.
 const NEAR: f64 = 1e-3;
 
-/// Numbers beside the reference that f32 does not hold.
+/// Numbers below this, relative to the reference, are lost in f32.
 const NOTHING: f64 = 1e-34;
 
-/// Pa: the spacing of pressures in f32 below its normal numbers.
+/// The spacing of subnormal pressures in f32, in Pa.
 const SPACING: f64 = 1.5e-45;
 
-/// What was answered; a refusal must be one line that says something.
+/// Returns the value of a result. Checks that the message of an error is one line, neither empty nor very long.
 pub fn one_line<T>(result: Result<T, Error>) -> Option<T> {
     result
         .map_err(|error| {
@@ -22,12 +22,13 @@ pub fn one_line<T>(result: Result<T, Error>) -> Option<T> {
         .ok()
 }
 
-/// Errors allowed in Pa at full drive: of every element of G, point by point.
+/// The allowed error of every element of G in Pa at full drive, point by point.
 pub struct Allowed(Vec<Vec<f64>>);
 
 impl Allowed {
-    /// Of a computed G: relative to the transducers straight ahead, since a directivity has zeros, and all of that at the
-    /// baffle, where it jumps. A phase in f32 is off in proportion to the distance, some ten roundings of a turn.
+    /// Returns the allowed errors of a computed G. They are relative to the pressure on the axis, because directivities have
+    /// zeros. Near the baffle, where the directivity jumps, the whole value is allowed. The error of a phase in f32 grows with
+    /// the distance, about ten roundings of a turn.
     pub fn of(array: &Array, medium: Medium, points: &[[f64; 3]]) -> Self {
         let origin = array.positions()[0];
         let places = array.positions().iter().chain(points);
@@ -49,22 +50,22 @@ impl Allowed {
         Self(points.iter().map(|point| (0..array.len()).map(|i| element(i, point)).collect()).collect())
     }
 
-    /// Of a matrix.
+    /// Returns the allowed errors of a user's own G.
     pub fn given(propagation: &Propagation) -> Self {
         let element = |j: usize, i: usize| NEAR * propagation.exact(j, i).norm();
         let row = |j: usize| (0..propagation.transducers()).map(|i| element(j, i)).collect();
         Self((0..propagation.points()).map(row).collect())
     }
 
-    /// The largest relative error allowed of a point's level, the sum of its moduli: 1 and more where f32 may round it to
-    /// silence, at an angle where a directivity is nearly 0.
+    /// Returns the largest allowed relative error of the sum of moduli at a point. It is 1 or more if f32 may round that sum to
+    /// 0, at an angle where a directivity is nearly 0.
     pub fn doubt(&self, propagation: &Propagation) -> f64 {
         let level = |j: usize| (0..propagation.transducers()).map(|i| propagation.exact(j, i).norm()).sum::<f64>();
         let doubts = self.0.iter().enumerate().map(|(j, row)| row.iter().sum::<f64>() / level(j));
         doubts.map(|doubt| if doubt.is_nan() { f64::INFINITY } else { doubt }).fold(NEAR, f64::max)
     }
 
-    /// Holds every row to eq. (5) in f64, and its padding to silence.
+    /// Checks that every row agrees with eq. (5) in f64, and that its padding is 0.
     pub fn check_rows(&self, propagation: &Propagation) {
         let (points, set) = (propagation.points(), propagation.instruction_set());
         let [mut re, mut im] = [(); 2].map(|()| vec![f32::NAN; propagation.lanes()]);
@@ -80,7 +81,7 @@ impl Allowed {
         }
     }
 
-    /// Holds pressures to `scale` G q in f64.
+    /// Checks that pressures agree with `scale` G q in f64.
     pub fn check_field(
         &self,
         propagation: &Propagation,
@@ -103,14 +104,13 @@ impl Allowed {
         }
     }
 
-    /// Checks a solution against its request: a drive that can be played, pressures that are those of the drive in f64,
-    /// metrics that are numbers.
+    /// Checks a solution: the drive can be played, the pressures are those of the drive in f64, and the metrics are finite.
     pub fn check(&self, problem: &Problem, propagation: &Propagation, solution: &Solution, name: &str) {
         let drive = &solution.drive;
         assert_eq!(drive.len(), propagation.transducers(), "{name}");
         assert!(drive.iter().all(|q| q.norm() <= 1.0 + 1e-6), "{name}: {drive:?}");
         if let Some(quantization) = problem.quantization() {
-            // Rounding once more turns the last bit of a phase that is not on a grid.
+            // Rounding a phase again that is not on a grid may change its last bit.
             let off = drive.iter().find(|q| (quantization.nearest(**q) - **q).norm() > 1e-6);
             assert!(off.is_none(), "{name}: {off:?} is not on the grid of the board");
         }
@@ -124,7 +124,7 @@ impl Allowed {
     }
 }
 
-/// Metrics are numbers, and those with bounds within them.
+/// Checks that all metrics are finite and within their bounds.
 fn check_metrics(metrics: Metrics, name: &str) {
     let Metrics { accuracy, sigma, uniformity, level, residual, leak } = metrics;
     let all = [accuracy, sigma, uniformity, level, residual, leak];

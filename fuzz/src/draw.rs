@@ -1,4 +1,4 @@
-//! Draws: numbers, arrays, media, points, requests and solvers from a fuzzer's bytes, mostly sane, sometimes odd.
+//! Draw: makes numbers, arrays, media, points, requests and solvers from a fuzzer's bytes: mostly usual, sometimes odd ones.
 
 use arbitrary::Unstructured;
 use midair::solvers::{Configured, SOLVERS};
@@ -7,7 +7,7 @@ use midair::{
     Transducer, Value,
 };
 
-/// Numbers at which arithmetic or a check may turn over.
+/// Numbers at which arithmetic or a check may fail.
 const ODD: [f64; 16] = [
     0.0,
     -0.0,
@@ -27,15 +27,15 @@ const ODD: [f64; 16] = [
     2.0,
 ];
 
-/// Words that some option takes, and one that none does.
+/// Words that some option accepts, and one that none accepts.
 const WORDS: [&str; 12] =
     ["clamp", "normalize", "full", "l1", "l2", "random", "rows", "columns", "raw", "unit", "target", "none"];
 
-/// A fuzzer's bytes, read as what a test needs. Behind their end all is 0.
+/// Reads a fuzzer's bytes as the inputs of a test. After the last byte, all values are 0.
 pub struct Draw<'a>(Unstructured<'a>);
 
 impl<'a> Draw<'a> {
-    /// From the first byte.
+    /// Starts at the first byte.
     pub fn new(bytes: &'a [u8]) -> Self {
         Self(Unstructured::new(bytes))
     }
@@ -45,27 +45,27 @@ impl<'a> Draw<'a> {
         !self.0.is_empty()
     }
 
-    /// A whole number from `low` to `high`.
+    /// Returns a whole number from `low` to `high`.
     pub fn whole(&mut self, low: usize, high: usize) -> usize {
         self.0.int_in_range(low..=high).unwrap_or(low)
     }
 
-    /// Yes or no.
+    /// Returns true or false.
     pub fn flag(&mut self) -> bool {
         self.byte() & 1 == 1
     }
 
-    /// Something, or nothing.
+    /// Returns a value or `None`.
     pub fn maybe<T>(&mut self, draw: impl FnOnce(&mut Self) -> T) -> Option<T> {
         self.flag().then(|| draw(self))
     }
 
-    /// One of a list.
+    /// Returns one of a list.
     pub fn one<T: Copy>(&mut self, list: &[T]) -> T {
         list[self.whole(0, list.len() - 1)]
     }
 
-    /// A number of the order of `scale`; one in fifty is an odd one.
+    /// Returns a number of the order of `scale`; one in fifty is odd.
     pub fn real(&mut self, scale: f64) -> f64 {
         match self.byte() {
             255 => f64::from_bits(self.0.arbitrary().unwrap_or(0)),
@@ -74,24 +74,24 @@ impl<'a> Draw<'a> {
         }
     }
 
-    /// A number of any order, from 1e-40 to 1e40.
+    /// Returns a number of any order, from 1e-40 to 1e40.
     pub fn wide(&mut self) -> f64 {
         let exponent = self.whole(0, 80) as i32 - 40;
         self.real(1.0) * 10.0_f64.powi(exponent)
     }
 
-    /// `count` of something.
+    /// Returns a list of `count` values.
     pub fn list<T>(&mut self, count: usize, mut draw: impl FnMut(&mut Self) -> T) -> Vec<T> {
         (0..count).map(|_| draw(self)).collect()
     }
 
-    /// A place within some 0.1 m, on a coarse raster now and then, so that some coincide.
+    /// Returns a place within about 0.1 m. Some places are on a coarse grid, so that some coincide.
     pub fn place(&mut self) -> [f64; 3] {
         let raster = self.flag();
         [(); 3].map(|()| if raster { 0.01 * (self.whole(0, 8) as f64 - 4.0) } else { self.real(0.1) })
     }
 
-    /// Places of control points: beside the array, on it, in one another's place, or far away.
+    /// Returns control points: beside the array, on it, at the same place, or far away.
     pub fn points(&mut self, most: usize) -> Vec<[f64; 3]> {
         let count = self.whole(1, most);
         let height = self.real(0.3).abs();
@@ -101,7 +101,7 @@ impl<'a> Draw<'a> {
         points
     }
 
-    /// Phases and amplitudes of a board.
+    /// Returns the quantization of a board.
     pub fn quantization(&mut self) -> Result<Quantization, Error> {
         let phases = self.maybe(|draw| draw.one(&[0, 1, 2, 3, 4, 16, 32, 63, 64, 255, 256, 1024, 65536, 65537]));
         let amplitudes = self.maybe(|draw| match draw.whole(0, 4) {
@@ -119,7 +119,7 @@ impl<'a> Draw<'a> {
         Quantization::new(phases, amplitudes)
     }
 
-    /// An array: a grid, or transducers anywhere; with or without responses, mask and quantization.
+    /// Returns an array: a grid or any transducers, with or without responses, mask and quantization.
     pub fn array(&mut self) -> Result<Array, Error> {
         let array = if self.flag() {
             let (nx, ny) = (self.whole(0, 9), self.whole(1, 9));
@@ -132,7 +132,7 @@ impl<'a> Draw<'a> {
         };
         let parameter = self.real(0.02);
         let laws: Vec<Directivity> = Directivity::all().collect();
-        // Half of the arrays are of point sources, the first law.
+        // Half of the arrays have point sources, the first law.
         let law = laws[self.whole(0, 2 * laws.len() - 1).saturating_sub(laws.len())];
         let scale = |own: Parameter| if own.length { 1.0 } else { 500.0 };
         let directivity = Directivity::named(law.name().0, law.parameter().map(|own| scale(own) * parameter))?;
@@ -148,7 +148,7 @@ impl<'a> Draw<'a> {
         Ok(array.with_response(response)?.with_mask(mask)?.with_quantization(quantization))
     }
 
-    /// The air, mostly as it is; each key that is given is at its example, or odd.
+    /// Returns a medium, mostly the default; each given key has its example as value, or an odd one.
     pub fn medium(&mut self) -> Result<Medium, Error> {
         let mut given = Vec::new();
         for key in Medium::KEYS {
@@ -160,10 +160,10 @@ impl<'a> Draw<'a> {
         Medium::default().with(&given)
     }
 
-    /// Targets and weights of `count` points.
+    /// Returns targets and weights for `count` points.
     pub fn request(&mut self, count: usize) -> Request {
         let scale = self.one(&[1.0, 100.0, 1e4, 1e-6, 1e-20, 1e20]);
-        // Every other point may be quiet.
+        // Some of the points are quiet.
         let value = |draw: &mut Self| if draw.whole(0, 5) == 5 { 0.0 } else { draw.real(scale).abs() };
         let pressures = self.maybe(|draw| draw.list(count, value));
         Request {
@@ -173,7 +173,7 @@ impl<'a> Draw<'a> {
         }
     }
 
-    /// Where an iterative method begins.
+    /// Returns a start for iterative methods.
     pub fn start(&mut self, transducers: usize, points: usize) -> Start {
         if self.flag() {
             Start::Phases(self.list(points, |draw| draw.real(7.0)))
@@ -182,7 +182,7 @@ impl<'a> Draw<'a> {
         }
     }
 
-    /// A drive, each |q| <= 1 but for odd ones.
+    /// Returns a drive; |q| <= 1 except for odd numbers.
     pub fn drive(&mut self, transducers: usize) -> Vec<Complex32> {
         self.list(transducers, |draw| Complex32::new(draw.real(0.7) as f32, draw.real(0.7) as f32))
     }
@@ -192,12 +192,12 @@ impl<'a> Draw<'a> {
         self.one(&[Aim::Target, Aim::Max])
     }
 
-    /// Any solver of the registry with some options set, for an array of some quantization and `transducers`.
+    /// Returns a solver of the registry with some options, for an array with this quantization and `transducers`.
     pub fn solver(&mut self, quantization: Option<&Quantization>, transducers: usize) -> Result<Configured, Error> {
         let entry = &SOLVERS[self.whole(0, SOLVERS.len() - 1)];
         let mut options = Options::new();
         for info in entry.options() {
-            // What costs time in proportion is always set, and small.
+            // Options that determine the time are always set, to small values.
             let value = match (info.name, &info.default) {
                 ("steps", _) => Value::Integer(self.whole(0, 12) as i128),
                 ("starts", _) => Value::Integer(self.whole(0, 5) as i128),
@@ -216,7 +216,7 @@ impl<'a> Draw<'a> {
         entry.configure_for(&options, quantization)
     }
 
-    /// A permutation of 0..`count`, or nearly one.
+    /// Returns a permutation of 0..`count`, sometimes with an error.
     fn order(&mut self, count: usize) -> Vec<i64> {
         let mut order: Vec<i64> = (0..count as i64).collect();
         for _ in 0..self.whole(0, 3) {

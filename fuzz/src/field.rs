@@ -1,9 +1,9 @@
-//! Field, judge, reach, bound and pictures' planes: numbers that agree, or a refusal of one line.
+//! Tests field, judge, reach, bound and the planes of pictures: their numbers agree, or there is an error of one line.
 
 use crate::{Allowed, Draw, one_line};
 use midair::{Control, Error, InstructionSet, Model, Precision, Problem, Scene};
 
-/// Check what the bytes make.
+/// Runs the test that the bytes describe.
 pub fn check(bytes: &[u8]) {
     one_line(run(&mut Draw::new(bytes)));
 }
@@ -15,7 +15,7 @@ fn run(draw: &mut Draw) -> Result<(), Error> {
     let model = Model::of(&scene, InstructionSet::best());
     let none = &mut Control::none();
     let drive = draw.drive(scene.array().len());
-    // Anywhere, also on a transducer.
+    // The places may be anywhere, also on a transducer.
     let places = draw.points(20);
     let field = midair::field(&model, &drive, &places, none)?;
     assert!(field.iter().all(|p| p.re.is_finite() && p.im.is_finite()), "{field:?}");
@@ -34,10 +34,10 @@ fn run(draw: &mut Draw) -> Result<(), Error> {
     }
     let metrics = problem.judge(&drive, Precision::Double, none)?;
     let bound = midair::bound(&problem, none)?;
-    // Of points that no transducer reaches it is 0.
+    // The bound is 0 if no transducer reaches the points.
     assert!(bound >= 0.0, "{bound}");
     let least = metrics.level * metrics.uniformity;
-    // min x is at most uniformity times max x, which is at least the mean.
+    // min x is uniformity times max x, and max x is at least the mean.
     assert!(least <= bound * (1.0 + 1e-6), "a level of {least} above the bound {bound}");
     Ok(())
 }

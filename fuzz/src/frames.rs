@@ -1,16 +1,16 @@
-//! Frames of boards: any bytes are refused in one line or decode to a drive, which is encoded and decoded to the same.
+//! Tests the frames of boards: any bytes give an error of one line or a drive, which is encoded and decoded to the same drive.
 
 use midair::{Board, Complex32};
 
 use crate::{Draw, one_line};
 
-/// Check what the bytes make.
+/// Runs the test that the bytes describe.
 pub fn check(bytes: &[u8]) {
     let (head, frame) = bytes.split_at(bytes.len().min(5));
     let mut draw = Draw::new(head);
     let names: Vec<&str> = Board::names().collect();
     let (name, whole) = (draw.one(&names), draw.flag());
-    // Few of them, so that most inputs are quick; every other frame has as many bytes as one of the board.
+    // Mostly few transducers, so that inputs are fast. Half of the frames have the right number of bytes.
     let most = draw.one(&[8, 16, 64, 520]);
     let transducers = draw.whole(1, most);
     let Some(board) = one_line(Board::new(name, transducers)) else { return };
@@ -28,7 +28,7 @@ pub fn check(bytes: &[u8]) {
         one_line(board.encode(&drive, &mut sent)).expect("a drive of the board");
         one_line(board.decode(&sent, &mut again)).expect("a frame of the board");
         let off = drive.iter().zip(&again).map(|(a, b)| (a - b).norm()).fold(0.0, f32::max);
-        // Of its 256 phases this one spares two, which would be read as the ends of a word.
+        // The board homies replaces two of its 256 phases, which would be mistaken for the ends of a word.
         let step = if name == "homies" { std::f32::consts::TAU / 256.0 } else { 0.0 };
         assert!(off < step + 1e-5, "{name}: off by {off}");
         let mut once_more = vec![0; board.frame_size()];
@@ -37,7 +37,7 @@ pub fn check(bytes: &[u8]) {
     }
 }
 
-/// Holds what a board is sent so that it is off, which no frame changes.
+/// Checks that the frame that switches a board off does so.
 fn check_off(board: &Board, drive: &mut [Complex32]) {
     assert!(!board.silence().is_empty());
     one_line(board.decode(&board.off_frame(), drive)).expect("the off frame");

@@ -1,9 +1,9 @@
-//! Every instruction set: rows, fields and answers as near to eq. (5) in f64 as the scalar ones, at any length.
+//! Tests every instruction set: rows, fields and solutions agree with eq. (5) in f64, for any number of points.
 
 use crate::{Allowed, Draw, one_line};
 use midair::{Control, Error, InstructionSet, Model, Problem, Setup, Workspace};
 
-/// Check what the bytes make.
+/// Runs the test that the bytes describe.
 pub fn check(bytes: &[u8]) {
     one_line(run(&mut Draw::new(bytes)));
 }
@@ -33,7 +33,7 @@ fn run(draw: &mut Draw) -> Result<(), Error> {
     for other in answers {
         let doubts = [&first, &other].map(|answer| answer.as_ref().map_or(0.0, |(_, doubt)| *doubt));
         if doubts.into_iter().any(|doubt| doubt >= 1.0) {
-            // A level that may be rounding alone is 0 in one set and not in another.
+            // A level that may be only rounding can be 0 in one instruction set and not in another.
             continue;
         }
         match (&first, other) {

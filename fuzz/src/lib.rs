@@ -1,5 +1,5 @@
-//! Targets of guided fuzzing, each a function of bytes, and what they share: requests drawn from a fuzzer's bytes, and what
-//! every answer must hold.
+//! The targets of guided fuzzing, each a function of bytes. They share code that makes requests from bytes and that checks
+//! solutions.
 
 mod answer;
 mod draw;
@@ -15,10 +15,10 @@ pub mod sweep;
 pub use answer::{Allowed, one_line};
 pub use draw::Draw;
 
-/// A target's name, and what checks bytes.
+/// The name of a target, and its function.
 pub type Target = (&'static str, fn(&[u8]));
 
-/// Every target by its name.
+/// All targets.
 pub const TARGETS: [Target; 8] = [
     ("scene", scene::check),
     ("positions", positions::check),

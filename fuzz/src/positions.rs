@@ -1,9 +1,9 @@
-//! The readers of CSV files, of positions and of drives: any bytes are refused in one line, or are an array or a drive.
+//! Tests the readers of CSV files of positions and of drives: any bytes give an error of one line, or an array or a drive.
 
 use crate::one_line;
 use midair::files::{read_array, read_drive, write_drive};
 
-/// Check what the bytes make.
+/// Runs the test that the bytes describe.
 pub fn check(bytes: &[u8]) {
     let rows = bytes.split(|&byte| byte == b'\n' || byte == b'\r').count();
     if let Some(array) = one_line(read_array(bytes, "bowl.csv")) {

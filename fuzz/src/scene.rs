@@ -1,16 +1,16 @@
-//! The scene reader: any bytes are refused in one line or are a motion or a scene, which survives being written and read.
+//! Tests the scene reader: any bytes give an error of one line, or a motion, or a scene that can be written and read again.
 
 use crate::one_line;
 use midair::files::{Drawing, Format, Provenance, Source, read, read_motion, write};
 use midair::{Request, Scene};
 
-/// Larger arrays are read, but not written in two formats: a few bytes of a grid make millions.
+/// Larger arrays are read but not written: a few bytes can describe a grid of millions of transducers.
 const MOST: usize = 4096;
 
-/// The table without which a document is no motion.
+/// Only documents with this word can be a motion.
 const MOTION: &[u8] = b"motion";
 
-/// Check what the bytes make.
+/// Runs the test that the bytes describe.
 pub fn check(bytes: &[u8]) {
     for format in [Format::Toml, Format::Json] {
         if let Some(scene) = one_line(read(bytes, format))
@@ -27,7 +27,7 @@ pub fn check(bytes: &[u8]) {
 
 fn survives(scene: &Scene) {
     let provenance = Provenance { version: Some("1".into()), status: None };
-    // TOML has no integers above 2^63 - 1.
+    // TOML cannot write integers above 2^63 - 1.
     for format in [Format::Toml, Format::Json] {
         if let Some(text) = one_line(write(scene, format, &provenance)) {
             let again = read(text.as_bytes(), format);

@@ -1,4 +1,4 @@
-//! Requests of changing sizes through one session, and as a batch: each gives the bits of a solve of its own.
+//! Tests requests of changing sizes in one session, and as a batch: each result has the bits of a single solve.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use midair::{
 
 type Solver = Arc<dyn Solve + Send + Sync>;
 
-/// Check what the bytes make.
+/// Runs the test that the bytes describe.
 pub fn check(bytes: &[u8]) {
     one_line(run(&mut Draw::new(bytes)));
 }
@@ -24,7 +24,7 @@ fn run(draw: &mut Draw) -> Result<(), Error> {
     for ask in &asks {
         let single = alone(&model, ask, &*solver, balance);
         if !session.last().is_empty() {
-            // A solver that remembers goes on from its last frame. Cleared, it begins as a solve of its own does.
+            // A solver with a memory continues from its last frame; after it is cleared, it starts like a single solve.
             if let (Ok(next), Ok((problem, _))) = (session.solve(ask, &mut Control::none()), &single) {
                 let allowed = Allowed::of(model.array(), model.medium(), &ask.points);
                 allowed.check(problem, &model.propagation(&ask.points)?, next, configured.info.name);
@@ -39,7 +39,7 @@ fn run(draw: &mut Draw) -> Result<(), Error> {
                 assert_eq!((found.metrics(), found.status, found.steps), (single.metrics(), single.status, single.steps));
                 assert_eq!(found.scale, single.scale);
             }
-            // Of two faults a session names that of the start first, a problem of its own that of the points.
+            // If there are two errors, a session reports that of the start first, a single problem that of the points.
             (Err(_), Err(_)) if ask.start.is_some() => {}
             (found, single) => assert_eq!(found.err(), single.err()),
         }
@@ -51,7 +51,7 @@ fn run(draw: &mut Draw) -> Result<(), Error> {
     Ok(())
 }
 
-/// Requests of one size, a few times over, so that they fill lanes and part of them.
+/// Solves requests of the same size several times, so that they fill groups of lanes and a part of one.
 fn batch(model: &Model, asks: &[SolveRequest], solver: &Solver, balance: bool) {
     let (count, size, transducers) = (asks.len() * 7, asks[0].points.len(), model.array().len());
     let mut drives = vec![Complex32::ZERO; count * transducers];
@@ -93,7 +93,7 @@ fn ask(draw: &mut Draw, transducers: usize) -> SolveRequest {
     SolveRequest { points, request, start, aim: draw.maybe(Draw::aim) }
 }
 
-/// The same request with memory of its own.
+/// Solves the same request without a session.
 fn alone(model: &Model, ask: &SolveRequest, solver: &dyn Solve, balance: bool) -> Result<(Problem, Solution), Error> {
     let setup = Setup::of(model.array(), model.medium());
     let mut problem = Problem::with_propagation(model.propagation(&ask.points)?, setup, &ask.request)?;

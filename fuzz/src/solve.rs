@@ -1,9 +1,9 @@
-//! The solvers: whatever array or matrix, request and options, an answer holds or a refusal is one line.
+//! Tests the solvers: any array or matrix, request and options give a valid solution or an error of one line.
 
 use crate::{Allowed, Draw, one_line};
 use midair::{Complex64, Control, Error, InstructionSet, Model, Problem, Propagation, Setup, Workspace};
 
-/// Check what the bytes make.
+/// Runs the test that the bytes describe.
 pub fn check(bytes: &[u8]) {
     one_line(run(&mut Draw::new(bytes)));
 }
@@ -25,7 +25,7 @@ fn run(draw: &mut Draw) -> Result<(), Error> {
     let work = &mut Workspace::new();
     let solution = midair::solve(&problem, &*configured.solver, draw.flag(), work, &mut Control::none())?;
     allowed.check(&problem, &propagation, &solution, configured.info.name);
-    // Again in the same memory: the same bits.
+    // A second solve in the same memory gives the same bits.
     let balance = configured.info.balance;
     let [first, second] =
         [(); 2].map(|()| midair::solve(&problem, &*configured.solver, balance, work, &mut Control::none()));
@@ -34,7 +34,7 @@ fn run(draw: &mut Draw) -> Result<(), Error> {
     Ok(())
 }
 
-/// G of an array at some points.
+/// Returns the G of an array at some points.
 fn computed(draw: &mut Draw, set: InstructionSet) -> Result<(Propagation, Setup, Allowed), Error> {
     let (array, medium) = (draw.array()?, draw.medium()?);
     let points = draw.points(40);
@@ -42,7 +42,7 @@ fn computed(draw: &mut Draw, set: InstructionSet) -> Result<(Propagation, Setup,
     Ok((propagation, Setup::of(&array, medium), Allowed::of(&array, medium, &points)))
 }
 
-/// A matrix of the user's own, its entries of one order or of many.
+/// Returns a user's own G; its entries have one order of magnitude, or many.
 fn given(draw: &mut Draw) -> Result<(Propagation, Setup, Allowed), Error> {
     let (points, transducers) = (draw.whole(1, 20), draw.whole(1, 40));
     let (unit, many) = (draw.wide(), draw.flag());

@@ -1,9 +1,9 @@
-//! The reader of sweep files: any bytes are refused in one line or are tables, whose values have a place.
+//! Tests the reader of sweep files: any bytes give an error of one line, or tables whose keys have a place in the text.
 
 use crate::one_line;
 use midair::files::{Format, Node, Source, placed, read_sweep};
 
-/// Check what the bytes make.
+/// Runs the test that the bytes describe.
 pub fn check(bytes: &[u8]) {
     for format in [Format::Toml, Format::Json] {
         let Some(tables) = one_line(read_sweep(bytes, format, Source::default())) else { continue };

@@ -1,11 +1,11 @@
-//! The inputs of the tree, seeds and past crashes, through their targets: what was mended stays so.
+//! Runs the stored inputs of all targets, first inputs and past crashes, so that repaired errors stay repaired.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use midair_fuzz::TARGETS;
 
-/// The files of a folder, none where it is not there.
+/// Returns the files of a folder, none if it does not exist.
 fn inputs(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten();
     let mut files: Vec<PathBuf> =
