@@ -19,8 +19,7 @@ def today() -> str:
 
 
 def code(*folders: str) -> str:
-    """Return the state of some folders: git's short names of their trees, with a plus if there are changes.
-    """
+    """Return the state of some folders: git's short names of their trees, with a plus for changed ones."""
     names = []
     for folder in folders:
         name = _git("rev-parse", "--short=8", f"HEAD:{folder}")
@@ -40,9 +39,7 @@ def rows(table: str) -> list[Row]:
 
 
 def put(table: str, row: Row, keys: int) -> None:
-    """Write a row in place of the one with the same first `keys` cells, or append it. Replaces the whole
-    file.
-    """
+    """Write a row in place of the one with the same first `keys` cells, or append it; all or nothing."""
     before, inside, after = _parts(table)
     found = rows(table)
     same = [index for index, other in enumerate(found) if other[:keys] == row[:keys]]

@@ -55,7 +55,7 @@ def miri(name: str, flags: str) -> Check:
     # Miri does not support the assembly that libm uses for square roots.
     portable = ["--features", "libm/force-soft-floats"]
     command = ["cargo", "+nightly", "miri", "test", "-p", "midair", *portable, folder, *chosen]
-    # By default Miri changes the last bits of powers and sines at random; the tests need those of the machine.
+    # By default Miri changes the last bits of powers and sines at random; the tests need the exact ones.
     return Check(name, command, {"RUSTFLAGS": flags, "MIRIFLAGS": "-Zmiri-deterministic-floats"})
 
 

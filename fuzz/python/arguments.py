@@ -10,7 +10,7 @@ import numpy as np
 from guided import REFUSALS, Data, fuzz, midair, refused
 from values import laid_out, numbers, odd
 
-#: Options and arguments whose cost in time or memory is proportional to their value, each with its limit here.
+#: Options and arguments whose cost in time or memory is proportional to their value, with the limits here.
 COSTS = {"steps": 20, "starts": 4, "sweeps": 4, "phases": 300}
 COSTS |= {"pixels": 30, "threads": 4, "nx": 20, "ny": 20, "tiles": 2}
 

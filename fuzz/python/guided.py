@@ -20,7 +20,7 @@ with atheris.instrument_imports(include=["midair", "zipfile", "numpy.lib"]) if a
     import midair
     import midair._sweep
 
-#: The errors that a bad argument may raise: the package's, or Python's for a wrong number or name of arguments.
+#: Errors that a bad argument may raise: the package's, or Python's for a wrong number or name of arguments.
 REFUSALS = (midair.SceneError, TypeError)
 
 #: The stored inputs, one folder for each target.
