@@ -1,4 +1,4 @@
-//! Writes the name that programs load the shared library by: libmidair.so.ABI.
+//! Sets the name under which programs load the shared library: libmidair.so.ABI.
 
 #[allow(unreachable_pub, reason = "the library's, where it can be reached")]
 #[path = "src/abi.rs"]

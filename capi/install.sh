@@ -1,6 +1,6 @@
 #!/bin/bash
-# install.sh FOLDER PREFIX: the libraries built in FOLDER, headers and midair.pc go to PREFIX/lib and PREFIX/include.
-# DESTDIR stands before PREFIX where a packager sets it. Needs no root where these can be written.
+# install.sh FOLDER PREFIX: copies the libraries in FOLDER, the headers and midair.pc to PREFIX/lib and PREFIX/include.
+# If a packager sets DESTDIR, it comes before PREFIX. Root is not needed if the folders can be written.
 set -eu -o pipefail
 built=$1 prefix=$2
 source=$(dirname "$0")
@@ -16,6 +16,6 @@ install -m 644 "$built/libmidair.a" "$lib"
 install -m 755 -s "$built/libmidair.so" "$lib/libmidair.so.$version"
 ln -sf "libmidair.so.$version" "$lib/libmidair.so.$abi"
 ln -sf "libmidair.so.$abi" "$lib/libmidair.so"
-# What a static link needs besides is what rustc says: `cargo rustc -p midair-capi --release -- --print native-static-libs`.
+# rustc prints the libraries for static linking: `cargo rustc -p midair-capi --release -- --print native-static-libs`.
 sed -e "s|@PREFIX@|$prefix|" -e "s|@VERSION@|$version|" -e "s|@PRIVATE@|-lgcc_s -lutil -lrt -lpthread -lm -ldl -lc|" \
     "$source/midair.pc.in" >"$lib/pkgconfig/midair.pc"

@@ -1,5 +1,4 @@
-"""Runs the core's tests and the inputs of fuzzing with sanitizers and Miri; recorded in docs/reliability.md.
-"""
+"""Runs the core's tests and fuzzing's inputs with sanitizers and Miri; recorded in docs/reliability.md."""
 
 from __future__ import annotations
 

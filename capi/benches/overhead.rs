@@ -1,6 +1,6 @@
-//! How much longer a solve takes through the shared library than in Rust: N = 400, M = 4, `fast`, rounds in turns.
+//! Compares the time of a solve through the shared library with that in Rust: N = 400, M = 4, `fast`, in alternating rounds.
 //!
-//! `make bench-capi`, which names the library in MIDAIR_LIBRARY. The answers are compared, bit for bit, before the clock.
+//! `make bench-capi` sets MIDAIR_LIBRARY to the library. Before the measurement, the drives are compared bit by bit.
 #![allow(unsafe_code, reason = "functions of a library that is loaded by its name")]
 
 use std::ffi::{CStr, c_char, c_void};
@@ -14,8 +14,9 @@ use midair::{
 
 const N: usize = 400;
 const M: usize = 4;
-/// The number of calls of each side in one round, and the number of rounds.
+/// The number of calls of each side in one round.
 const CALLS: usize = 200;
+/// The number of rounds.
 const ROUNDS: usize = 500;
 
 type NewArray = unsafe extern "C" fn(*const c_char, usize, usize, *mut *mut c_void, *mut c_char, usize) -> i32;
@@ -33,13 +34,13 @@ type Solve = unsafe extern "C" fn(
     usize,
 ) -> i32;
 
-/// The points and pressures of a call.
+/// Returns the points and pressures of a call.
 fn request(call: usize) -> ([[f64; 3]; M], [f64; M]) {
     let turn = |j: usize| call as f64 * 1e-3 + j as f64;
     (std::array::from_fn(|j| [0.03 * turn(j).cos(), 0.03 * turn(j).sin(), 0.15]), [0.8; M])
 }
 
-/// Microseconds a call, in the mean over a round.
+/// Returns the mean time of a call in microseconds, over one round.
 fn round(mut solve: impl FnMut(usize)) -> f64 {
     let start = Instant::now();
     (0..CALLS).for_each(&mut solve);
@@ -50,9 +51,9 @@ fn main() {
     let Some(path) = std::env::var_os("MIDAIR_LIBRARY") else {
         return println!("overhead: MIDAIR_LIBRARY names no library; `make bench-capi` does");
     };
-    // SAFETY: nothing runs when this library is loaded.
+    // SAFETY: loading this library runs no code.
     let library = unsafe { Library::new(path) }.expect("a library");
-    // SAFETY: the types are those of midair.h; an answer is an int, size_t and seven double, nine times 8 bytes.
+    // SAFETY: the types are those of midair.h; an answer is an int, a size_t and seven doubles, nine times 8 bytes.
     let (array, session, solve): (Symbol<'_, NewArray>, Symbol<'_, NewSession>, Symbol<'_, Solve>) = unsafe {
         let get = "functions of midair.h";
         (
@@ -63,7 +64,7 @@ fn main() {
     };
     let (mut preset, mut handle) = (null_mut(), null_mut());
     let name = |name: &'static CStr| name.as_ptr();
-    // SAFETY: texts that end, and places for handles.
+    // SAFETY: the texts end with NUL, and the places for handles are valid.
     unsafe {
         assert_eq!(array(name(c"paper20"), 1, 1, &raw mut preset, null_mut(), 0), 0);
         assert_eq!(session(preset, name(c"fast"), &raw mut handle, null_mut(), 0), 0);
@@ -89,7 +90,7 @@ fn main() {
         let answer = if reported { &raw mut answer } else { null_mut() };
         let size = if reported { 512 } else { 0 };
         let (points, pressures) = (points.as_ptr(), pressures.as_ptr());
-        // SAFETY: lists of M and N entries, an answer, 512 characters.
+        // SAFETY: the lists have M and N entries; the answer and the 512 characters are valid buffers.
         let outcome = unsafe {
             solve(handle, points, pressures, null(), M, drive.as_mut_ptr(), N, answer, message.as_mut_ptr(), size)
         };

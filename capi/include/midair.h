@@ -1,18 +1,19 @@
 /* midair: drives for airborne ultrasound phased arrays, so that the pressure at given points is what you request.
  *
- * This file is made from capi/src by cbindgen: do not edit it. docs/c.md is the page for users, docs/conventions.md
+ * cbindgen generates this file from capi/src: do not edit it. docs/c.md is the page for users; docs/conventions.md
  * states units, signs and rules.
  *
- * Every function that can fail returns MIDAIR_RESULT_OK, which is 0, or what went wrong, and writes a line that names
- * the item, its value and the cure to message, a buffer of message_size bytes, cut to fit and ended by NUL. With
- * MIDAIR_RESULT_OK the message is empty or holds warnings, a line each. NULL in its place is no message.
+ * Every function that can fail returns MIDAIR_RESULT_OK, which is 0, or an error code. It writes a line that names the
+ * item, its value and the cure to message, a buffer of message_size bytes; the line is cut to fit and ends with NUL.
+ * With MIDAIR_RESULT_OK the message is empty or contains warnings, one per line. message may be NULL.
  *
- * SI units; points, positions and normals are x, y, z in a row; texts are UTF-8 ended by NUL, and names ignore case,
- * "-" and "_". Lists hold as many entries as the count beside them says; a complex number is one. Lists that are
- * written overlap no other of the same call. A call that fails leaves them as they were, and a new handle NULL.
+ * Units are SI. Points, positions and normals are consecutive x, y, z. Texts are UTF-8 and end with NUL; in names, case,
+ * "-" and "_" do not matter. The count beside a list is its number of entries; a complex number is one entry. A list
+ * that is written must not overlap another list of the same call. A call that fails does not change the lists, and sets
+ * a new handle to NULL.
  *
- * Arrays and boards never change: threads may share them. A session is used by one thread at a time. A handle is freed
- * once, by its own function, after its last use.
+ * Arrays and boards never change, so threads may share them. Only one thread at a time may use a session. Free each
+ * handle once, with its own function, after its last use.
  */
 
 #ifndef MIDAIR_H
@@ -21,18 +22,18 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// The binary interface that this header describes; midair_abi() of a library that fits gives the same number.
+// The binary interface that this header describes; midair_abi() of a compatible library returns the same number.
 #define MIDAIR_ABI 1
 
-// The outcome of a call. Everything but MIDAIR_RESULT_OK left the caller's buffers as they were, but the message.
+// The result of a call. Unless it is MIDAIR_RESULT_OK, the caller's buffers have not changed, except for the message.
 typedef enum {
-    // Done. The message is empty, or remarks that the caller should hear, a line each.
+    // Success. The message is empty or contains warnings, one per line.
     MIDAIR_RESULT_OK = 0,
-    // An argument cannot be meant. The message names it, its value and the cure.
+    // An argument is invalid. The message names it, its value and the cure.
     MIDAIR_RESULT_INVALID = 1,
-    // More memory than allowed, or than there is.
+    // More memory than the limit, or than the machine has.
     MIDAIR_RESULT_MEMORY = 2,
-    // A fault of the library's own, to be reported.
+    // An error of the library itself; please report it.
     MIDAIR_RESULT_FAULT = 3,
 } midair_result;
 
@@ -42,7 +43,7 @@ typedef enum {
     MIDAIR_STATUS_DONE = 0,
     // The method's steps ran out before its tolerance was met.
     MIDAIR_STATUS_OUT_OF_STEPS = 1,
-    // It was stopped; the answer is the best so far.
+    // The solve was stopped; the answer is the best result so far.
     MIDAIR_STATUS_STOPPED = 2,
     // The method ran to its end, and the targets are missed by more than 1 %.
     MIDAIR_STATUS_MISSED = 3,
@@ -52,7 +53,7 @@ typedef enum {
 typedef enum {
     // A serial line.
     MIDAIR_LINK_KIND_SERIAL = 0,
-    // FIFOs of FTDI chips, one a board.
+    // FIFOs of FTDI chips, one for each board.
     MIDAIR_LINK_KIND_FIFO = 1,
     // AUTD3's protocol over UDP.
     MIDAIR_LINK_KIND_UDP = 2,
@@ -61,7 +62,7 @@ typedef enum {
 // An array of transducers. It never changes: any number of threads may use it at the same time.
 typedef struct midair_array midair_array;
 
-// The boards behind an array. It never changes: any number of threads may use it at the same time.
+// The boards of an array. They never change: any number of threads may use them at the same time.
 typedef struct midair_board midair_board;
 
 // An array, a method with its options, and the memory of their solves. One thread at a time may use a session;
@@ -92,33 +93,34 @@ typedef struct {
     double leak;
 } midair_metrics;
 
-// Results of a solve beside the drive.
+// Results of a solve besides the drive.
 typedef struct {
-    // How it ended.
+    // How the solve ended.
     midair_status status;
-    // Steps taken.
+    // The number of steps taken.
     size_t steps;
     // The factor that supply or modulation must apply to the drive; 1 unless the board has no such amplitude.
     double scale;
-    // How good it is, the scale counted in.
+    // Metrics of the drive, with the scale applied.
     midair_metrics metrics;
 } midair_answer;
 
-// How bytes reach boards, and what these do by themselves; 1 for yes, 0 for no.
+// How bytes reach the boards, and what the boards can do by themselves. Of the int32_t fields, all but swap are 1 for yes, 0
+// for no.
 typedef struct {
     // The link that carries the bytes.
     midair_link_kind kind;
-    // Number of lines; a frame consists of one part for each line, all of the same length, one after the other.
+    // The number of lines. A frame consists of one part for each line, all of the same length, one after the other.
     size_t lines;
-    // Bits a second of a serial line, ten to a byte; else 0.
+    // Bits per second of a serial line, where a byte takes ten bits; else 0.
     uint32_t baud;
-    // Frames a second that the line can carry.
+    // The most frames per second that the line can transmit.
     double rate;
-    // The byte that exchanges the two banks of a board that has them, else -1.
+    // The byte that exchanges the two banks of a board; -1 if it has no banks.
     int32_t swap;
     // Whether opening the port may restart the board.
     int32_t restarts;
-    // Whether the lines of two boards may be the two of one chip.
+    // Whether two boards may use the two lines of one chip.
     int32_t one_chip;
     // Whether amplitudes can be modulated.
     int32_t modulates;
@@ -138,13 +140,13 @@ midair_result midair_array_preset(const char *name,
                                   char *message,
                                   size_t message_size);
 
-// Makes the array of a kind of board, such as "nano16": its preset, or a grid for a kind that each owner wires differently.
+// Makes the array of a kind of board, such as "nano16": its preset, or a grid if each owner wires this kind differently.
 midair_result midair_array_board(const char *kind,
                                  midair_array **array,
                                  char *message,
                                  size_t message_size);
 
-// Makes a flat grid of nx by ny transducers, pitch metres apart, centred in z = 0, x fastest, that radiate to +z.
+// Makes a flat grid of nx by ny transducers that radiate to +z. It is centred in z = 0, x fastest, with a pitch in m.
 midair_result midair_array_grid(size_t nx,
                                 size_t ny,
                                 double pitch,
@@ -152,8 +154,8 @@ midair_result midair_array_grid(size_t nx,
                                 char *message,
                                 size_t message_size);
 
-// Makes an array of count transducers at positions (count, 3) in m that look along normals (count, 3); with normals
-// NULL along +z.
+// Makes an array of count transducers at positions (count, 3) in m. They face along normals (count, 3), or along +z if normals
+// is NULL.
 midair_result midair_array_new(const double *positions,
                                const double *normals,
                                size_t count,
@@ -161,10 +163,10 @@ midair_result midair_array_new(const double *positions,
                                char *message,
                                size_t message_size);
 
-// Number of transducers N; 0 for NULL.
+// Returns the number of transducers N; 0 for NULL.
 size_t midair_array_count(const midair_array *array);
 
-// Writes positions (count, 3) in m and unit normals (count, 3), count being N; either may be NULL.
+// Writes positions (count, 3) in m and unit normals (count, 3), where count is N. Either may be NULL.
 midair_result midair_array_positions(const midair_array *array,
                                      double *positions,
                                      double *normals,
@@ -172,14 +174,14 @@ midair_result midair_array_positions(const midair_array *array,
                                      char *message,
                                      size_t message_size);
 
-// Frees an array. Sessions made of it go on. NULL is nothing to free.
+// Frees an array. Sessions made from it can still be used. NULL is allowed.
 void midair_array_free(midair_array *array);
 
-// Solves problems of count points each by one call, over this many threads at most (0 for one a processor): points
-// (problems, count, 3) in m, pressures and weights (problems, count) as in midair_session_solve(), drives (problems,
-// transducers), answers (problems,), which may be NULL. Each answer is bit for bit that of midair_session_solve() for the
-// problem alone in a new session, whatever the threads. A refused problem is named, and nothing is written. A weight of 0
-// fills up problems of fewer points.
+// Solves problems of count points each by one call, on at most this many threads (0 for one per processor). The inputs are
+// points (problems, count, 3) in m, and pressures and weights (problems, count) as in midair_session_solve(). The outputs are
+// drives (problems, transducers) and answers (problems,), which may be NULL. Each answer has the same bits as that of
+// midair_session_solve() for the problem alone in a new session, for any number of threads. If a problem is rejected, the
+// message gives its index, and nothing is written. Problems with fewer points can be filled with points of weight 0.
 midair_result midair_session_solve_batch(midair_session *session,
                                          const double *points,
                                          const double *pressures,
@@ -193,10 +195,10 @@ midair_result midair_session_solve_batch(midair_session *session,
                                          char *message,
                                          size_t message_size);
 
-// Solves the requests of count scenes by one call, over this many threads at most (0 for one a processor): scenes (count,) are
-// texts as midair_session_open() takes them, folder is where they look up files, or NULL. drives (count, transducers) have a
-// row for each scene, with 0 behind the drive of a scene of fewer transducers; answers (count,) may be NULL. A refused scene
-// is named, and nothing is written.
+// Solves the requests of count scenes by one call, on at most this many threads (0 for one per processor). scenes (count,) are
+// texts as for midair_session_open(); folder is the folder of the files that they name, or NULL. drives (count, transducers)
+// has one row for each scene; a row is filled with 0 after the drive of a scene with fewer transducers. answers (count,) may
+// be NULL. If a scene is rejected, the message gives its index, and nothing is written.
 midair_result midair_solve_scenes(const char *const *scenes,
                                   const char *folder,
                                   size_t count,
@@ -207,7 +209,7 @@ midair_result midair_solve_scenes(const char *const *scenes,
                                   char *message,
                                   size_t message_size);
 
-// Makes as many boards of a kind, such as "sonicsurface" or "openmpd", as an array of this many transducers needs, in the
+// Makes as many boards of this kind, such as "sonicsurface" or "openmpd", as an array of this many transducers needs, in the
 // order of the kind's preset.
 midair_result midair_board_new(const char *name,
                                size_t transducers,
@@ -215,18 +217,18 @@ midair_result midair_board_new(const char *name,
                                char *message,
                                size_t message_size);
 
-// Makes as many boards of a kind as a session's array needs: one channel for the transducers that its option "channels", its
-// preset or its scene wires together, and none for those that its mask switches off. The session may be freed.
+// Makes as many boards of this kind as a session's array needs. Transducers that its option "channels", its preset or its
+// scene wires together share a channel; transducers that its mask switches off have none. The session may be freed afterwards.
 midair_result midair_board_of_session(const char *name,
                                       midair_session *session,
                                       midair_board **board,
                                       char *message,
                                       size_t message_size);
 
-// Bytes of a frame, for all boards; 0 for NULL.
+// Returns the size of a frame in bytes, for all boards; 0 for NULL.
 size_t midair_board_frame_size(const midair_board *board);
 
-// Writes the frame that makes the boards play a drive of this many transducers, size being midair_board_frame_size().
+// Writes the frame that makes the boards play a drive of this many transducers; size is midair_board_frame_size().
 midair_result midair_board_encode(const midair_board *board,
                                   const midair_complex *drive,
                                   size_t transducers,
@@ -235,10 +237,10 @@ midair_result midair_board_encode(const midair_board *board,
                                   char *message,
                                   size_t message_size);
 
-// Bytes that silence the boards; 0 for NULL.
+// Returns the number of bytes that switch the boards off; 0 for NULL.
 size_t midair_board_silence_size(const midair_board *board);
 
-// Writes the bytes that silence the boards from any state, size being midair_board_silence_size().
+// Writes the bytes that switch the boards off from any state; size is midair_board_silence_size().
 midair_result midair_board_silence(const midair_board *board,
                                    uint8_t *bytes,
                                    size_t size,
@@ -251,41 +253,43 @@ midair_result midair_board_link(const midair_board *board,
                                 char *message,
                                 size_t message_size);
 
-// Frees a board. NULL is nothing to free.
+// Frees a board. NULL is allowed.
 void midair_board_free(midair_board *board);
 
-// Makes a session of an array and a method, such as "uniform" or "fast", in the array's own medium. The session keeps
-// what it needs of the array, which may be freed.
+// Makes a session for an array and a method, such as "uniform" or "fast", with the array's default medium. The session has a
+// copy of the array, which may be freed.
 midair_result midair_session_new(const midair_array *array,
                                  const char *method,
                                  midair_session **session,
                                  char *message,
                                  size_t message_size);
 
-// Makes a session of a scene file's text, TOML or JSON: its array, medium, obstacles, signature, solver and points. Files
-// that it names are looked up in folder; with NULL they are refused, as are shapes, images and meshes, which need Python.
-// midair_session_solve() with 0 points solves the scene's own.
+// Makes a session from the text of a scene file, TOML or JSON: its array, medium, obstacles, signature, solver and points.
+// folder is the folder of the files that it names; if it is NULL, such files are errors. Shapes of text or drawings, images
+// and files of meshes need the Python package, and are errors. midair_session_solve() with 0 points solves the scene's own
+// request.
 midair_result midair_session_open(const char *scene,
                                   const char *folder,
                                   midair_session **session,
                                   char *message,
                                   size_t message_size);
 
-// Number N of a session's transducers, so that a drive has room; 0 for NULL and for a session at work.
+// Returns the number N of a session's transducers, the length of a drive; 0 for NULL and for a session in use by another
+// thread.
 size_t midair_session_transducers(const midair_session *session);
 
 // Sets an option to a number: of the medium (every key of `[medium]` in a scene file, such as "temperature"), of the
-// transducers ("source_pressure", "directivity." and the name of a directivity that takes a parameter, as in
+// transducers ("source_pressure", or "directivity." and the name of a directivity with a parameter, as in
 // "directivity.piston"), of the bead that traps are made for ("bead.radius", "bead.density", "bead.sound_speed"), or of the
-// method. A session whose options are set begins again.
+// method. After an option is set, the session has no memory of earlier requests.
 midair_result midair_session_set_number(midair_session *session,
                                         const char *name,
                                         double value,
                                         char *message,
                                         size_t message_size);
 
-// Sets an option to a text: "directivity" ("point", "t4010a1", ...), "quantization" (a board's name, or "none" for any
-// drive), "balance" ("true" or "false"), "aim" ("target" or "max"), or one of the method.
+// Sets an option to a text: "directivity" ("point", "t4010a1", ...), "quantization" (a board's name, or "none" for any drive),
+// "balance" ("true" or "false"), "aim" ("target" or "max"), or an option of the method.
 midair_result midair_session_set_text(midair_session *session,
                                       const char *name,
                                       const char *value,
@@ -293,7 +297,7 @@ midair_result midair_session_set_text(midair_session *session,
                                       size_t message_size);
 
 // Sets an option to a list: "mask" (N, 1 for on and 0 for off), "response" (N, 2; real and imaginary part), "channels" (N, the
-// driven channel of each), "bead.gravity" (3, along x, y and z in m/s^2), or one of the method.
+// channel of each transducer), "bead.gravity" (3, along x, y and z in m/s^2), or an option of the method.
 midair_result midair_session_set_numbers(midair_session *session,
                                          const char *name,
                                          const double *values,
@@ -301,10 +305,10 @@ midair_result midair_session_set_numbers(midair_session *session,
                                          char *message,
                                          size_t message_size);
 
-// Finds a drive for points (count, 3) in m and writes it to drive (transducers,), transducers being N. pressures (count,)
-// are peak |p| in Pa; with NULL all are the level that the array reaches at all points at once. weights (count,) may be
-// NULL, for 1 everywhere, and answer, too. With 0 points, a session of a scene solves the scene's own request. Warnings in
-// the message come once a session for each kind; without a message they are not looked for.
+// Computes a drive for points (count, 3) in m, and writes it to drive (transducers,), where transducers is N. pressures
+// (count,) are peak |p| in Pa; if NULL, all points get the level that the array can give to all of them at once. weights
+// (count,) may be NULL for 1 everywhere; answer may be NULL. With 0 points, a session made from a scene solves the scene's own
+// request. Each kind of warning is in the message once per session; without a message, warnings are not computed.
 midair_result midair_session_solve(midair_session *session,
                                    const double *points,
                                    const double *pressures,
@@ -316,8 +320,8 @@ midair_result midair_session_solve(midair_session *session,
                                    char *message,
                                    size_t message_size);
 
-// Judges a drive (transducers,) at points (count, 3) in m, in double precision; pressures and weights (count,) as in
-// midair_session_solve().
+// Computes the metrics of a drive (transducers,) at points (count, 3) in m, in double precision; pressures and weights
+// (count,) are as in midair_session_solve().
 midair_result midair_session_judge(midair_session *session,
                                    const midair_complex *drive,
                                    size_t transducers,
@@ -339,13 +343,13 @@ midair_result midair_session_field(midair_session *session,
                                    char *message,
                                    size_t message_size);
 
-// Frees a session. NULL is nothing to free.
+// Frees a session. NULL is allowed.
 void midair_session_free(midair_session *session);
 
-// Version of the library, such as "0.2.0". The text lives as long as the library is loaded.
+// Returns the version of the library, such as "0.2.0". The text is valid as long as the library is loaded.
 const char *midair_version(void);
 
-// Number of the library's binary interface, to be compared with MIDAIR_ABI.
+// Returns the number of the library's binary interface, to compare with MIDAIR_ABI.
 uint32_t midair_abi(void);
 
 #ifdef __cplusplus

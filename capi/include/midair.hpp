@@ -1,6 +1,6 @@
-// midair for C++17: the functions of midair.h as classes that free what they hold and throw what is refused.
+// midair for C++17: the functions of midair.h as classes, which free their handles and throw errors.
 //
-// A header alone; programs link with midair. Units and rules are those of midair.h.
+// Only a header; programs link with the library midair. Units and rules are those of midair.h.
 #ifndef MIDAIR_HPP
 #define MIDAIR_HPP
 
@@ -21,7 +21,7 @@ using Point = std::array<double, 3>;
 using Points = std::vector<Point>;
 using Complex = std::complex<float>;
 
-/// What was refused: one line that names the item, its value and the cure.
+/// An error: one line that names the item, its value and the cure.
 class Error : public std::runtime_error {
 public:
     Error(midair_result result, const std::string &message) : std::runtime_error(message), result(result) {}
@@ -31,7 +31,7 @@ public:
 
 namespace detail {
 
-/// Calls a function with a buffer for its message; returns its warnings.
+/// Calls a function with a buffer for its message, and returns its warnings.
 template <class Function, class... Arguments> std::string call(Function function, Arguments... arguments) {
     char message[1024];
     const midair_result result = function(arguments..., message, sizeof message);
@@ -41,7 +41,7 @@ template <class Function, class... Arguments> std::string call(Function function
     return message;
 }
 
-/// Numbers, one for each of count owners, or NULL where there are none.
+/// Returns the address of numbers, one for each of count owners, or NULL if there are none.
 inline const double *list(const char *item, const std::vector<double> &values, std::size_t count) {
     if (!values.empty() && values.size() != count) {
         throw Error(MIDAIR_RESULT_INVALID, std::string(item) + " is " + std::to_string(values.size()) +
@@ -66,10 +66,10 @@ template <class Handle> using Owned = std::unique_ptr<Handle, Free>;
 
 } // namespace detail
 
-/// N transducers.
+/// An array of N transducers.
 class Array {
 public:
-    /// At positions that look along normals; left out along +z.
+    /// Makes an array at positions, facing along normals, or along +z without normals.
     explicit Array(const Points &positions, const Points &normals = {}) {
         if (!normals.empty() && normals.size() != positions.size()) {
             throw Error(MIDAIR_RESULT_INVALID, "normals is " + std::to_string(normals.size()) +
@@ -79,21 +79,21 @@ public:
         make(midair_array_new, detail::flat(positions), detail::flat(normals), positions.size());
     }
 
-    /// A preset, such as "autd3", of so many boards.
+    /// Makes the array of a preset, such as "autd3", with this many boards along x and y.
     static Array preset(const std::string &name, std::size_t tiles_x = 1, std::size_t tiles_y = 1) {
         Array array;
         array.make(midair_array_preset, name.c_str(), tiles_x, tiles_y);
         return array;
     }
 
-    /// A flat grid, pitch metres apart.
+    /// Makes a flat grid with a pitch in m.
     static Array grid(std::size_t nx, std::size_t ny, double pitch) {
         Array array;
         array.make(midair_array_grid, nx, ny, pitch);
         return array;
     }
 
-    /// N.
+    /// Returns the number of transducers N.
     std::size_t size() const { return midair_array_count(get()); }
 
     Points positions() const {
@@ -122,12 +122,12 @@ private:
     detail::Owned<midair_array> handle;
 };
 
-/// A drive and what midair_answer tells of it.
+/// A drive, and the numbers of midair_answer.
 struct Solution : midair_answer {
     std::vector<Complex> drive;
 };
 
-/// Drives (problems, N), one after the other, an answer for each, and what was said, a line each.
+/// The drives (problems, N), one after the other, an answer for each, and the warnings, one per line.
 struct Batch {
     Batch(std::size_t problems, std::size_t transducers) : drives(problems * transducers), answers(problems) {}
 
@@ -136,8 +136,8 @@ struct Batch {
     std::string warning;
 };
 
-/// The drives of several scenes, each a file's text, over so many threads at most, 0 for one a processor: rows of N, with 0
-/// behind the drive of a scene of fewer transducers. Files that they name are looked up in folder.
+/// Solves several scenes, given as the texts of scene files, on at most this many threads (0 for one per processor). Each drive
+/// is a row of N numbers, filled with 0 if a scene has fewer transducers. folder is the folder of the files that they name.
 inline Batch solve_scenes(const std::vector<std::string> &scenes, std::size_t transducers,
                           const std::string &folder = {}, std::size_t threads = 0) {
     Batch batch(scenes.size(), transducers);
@@ -151,7 +151,7 @@ inline Batch solve_scenes(const std::vector<std::string> &scenes, std::size_t tr
     return batch;
 }
 
-/// An array and a method: used by one thread at a time.
+/// An array and a method, for use by one thread at a time.
 class Session {
 public:
     Session(const Array &array, const std::string &method) : transducers(array.size()) {
@@ -160,7 +160,7 @@ public:
         handle.reset(made);
     }
 
-    /// A session of a scene file's text; files that it names are looked up in folder.
+    /// Makes a session from the text of a scene file; folder is the folder of the files that it names.
     static Session open(const std::string &scene, const std::string &folder = {}) {
         midair_session *made = nullptr;
         Session session;
@@ -173,7 +173,7 @@ public:
 
     midair_session *get() const { return handle.get(); }
 
-    /// The scene's own request.
+    /// Solves the scene's own request.
     Solution solve() { return solve(Points{}); }
 
     void set(const std::string &name, double value) {
@@ -189,7 +189,7 @@ public:
             detail::call(midair_session_set_numbers, handle.get(), name.c_str(), values.data(), values.size());
     }
 
-    /// A drive for points; pressures and weights are one for each point, or left out.
+    /// Computes a drive for points; pressures and weights have one number for each point, or are left out.
     Solution solve(const Points &points, const std::vector<double> &pressures = {},
                    const std::vector<double> &weights = {}) {
         Solution solution;
@@ -199,7 +199,8 @@ public:
         return solution;
     }
 
-    /// The same into a buffer of the caller's, of N complex numbers: from the second call of a size on nothing is allocated.
+    /// Does the same as solve(), into a buffer of N complex numbers. From the second call with the same sizes on, it allocates
+    /// nothing.
     midair_answer solve_into(Complex *drive, std::size_t count, const Points &points,
                              const std::vector<double> &pressures = {}, const std::vector<double> &weights = {}) {
         midair_answer answer;
@@ -210,8 +211,8 @@ public:
         return answer;
     }
 
-    /// Drives for problems of `each` points, one problem after the other, over so many threads at most, 0 for one a
-    /// processor; pressures and weights are one for each point, or left out.
+    /// Computes drives for problems of `each` points, one problem after the other, on at most this many threads (0 for one per
+    /// processor). pressures and weights have one number for each point, or are left out.
     Batch solve_batch(const Points &points, std::size_t each, const std::vector<double> &pressures = {},
                       const std::vector<double> &weights = {}, std::size_t threads = 0) {
         if (each == 0 || points.size() % each != 0) {
@@ -227,7 +228,7 @@ public:
         return batch;
     }
 
-    /// The metrics of any drive.
+    /// Computes the metrics of any drive.
     midair_metrics judge(const std::vector<Complex> &drive, const Points &points,
                          const std::vector<double> &pressures = {}, const std::vector<double> &weights = {}) const {
         midair_metrics metrics;
@@ -238,7 +239,7 @@ public:
         return metrics;
     }
 
-    /// Complex pressures in Pa of any drive at any points.
+    /// Computes the complex pressures in Pa of any drive at any points.
     std::vector<Complex> field(const std::vector<Complex> &drive, const Points &points) const {
         std::vector<Complex> pressures(points.size());
         detail::call(midair_session_field, handle.get(), detail::plain(drive.data()), drive.size(),
@@ -246,7 +247,7 @@ public:
         return pressures;
     }
 
-    /// What the last call to make, set or solve said, a line each; empty if nothing.
+    /// Returns the warnings of the last call that made, set or solved, one per line; empty if there are none.
     const std::string &warning() const { return warnings; }
 
 private:
@@ -257,7 +258,7 @@ private:
     detail::Owned<midair_session> handle;
 };
 
-/// The boards behind an array of N transducers.
+/// The boards of an array of N transducers.
 class Board {
 public:
     Board(const std::string &name, std::size_t transducers) {
@@ -266,14 +267,14 @@ public:
         handle.reset(made);
     }
 
-    /// Those that play a session's array, with its channels and its mask.
+    /// Makes the boards for a session's array, with its channels and its mask.
     Board(const std::string &name, const Session &session) {
         midair_board *made = nullptr;
         detail::call(midair_board_of_session, name.c_str(), session.get(), &made);
         handle.reset(made);
     }
 
-    /// The frame that plays a drive.
+    /// Returns the frame that plays a drive.
     std::vector<std::uint8_t> encode(const std::vector<Complex> &drive) const {
         std::vector<std::uint8_t> frame(midair_board_frame_size(handle.get()));
         detail::call(midair_board_encode, handle.get(), detail::plain(drive.data()), drive.size(), frame.data(),
@@ -281,7 +282,7 @@ public:
         return frame;
     }
 
-    /// The bytes that silence the boards.
+    /// Returns the bytes that switch the boards off.
     std::vector<std::uint8_t> silence() const {
         std::vector<std::uint8_t> bytes(midair_board_silence_size(handle.get()));
         detail::call(midair_board_silence, handle.get(), bytes.data(), bytes.size());

@@ -1,4 +1,4 @@
-//! Number of the binary interface: raised by changes with which a program of an older header would fail.
+//! Number of the binary interface: it increases when a program compiled with an older header would fail.
 
-/// The binary interface that this header describes; midair_abi() of a library that fits gives the same number.
+/// The binary interface that this header describes; midair_abi() of a compatible library returns the same number.
 pub const MIDAIR_ABI: u32 = 1;

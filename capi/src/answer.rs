@@ -1,4 +1,4 @@
-//! Answer: results of a solve beside the drive: status, steps, scale, metrics.
+//! Answer: results of a solve besides the drive: status, steps, scale, metrics.
 
 /// How a solve ended.
 #[repr(C)]
@@ -8,7 +8,7 @@ pub enum Status {
     Done = 0,
     /// The method's steps ran out before its tolerance was met.
     OutOfSteps = 1,
-    /// It was stopped; the answer is the best so far.
+    /// The solve was stopped; the answer is the best result so far.
     Stopped = 2,
     /// The method ran to its end, and the targets are missed by more than 1 %.
     Missed = 3,
@@ -32,17 +32,17 @@ pub struct Metrics {
     pub leak: f64,
 }
 
-/// Results of a solve beside the drive.
+/// Results of a solve besides the drive.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Answer {
-    /// How it ended.
+    /// How the solve ended.
     pub status: Status,
-    /// Steps taken.
+    /// The number of steps taken.
     pub steps: usize,
     /// The factor that supply or modulation must apply to the drive; 1 unless the board has no such amplitude.
     pub scale: f64,
-    /// How good it is, the scale counted in.
+    /// Metrics of the drive, with the scale applied.
     pub metrics: Metrics,
 }
 

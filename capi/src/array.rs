@@ -1,4 +1,4 @@
-//! Arrays: from a preset, a grid or positions; immutable.
+//! Arrays: made from a preset, a grid or positions; they never change.
 
 use std::ffi::c_char;
 
@@ -28,7 +28,7 @@ pub unsafe extern "C" fn midair_array_preset(
     })
 }
 
-/// Makes the array of a kind of board, such as "nano16": its preset, or a grid for a kind that each owner wires differently.
+/// Makes the array of a kind of board, such as "nano16": its preset, or a grid if each owner wires this kind differently.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_array_board(
     kind: *const c_char,
@@ -46,7 +46,7 @@ pub unsafe extern "C" fn midair_array_board(
     })
 }
 
-/// Makes a flat grid of nx by ny transducers, pitch metres apart, centred in z = 0, x fastest, that radiate to +z.
+/// Makes a flat grid of nx by ny transducers that radiate to +z. It is centred in z = 0, x fastest, with a pitch in m.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_array_grid(
     nx: usize,
@@ -62,8 +62,8 @@ pub unsafe extern "C" fn midair_array_grid(
     })
 }
 
-/// Makes an array of count transducers at positions (count, 3) in m that look along normals (count, 3); with normals
-/// NULL along +z.
+/// Makes an array of count transducers at positions (count, 3) in m. They face along normals (count, 3), or along +z if normals
+/// is NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_array_new(
     positions: *const f64,
@@ -86,13 +86,13 @@ pub unsafe extern "C" fn midair_array_new(
     })
 }
 
-/// Number of transducers N; 0 for NULL.
+/// Returns the number of transducers N; 0 for NULL.
 #[unsafe(no_mangle)]
 pub extern "C" fn midair_array_count(array: Option<&Array>) -> usize {
     array.map_or(0, |array| array.0.len())
 }
 
-/// Writes positions (count, 3) in m and unit normals (count, 3), count being N; either may be NULL.
+/// Writes positions (count, 3) in m and unit normals (count, 3), where count is N. Either may be NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_array_positions(
     array: Option<&Array>,
@@ -110,14 +110,14 @@ pub unsafe extern "C" fn midair_array_positions(
             room(item, start.cast::<[f64; 3]>(), count, values.len())?;
         }
         for &(_, start, values) in wanted() {
-            // SAFETY: there is room, as the caller guarantees.
+            // SAFETY: `room` was checked, and the caller guarantees the buffer.
             unsafe { write(start.cast(), values) };
         }
         Ok("")
     })
 }
 
-/// Frees an array. Sessions made of it go on. NULL is nothing to free.
+/// Frees an array. Sessions made from it can still be used. NULL is allowed.
 #[unsafe(no_mangle)]
 pub extern "C" fn midair_array_free(array: Option<Box<Array>>) {
     drop(array);

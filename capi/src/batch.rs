@@ -1,4 +1,4 @@
-//! Batches: many requests of one session, or many scenes, solved over threads by one call.
+//! Batches: many requests of one session, or many scenes, solved on several threads by one call.
 
 use std::ffi::c_char;
 use std::num::NonZero;
@@ -14,28 +14,28 @@ use crate::memory::{Complex, Lists, list, room, text, write};
 use crate::outcome::{Message, Outcome, outcome};
 use crate::session::{Session, State, write_request};
 
-/// This many threads at most, as many as there are processors for 0.
+/// Returns the number of threads: at most this many, or as many as there are processors for 0.
 fn at_most(threads: usize) -> usize {
     let all = thread::available_parallelism().map_or(1, NonZero::get);
     if threads == 0 { all } else { threads.min(all) }
 }
 
-/// Does a work that starts threads on a thread of its own: what Rust keeps of a thread that waits for others is freed with
-/// that thread, and the caller's keeps nothing.
+/// Runs work that starts threads on a separate thread. Rust allocates memory in a thread that waits for others, and frees it
+/// only when that thread ends; so none remains in the caller's thread.
 fn aside<R: Send>(work: impl FnOnce() -> R + Send) -> Result<R, Error> {
-    // SAFETY: all that the work borrows outlives the thread, which is joined before this function returns.
+    // SAFETY: everything that the work borrows outlives the thread, which is joined before this function returns.
     let thread = unsafe { thread::Builder::new().spawn_unchecked(work) };
     let thread = thread.map_err(|error| Error::invalid("threads", error, "the system starts no more: end some"))?;
     Ok(thread.join().unwrap_or_else(|panic| resume_unwind(panic)))
 }
 
-/// The number of entries that problems of this many points have.
+/// The number of entries in a list for all problems, with `count` entries for each.
 fn entries(problems: usize, count: usize) -> Result<usize, Error> {
     let cure = "no memory holds so many points: look at the counts";
     problems.checked_mul(count).ok_or_else(|| Error::invalid("problems", problems, cure))
 }
 
-/// Refuses where no drive, or no answer, of this many problems can be written; how many entries the drives have.
+/// Checks that drives and answers of this many problems can be written. Returns the number of entries of the drives.
 fn outputs(problems: usize, drives: *mut Complex, transducers: usize, answers: *mut Answer) -> Result<usize, Error> {
     let rows = entries(problems, transducers)?;
     room("drives", drives, rows, rows)?;
@@ -45,11 +45,11 @@ fn outputs(problems: usize, drives: *mut Complex, transducers: usize, answers: *
     Ok(rows)
 }
 
-/// Solves problems of count points each by one call, over this many threads at most (0 for one a processor): points
-/// (problems, count, 3) in m, pressures and weights (problems, count) as in midair_session_solve(), drives (problems,
-/// transducers), answers (problems,), which may be NULL. Each answer is bit for bit that of midair_session_solve() for the
-/// problem alone in a new session, whatever the threads. A refused problem is named, and nothing is written. A weight of 0
-/// fills up problems of fewer points.
+/// Solves problems of count points each by one call, on at most this many threads (0 for one per processor). The inputs are
+/// points (problems, count, 3) in m, and pressures and weights (problems, count) as in midair_session_solve(). The outputs are
+/// drives (problems, transducers) and answers (problems,), which may be NULL. Each answer has the same bits as that of
+/// midair_session_solve() for the problem alone in a new session, for any number of threads. If a problem is rejected, the
+/// message gives its index, and nothing is written. Problems with fewer points can be filled with points of weight 0.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_session_solve_batch(
     session: *mut Session,
@@ -96,7 +96,7 @@ pub unsafe extern "C" fn midair_session_solve_batch(
             scale: batch.scale[k],
             metrics: batch.metrics[k].into(),
         };
-        // SAFETY: there is room, as the caller guarantees; both complex types are two f32 in a row.
+        // SAFETY: `outputs` checked the space; both complex types are two consecutive f32.
         unsafe {
             write(drives.cast(), &found);
             if !answers.is_null() {
@@ -109,10 +109,10 @@ pub unsafe extern "C" fn midair_session_solve_batch(
     })
 }
 
-/// Solves the requests of count scenes by one call, over this many threads at most (0 for one a processor): scenes (count,) are
-/// texts as midair_session_open() takes them, folder is where they look up files, or NULL. drives (count, transducers) have a
-/// row for each scene, with 0 behind the drive of a scene of fewer transducers; answers (count,) may be NULL. A refused scene
-/// is named, and nothing is written.
+/// Solves the requests of count scenes by one call, on at most this many threads (0 for one per processor). scenes (count,) are
+/// texts as for midair_session_open(); folder is the folder of the files that they name, or NULL. drives (count, transducers)
+/// has one row for each scene; a row is filled with 0 after the drive of a scene with fewer transducers. answers (count,) may
+/// be NULL. If a scene is rejected, the message gives its index, and nothing is written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_solve_scenes(
     scenes: *const *const c_char,
@@ -146,7 +146,7 @@ pub unsafe extern "C" fn midair_solve_scenes(
         };
         let solved = if share < count { aside(spread)? } else { part(0) };
         let solved: Vec<Solved> = solved.into_iter().collect::<Result<_, _>>()?;
-        // SAFETY: there is room, as the caller guarantees; both complex types are two f32 in a row.
+        // SAFETY: `outputs` checked the space; both complex types are two consecutive f32.
         unsafe {
             for (k, one) in solved.iter().enumerate() {
                 write(drives.add(k * transducers).cast(), &one.drive);
@@ -160,7 +160,7 @@ pub unsafe extern "C" fn midair_solve_scenes(
     })
 }
 
-/// The drive of a scene, as long as a row, its answer, and what was said.
+/// The result of a scene: its drive, filled up to the length of a row, its answer, and its warnings.
 struct Solved {
     drive: Vec<Complex32>,
     answer: Answer,

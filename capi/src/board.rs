@@ -1,4 +1,4 @@
-//! Boards: conversion of drives to the bytes of a board.
+//! Boards: converts drives to the bytes of a board.
 
 use std::ffi::c_char;
 
@@ -6,7 +6,7 @@ use crate::memory::{Complex, drive as read_drive, give, handle, room, text, writ
 use crate::outcome::{Message, Outcome, outcome};
 use crate::session::Session;
 
-/// The boards behind an array. It never changes: any number of threads may use it at the same time.
+/// The boards of an array. They never change: any number of threads may use them at the same time.
 pub struct Board {
     inner: midair::Board,
     silence: Vec<u8>,
@@ -24,29 +24,30 @@ impl From<midair::Board> for Board {
 pub enum LinkKind {
     /// A serial line.
     Serial = 0,
-    /// FIFOs of FTDI chips, one a board.
+    /// FIFOs of FTDI chips, one for each board.
     Fifo = 1,
     /// AUTD3's protocol over UDP.
     Udp = 2,
 }
 
-/// How bytes reach boards, and what these do by themselves; 1 for yes, 0 for no.
+/// How bytes reach the boards, and what the boards can do by themselves. Of the int32_t fields, all but swap are 1 for yes, 0
+/// for no.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Link {
     /// The link that carries the bytes.
     pub kind: LinkKind,
-    /// Number of lines; a frame consists of one part for each line, all of the same length, one after the other.
+    /// The number of lines. A frame consists of one part for each line, all of the same length, one after the other.
     pub lines: usize,
-    /// Bits a second of a serial line, ten to a byte; else 0.
+    /// Bits per second of a serial line, where a byte takes ten bits; else 0.
     pub baud: u32,
-    /// Frames a second that the line can carry.
+    /// The most frames per second that the line can transmit.
     pub rate: f64,
-    /// The byte that exchanges the two banks of a board that has them, else -1.
+    /// The byte that exchanges the two banks of a board; -1 if it has no banks.
     pub swap: i32,
     /// Whether opening the port may restart the board.
     pub restarts: i32,
-    /// Whether the lines of two boards may be the two of one chip.
+    /// Whether two boards may use the two lines of one chip.
     pub one_chip: i32,
     /// Whether amplitudes can be modulated.
     pub modulates: i32,
@@ -75,7 +76,7 @@ impl From<&midair::Board> for Link {
     }
 }
 
-/// Makes as many boards of a kind, such as "sonicsurface" or "openmpd", as an array of this many transducers needs, in the
+/// Makes as many boards of this kind, such as "sonicsurface" or "openmpd", as an array of this many transducers needs, in the
 /// order of the kind's preset.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_board_new(
@@ -95,8 +96,8 @@ pub unsafe extern "C" fn midair_board_new(
     })
 }
 
-/// Makes as many boards of a kind as a session's array needs: one channel for the transducers that its option "channels", its
-/// preset or its scene wires together, and none for those that its mask switches off. The session may be freed.
+/// Makes as many boards of this kind as a session's array needs. Transducers that its option "channels", its preset or its
+/// scene wires together share a channel; transducers that its mask switches off have none. The session may be freed afterwards.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_board_of_session(
     name: *const c_char,
@@ -115,13 +116,13 @@ pub unsafe extern "C" fn midair_board_of_session(
     })
 }
 
-/// Bytes of a frame, for all boards; 0 for NULL.
+/// Returns the size of a frame in bytes, for all boards; 0 for NULL.
 #[unsafe(no_mangle)]
 pub extern "C" fn midair_board_frame_size(board: Option<&Board>) -> usize {
     board.map_or(0, |board| board.inner.frame_size())
 }
 
-/// Writes the frame that makes the boards play a drive of this many transducers, size being midair_board_frame_size().
+/// Writes the frame that makes the boards play a drive of this many transducers; size is midair_board_frame_size().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_board_encode(
     board: Option<&Board>,
@@ -139,19 +140,19 @@ pub unsafe extern "C" fn midair_board_encode(
         let drive = unsafe { read_drive(drive, transducers) }?;
         let mut bytes = vec![0; size];
         board.encode(drive, &mut bytes)?;
-        // SAFETY: there is room, as the caller guarantees.
+        // SAFETY: `room` was checked, and the caller guarantees the buffer.
         unsafe { write(frame, &bytes) };
         Ok("")
     })
 }
 
-/// Bytes that silence the boards; 0 for NULL.
+/// Returns the number of bytes that switch the boards off; 0 for NULL.
 #[unsafe(no_mangle)]
 pub extern "C" fn midair_board_silence_size(board: Option<&Board>) -> usize {
     board.map_or(0, |board| board.silence.len())
 }
 
-/// Writes the bytes that silence the boards from any state, size being midair_board_silence_size().
+/// Writes the bytes that switch the boards off from any state; size is midair_board_silence_size().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_board_silence(
     board: Option<&Board>,
@@ -163,7 +164,7 @@ pub unsafe extern "C" fn midair_board_silence(
     outcome(Message { text: message, size: message_size }, || {
         let silence = &handle("board", board)?.silence;
         room("bytes", bytes, size, silence.len())?;
-        // SAFETY: there is room, as the caller guarantees.
+        // SAFETY: `room` was checked, and the caller guarantees the buffer.
         unsafe { write(bytes, silence) };
         Ok("")
     })
@@ -180,13 +181,13 @@ pub unsafe extern "C" fn midair_board_link(
     outcome(Message { text: message, size: message_size }, || {
         let board = &handle("board", board)?.inner;
         room("link", link, 1, 1)?;
-        // SAFETY: there is room, as the caller guarantees.
+        // SAFETY: `room` was checked, and the caller guarantees the buffer.
         unsafe { link.write(board.into()) };
         Ok("")
     })
 }
 
-/// Frees a board. NULL is nothing to free.
+/// Frees a board. NULL is allowed.
 #[unsafe(no_mangle)]
 pub extern "C" fn midair_board_free(board: Option<Box<Board>>) {
     drop(board);

@@ -1,7 +1,7 @@
-//! The C binding of midair: arrays, sessions and boards as opaque handles, numbers in the caller's memory.
+//! The C binding of midair: arrays, sessions and boards as opaque handles; numbers in memory of the caller.
 //!
-//! Each function reads its arguments, calls the core once and hands the answer over; no formula lives here.
-//! `include/midair.h` is made from this crate by cbindgen, docs/c.md is the page for users.
+//! Each function reads its arguments, calls the core once and returns the result; formulas are only in the core. cbindgen
+//! generates `include/midair.h` from this crate; docs/c.md is the page for users.
 #![allow(clippy::missing_safety_doc, reason = "the header says once for all functions what a caller owes")]
 #![allow(unsafe_code, reason = "a C caller hands over addresses; each block says why it may follow them")]
 

@@ -1,4 +1,4 @@
-//! Memory of the caller: its handles, texts and lists, read and written.
+//! Memory of the caller: reads and writes its handles, texts and lists.
 
 use std::ffi::{CStr, c_char};
 use std::slice;
@@ -15,84 +15,85 @@ pub struct Complex {
     pub im: f32,
 }
 
-// `complex` and `write` assume that both types have the same layout.
+// Casts between the two types are only valid if they have the same layout.
 const _: () =
     assert!(size_of::<Complex>() == size_of::<Complex32>() && align_of::<Complex>() == align_of::<Complex32>());
 
-/// The object behind a handle.
+/// Returns the object behind a handle, or an error for NULL.
 pub(crate) fn handle<'a, T>(item: &str, handle: Option<&'a T>) -> Result<&'a T, Error> {
     handle.ok_or_else(|| Error::invalid(item, "NULL", format!("make one with midair_{item}_new() or the like")))
 }
 
-/// Hands a new handle over; NULL in place of one that could not be made.
+/// Writes a new handle to `place`, or NULL if the object could not be made.
 ///
 /// # Safety
-/// `place` is NULL or an aligned address that may be written.
+/// `place` is NULL, or an aligned address that may be written.
 pub(crate) unsafe fn give<T>(item: &str, place: *mut *mut T, made: Result<T, Error>) -> Result<(), Error> {
     check(item, place, 1)?;
     let (handle, result) = match made {
         Ok(made) => (Box::into_raw(Box::new(made)), Ok(())),
         Err(error) => (std::ptr::null_mut(), Err(error)),
     };
-    // SAFETY: it is not NULL, and may be written as the caller guarantees.
+    // SAFETY: `place` is not NULL, and the caller guarantees that it may be written.
     unsafe { place.write(handle) };
     result
 }
 
-/// A text.
+/// Returns a text.
 ///
 /// # Safety
-/// `text` is NULL or ends with a NUL.
+/// `text` is NULL, or ends with NUL.
 pub(crate) unsafe fn text<'a>(item: &str, text: *const c_char) -> Result<&'a str, Error> {
     if text.is_null() {
         return Err(Error::invalid(item, "NULL", "give text"));
     }
-    // SAFETY: it is not NULL, and ends as the caller guarantees.
+    // SAFETY: it is not NULL, and the caller guarantees that it ends with NUL.
     let text = unsafe { CStr::from_ptr(text) };
     text.to_str().map_err(|_| Error::invalid(item, text.to_string_lossy(), "give text in UTF-8"))
 }
 
-/// `count` entries from an address on.
+/// Returns the `count` entries at an address.
 ///
 /// # Safety
-/// `start` is NULL or this many entries can be read there while the answer is in use.
+/// `start` is NULL, or `count` entries can be read there as long as the result is used.
 pub(crate) unsafe fn list<'a, T>(item: &str, start: *const T, count: usize) -> Result<&'a [T], Error> {
     if count == 0 {
         return Ok(&[]);
     }
     check(item, start, count)?;
-    // SAFETY: neither NULL nor misaligned nor longer than any memory; the entries are there as the caller guarantees.
+    // SAFETY: the address is neither NULL nor misaligned, the list is not longer than any memory, and the caller guarantees the
+    // entries.
     Ok(unsafe { slice::from_raw_parts(start, count) })
 }
 
-/// Like [`list`], where NULL stands for a missing list.
+/// Returns a list as [`list`] does, or `None` for NULL.
 ///
 /// # Safety
-/// That of [`list`].
+/// As for [`list`].
 pub(crate) unsafe fn list_or_none<'a, T>(item: &str, start: *const T, count: usize) -> Result<Option<&'a [T]>, Error> {
-    // SAFETY: as the caller's.
+    // SAFETY: the caller's guarantees are passed on.
     if start.is_null() { Ok(None) } else { unsafe { list(item, start, count) }.map(Some) }
 }
 
-/// `count` vectors x, y, z from an address on.
+/// Returns the `count` vectors x, y, z at an address.
 ///
 /// # Safety
-/// That of [`list`], for three times as many entries.
+/// As for [`list`], with three times as many entries.
 pub(crate) unsafe fn vectors<'a>(item: &str, start: *const f64, count: usize) -> Result<&'a [[f64; 3]], Error> {
-    // SAFETY: as the caller's; an array of three is three in a row.
+    // SAFETY: the caller's guarantees are passed on; an array of three numbers has the layout of three numbers.
     unsafe { list(item, start.cast::<[f64; 3]>(), count) }
 }
 
-/// A drive.
+/// Returns a drive.
 ///
 /// # Safety
-/// That of [`list`].
+/// As for [`list`].
 pub(crate) unsafe fn drive<'a>(start: *const Complex, count: usize) -> Result<&'a [Complex32], Error> {
-    // SAFETY: as the caller's; both types are two f32 in a row.
+    // SAFETY: the caller's guarantees are passed on; both types are two consecutive f32.
     unsafe { list("drive", start.cast::<Complex32>(), count) }
 }
 
-/// A request as a caller writes it: points (count, 3), and pressures and weights (count,), which may be NULL.
+/// A request of a caller: points (count, 3), and pressures and weights (count,), `None` for NULL.
 #[derive(Clone, Copy)]
 pub(crate) struct Lists<'a> {
     pub(crate) points: &'a [[f64; 3]],
@@ -101,15 +102,17 @@ pub(crate) struct Lists<'a> {
 }
 
 impl Lists<'_> {
+    /// Reads the lists of a request.
+    ///
     /// # Safety
-    /// That of [`vectors`] and [`list`].
+    /// As for [`vectors`] and [`list`].
     pub(crate) unsafe fn read(
         points: *const f64,
         pressures: *const f64,
         weights: *const f64,
         count: usize,
     ) -> Result<Self, Error> {
-        // SAFETY: as the caller's.
+        // SAFETY: the caller's guarantees are passed on.
         unsafe {
             Ok(Self {
                 points: vectors("points", points, count)?,
@@ -120,7 +123,7 @@ impl Lists<'_> {
     }
 }
 
-/// Rejects a buffer whose length differs from that of the content.
+/// Checks that a buffer is valid and has exactly the `needed` length.
 pub(crate) fn room<T>(item: &str, start: *mut T, count: usize, needed: usize) -> Result<(), Error> {
     if count != needed {
         return Err(Error::invalid(item, format!("room for {count}"), format!("give room for {needed}")));
@@ -128,16 +131,16 @@ pub(crate) fn room<T>(item: &str, start: *mut T, count: usize, needed: usize) ->
     check(item, start, count)
 }
 
-/// Writes a list to where there is [`room`] for it.
+/// Writes a list to a buffer that [`room`] has checked.
 ///
 /// # Safety
-/// This many entries may be written from `start` on, which [`room`] did not refuse.
+/// The caller guarantees a buffer for this many entries at `start`.
 pub(crate) unsafe fn write<T: Copy>(start: *mut T, values: &[T]) {
-    // SAFETY: as the caller's; memory that the core works in does not lie in a buffer of the caller's.
+    // SAFETY: the caller's guarantees are passed on; the core's memory does not overlap with a buffer of the caller.
     unsafe { start.copy_from_nonoverlapping(values.as_ptr(), values.len()) };
 }
 
-/// Refuses an address where no entry can be.
+/// Checks that an address is not NULL and is aligned, and that the list fits into memory.
 fn check<T>(item: &str, start: *const T, count: usize) -> Result<(), Error> {
     if start.is_null() {
         return Err(Error::invalid(item, "NULL", "give an address"));

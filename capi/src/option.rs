@@ -9,7 +9,7 @@ use midair::{
 
 use crate::instruction_set::instruction_set;
 
-/// A value as C hands it over.
+/// A value that a C program passes.
 #[derive(Clone, Copy)]
 pub(crate) enum Given<'a> {
     Text(&'a str),
@@ -17,11 +17,11 @@ pub(crate) enum Given<'a> {
     Numbers(&'a [f64]),
 }
 
-/// The settings that make a session.
+/// The settings of a session: its array, medium, obstacles and method.
 #[derive(Clone)]
 pub(crate) struct Setting {
     array: Array,
-    /// The medium of the session's scene, if there is one, the keys set since, and the medium of both.
+    /// The medium of the session's scene, if it was made from one; then the keys set since; then the medium with both.
     before: Option<Medium>,
     given: Vec<(&'static str, f64)>,
     medium: Medium,
@@ -32,7 +32,7 @@ pub(crate) struct Setting {
 }
 
 impl Setting {
-    /// An array in its own medium, and a method by its name.
+    /// Returns the settings for an array with its default medium, and a method by its name.
     pub(crate) fn new(array: Array, method: &str) -> Result<Self, Error> {
         let choice = Choice::new(find(method)?.info.name.into(), Options::new())?;
         let (medium, given) = (array.medium(&[])?, Vec::new());
@@ -40,7 +40,7 @@ impl Setting {
         Ok(Self { array, before: None, given, medium, signature: None, bead, obstacles, choice })
     }
 
-    /// The array, the air with its obstacles, and the method of a scene.
+    /// Returns the settings of a scene: its array, medium, obstacles and method.
     pub(crate) fn of_scene(scene: &Scene) -> Result<Self, Error> {
         let default = || Choice::new(DEFAULT.into(), Options::new());
         Ok(Self {
@@ -55,7 +55,7 @@ impl Setting {
         })
     }
 
-    /// The model and the session that it describes.
+    /// Makes the model and the session.
     pub(crate) fn open(&self) -> Result<(Model, Session), Error> {
         let set: InstructionSet = instruction_set()?;
         let configured = configure(&self.choice, self.array.quantization()).map_err(with_own_names)?;
@@ -66,22 +66,22 @@ impl Setting {
         Ok((model.clone(), Session::new(model, configured.solver, balance)))
     }
 
-    /// The boards of a kind that play the array.
+    /// Returns the boards of this kind for the array.
     pub(crate) fn board(&self, kind: &str) -> Result<Board, Error> {
         self.array.board(kind)
     }
 
-    /// The aim for the level of the points; left out it is the request's own.
+    /// The aim, if it was set; `None` stands for the request's own.
     pub(crate) fn aim(&self) -> Option<Aim> {
         self.choice.aim
     }
 
-    /// Probable mistakes in array and medium, a line each.
+    /// Returns probable mistakes in array and medium, one line for each.
     pub(crate) fn doubts(&self) -> Vec<String> {
         self.array.doubts(self.medium).iter().map(ToString::to_string).collect()
     }
 
-    /// Sets an option, or sets it again.
+    /// Sets an option, also repeatedly.
     pub(crate) fn set(&mut self, name: &str, given: Given<'_>) -> Result<(), Error> {
         let value = |item: &str| given.number(item);
         if let Some(law) = name.strip_prefix("directivity.") {
@@ -102,7 +102,7 @@ impl Setting {
         Ok(())
     }
 
-    /// Sets a key of the medium; the last of sound speed and temperature counts.
+    /// Sets a key of the medium. Sound speed and temperature replace each other; the last one counts.
     fn breathe(&mut self, key: &'static str, value: f64) -> Result<(), Error> {
         let instead = |other: &str| [[key, other], [other, key]].contains(&["sound_speed", "temperature"]);
         let mut given = self.given.clone();
@@ -140,7 +140,7 @@ impl Setting {
     }
 }
 
-/// An option that no method has, with the names known here beside the method's.
+/// Adds the names of options of the session to an error about an unknown option of the method.
 fn with_own_names(error: Error) -> Error {
     let Error::Unknown { kind, name, mut hint, mut known } = error else { return error };
     let with_parameter = Directivity::all().filter(|directivity| directivity.parameter().is_some());
@@ -155,13 +155,13 @@ fn with_own_names(error: Error) -> Error {
     Error::Unknown { kind, name, hint, known }
 }
 
-/// Whether a number is whole, and at most the largest up to which f64 has every whole number.
+/// Returns a number as an integer if it is whole, and within the range in which f64 contains all whole numbers.
 fn whole(number: f64) -> Option<i64> {
     (number.fract() == 0.0 && number.abs() <= 9_007_199_254_740_992.0).then_some(number as i64)
 }
 
 impl Given<'_> {
-    /// Sets it as an option of a method.
+    /// Returns the value as an option of a method.
     fn value(self, item: &str) -> Result<Value, Error> {
         Ok(match self {
             Self::Text("true") => Value::Bool(true),
@@ -172,7 +172,7 @@ impl Given<'_> {
         })
     }
 
-    /// Sets it as a part of the array; a board's name stands for its quantization.
+    /// Returns the value as a part of the array. For a quantization it is the name of a board, or "none".
     fn part(self, item: &str, kind: PartKind) -> Result<PartValue, Error> {
         Ok(match kind {
             PartKind::Real => PartValue::Real(self.number(item)?),
@@ -227,7 +227,7 @@ impl Given<'_> {
     }
 }
 
-/// Reads each number as its kind.
+/// Converts each number of a list; `cure` is the cure in the error for one that `read` rejects.
 fn entries<T>(item: &str, list: &[f64], cure: &str, read: impl Fn(f64) -> Option<T>) -> Result<Vec<T>, Error> {
     let refused = |i, number| Error::invalid(format!("{item}[{i}]"), format_args!("{number:?}"), cure);
     list.iter().enumerate().map(|(i, &number)| read(number).ok_or_else(|| refused(i, number))).collect()

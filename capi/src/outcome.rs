@@ -1,4 +1,4 @@
-//! Outcome of a call: a result code and a line in the caller's buffer; no panic crosses into C.
+//! Outcome of a call: a result code, and a line in the caller's buffer. Panics do not reach C.
 
 use std::any::Any;
 use std::ffi::c_char;
@@ -6,21 +6,21 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use midair::Error;
 
-/// The outcome of a call. Everything but MIDAIR_RESULT_OK left the caller's buffers as they were, but the message.
+/// The result of a call. Unless it is MIDAIR_RESULT_OK, the caller's buffers have not changed, except for the message.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// Done. The message is empty, or remarks that the caller should hear, a line each.
+    /// Success. The message is empty or contains warnings, one per line.
     Ok = 0,
-    /// An argument cannot be meant. The message names it, its value and the cure.
+    /// An argument is invalid. The message names it, its value and the cure.
     Invalid = 1,
-    /// More memory than allowed, or than there is.
+    /// More memory than the limit, or than the machine has.
     Memory = 2,
-    /// A fault of the library's own, to be reported.
+    /// An error of the library itself; please report it.
     Fault = 3,
 }
 
-/// The caller's buffer for a line of text.
+/// The buffer in which a caller receives a message.
 #[derive(Clone, Copy)]
 pub(crate) struct Message {
     pub(crate) text: *mut c_char,
@@ -28,12 +28,12 @@ pub(crate) struct Message {
 }
 
 impl Message {
-    /// Whether there is room for a text.
+    /// Whether the caller receives a message.
     pub(crate) fn is_wanted(self) -> bool {
         !self.text.is_null() && self.size > 0
     }
 
-    /// Writes a text and the NUL that ends it, cut after a whole character where the buffer is too short.
+    /// Writes a text and NUL after it. If the buffer is too short, the text is cut after a whole character.
     fn write(self, text: &str) {
         if !self.is_wanted() {
             return;
@@ -41,8 +41,8 @@ impl Message {
         let most = text.len().min(self.size - 1);
         let end = (0..=most).rev().find(|&end| text.is_char_boundary(end)).unwrap_or(0);
         let kept = &text[..end];
-        // SAFETY: the buffer is not NULL and, as the caller guarantees, `size` bytes long; `kept` is at most one less, and
-        // text of ours does not lie in a buffer of the caller's.
+        // SAFETY: the buffer is not NULL, and the caller guarantees that it has `size` bytes. `kept` is at most one byte
+        // shorter. Our text does not overlap with a buffer of the caller.
         unsafe {
             self.text.cast::<u8>().copy_from_nonoverlapping(kept.as_ptr(), kept.len());
             self.text.add(kept.len()).write(0);
@@ -50,9 +50,9 @@ impl Message {
     }
 }
 
-/// Does the work of a function; its warning, error or panic goes to the message.
+/// Runs the work of a function. Writes its warnings, its error or its panic to the message.
 pub(crate) fn outcome<T: AsRef<str>>(message: Message, work: impl FnOnce() -> Result<T, Error>) -> Outcome {
-    // A call that panicked has left nothing behind that the next one reads.
+    // After a panic, no later call reads data that the call may have left incomplete.
     match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(said)) => {
             message.write(said.as_ref());
@@ -69,7 +69,7 @@ pub(crate) fn outcome<T: AsRef<str>>(message: Message, work: impl FnOnce() -> Re
     }
 }
 
-/// The message of a panic.
+/// Returns the message of a panic.
 fn words(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no words")
@@ -79,7 +79,7 @@ fn words(panic: &(dyn Any + Send)) -> &str {
 mod tests {
     use super::*;
 
-    /// The outcome and the text of a buffer of `size` bytes.
+    /// Returns the outcome, and the text in a buffer of `size` bytes.
     fn reported(size: usize, work: impl FnOnce() -> Result<&'static str, Error>) -> (Outcome, String) {
         let mut buffer = vec![b'?'; size];
         let outcome = outcome(Message { text: buffer.as_mut_ptr().cast(), size }, work);

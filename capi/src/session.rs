@@ -1,4 +1,4 @@
-//! Sessions: one array and one method for many requests, with reused memory.
+//! Sessions: one array and one method for many requests, with memory that is reused.
 
 use std::ffi::c_char;
 use std::path::Path;
@@ -17,20 +17,20 @@ use crate::outcome::{Message, Outcome, outcome};
 /// different sessions may be used by different threads at the same time.
 pub struct Session(Mutex<State>);
 
-/// The state that a call changes.
+/// The data that calls change.
 pub(crate) struct State {
     setting: Setting,
-    /// Warnings about the setting.
+    /// Warnings about the settings.
     doubts: Vec<String>,
     model: Model,
     pub(crate) session: midair::Session,
     pub(crate) ask: SolveRequest,
-    /// The request of the scene that it was opened from.
+    /// The request of the scene from which the session was made.
     own: Option<SolveRequest>,
 }
 
 impl State {
-    /// The session of a setting, and its warnings except those already given.
+    /// Makes a session with these settings. Also returns its warnings, without those in `reported`.
     fn open(setting: Setting, reported: &[String]) -> Result<(Self, String), Error> {
         let (model, session) = setting.open()?;
         let doubts = setting.doubts();
@@ -40,17 +40,17 @@ impl State {
         Ok((Self { setting, doubts, model, session, ask, own: None }, news))
     }
 
-    /// The setting of a scene's text, and its probable mistakes.
+    /// Makes a session from the text of a scene. Also returns warnings about probable mistakes.
     pub(crate) fn of_scene(text: &str, source: Source<'_>) -> Result<(Self, String), Error> {
         let scene = read_from(text.as_bytes(), Format::of_text(text.as_bytes()), source)?;
         let (state, said) = Self::open(Setting::of_scene(&scene)?, &[])?;
         Ok((Self { own: Some(SolveRequest::of_scene(&scene)), ..state }, said))
     }
 
-    /// Solves the request of the scene that it was opened from.
+    /// Solves the request of the scene from which the session was made.
     pub(crate) fn solve_own(&mut self) -> Result<&midair::Solution, Error> {
         if let Some(own) = &self.own {
-            // Solves in place: the memory of the last request serves this one.
+            // The request is copied into the memory of the last one.
             self.ask.points.clone_from(&own.points);
             self.ask.request.pressures.clone_from(&own.request.pressures);
             self.ask.request.phases.clone_from(&own.request.phases);
@@ -59,12 +59,12 @@ impl State {
         self.session.solve(&self.ask, &mut Control::none())
     }
 
-    /// The boards of a kind that play its array.
+    /// Returns the boards of this kind for the session's array.
     pub(crate) fn board(&self, kind: &str) -> Result<midair::Board, Error> {
         self.setting.board(kind)
     }
 
-    /// Warnings about the last answer, each kind once in a session.
+    /// Returns the warnings about the last solution, each kind once in a session.
     pub(crate) fn remarks(&mut self) -> String {
         let doubts = self.session.doubts(&self.ask);
         let doubts = doubts.iter().map(ToString::to_string);
@@ -74,19 +74,19 @@ impl State {
 }
 
 impl Session {
-    /// The session behind a handle.
+    /// Returns the session behind a handle.
     ///
     /// # Safety
-    /// The handle is NULL or one that was not freed yet.
+    /// The handle is NULL, or it has not been freed.
     pub(crate) unsafe fn behind<'a>(session: *mut Self) -> Result<&'a Self, Error> {
-        // SAFETY: as the caller's; what changes is behind the lock.
+        // SAFETY: the caller's guarantees are passed on; a lock protects the data that change.
         handle("session", unsafe { session.as_ref() })
     }
 
     pub(crate) fn state(&self) -> Result<MutexGuard<'_, State>, Error> {
         match self.0.try_lock() {
             Ok(state) => Ok(state),
-            // A call that panicked has left nothing behind that the next one reads.
+            // After a panic, no later call reads data that the call may have left incomplete.
             Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
             Err(TryLockError::WouldBlock) => {
                 Err(Error::invalid("session", "at work in another thread", "give each thread a session of its own"))
@@ -94,7 +94,7 @@ impl Session {
         }
     }
 
-    /// Sets an option: the session begins again.
+    /// Sets an option. The session then starts anew, with no memory of earlier requests.
     fn set(&self, name: &str, given: Given<'_>) -> Result<String, Error> {
         let mut state = self.state()?;
         let mut setting = state.setting.clone();
@@ -105,7 +105,7 @@ impl Session {
     }
 }
 
-/// Writes a request over the last one, in its memory.
+/// Writes a request over the last one, and reuses its memory.
 pub(crate) fn write_request(ask: &mut SolveRequest, lists: Lists<'_>) {
     ask.points.clear();
     ask.points.extend_from_slice(lists.points);
@@ -114,7 +114,7 @@ pub(crate) fn write_request(ask: &mut SolveRequest, lists: Lists<'_>) {
     keep(&mut ask.request.weights, lists.weights);
 }
 
-/// Copies numbers into a list that is kept.
+/// Copies numbers into a list, and reuses its memory.
 fn keep(list: &mut Option<Vec<f64>>, given: Option<&[f64]>) {
     let Some(given) = given else {
         *list = None;
@@ -125,8 +125,8 @@ fn keep(list: &mut Option<Vec<f64>>, given: Option<&[f64]>) {
     kept.extend_from_slice(given);
 }
 
-/// Makes a session of an array and a method, such as "uniform" or "fast", in the array's own medium. The session keeps
-/// what it needs of the array, which may be freed.
+/// Makes a session for an array and a method, such as "uniform" or "fast", with the array's default medium. The session has a
+/// copy of the array, which may be freed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_session_new(
     array: Option<&Array>,
@@ -151,9 +151,10 @@ pub unsafe extern "C" fn midair_session_new(
     })
 }
 
-/// Makes a session of a scene file's text, TOML or JSON: its array, medium, obstacles, signature, solver and points. Files
-/// that it names are looked up in folder; with NULL they are refused, as are shapes, images and meshes, which need Python.
-/// midair_session_solve() with 0 points solves the scene's own.
+/// Makes a session from the text of a scene file, TOML or JSON: its array, medium, obstacles, signature, solver and points.
+/// folder is the folder of the files that it names; if it is NULL, such files are errors. Shapes of text or drawings, images
+/// and files of meshes need the Python package, and are errors. midair_session_solve() with 0 points solves the scene's own
+/// request.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_session_open(
     scene: *const c_char,
@@ -178,16 +179,17 @@ pub unsafe extern "C" fn midair_session_open(
     })
 }
 
-/// Number N of a session's transducers, so that a drive has room; 0 for NULL and for a session at work.
+/// Returns the number N of a session's transducers, the length of a drive; 0 for NULL and for a session in use by another
+/// thread.
 #[unsafe(no_mangle)]
 pub extern "C" fn midair_session_transducers(session: Option<&Session>) -> usize {
     session.and_then(|session| session.state().ok()).map_or(0, |state| state.session.transducers())
 }
 
 /// Sets an option to a number: of the medium (every key of `[medium]` in a scene file, such as "temperature"), of the
-/// transducers ("source_pressure", "directivity." and the name of a directivity that takes a parameter, as in
+/// transducers ("source_pressure", or "directivity." and the name of a directivity with a parameter, as in
 /// "directivity.piston"), of the bead that traps are made for ("bead.radius", "bead.density", "bead.sound_speed"), or of the
-/// method. A session whose options are set begins again.
+/// method. After an option is set, the session has no memory of earlier requests.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_session_set_number(
     session: *mut Session,
@@ -203,8 +205,8 @@ pub unsafe extern "C" fn midair_session_set_number(
     })
 }
 
-/// Sets an option to a text: "directivity" ("point", "t4010a1", ...), "quantization" (a board's name, or "none" for any
-/// drive), "balance" ("true" or "false"), "aim" ("target" or "max"), or one of the method.
+/// Sets an option to a text: "directivity" ("point", "t4010a1", ...), "quantization" (a board's name, or "none" for any drive),
+/// "balance" ("true" or "false"), "aim" ("target" or "max"), or an option of the method.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_session_set_text(
     session: *mut Session,
@@ -221,7 +223,7 @@ pub unsafe extern "C" fn midair_session_set_text(
 }
 
 /// Sets an option to a list: "mask" (N, 1 for on and 0 for off), "response" (N, 2; real and imaginary part), "channels" (N, the
-/// driven channel of each), "bead.gravity" (3, along x, y and z in m/s^2), or one of the method.
+/// channel of each transducer), "bead.gravity" (3, along x, y and z in m/s^2), or an option of the method.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_session_set_numbers(
     session: *mut Session,
@@ -234,15 +236,15 @@ pub unsafe extern "C" fn midair_session_set_numbers(
     outcome(Message { text: message, size: message_size }, || {
         // SAFETY: the caller guarantees session, name and values.
         let (session, name) = unsafe { (Session::behind(session)?, text("name", name)?) };
-        // SAFETY: likewise.
+        // SAFETY: the caller guarantees values.
         session.set(name, Given::Numbers(unsafe { list("values", values, count) }?))
     })
 }
 
-/// Finds a drive for points (count, 3) in m and writes it to drive (transducers,), transducers being N. pressures (count,)
-/// are peak |p| in Pa; with NULL all are the level that the array reaches at all points at once. weights (count,) may be
-/// NULL, for 1 everywhere, and answer, too. With 0 points, a session of a scene solves the scene's own request. Warnings in
-/// the message come once a session for each kind; without a message they are not looked for.
+/// Computes a drive for points (count, 3) in m, and writes it to drive (transducers,), where transducers is N. pressures
+/// (count,) are peak |p| in Pa; if NULL, all points get the level that the array can give to all of them at once. weights
+/// (count,) may be NULL for 1 everywhere; answer may be NULL. With 0 points, a session made from a scene solves the scene's own
+/// request. Each kind of warning is in the message once per session; without a message, warnings are not computed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_session_solve(
     session: *mut Session,
@@ -273,7 +275,7 @@ pub unsafe extern "C" fn midair_session_solve(
             write_request(ask, lists);
             session.solve(ask, &mut Control::none())?
         };
-        // SAFETY: there is room, as the caller guarantees; both complex types are two f32 in a row.
+        // SAFETY: `room` was checked, and the caller guarantees the buffers; both complex types are two consecutive f32.
         unsafe {
             write(drive.cast(), &solution.drive);
             if !answer.is_null() {
@@ -284,8 +286,8 @@ pub unsafe extern "C" fn midair_session_solve(
     })
 }
 
-/// Judges a drive (transducers,) at points (count, 3) in m, in double precision; pressures and weights (count,) as in
-/// midair_session_solve().
+/// Computes the metrics of a drive (transducers,) at points (count, 3) in m, in double precision; pressures and weights
+/// (count,) are as in midair_session_solve().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_session_judge(
     session: *mut Session,
@@ -311,7 +313,7 @@ pub unsafe extern "C" fn midair_session_judge(
         let control = &mut Control::none();
         let judged =
             Problem::of_model(&state.model, points, &request, control)?.judge(drive, Precision::Double, control)?;
-        // SAFETY: there is room, as the caller guarantees.
+        // SAFETY: `room` was checked, and the caller guarantees the buffer.
         unsafe { metrics.write(judged.into()) };
         Ok("")
     })
@@ -336,13 +338,13 @@ pub unsafe extern "C" fn midair_session_field(
         let (drive, points) = unsafe { (read_drive(drive, transducers)?, vectors("points", points, count)?) };
         room("pressures", pressures, count, points.len())?;
         let field = midair::field(&state.model, drive, points, &mut Control::none())?;
-        // SAFETY: there is room, as the caller guarantees; both complex types are two f32 in a row.
+        // SAFETY: `room` was checked, and the caller guarantees the buffer; both complex types are two consecutive f32.
         unsafe { write(pressures.cast(), &field) };
         Ok("")
     })
 }
 
-/// Frees a session. NULL is nothing to free.
+/// Frees a session. NULL is allowed.
 #[unsafe(no_mangle)]
 pub extern "C" fn midair_session_free(session: Option<Box<Session>>) {
     drop(session);
@@ -363,14 +365,14 @@ mod tests {
         let (mut drive, mut text) = ([Complex { re: 0.0, im: 0.0 }; 16], [0; 100]);
         let (drive, said, point) = (drive.as_mut_ptr(), text.as_mut_ptr(), [0.0, 0.0, 0.1]);
         let (points, none) = (point.as_ptr(), std::ptr::null());
-        // SAFETY: a session, a point, room for 16 drives and 100 characters.
+        // SAFETY: the arguments are a session, a point, and buffers for 16 drives and 100 characters.
         let solve =
             || unsafe { midair_session_solve(session, points, none, none, 1, drive, 16, null_mut(), said, 100) };
         // SAFETY: as above.
         let state = unsafe { Session::behind(session) }.and_then(Session::state).expect("a session at rest");
         assert_eq!(solve(), Outcome::Invalid);
         drop(state);
-        // SAFETY: ended by NUL.
+        // SAFETY: the text ends with NUL.
         let said = unsafe { std::ffi::CStr::from_ptr(said) }.to_str();
         assert_eq!(said, Ok("session is at work in another thread: give each thread a session of its own"));
         assert_eq!(solve(), Outcome::Ok);

@@ -9,13 +9,13 @@ const VERSION: &CStr = match CStr::from_bytes_with_nul(concat!(env!("CARGO_PKG_V
     Err(_) => panic!("a version without NUL"),
 };
 
-/// Version of the library, such as "0.2.0". The text lives as long as the library is loaded.
+/// Returns the version of the library, such as "0.2.0". The text is valid as long as the library is loaded.
 #[unsafe(no_mangle)]
 pub extern "C" fn midair_version() -> *const c_char {
     VERSION.as_ptr()
 }
 
-/// Number of the library's binary interface, to be compared with MIDAIR_ABI.
+/// Returns the number of the library's binary interface, to compare with MIDAIR_ABI.
 #[unsafe(no_mangle)]
 pub extern "C" fn midair_abi() -> u32 {
     MIDAIR_ABI

@@ -1,4 +1,4 @@
-"""The C library as `make install` leaves it, and programs compiled with it."""
+"""The C library as `make install` installs it, and programs compiled with it."""
 
 import os
 import shutil
@@ -11,12 +11,12 @@ import pytest
 from library import Library
 
 ROOT = Path(__file__).parents[2]
-#: Every warning is an error, in C and in C++.
+#: Compiler options: every warning is an error, in C and in C++.
 STRICT = ["-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O1", "-g"]
 
 
 def run(*command: object, cwd: Path = ROOT, **environment: str) -> str:
-    """Output of a command that must succeed."""
+    """Run a command that must succeed, and return its output."""
     words = [str(word) for word in command]
     done = subprocess.run(words, cwd=cwd, capture_output=True, text=True, env={**os.environ, **environment})
     assert done.returncode == 0, f"{' '.join(words)}: {done.stdout}{done.stderr}"
@@ -24,7 +24,7 @@ def run(*command: object, cwd: Path = ROOT, **environment: str) -> str:
 
 
 def need(*programs: str) -> None:
-    """Leaves a test out where a program is not installed, and says so."""
+    """Skip the test with a message if a program is not installed."""
     for program in programs:
         if shutil.which(program) is None:
             pytest.skip(f"{program} is not installed")
@@ -32,7 +32,7 @@ def need(*programs: str) -> None:
 
 @pytest.fixture(scope="session")
 def prefix(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of the installed library, to which the built files are copied."""
+    """Return the folder of the installed library."""
     prefix = tmp_path_factory.mktemp("usr")
     built = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
     run(ROOT / "capi" / "install.sh", built, prefix)
@@ -46,7 +46,7 @@ def library(prefix: Path) -> Library:
 
 @pytest.fixture(scope="session")
 def flags(prefix: Path) -> list[str]:
-    """Flags of pkg-config, and the library's folder when the program runs."""
+    """Return the compiler flags from pkg-config, with the library's folder for when the program runs."""
     need("cc", "c++", "pkg-config")
     folder = str(prefix / "lib" / "pkgconfig")
     said = run("pkg-config", "--cflags", "--libs", "midair", PKG_CONFIG_PATH=folder).split()
@@ -55,7 +55,7 @@ def flags(prefix: Path) -> list[str]:
 
 @pytest.fixture
 def compiled(flags: list[str], tmp_path: Path) -> Callable[..., Path]:
-    """Compiles a file of C99 or C++17 and links it with the library."""
+    """Return a function that compiles a file of C99 or C++17 and links it with the library."""
 
     def build(source: Path, *options: str) -> Path:
         compiler = ["cc", "-std=c99"] if source.suffix == ".c" else ["c++", "-std=c++17"]

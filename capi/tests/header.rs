@@ -1,4 +1,4 @@
-//! The header is the output of cbindgen for the crate: `make header` writes it.
+//! Tests that the header is what cbindgen generates for the crate; `make header` writes it.
 
 use std::fs;
 use std::path::Path;
@@ -18,7 +18,7 @@ fn the_header_is_that_of_the_crate() {
     }
 }
 
-/// cbindgen expands no macro, so the texts of the metrics are repeated in capi/src.
+/// cbindgen does not expand macros, so capi/src repeats the texts of the metrics.
 #[test]
 fn the_metrics_are_described_as_in_the_core() {
     let header = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("include/midair.h")).expect("a header");

@@ -1,4 +1,4 @@
-"""The library by ctypes: every function with the types that its header declares."""
+"""The library through ctypes: every function, with the types that the header declares."""
 
 import re
 from ctypes import CDLL, c_char_p, c_double, c_int, c_size_t, c_uint32, c_void_p, create_string_buffer
@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-#: midair_answer in C's layout; midair_metrics is its last six numbers.
+#: The layout of midair_answer in C; midair_metrics is its last six numbers.
 METRICS = ["accuracy", "sigma", "uniformity", "level", "residual", "leak"]
 ANSWER = np.dtype(
     [("status", "i4"), ("steps", "u8"), *((name, "f8") for name in ["scale", *METRICS])], align=True
@@ -22,14 +22,14 @@ RETURNED = {
 
 
 def kind(argument: str) -> type:
-    """The type of an argument of the header."""
+    """Return the ctypes type of an argument in the header."""
     if "*" in argument:
         return c_char_p if re.match(r"(const )?char \*[^*]+$", argument) else c_void_p
     return {"size_t": c_size_t, "double": c_double}[argument.split()[0]]
 
 
 class Library:
-    """Functions by name; texts may be str, lists NumPy arrays."""
+    """The functions by name. Texts may be str, lists NumPy arrays."""
 
     def __init__(self, prefix: Path) -> None:
         header = (prefix / "include" / "midair.h").read_text()
@@ -45,11 +45,11 @@ class Library:
             self.names.append(name)
 
     def plain(self, name: str, *arguments: object) -> object:
-        """Result of a function that cannot fail."""
+        """Call a function that cannot fail, and return its result."""
         return getattr(self._functions, f"midair_{name}")(*arguments)
 
     def call(self, name: str, *arguments: object, size: int = 1024) -> tuple[int, str]:
-        """The result and the message of a function that can fail."""
+        """Call a function that can fail, and return its result and its message."""
         message = create_string_buffer(b"?" * 1024, 1025)
         words = [argument.encode() if isinstance(argument, str) else argument for argument in arguments]
         words = [word.ctypes.data if isinstance(word, np.ndarray) else word for word in words]
@@ -57,13 +57,13 @@ class Library:
         return result, message.value.decode()
 
     def done(self, name: str, *arguments: object) -> str:
-        """The warnings of a call that must be granted."""
+        """Call a function that must succeed, and return its warnings."""
         result, message = self.call(name, *arguments)
         assert result == 0, message
         return message
 
     def new(self, name: str, *arguments: object) -> c_void_p:
-        """A handle."""
+        """Return a new handle."""
         handle = np.zeros(1, np.uintp)
         self.done(name, *arguments, handle)
         return c_void_p(int(handle[0]))
@@ -83,7 +83,7 @@ class Library:
         pressures: NDArray[np.float64] | None = None,
         weights: NDArray[np.float64] | None = None,
     ) -> tuple[NDArray[np.complex64], np.void]:
-        """The drive of `count` transducers and the answer."""
+        """Return the drive of `count` transducers and the answer."""
         drive, answer = np.zeros(count, np.complex64), np.zeros(1, ANSWER)
         self.done("session_solve", session, points, pressures, weights, len(points), drive, count, answer)
         return drive, answer[0]

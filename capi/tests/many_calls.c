@@ -1,9 +1,9 @@
-/* Many calls, granted and refused, in one process: many_calls MODE CALLS.
+/* Many calls, valid and invalid ones, in one process: many_calls MODE CALLS.
  *
- * solves: solves of one session. all: in every call a new array, session and board as well, 1 to 4 points in turns, and what
- * each function refuses. Ends with failure if memory in use has grown since a tenth of the calls; glibc counts what a
- * thread keeps for its next calls and an arena for each as in use, unless
- * GLIBC_TUNABLES=glibc.malloc.tcache_count=0:glibc.malloc.arena_max=1, and 304 bytes for each stack that waits for a thread.
+ * The mode "solves" solves with one session. In the mode "all", each call also makes a new array, session and board, solves
+ * for 1 to 4 points in turn, and makes invalid calls of each function. The program fails if the memory in use has grown
+ * after the first tenth of the calls. glibc counts the caches and arenas of threads as memory in use, unless
+ * GLIBC_TUNABLES=glibc.malloc.tcache_count=0:glibc.malloc.arena_max=1. It also counts 304 bytes for each cached stack.
  */
 #define _POSIX_C_SOURCE 199309L
 
@@ -17,10 +17,10 @@
 #include <midair.h>
 
 #define N 64
-/* So many problems that several threads have a part each. */
+/* So many problems that several threads get a part. */
 #define MANY 2100
 
-/* What waiting stacks take at most: less than a leak of 16 bytes at every tenth of 4000 calls. */
+/* The most bytes that cached stacks take: less than a leak of 16 bytes in every tenth of 4000 calls. */
 #define STACKS 2048
 
 static char message[1024];
@@ -37,7 +37,7 @@ static void granted(midair_result result) { expect(result, MIDAIR_RESULT_OK); }
 
 static void refused(midair_result result) { expect(result, MIDAIR_RESULT_INVALID); }
 
-/* After a pause: a thread gives back its last kilobyte a moment after it has handed over its results. */
+/* Returns the bytes in use, after a pause: a thread frees its last kilobyte a moment after it has returned its results. */
 static size_t in_use(void)
 {
     struct timespec pause = {0, 50000000};

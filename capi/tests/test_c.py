@@ -1,4 +1,4 @@
-"""C and C++: headers without a warning, examples, the page, both ways to link, installed files."""
+"""C and C++: headers without warnings, examples, docs/c.md, shared and static linking, installed files."""
 
 import re
 from collections.abc import Callable
@@ -45,7 +45,7 @@ def test_the_page(compiled: Build, tmp_path: Path, language: str) -> None:
     for block in blocks:
         source = tmp_path / f"page.{language}"
         source.write_text(block)
-        # Its programs look at their answers themselves.
+        # The programs on the page check their results themselves.
         assert "assert(" in block
         run(compiled(source))
 

@@ -1,4 +1,4 @@
-"""The library from other languages: the examples of examples/ctypes and examples/node."""
+"""The library in other languages: the examples in examples/ctypes and examples/node."""
 
 import json
 import shutil
@@ -22,7 +22,7 @@ def test_ctypes(prefix: Path) -> None:
 
 @pytest.fixture(scope="module")
 def package(prefix: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The package as npm installs it: packed, unpacked and built."""
+    """Return the folder of the package as npm installs it: packed, unpacked and built."""
     need("node", "npm", "cc", "pkg-config")
     folder = tmp_path_factory.mktemp("node")
     headers = Path(shutil.which("node") or "").resolve().parents[1] / "include" / "node"
@@ -107,5 +107,5 @@ def test_node_frees_its_sessions(package: Path) -> None:
         }
         grown(100).then(() => grown(2000)).then(console.log);
     """
-    # If they were kept, they would need 272 MB
+    # If the sessions were not freed, they would need 272 MB.
     assert float(run("node", "--expose-gc", "-e", program, cwd=package)) < 50

@@ -1,4 +1,5 @@
-"""Memory: 100,000 calls without growth, no allocation in a second solve, valgrind, the address sanitizer."""
+"""Memory: no growth over 100,000 calls, no allocation in a second solve; valgrind and the address sanitizer.
+"""
 
 import re
 import subprocess
@@ -14,7 +15,7 @@ MANY = ROOT / "capi" / "tests" / "many_calls.c"
 PROGRAMS = [MANY, *sorted((ROOT / "examples").glob("c*/solve.c*"))]
 LEAKS = ["--leak-check=full", "--show-leak-kinds=all", "--errors-for-leak-kinds=all"]
 VALGRIND = ["valgrind", *LEAKS, "--error-exitcode=9"]
-#: A handle that is never freed.
+#: A program that never frees a handle.
 FORGETFUL = """
 #include <midair.h>
 int main(void)
@@ -26,14 +27,14 @@ int main(void)
 
 
 def arguments(program: Path) -> list[str]:
-    """Few calls, because each tool makes them some thirty times slower."""
+    """Return arguments for few calls, because these tools make a call about thirty times slower."""
     return ["all", "20"] if program.stem == MANY.stem else []
 
 
-# A round of all is some thirty calls.
+# A round of "all" has about thirty calls.
 @pytest.mark.parametrize(("mode", "rounds"), [("solves", 100_000), ("all", 4_000)])
 def test_many_calls_take_no_more_memory(compiled: Build, mode: str, rounds: int) -> None:
-    # Bytes in use are the same to the last one, but for the stacks of threads that have ended.
+    # The bytes in use stay exactly the same, except for the stacks of threads that have ended.
     run(compiled(MANY), mode, rounds, GLIBC_TUNABLES="glibc.malloc.tcache_count=0:glibc.malloc.arena_max=1")
 
 
@@ -47,7 +48,7 @@ def test_a_second_solve_allocates_nothing(compiled: Build) -> None:
         (found,) = re.findall(r"total heap usage: ([\d,]+) allocs", done.stderr)
         return int(found.replace(",", ""))
 
-    # Two calls take all the buffers that a method swaps about.
+    # A method may exchange its buffers, so that all of them are allocated only after two calls.
     assert allocations(2) == allocations(40) > 10
 
 

@@ -1,4 +1,4 @@
-"""Requests that make no sense: a result, and one line that names the item, its value and the cure."""
+"""Invalid requests: a result code, and one line that names the item, its value and the cure."""
 
 import threading
 from collections.abc import Callable, Iterator
@@ -17,7 +17,7 @@ NAN = float("nan")
 
 @pytest.fixture(scope="module")
 def have(library: Library) -> Iterator[SimpleNamespace]:
-    """One handle of each kind, and buffers that fit."""
+    """Return one handle of each kind, and buffers of the right size."""
     array = library.new("array_grid", 8, 8, 0.0105)
     session, board = library.session(array, "greedy"), library.new("board_new", "mega64", 64)
     buffers = {"drive": np.zeros(64, np.complex64), "place": np.zeros(1, np.uintp), "metrics": np.zeros(6)}
@@ -28,7 +28,7 @@ def have(library: Library) -> Iterator[SimpleNamespace]:
 
 
 def solve(have: SimpleNamespace, **changed: object) -> tuple[object, ...]:
-    """Arguments of midair_session_solve, all in order but those changed."""
+    """Return the arguments of midair_session_solve, all valid except for those changed."""
     own = {"session": have.session, "points": POINT, "pressures": None, "weights": None, "count": 1}
     own |= {"drive": have.drive, "transducers": 64, "answer": None}
     assert changed.keys() <= own.keys()
@@ -224,7 +224,7 @@ def test_refused_by_item_value_and_cure(library: Library, have: SimpleNamespace,
     assert result == INVALID
     assert message.startswith(text)
     assert "\n" not in message
-    # A place for a handle that could be written has NULL, and the session still answers.
+    # After an error, the place for a handle contains NULL, if it can be written. The session can still be used.
     assert have.place[0] == (0 if any(argument is have.place for argument in arguments(have)) else 7)
     assert library.call(*solve(have))[0] == 0
 
@@ -249,7 +249,7 @@ def test_a_message_is_cut_to_fit(library: Library, have: SimpleNamespace) -> Non
     arguments, text = REFUSED["preset"]
     for size in (1, 2, 20):
         assert library.call(*arguments(have), size=size) == (INVALID, text[: size - 1])
-    # Without room nothing is written.
+    # With a buffer of size 0, nothing is written.
     assert library.call(*arguments(have), size=0)[1].startswith("????")
 
 
@@ -268,7 +268,7 @@ def test_warnings_are_reported_once(library: Library, have: SimpleNamespace) -> 
     call = solve(have, session=session, pressures=loud)
     assert "points[0].pressure is 1000000 Pa, beyond reach" in library.done(*call)
     assert library.done(*call) == ""
-    # Set again it begins again; an array with a probable mistake is reported when it is known.
+    # After an option is set, warnings are given again. A probable mistake in the array is reported at once.
     said = library.done("session_set_number", session, "frequency", 40.0)
     assert said.startswith("medium.frequency is 40 Hz")
     assert library.done("session_set_number", session, "density", 1.2) == ""
@@ -276,7 +276,8 @@ def test_warnings_are_reported_once(library: Library, have: SimpleNamespace) -> 
 
 
 def test_sessions_of_their_own_and_one_for_all(library: Library) -> None:
-    """Threads with a session each get the same bits as one; those that share one are answered or refused."""
+    """Threads with their own sessions get the same bits; threads that share one get these bits or an error.
+    """
     array = library.new("array_preset", "paper20", 1, 1)
     points = np.array([[0.02 * np.cos(t), 0.02 * np.sin(t), 0.15] for t in range(8)])
     shared = library.session(array, "greedy")

@@ -1,4 +1,4 @@
-"""The library gives the same answers as the package, bit for bit."""
+"""The library gives the same bits as the package."""
 
 from collections.abc import Iterator
 from ctypes import c_void_p
@@ -14,7 +14,7 @@ POINTS = np.array([[-0.02, 0.01, 0.15], [0.02, 0.0, 0.16], [0.0, -0.03, 0.15]])
 PRESSURES = np.array([900.0, 700.0, 1100.0])
 WEIGHTS = np.array([1.0, 2.0, 0.5])
 STATUSES = ["done", "out_of_steps", "stopped", "missed"]
-#: midair_link in C's layout.
+#: The layout of midair_link in C.
 LINK = np.dtype(
     [
         ("kind", "i4"),
@@ -36,7 +36,7 @@ def grid(library: Library) -> Iterator[c_void_p]:
 
 
 def same(library: Library, session: c_void_p, solver: midair.Solver, *request: np.ndarray | None) -> None:
-    """One request of both."""
+    """Compare one request in the library and in the package."""
     names = dict(zip(("pressures", "weights"), request[1:], strict=False))
     out = np.zeros(len(solver(request[0], **names).drive), np.complex64)
     solver.reset()
@@ -98,7 +98,7 @@ def test_lists(library: Library) -> None:
         library.done("session_set_numbers", session, name, values, len(values))
     mine = midair.Array(positions, normals, mask=mask, response=response)
     same(library, session, midair.Solver(mine, "greedy", order=order), POINTS, PRESSURES)
-    # The session has all that it needs.
+    # The session has a copy of the array.
     library.plain("array_free", array)
     same(library, session, midair.Solver(mine, "greedy", order=order), POINTS)
     library.plain("session_free", session)

@@ -1,4 +1,4 @@
-"""Sessions of a scene file's text answer as the package does, bit for bit."""
+"""Sessions made from the text of a scene file give the same bits as the package."""
 
 from pathlib import Path
 
@@ -53,7 +53,7 @@ def test_a_scene_from_text(library: Library, name: str, toml: bool) -> None:
         assert [answer[metric] for metric in METRICS] == [
             getattr(solution.metrics, metric) for metric in METRICS
         ]
-        # Points of the caller's own, then the scene's again.
+        # Solve points of the caller in between; the next call solves the scene's own again.
         library.solve(session, len(scene.array), np.array([[0.0, 0.01, 0.14]]))
     library.plain("session_free", session)
 

@@ -1,4 +1,4 @@
-"""The scripts of unity/, compiled and run by Mono with a fake of Unity's types, and the package's numbers."""
+"""The scripts of unity/, compiled and run by Mono with replacements of Unity's types, against the package."""
 
 import os
 import re
@@ -15,12 +15,12 @@ import pytest
 import midair
 from conftest import ROOT, need, run
 
-# A board of one amplitude warns that it plays louder than requested.
+# On a board with a single amplitude, the package warns that it plays louder than requested.
 pytestmark = pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 
 UNITY = ROOT / "unity"
 
-#: A pseudo-terminal has no control lines, and Mono opens no port without: they are ignored.
+#: Ignores calls for control lines: a pseudo-terminal has none, and Mono opens no port without them.
 CONTROL_LINES = """
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -42,7 +42,7 @@ int ioctl(int port, unsigned long request, ...)
 
 @pytest.fixture(scope="module")
 def program(prefix: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., str]:
-    """The scripts and a program that drives them; warnings are errors."""
+    """Return a function that runs the scripts in a program that tests them; compiler warnings are errors."""
     need("mcs", "mono")
     built = tmp_path_factory.mktemp("unity") / "scripts.exe"
     sources = sorted([*(UNITY / "Runtime").glob("*.cs"), *(UNITY / "Tests~").glob("*.cs")])
@@ -55,7 +55,7 @@ def program(prefix: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[
 
 
 def numbers(printed: str, name: str) -> list[np.ndarray]:
-    """The values of all lines that begin with a name."""
+    """Return the values of all lines that begin with a name."""
     lines = [line.split() for line in printed.splitlines()]
     return [np.array(words[1:], dtype=float) for words in lines if words[0] == name]
 
@@ -70,7 +70,7 @@ def solved(program: Callable[..., str]) -> str:
 
 
 def test_points_are_metres_in_the_arrays_own_right_handed_axes(solved: str) -> None:
-    # A quarter turn about Unity's y brings local z to x, and local x to -z. Then y and z are exchanged.
+    # A quarter turn about Unity's y maps local z to x, and local x to -z. Then y and z are exchanged.
     world = np.array([[0.32, 1.1, -0.24], [0.28, 1.1, -0.16]]) - [0.3, 0.8, -0.2]
     expected = np.stack([-world[:, 2], world[:, 0], world[:, 1]], axis=1) / 2
     first, second = (points.reshape(-1, 3) for points in numbers(solved, "points"))
@@ -110,7 +110,7 @@ def test_points_at_rest_are_not_solved_again(solved: str) -> None:
 
 def test_the_gizmo_shows_the_field_of_its_plane(solved: str) -> None:
     (values,), (alphas,) = numbers(solved, "values"), numbers(solved, "alphas")
-    # It is turned as the array is, so that its x and y are midair's x and z, at half of Unity's lengths.
+    # The plane is turned like the array: its x and y are midair's x and z, at half of Unity's lengths.
     x, z = ((np.arange(count) - 0.5 * (count - 1)) * 0.005 for count in (6, 5))
     places = [[across, 0, 0.15 + up] for up in z for across in x]
     expected = np.abs(solution(numbers(solved, "last")[0]).field(places).pressure)
@@ -153,7 +153,7 @@ def test_a_serial_board_gets_silence_frames_and_silence(program: Callable[..., s
 
 
 def words_of(datagram: bytes) -> list[str | float]:
-    """An OSC message: its address and arguments, texts or floats."""
+    """Return the words of an OSC message: its address and its arguments, texts or floats."""
     words: list[str | float] = []
 
     def text() -> str:

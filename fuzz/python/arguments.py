@@ -1,4 +1,4 @@
-"""Arguments from Python: unusual values give an error of one line, unusual memory layouts the usual results.
+"""Arguments from Python: unusual values give an error of one line, unusual memory layouts no other results.
 """
 
 from __future__ import annotations
