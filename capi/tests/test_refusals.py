@@ -224,7 +224,7 @@ def test_refused_by_item_value_and_cure(library: Library, have: SimpleNamespace,
     assert result == INVALID
     assert message.startswith(text)
     assert "\n" not in message
-    # After an error, the place for a handle contains NULL, if it can be written. The session can still be used.
+    # After an error, the place for a handle contains NULL if it can be written; the session still works.
     assert have.place[0] == (0 if any(argument is have.place for argument in arguments(have)) else 7)
     assert library.call(*solve(have))[0] == 0
 

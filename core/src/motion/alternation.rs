@@ -1,5 +1,4 @@
-//! Alternation: best tracks for given point phases and weights, then new phases and weights from the field of the
-//! tracks.
+//! Alternation: best tracks for given point phases and weights, then new phases and weights from their field.
 //!
 //! For point phases psi_j(t) and weights w_j(t), transducer i is to follow the wave S_i(t) = sum_j w_j e^{j psi_j}
 //! conj(G_ji). Each transducer is then independent of the others, and its best track is found exactly. The field of the

@@ -1,5 +1,4 @@
-//! Track: the phases of one transducer over all frames that follow a given wave best, within a bound from frame to
-//! frame.
+//! Track: the phases of one transducer over all frames that follow a wave best, with bounded changes.
 //!
 //! For waves S(t) that the transducer is to follow, the best track has the largest sum over t of Re(conj(S(t)) q(t)).
 //! Dynamic programming finds it (Viterbi, IEEE Trans. Inf. Theory 13(2), 1967): frame by frame, for every phase, the
