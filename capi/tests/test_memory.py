@@ -1,5 +1,4 @@
-"""Memory: no growth over 100,000 calls, no allocation in a second solve; valgrind and the address sanitizer.
-"""
+"""Memory: no growth over 100,000 calls, no allocation in a second solve; valgrind, address sanitizer."""
 
 import re
 import subprocess

@@ -276,8 +276,7 @@ def test_warnings_are_reported_once(library: Library, have: SimpleNamespace) -> 
 
 
 def test_sessions_of_their_own_and_one_for_all(library: Library) -> None:
-    """Threads with their own sessions get the same bits; threads that share one get these bits or an error.
-    """
+    """Threads with their own sessions get the same bits; threads that share one get these or an error."""
     array = library.new("array_preset", "paper20", 1, 1)
     points = np.array([[0.02 * np.cos(t), 0.02 * np.sin(t), 0.15] for t in range(8)])
     shared = library.session(array, "greedy")

@@ -1,5 +1,4 @@
-"""Arguments from Python: unusual values give an error of one line, unusual memory layouts no other results.
-"""
+"""Arguments from Python: unusual values give an error of one line, unusual memory layouts change nothing."""
 
 from __future__ import annotations
 
