@@ -1,9 +1,9 @@
-# `make` lists what there is.
+# `make` lists the targets.
 SHELL := bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
 
-# Windows: bash of Git, and .venv/Scripts.
+# On Windows: the bash of Git, and .venv/Scripts instead of .venv/bin.
 WINDOWS := $(filter Windows_NT,$(OS))
 BIN := .venv/$(if $(WINDOWS),Scripts,bin)
 PYTHON := $(BIN)/python
@@ -11,7 +11,7 @@ HOST_PYTHON := $(if $(WINDOWS),python,python3)
 export UV_PYTHON_DOWNLOADS := never
 export VIRTUAL_ENV := $(CURDIR)/.venv
 CARGO := cargo
-# The features that the extension uses, so that both use one compiled core.
+# The tests of the core use the features of the Python extension, so that both share one compiled core.
 CORE := -p midair --no-default-features --features scene-file,parallel
 SHOWN := naive,greedy,uniform
 BUILT := $(or $(CARGO_TARGET_DIR),target)/release
@@ -20,8 +20,8 @@ TRIALS := 1000
 CODE := python capi bench book firmware fuzz gateware examples
 RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml $(shell find core/src python/src -name '*.rs')
 
-# A step: says what it does, how long that takes on two cores where nothing is built yet, how long it took, and its name
-# again if it fails.
+# A step prints its name, with the expected time on two cores without earlier builds; then the time that it took, or its
+# name again if it fails.
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
@@ -30,7 +30,7 @@ step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
-# The environment: uv from PyPI into the project's own .venv, then everything by name and pinned version.
+# The environment: installs uv from PyPI into the project's own .venv, then all packages in their pinned versions.
 .venv/ready: pyproject.toml constraints.txt
 	@echo; echo "== environment in .venv: Python's tools and libraries from PyPI (1 min)"
 	$(HOST_PYTHON) -m venv .venv || { echo "$(HOST_PYTHON) -m venv failed: install Python 3.11+ with venv (Debian: python3-venv)"; exit 1; }
@@ -42,7 +42,7 @@ setup: .venv/ready ## Build midair into .venv
 	$(call step,package: the extension is built into .venv (2 min),$(BIN)/maturin develop --uv --release)
 	@touch .venv/extension
 
-# The extension for `make check`: compiled like the tests, only where Rust is newer than the one that is installed.
+# The extension for `make check`: compiled with the tests' profile, only if a Rust file is newer than the installed one.
 .venv/extension: .venv/ready $(RUST)
 	$(call step,package: the extension as the tests are compiled (2 min; 20 s after a change),$(BIN)/maturin develop --uv --quiet)
 	@touch $@
@@ -238,8 +238,8 @@ docs: setup book/.venv/ready ## Build the book, the documentation as a site: out
 	$(call step,book: every public name looked up (1 s),$(PYTHON) book/names.py out/site)
 	@echo; echo "Open $(CURDIR)/out/site/index.html. Its search needs a server: python3 -m http.server --directory out/site"
 
-# The libraries of the book's generator, and of the notebooks that the studio is tested in, are their own; midair and what it
-# needs are looked up in .venv behind them.
+# The book's generator and the notebooks for tests of the studio each have an environment with their own libraries. midair
+# and the libraries that it needs are found in .venv, which comes later in the search path.
 book/.venv/ready studio/.venv/ready: %/.venv/ready: %/requirements.txt .venv/ready
 	$(BIN)/uv venv --quiet --clear --python $(PYTHON) $(@D)
 	$(BIN)/uv pip install --quiet --python $(@D)/bin/python --requirements $<

@@ -1,10 +1,11 @@
 #!/bin/bash
-# Builds the door for the browser: target/midair.wasm, simd128, without imports. With rustup's target wasm32 where there is
-# one; else with Debian's compiler (rustc-web cargo-web rust-web-src lld-19), which builds the standard library along: short,
-# and without the messages of panics, which no browser shows. With rustup's own library the module is larger.
+# Builds the browser's binding: target/midair.wasm, with simd128, without imports. It uses rustup's target wasm32 if
+# there is one. Otherwise it uses Debian's compiler (rustc-web cargo-web rust-web-src lld-19) and also builds the
+# standard library: optimised for size, without panic messages, which no browser shows. With rustup's own library the
+# module is larger.
 set -eu -o pipefail
 cd "$(dirname "$0")"
-# What is inlined and unrolled at will makes the module larger, and no faster; kernels ask for it by themselves.
+# Unlimited inlining and unrolling makes the module larger but not faster; kernels request inlining themselves.
 flags="-C target-feature=+simd128 -C link-arg=--compress-relocations"
 flags+=" -C llvm-args=--inline-threshold=10 -C llvm-args=--inlinehint-threshold=30"
 flags+=" -C llvm-args=-unroll-runtime=false -C llvm-args=-unroll-allow-partial=false"

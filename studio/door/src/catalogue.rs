@@ -1,11 +1,11 @@
-//! Catalogue: what the page offers, as the core lists it.
+//! Catalogue: the core's version, presets, solvers and boards, as text.
 
 use std::fmt::Write;
 
 use midair::solvers::SOLVERS;
 use midair::{Board, presets::PRESETS};
 
-/// Version, presets, solvers and boards: a line each, tabs between.
+/// Returns version, presets, solvers and boards: one line each, with tabs between the entries.
 pub(crate) fn catalogue() -> String {
     let mut text = format!("version\t{}\n", env!("CARGO_PKG_VERSION"));
     for preset in PRESETS {

@@ -1,4 +1,4 @@
-//! Drawn: points along contours, spaced so that they are few enough.
+//! Drawn: points along contours, spaced so that there are at most a given number.
 
 use midair::Error;
 use midair::points::{along, fitted};

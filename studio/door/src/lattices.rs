@@ -1,21 +1,21 @@
-//! Lattices: places whose field is requested again and again, as while a point is dragged along its slice.
+//! Lattices: caches the matrix G of places whose field is requested repeatedly, e.g. while a point is dragged.
 
 use midair::{Array, Complex32, Control, Error, KeptField, Medium, Model, field};
 
-/// The largest number of entries of a stored G, 64 MB; and the smallest for which storing saves time.
+/// The largest number of entries of a stored G (64 MB), and the smallest for which storing saves time.
 const MOST: usize = 1 << 23;
 const LEAST: usize = 1 << 18;
 
-/// A lattice without a request for so long is dropped.
+/// A lattice is dropped after this many fields of other lattices.
 const PATIENCE: usize = 4;
 
-/// Places above an array, and G there from the second field on.
+/// Places above an array, and their matrix G, which is stored from the second field on.
 struct Lattice {
     array: Array,
     medium: Medium,
     places: Vec<[f64; 3]>,
     kept: Option<KeptField>,
-    /// Fields of other places since.
+    /// The number of fields of other lattices since the last use.
     age: usize,
 }
 
@@ -30,7 +30,7 @@ impl Lattice {
 pub(crate) struct Lattices(Vec<Lattice>);
 
 impl Lattices {
-    /// The field of a drive.
+    /// Returns the field of a drive at places.
     pub(crate) fn field(
         &mut self,
         model: &Model,

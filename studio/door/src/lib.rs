@@ -1,8 +1,9 @@
-//! The browser's door of midair: a scene as text, numbers in two buffers, and plain C functions over them.
+//! midair's binding for browsers: a scene as text, numbers in two buffers, and plain C functions on them.
 //!
-//! A page makes a [`Studio`], writes a scene file's text where [`studio_text_in`] says, opens it, solves it, and reads
-//! the answer where [`studio_numbers`], [`studio_drive`] and [`studio_pressures`] say. Functions that may refuse return 0,
-//! or 1 and leave one line in [`studio_text`]. Addresses hold until the next call with the same studio.
+//! A page makes a [`Studio`] and writes the text of a scene file to the address that [`studio_text_in`] returns. It
+//! opens and solves the scene, and reads the results at [`studio_numbers`], [`studio_drive`] and [`studio_pressures`].
+//! Functions that can fail return 0 if they succeed, else 1, with a message of one line in [`studio_text`]. Addresses
+//! are valid until the next call with the same studio.
 #![allow(clippy::missing_safety_doc, reason = "a module of WebAssembly sees no memory but its own")]
 
 mod catalogue;
@@ -14,7 +15,7 @@ mod studio;
 
 pub use studio::Studio;
 
-/// A studio: one scene, its session and the buffers.
+/// Makes a studio: one scene, its session and the buffers.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_new() -> Box<Studio> {
     Box::default()
@@ -26,125 +27,128 @@ pub extern "C" fn studio_free(studio: Box<Studio>) {
     drop(studio);
 }
 
-/// Room for this many bytes of text.
+/// Returns the address of a buffer for this many bytes of text.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_text_in(studio: &mut Studio, size: usize) -> *mut u8 {
     studio.text_in.resize(size, 0);
     studio.text_in.as_mut_ptr()
 }
 
-/// Room for this many numbers.
+/// Returns the address of a buffer for this many numbers.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_numbers_in(studio: &mut Studio, count: usize) -> *mut f64 {
     studio.numbers_in.resize(count, 0.0);
     studio.numbers_in.as_mut_ptr()
 }
 
-/// The text of the last call: a refusal, warnings a line each, a scene, the catalogue.
+/// Returns the address of the text that the last call wrote: an error message, warnings (one per line), a scene or the
+/// catalogue.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_text(studio: &Studio) -> *const u8 {
     studio.text.as_ptr()
 }
 
-/// Its bytes.
+/// Returns the length of that text in bytes.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_text_size(studio: &Studio) -> usize {
     studio.text.len()
 }
 
-/// The numbers of the last call that has any.
+/// Returns the address of the numbers that the last call wrote.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_numbers(studio: &Studio) -> *const f64 {
     studio.numbers.as_ptr()
 }
 
-/// The number of them.
+/// Returns the count of those numbers.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_numbers_count(studio: &Studio) -> usize {
     studio.numbers.len()
 }
 
-/// The drive (N,), re and im in f32.
+/// Returns the address of the drive (N,), re and im in f32.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_drive(studio: &Studio) -> *const f32 {
     studio.drive.as_ptr().cast()
 }
 
-/// N, or 0 while there is none.
+/// Returns N, or 0 if there is no drive.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_drive_count(studio: &Studio) -> usize {
     studio.drive.len()
 }
 
-/// The complex pressures of the last field, re and im in f32.
+/// Returns the address of the complex pressures of the last field, re and im in f32.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_pressures(studio: &Studio) -> *const f32 {
     studio.pressures.as_ptr().cast()
 }
 
-/// The bytes of the last frame.
+/// Returns the address of the bytes of the last frame.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_bytes(studio: &Studio) -> *const u8 {
     studio.bytes.as_ptr()
 }
 
-/// How many they are.
+/// Returns the count of those bytes.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_bytes_size(studio: &Studio) -> usize {
     studio.bytes.len()
 }
 
-/// Writes version, presets, solvers and boards into the text: a line each, tabs between.
+/// Writes version, presets, solvers and boards to the text: one line each, with tabs between the entries.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_catalogue(studio: &mut Studio) {
     studio.text = catalogue::catalogue();
 }
 
-/// Opens the scene of the text, TOML or (0) JSON, with the scalar instructions or (0) the best; warnings are the text.
+/// Opens the scene in the text buffer: TOML, or JSON if `toml` is 0; with scalar instructions, or the best ones if
+/// `scalar` is 0. The text has its warnings.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_open(studio: &mut Studio, toml: u32, scalar: u32) -> u32 {
     studio.work(|studio| studio.open(toml != 0, scalar != 0))
 }
 
-/// Writes the scene into the text, TOML or (0) JSON, as the command line writes it.
+/// Writes the scene to the text as the command line does: TOML, or JSON if `toml` is 0.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_save(studio: &mut Studio, toml: u32) -> u32 {
     studio.work(|studio| studio.save(toml != 0))
 }
 
-/// Positions (N, 3) in m and normals (N, 3) of the scene's array, into the numbers.
+/// Writes positions (N, 3) in m and normals (N, 3) of the scene's array to the numbers.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_array(studio: &mut Studio) -> u32 {
     studio.work(Studio::array)
 }
 
-/// Reads an array from a CSV, the name of the file in the text's first line: the numbers are as of `studio_array`.
+/// Reads an array from CSV in the text buffer, whose first line is the file's name. The numbers are as for
+/// `studio_array`.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_read_array(studio: &mut Studio) -> u32 {
     studio.work(Studio::read_array)
 }
 
-/// Takes the drive of a CSV, the name of the file in the text's first line.
+/// Sets the drive from CSV in the text buffer, whose first line is the file's name.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_read_drive(studio: &mut Studio) -> u32 {
     studio.work(Studio::read_drive)
 }
 
-/// Writes the drive as CSV into the text.
+/// Writes the drive as CSV to the text.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_write_drive(studio: &mut Studio) -> u32 {
     studio.work(Studio::write_drive)
 }
 
-/// Solves the scene by its solver. The numbers are accuracy, sigma, uniformity, level, residual, leak, scale, status (0
-/// done, 1 out of steps, 2 stopped), steps, and target, re and im of each point in Pa; warnings are the text.
+/// Solves the scene with its solver. The numbers are accuracy, sigma, uniformity, level, residual, leak, scale, status
+/// (0 done, 1 out of steps, 2 stopped), steps, and target, re and im of each point in Pa. The text has warnings.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_solve(studio: &mut Studio) -> u32 {
     studio.work(Studio::solve)
 }
 
-/// Moves the scene's points, and requests other pressures there: the numbers handed in are M points (M, 3) in m, then M
-/// pressures in Pa or none, for those from before. The next solve follows the last.
+/// Moves the scene's points. The number buffer has M points (M, 3) in m, then M pressures in Pa, or none to keep the
+/// old ones. The next solve starts from the last drive.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_move(studio: &mut Studio, points: usize) -> u32 {
     studio.work(|studio| studio.set_points(points))
@@ -156,58 +160,60 @@ pub extern "C" fn studio_judge(studio: &mut Studio) -> u32 {
     studio.work(Studio::judge)
 }
 
-/// Takes the drive (N, 2) of the numbers in the buffer, and the factor that supply or modulation must apply.
+/// Sets the drive (N, 2) from the number buffer, and the factor that the supply voltage or modulation must apply.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_load(studio: &mut Studio, scale: f32) -> u32 {
     studio.work(|studio| studio.load(scale))
 }
 
-/// The field of the drive, its scale counted in, at the places (K, 3) in m handed in, into the pressures.
+/// Computes the field of the drive, with its scale applied, at the places (K, 3) in m of the number buffer; writes the
+/// pressures.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_field(studio: &mut Studio) -> u32 {
     studio.work(Studio::field)
 }
 
-/// Like `studio_field`; the numbers of each place are re and im in Pa, the level in dB SPL, the radiation pressure on
-/// a wall in Pa.
+/// Computes the field like `studio_field`. The numbers of each place are re and im in Pa, the level in dB SPL, and the
+/// radiation pressure on a rigid wall in Pa.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_probe(studio: &mut Studio) -> u32 {
     studio.work(Studio::probe)
 }
 
-/// Points (K, 3) in m along contours, at most `most`: of each its number of vertices, then those (V, 3), are handed in.
+/// Writes at most `most` points (K, 3) in m along contours. The number buffer has, for each contour, its number of
+/// vertices V and then the vertices (V, 3).
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_along(studio: &mut Studio, most: usize) -> u32 {
     studio.work(|studio| studio.along(most))
 }
 
-/// The level that no drive exceeds: the first of the numbers.
+/// Computes the level that no drive exceeds: the first of the numbers.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_bound(studio: &mut Studio) -> u32 {
     studio.work(Studio::bound)
 }
 
-/// Solves frames (T, M, 3) in m handed in one after another by the scene's solver. The numbers are, of each frame, the
-/// largest change of a phase from the one before in rad, the least |p| of its points that are not quiet, and the largest of
-/// all, in Pa.
+/// Solves the frames (T, M, 3) in m of the number buffer one after the other. The numbers of each frame are the largest
+/// phase change from the frame before in rad, the least |p| of its points that are not quiet, and the largest |p| of
+/// all points, in Pa.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_follow(studio: &mut Studio, frames: usize) -> u32 {
     studio.work(|studio| studio.follow(frames))
 }
 
-/// Takes the drive of a frame that was followed.
+/// Sets the drive to that of a frame of `studio_follow`.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_frame(studio: &mut Studio, frame: usize) -> u32 {
     studio.work(|studio| studio.frame(frame))
 }
 
-/// Writes the bytes that make the board of the text play the drive; the numbers are its baud rate, or 0.
+/// Writes the bytes with which the board named in the text buffer plays the drive; the number is its baud rate, or 0.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_encode(studio: &mut Studio) -> u32 {
     studio.work(Studio::encode)
 }
 
-/// Writes the bytes that silence the board of the text from any state.
+/// Writes the bytes that silence the board named in the text buffer, from any state.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_silence(studio: &mut Studio) -> u32 {
     studio.work(Studio::silence)

@@ -1,4 +1,4 @@
-//! Opened: a scene that was read, with the model and the session of its solver.
+//! Opened: a scene that was read, with its model and the session of its solver.
 
 use midair::files::{self, Format, Provenance};
 use midair::solvers::{DEFAULT, configure};
@@ -18,7 +18,7 @@ fn format(toml: bool) -> Format {
 }
 
 impl Opened {
-    /// Reads a scene file's text.
+    /// Reads the text of a scene file.
     pub(crate) fn read(text: &[u8], toml: bool, set: InstructionSet) -> Result<Self, Error> {
         let scene = files::read(text, format(toml))?;
         let none = || Choice::new(DEFAULT.into(), Options::new());
@@ -30,7 +30,7 @@ impl Opened {
         Ok(Self { scene, model, session, ask, set })
     }
 
-    /// The same scene and session with other points; with the pressures from before, unless there are others.
+    /// Moves the points of the scene, with these pressures or, if there are none, the old ones.
     pub(crate) fn set_points(&mut self, points: Vec<[f64; 3]>, pressures: Option<Vec<f64>>) -> Result<(), Error> {
         let scene = &self.scene;
         let mut request = scene.request().clone();
@@ -44,13 +44,13 @@ impl Opened {
         Ok(())
     }
 
-    /// The scene as the command line writes it.
+    /// Returns the scene as the command line writes it.
     pub(crate) fn write(&self, toml: bool) -> Result<String, Error> {
         let version = Some(env!("CARGO_PKG_VERSION").into());
         files::write(&self.scene, format(toml), &Provenance { version, status: None })
     }
 
-    /// The problem of the scene.
+    /// Returns the problem of the scene.
     pub(crate) fn problem(&self) -> Result<Problem, Error> {
         Problem::of_scene(&self.scene, self.set, &mut Control::none())
     }

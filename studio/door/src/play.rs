@@ -1,4 +1,4 @@
-//! Play: frames that follow one another, and the bytes by which a board plays them.
+//! Play: solves frames one after the other, and encodes the bytes with which a board plays a drive.
 
 use midair::{Board, Complex32, Control, Error, Frames, SolveRequest};
 
@@ -63,7 +63,7 @@ impl Studio {
     }
 }
 
-/// The largest change of a phase between two drives, in rad.
+/// Returns the largest phase change between two drives, in rad.
 fn change(last: &[Complex32], drive: &[Complex32]) -> f64 {
     last.iter().zip(drive).map(|(a, b)| f64::from((b * a.conj()).arg().abs())).fold(0.0, f64::max)
 }

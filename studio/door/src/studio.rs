@@ -17,16 +17,16 @@ pub struct Studio {
     pub(crate) drive: Vec<Complex32>,
     pub(crate) pressures: Vec<Complex32>,
     pub(crate) bytes: Vec<u8>,
-    /// The drives of all frames (T, N) that were followed.
+    /// The drives (T, N) of all frames that `follow` has solved.
     pub(crate) frames: Vec<Complex32>,
-    /// The factor that supply or modulation must apply to the drive.
+    /// The factor that the supply voltage or modulation must apply to the drive.
     scale: f32,
     opened: Option<Opened>,
     lattices: Lattices,
 }
 
 impl Studio {
-    /// Does the work of a function: its refusal is the text.
+    /// Runs the work of a function; writes its error message to the text and returns 1 if it fails, else returns 0.
     pub(crate) fn work(&mut self, work: impl FnOnce(&mut Self) -> Result<(), Error>) -> u32 {
         self.text.clear();
         match work(self) {
@@ -84,7 +84,7 @@ impl Studio {
         Ok(())
     }
 
-    /// The first line of the text, the name of a file, and that file's content.
+    /// Returns the first line of the text buffer, which is the name of a file, and the file's content after it.
     fn named(&self) -> (String, &[u8]) {
         let end = self.text_in.iter().position(|&byte| byte == b'\n').unwrap_or(self.text_in.len());
         let text = self.text_in.get(end + 1..).unwrap_or_default();
@@ -162,14 +162,14 @@ impl Studio {
         Ok(())
     }
 
-    /// A drive of a frame, which needs no scale.
+    /// Sets the drive of a frame, which needs no scale.
     pub(crate) fn take(&mut self, drive: Vec<Complex32>) {
         self.drive = drive;
         self.scale = 1.0;
     }
 }
 
-/// Positions, then normals.
+/// Returns the positions, then the normals.
 fn placed(array: &Array) -> Vec<f64> {
     array.positions().iter().chain(array.normals()).flatten().copied().collect()
 }
