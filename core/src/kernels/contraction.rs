@@ -34,18 +34,18 @@ pub(crate) type Weight = (usize, [f64; 2]);
 /// The terms of each sum of the module's head, with their factors.
 #[derive(Default)]
 pub(crate) struct Weights {
-    /// Terms of Z.
+    /// Terms of the sum Z of the module's head.
     pub(crate) value: Vec<Weight>,
-    /// Terms of Z_a for each axis a.
+    /// Terms of the sums Z_a of the module's head, for each axis a.
     pub(crate) slopes: [Vec<Weight>; 3],
-    /// Terms of Z'.
+    /// Terms of the sum Z' of the module's head.
     pub(crate) grown: Vec<Weight>,
-    /// Terms of L for each axis.
+    /// Terms of the sums L of the module's head, for each axis.
     pub(crate) turned: [Vec<Weight>; 3],
 }
 
-/// Returns the gradients with respect to a point (3 numbers) and to k (the last one); adds those with respect to the
-/// transducers to `pulls`. The sums have the first `COUNT` Taylor coefficients.
+/// Returns the gradients with respect to a point (3 numbers) and to the wavenumber (the last one); adds those with
+/// respect to the transducers to `pulls`. The sums have the first `COUNT` Taylor coefficients.
 pub(crate) fn contract<const COUNT: usize>(
     set: InstructionSet,
     waves: &Waves,

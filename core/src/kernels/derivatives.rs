@@ -119,7 +119,7 @@ fn value<S: Doubles>(s: S, waves: &Waves, (block, at): (&Emitters, usize), (poin
     }
 }
 
-/// Returns e^{ur}/r of distances r and their inverses `near`.
+/// Returns the waves e^{ur}/r, u = jk - alpha, for distances r and their inverses `near`.
 #[inline(always)]
 fn spread<S: Doubles>(s: S, waves: &Waves, r: V<S>, near: V<S>) -> C<S> {
     let (cos, sin) = phasor(s, r * (waves.wavenumber / core::f64::consts::TAU));
@@ -213,7 +213,7 @@ fn constant<S: Doubles, const COUNT: usize>(out: &mut [[V<S>; COUNT]; 2], f: C<S
     }
 }
 
-/// Writes the coefficients of degree 1.
+/// Writes the Taylor coefficients of degree 1, from f10 and, where there is a directivity, f01 (see the module's head).
 #[inline(always)]
 fn first<S: Doubles, const COUNT: usize>(
     out: &mut [[V<S>; COUNT]; 2],

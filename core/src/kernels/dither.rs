@@ -24,9 +24,9 @@ use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 
 /// Values at the points; all lists have the same padded length.
 pub(crate) struct Points<'a> {
-    /// The errors e, real and imaginary parts; the imaginary part is 0 except at quiet points.
+    /// The errors e at the points, real and imaginary parts; the imaginary part is 0 except at quiet points.
     pub(crate) error: [&'a mut [f32]; 2],
-    /// 1/P; 0 in the padding.
+    /// 1/P of the pressures P; 0 in the padding.
     pub(crate) inverse: [&'a [f32]; 2],
     /// 1 at quiet points, 0 elsewhere.
     pub(crate) quiet: &'a [f32],
@@ -68,7 +68,8 @@ pub(crate) fn choose(
     })
 }
 
-/// Replaces a row of G by the shares c of a transducer of drive q. Returns the sums of e c and of c^2.
+/// Replaces a row of G by the shares c (see the module's head) of a transducer of drive q. Returns the sums of e c and
+/// c^2.
 #[inline(always)]
 fn along<S: Simd>(
     s: S,

@@ -39,7 +39,7 @@ fn total([a, b, c, d]: Group) -> f64 {
     (a + b) + (c + d)
 }
 
-/// out = G q. `rows` has the real and the imaginary rows of G, each as long as q.
+/// out = G q for a complex matrix G and vector q. `rows` has the real and the imaginary rows of G, each as long as q.
 pub(crate) fn times(set: InstructionSet, rows: [&[f64]; 2], vector: [&[f64]; 2], out: [&mut [f64]; 2]) {
     dispatch!(set, _s => {
         let lanes = vector[0].len();
@@ -59,7 +59,7 @@ pub(crate) fn times(set: InstructionSet, rows: [&[f64]; 2], vector: [&[f64]; 2],
     });
 }
 
-/// out = G^H p, with `rows` as in [`times`].
+/// out = G^H p for a complex matrix G and vector p, with `rows` as in [`times`].
 pub(crate) fn times_adjoint(set: InstructionSet, rows: [&[f64]; 2], vector: [&[f64]; 2], out: [&mut [f64]; 2]) {
     dispatch!(set, _s => {
         let [out_re, out_im] = out;

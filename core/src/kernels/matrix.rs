@@ -46,7 +46,7 @@ pub(crate) fn correlate_rows(
     })
 }
 
-/// P += G q for every transducer whose drive is not 0.
+/// Adds the waves G q of all transducers whose drive q is not 0 to the pressures.
 ///
 /// # Errors
 /// A requested stop, which is checked at least once a transducer.

@@ -20,7 +20,7 @@ use crate::math::exp;
 /// Number of nodes of an element.
 pub(crate) const NODES: usize = 6;
 
-/// Number of rows of S that stay in the cache.
+/// Number of rows of the matrix S (see the module's head) that stay in the cache.
 const TOGETHER: usize = 8;
 
 /// Geometry and factors of eight elements.
@@ -30,7 +30,7 @@ pub(crate) struct Panels {
     pub(crate) normal: [Eight; 3],
     pub(crate) nodes: [[Eight; 3]; NODES],
     pub(crate) weights: [Eight; NODES],
-    /// The factors of the wave g itself and of its derivative along the normal.
+    /// Factors of an element's wave itself and of its derivative along the normal, see the module's head.
     pub(crate) beside: Eight,
     pub(crate) along: Eight,
 }
@@ -47,8 +47,8 @@ impl Panels {
     };
 }
 
-/// Calls `take` with h of each eight elements at a point, real and imaginary parts. No element may be near the point.
-/// `wave` is a wavenumber in rad/m and an absorption in 1/m.
+/// Calls `take` with the waves h (see the module's head) of each eight elements at a point: real and imaginary parts.
+/// No element may be near the point. `wave` is a wavenumber in rad/m and an absorption in 1/m.
 pub(crate) fn each(
     set: InstructionSet,
     wave: [f64; 2],
@@ -104,8 +104,9 @@ fn eight<S: Doubles>(
     sums
 }
 
-/// Adds to each point's sums over the transducers h times the rows of S. `answers` are the rows of S, `received` the h
-/// of each point, one number for each element. All are real and imaginary parts, padded to whole lane groups.
+/// Adds to each point's sums over the transducers the waves h times the rows of S (see the module's head). `answers`
+/// are the rows of S, `received` the h of each point, one number for each element. All are real and imaginary parts,
+/// padded to whole lane groups.
 pub(crate) fn add_answers(
     set: InstructionSet,
     answers: [&[f32]; 2],

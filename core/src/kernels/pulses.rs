@@ -30,7 +30,7 @@ pub(crate) struct Pulses {
     begins: Vec<f32>,
     /// Phase of the first edge in turns.
     first: f32,
-    /// E of each edge in f64, and the same in f32 for the search.
+    /// The phasor E of each edge (see the module's head) in f64, and the same in f32 for the search.
     edges: Vec<Complex64>,
     short: Vec<Complex32>,
 }

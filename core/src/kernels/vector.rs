@@ -4,7 +4,7 @@ use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Apart, Elementwise, Simd, TINY};
 
-/// Returns P + G q.
+/// Returns the pressure P plus the wave G q.
 #[inline(always)]
 pub(crate) fn add_wave<S: Elementwise>(
     s: S,
@@ -15,7 +15,7 @@ pub(crate) fn add_wave<S: Elementwise>(
     [s.fma(gr, qr, s.fnma(gi, qi, re)), s.fma(gr, qi, s.fma(gi, qr, im))]
 }
 
-/// P += G q over all points.
+/// Adds the wave G q of one transducer to the pressures at all points.
 #[inline(always)]
 pub(crate) fn add_row<S: Simd>(s: S, row: [&[f32]; 2], drive: [f32; 2], re: &mut [f32], im: &mut [f32]) {
     let q = [s.splat(drive[0]), s.splat(drive[1])];
@@ -27,12 +27,12 @@ pub(crate) fn add_row<S: Simd>(s: S, row: [&[f32]; 2], drive: [f32; 2], re: &mut
     }
 }
 
-/// P += G q over all points, q = (re, im).
+/// Adds the wave G q of one transducer to the pressures at all points; q = (re, im).
 pub(crate) fn accumulate(set: InstructionSet, row: [&[f32]; 2], drive: [f32; 2], re: &mut [f32], im: &mut [f32]) {
     dispatch!(set, s => add_row(s, row, drive, re, im));
 }
 
-/// out = |P|; 0 where |P|^2 is below [`TINY`].
+/// out = |P| of pressures P; 0 where |P|^2 is below [`TINY`].
 pub(crate) fn modulus(set: InstructionSet, re: &[f32], im: &[f32], out: &mut [f32]) {
     dispatch!(set, s => {
         for ((re, im), out) in groups(re).iter().zip(groups(im)).zip(groups_mut(out)) {
@@ -49,7 +49,7 @@ pub(crate) fn root<S: Elementwise>(s: S, a: S::V) -> S::V {
     s.select_less(a, least, s.splat(0.0), s.sqrt_rsqrt(s.max(a, least)).0)
 }
 
-/// Returns sum_j conj(G_j) p_j of complex p as partial sums in the lanes: (re, im).
+/// Returns sum_j conj(G_j) p_j of a row G and pressures p as partial sums in the lanes: (re, im).
 #[inline(always)]
 pub(crate) fn correlation<S: Elementwise>(s: S, row: [&[f32]; 2], pressure: [&[f32]; 2]) -> [S::V; 2] {
     let (mut re, mut im) = (s.splat(0.0), s.splat(0.0));
@@ -62,7 +62,7 @@ pub(crate) fn correlation<S: Elementwise>(s: S, row: [&[f32]; 2], pressure: [&[f
     [re, im]
 }
 
-/// Returns sum_j conj(G_j) p_j of complex p: (re, im), of `count` numbers and padding.
+/// Returns sum_j conj(G_j) p_j of a row G and pressures p: (re, im). There are `count` points and padding.
 pub(crate) fn correlate(set: InstructionSet, row: [&[f32]; 2], pressure: [&[f32]; 2], count: usize) -> [f32; 2] {
     dispatch!(set, s => {
         let mut sum = Correlation { row, pressure, out: [[0.0; LANES]; 2] };
@@ -97,7 +97,7 @@ pub(crate) fn dot(set: InstructionSet, a: &[f32], b: &[f32]) -> f32 {
     })
 }
 
-/// out += |G|^2 of `count` numbers and padding.
+/// out += |G|^2 for a row G of `count` numbers and padding.
 pub(crate) fn squares(set: InstructionSet, row: [&[f32]; 2], count: usize, out: &mut [f32]) {
     dispatch!(set, s => s.apart(count, &mut Squares { row, out }));
 }

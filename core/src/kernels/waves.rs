@@ -52,7 +52,7 @@ impl Emitters {
 
 /// The method that computes D and its derivatives by c = cos(theta).
 pub(crate) enum Slopes {
-    /// D = 1.
+    /// The directivity D is 1.
     One,
     /// D is a polynomial in y = `square` (1 - c^2) with coefficients `terms`; 0 behind the transducer.
     Even { square: f64, terms: Vec<f64> },
@@ -62,16 +62,16 @@ pub(crate) enum Slopes {
 
 /// Properties of the air and the directivity of all transducers.
 pub(crate) struct Waves {
-    /// k in rad/m.
+    /// The wavenumber k in rad/m.
     pub(crate) wavenumber: f64,
-    /// alpha in 1/m.
+    /// The absorption alpha in 1/m.
     pub(crate) absorption: f64,
     pub(crate) slopes: Slopes,
     /// dD/dk and its derivatives by c, where D is a function of k sin(theta); `None` where D depends only on theta.
     pub(crate) widening: Option<Slopes>,
 }
 
-/// Returns w* z.
+/// Returns w* z per lane, z times the conjugate of w.
 #[inline(always)]
 pub(super) fn against<S: Doubles>(w: C<S>, z: C<S>) -> C<S> {
     [w[0] * z[0] + w[1] * z[1], w[0] * z[1] - w[1] * z[0]]

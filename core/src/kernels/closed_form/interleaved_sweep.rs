@@ -114,7 +114,7 @@ impl<S: Simd> Layout<S> for ProblemsInLanes<'_> {
     }
 }
 
-/// The terms of the sums z of two transducers, one lane group for each point.
+/// The terms of the sums z (see [`crate::kernels::closed_form`]) of two transducers, one lane group for each point.
 struct Terms<'a, S: Simd> {
     s: S,
     rows: &'a [Octet],
@@ -134,7 +134,8 @@ impl<'a, S: Simd> Terms<'a, S> {
         Self { s, rows, first, residual, weight: &groups(look.weight)[..count], own }
     }
 
-    /// Returns the terms of point `l` in both sums: conj(G) d + w |G|^2 `own`.
+    /// Returns the terms of point `l` in both sums: conj(G) d + w |G|^2 `own`, for the gain G, the residual d and the
+    /// weight w.
     #[inline(always)]
     fn term(&self, l: usize) -> [[S::V; 2]; 2] {
         let (s, zero) = (self.s, self.s.splat(0.0));

@@ -66,9 +66,9 @@ pub(crate) struct Sweep<'a> {
 
 /// Working memory of a sweep.
 pub(crate) struct Memory<'a> {
-    /// Space for the rows of two blocks.
+    /// Space for the rows of G of two blocks of transducers.
     rows: &'a mut [f32],
-    /// Space for the real and imaginary parts of d.
+    /// Space for the residuals d: real and imaginary parts.
     residual: [&'a mut [f32]; 2],
 }
 
@@ -80,7 +80,7 @@ impl<'a> Memory<'a> {
     }
 }
 
-/// Numbers a lane in the rows of two blocks: real and imaginary parts of [`MOST`] transducers each.
+/// Numbers for each lane in the rows of two blocks: real and imaginary parts of [`MOST`] transducers each.
 const ROWS: usize = 2 * 2 * MOST;
 
 /// Returns the length of the working memory for rows of `lanes` numbers.
@@ -88,8 +88,9 @@ pub(crate) const fn floats(lanes: usize) -> usize {
     lanes * (ROWS + 2)
 }
 
-/// Gives every transducer of `order` the phase arg sum w conj(G) (t P/|P| - P + `own` G q). Calls `report` with the
-/// points' pressures after each block. If `report` returns false, the sweep ends and returns false.
+/// Gives every transducer of `order` the phase arg sum w conj(G) (t P/|P| - P + `own` G q), symbols as in the module's
+/// head. Calls `report` with the points' pressures after each block. If `report` returns false, the sweep ends and
+/// returns false.
 pub(crate) fn sweep(
     set: InstructionSet,
     sweep: Sweep<'_>,
@@ -111,31 +112,31 @@ pub(crate) trait Layout<S: Simd> {
     /// Number of transducers whose rows share a lane group.
     const SHARED: usize = 1;
 
-    /// Writes the rows of `members` to a block, from its list `first` on.
+    /// Writes the rows of `members` to a block of rows, from column `first` on.
     #[inline(always)]
     fn write(s: S, rows: Rows<'_>, members: &[usize], first: usize, to: &mut [Octet]) {
         write_rows(s, rows, members, first, to);
     }
 
-    /// Gives each transducer of a block its new drive z/|z| and returns the change of each drive, list by list. Calls
-    /// `meanwhile` once, while the processor waits for the sums.
+    /// Gives each transducer of a block its new drive z/|z|; returns the change of each drive, column by column. Calls
+    /// `meanwhile` once, while the processor waits for the sums z.
     fn update(&mut self, s: S, block: &Block<'_>, look: Look<'_>, meanwhile: impl FnOnce()) -> [[S::V; 2]; MOST];
 
-    /// Returns P, with which the first chain of additions starts; the others start from 0.
+    /// Returns the pressure P, with which the first chain of additions starts; the other chains start from 0.
     #[inline(always)]
     fn start(_: S, pressure: S::V) -> S::V {
         pressure
     }
 
-    /// Adds the chains of a block's waves to the new P. Chain c contains transducers c and c + 4; chains c and c + 2
-    /// are added first.
+    /// Adds the four chains of a block's waves to the new pressure P. Chain c contains transducers c and c + 4; chains
+    /// c and c + 2 are added first.
     #[inline(always)]
     fn sum(s: S, [a, b, c, d]: [S::V; QUAD]) -> S::V {
         s.add(s.add(a, c), s.add(b, d))
     }
 }
 
-/// The values that z depends on, besides rows and drives.
+/// The values on which the sums z of the module's head depend, besides rows and drives.
 #[derive(Clone, Copy)]
 pub(crate) struct Look<'a> {
     pub(crate) residual: [&'a [f32]; 2],
@@ -241,10 +242,10 @@ pub(crate) fn run<S: Simd, L: Layout<S>>(
     }
 }
 
-/// Smallest sum whose direction is used.
+/// Sums z smaller than this count as 0.
 const LEAST: f32 = 1e-37;
 
-/// Returns the new drives of eight sums z; real and imaginary parts are side by side.
+/// Returns the new drives for eight sums z (see the module's head); real and imaginary parts are side by side.
 #[inline(always)]
 pub(crate) fn directions<S: Simd>(s: S, phases: Option<&Phases>, z: S::V) -> S::V {
     match phases {
@@ -253,7 +254,7 @@ pub(crate) fn directions<S: Simd>(s: S, phases: Option<&Phases>, z: S::V) -> S::
     }
 }
 
-/// Returns the new drive: the board's phase nearest to that of z, or z/|z|; 0 where z is 0.
+/// Returns a transducer's new drive for its sum z: the board's phase nearest to that of z, or z/|z|; 0 where z is 0.
 #[inline(always)]
 pub(crate) fn direction<S: Simd>(s: S, phases: Option<&Phases>, z: [S::V; 2]) -> [S::V; 2] {
     match phases {
@@ -280,7 +281,8 @@ fn unit<S: Elementwise>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
     ]
 }
 
-/// P += `sum_k G_k q_k` over the first `QUADS` halves of a block, q_k the changes of the drives.
+/// Adds the waves `sum_k G_k q_k` to the pressures P over the first `QUADS` halves of a block, q_k the changes of
+/// drives.
 #[inline(always)]
 fn add_block<S: Simd, L: Layout<S>, const QUADS: usize>(
     s: S,
@@ -303,7 +305,7 @@ fn add_block<S: Simd, L: Layout<S>, const QUADS: usize>(
     }
 }
 
-/// Writes d = w (t P/|P| - P); a pressure of 0 counts with phase 0.
+/// Writes the residuals d = w (t P/|P| - P) for pressures P, targets t and weights w; P = 0 counts with phase 0.
 #[inline(always)]
 fn residual<S: Elementwise>(s: S, target: &[f32], weight: &[f32], pressure: [&[f32]; 2], out: [&mut [f32]; 2]) {
     let [out_re, out_im] = out;
@@ -317,14 +319,14 @@ fn residual<S: Elementwise>(s: S, target: &[f32], weight: &[f32], pressure: [&[f
         let (guess, miss) = s.rsqrt_guess(square);
         let silent = s.mul(w, t);
         let near = s.mul(silent, guess);
-        // w t/|P| - w. Where P is 0 it may be anything, and the selections below ignore it.
+        // This is w t/|P| - w. Where P is 0 it may be anything, and the selections below ignore it.
         let factor = s.fma(s.mul(near, s.splat(0.5)), miss, s.sub(near, w));
         s.store(s.select_less(square, least, silent, s.mul(re, factor)), out_re);
         s.store(s.select_less(square, least, zero, s.mul(im, factor)), out_im);
     }
 }
 
-/// Returns `sum_j w |G|^2` of list `k`, as one partial sum in each lane.
+/// Returns `sum_j w_j |G_j|^2` over the points, for the row of G in column `k`, as one partial sum in each lane.
 #[inline(always)]
 pub(crate) fn own_power<S: Elementwise>(s: S, rows: &[Octet], k: usize, weight: &[f32]) -> S::V {
     let mut sum = s.splat(0.0);

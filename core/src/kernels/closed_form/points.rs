@@ -26,8 +26,8 @@ struct PointsInLanes<'a> {
 }
 
 impl PointsInLanes<'_> {
-    /// Adds `own` times the waves of the old drives to the sums z. Returns the sums and the old drives, real and
-    /// imaginary parts side by side.
+    /// Adds `own` times the old drives' own waves to the sums z (see [`closed_form`]). Returns the sums and the old
+    /// drives, real and imaginary parts side by side.
     #[inline(always)]
     fn with_own<S: Simd>(
         &self,
@@ -83,8 +83,8 @@ impl<S: Simd> Layout<S> for PointsInLanes<'_> {
     }
 }
 
-/// Returns sum_j conj(G_j) d_j of the first `QUADS` halves of a block as one partial sum in each lane; the real and
-/// imaginary parts are side by side.
+/// Returns sum_j conj(G_j) d_j, the correlations of rows of G with the residuals d, for the first `QUADS` halves of a
+/// block. Each is one partial sum in each lane; real and imaginary parts are side by side.
 #[inline(always)]
 fn correlations<S: Simd, const QUADS: usize>(s: S, rows: &[Octet], residual: [&[f32]; 2]) -> [S::V; LANES] {
     let mut sums = [s.splat(0.0); LANES];

@@ -55,7 +55,7 @@ pub(super) fn sweep<const N: usize>(
     };
     let mut kept = Kept([0.0; ROWS * LANES]);
     let [mut rest_re, mut rest_im] = [(); 2].map(|()| Line([0.0; LANES]));
-    // Separate arrays, so that d stays in registers.
+    // Separate arrays, so that the residuals stay in registers.
     let memory = Memory { rows: &mut kept.0, residual: [&mut rest_re.0, &mut rest_im.0] };
     let few = Sweep { rows, target: &target.0, weight: &weight.0, memory, ..*sweep };
     let pressures = [&mut real.0[..], &mut imag.0[..]];
@@ -66,9 +66,8 @@ pub(super) fn sweep<const N: usize>(
     goes_on
 }
 
-/// Adds the lanes of each of N segments of 8/N lists, in the tree of [`Simd::reduce_add`] with zeros for missing
-/// points. Lane l of a segment of the result is the sum of that segment of `sums[l]`; a list's re and im are side by
-/// side.
+/// Sums the lanes of each of N segments, for the first 16/N vectors: lane l of a segment of the result is the sum of
+/// that segment of `sums[l]`. The order of additions is the tree of [`Simd::reduce_add`] with zeros for missing points.
 #[inline(always)]
 fn folded<S: Simd, const N: usize>(s: S, sums: [S::V; LANES]) -> S::V {
     let mut v = sums;
@@ -176,7 +175,7 @@ impl<S: Simd, const N: usize> Layout<S> for Segments<'_, N> {
             let both = s.add(a, b);
             return s.add(both, s.swap::<8>(both));
         }
-        // This waits for one addition less than sums of sums, and adds in the same tree.
+        // This has one addition less in sequence than sums of sums, in the same tree.
         let quarters = s.swap::<4>(a);
         s.add(s.add(a, s.swap::<8>(a)), s.add(quarters, s.swap::<8>(quarters)))
     }

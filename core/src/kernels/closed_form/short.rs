@@ -84,8 +84,9 @@ struct Field<'a> {
     residual: [&'a mut [f32]; 2],
 }
 
-/// Kernel of `sum_j conj(G_j) d_j + own q sum_j w |G_j|^2` for a block's transducers with old drives q, as partial sums
-/// in the lanes; real and imaginary parts are side by side.
+/// Kernel of the sums z = `sum_j conj(G_j) d_j + own q sum_j w |G_j|^2` (see [`crate::kernels::closed_form`]) for a
+/// block's transducers with old drives q. Each is a partial sum in the lanes; real and imaginary parts are side by
+/// side.
 struct Correlations<'a> {
     field: &'a Field<'a>,
     rows: &'a [Octet],
@@ -117,7 +118,8 @@ impl Apart for Correlations<'_> {
     }
 }
 
-/// Kernel that adds `sum_k G_k q_k` to P for a block whose drives change by q_k, and computes d again.
+/// Kernel that adds the waves `sum_k G_k q_k` to the pressures for drives that change by q_k, and computes the
+/// residuals.
 struct Added<'a, 'b> {
     field: &'a mut Field<'b>,
     rows: &'a [Octet],
@@ -148,7 +150,7 @@ impl Apart for Added<'_, '_> {
     }
 }
 
-/// Returns the new drives of eight sums z; real and imaginary parts are side by side.
+/// Returns the new drives for eight sums z; real and imaginary parts are side by side.
 fn directions<S: Simd>(s: S, phases: Option<&Phases>, z: S::V) -> Lanes {
     let mut all = Directions { phases, own: [0.0; LANES], other: [0.0; LANES] };
     s.store(z, &mut all.own);
@@ -157,7 +159,7 @@ fn directions<S: Simd>(s: S, phases: Option<&Phases>, z: S::V) -> Lanes {
     all.own
 }
 
-/// Kernel of the new drives: `own` has the real or the imaginary part of each z, `other` the other part.
+/// Kernel of new drives for sums z: `own` has the real or the imaginary part of each z, `other` the other part.
 struct Directions<'a> {
     phases: Option<&'a Phases>,
     own: Lanes,

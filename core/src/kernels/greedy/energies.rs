@@ -47,9 +47,10 @@ impl<S: Simd> Energies<'_, S> {
         moments.rounding(1.0) + left_out
     }
 
-    /// Returns a bound on the second derivative of [`Self::roughly`] over the phase. A point that the moments leave out
-    /// has the term |P + e|^2 - 2 t |P + e|. The first part contributes at most 2 a |P| |G|. The second is concave in
-    /// |P + e|, which on an arc of length h is at most its chord plus a |G| h^2/8.
+    /// Returns a bound on the second derivative of [`Self::roughly`] over the phase, at amplitude a. A point that the
+    /// moments leave out has the term |P + e|^2 - 2 t |P + e|: pressure P, target t, added wave e = G z. The first part
+    /// contributes at most 2 a |P| |G|. The second is concave in |P + e|, which on an arc of length h is at most its
+    /// chord plus a |G| h^2/8.
     #[inline(always)]
     pub(crate) fn curvature(&self, a: f32) -> f32 {
         let left_out = |&j: &u32| {
@@ -90,9 +91,9 @@ impl<const FOURTH: bool> Apart for Changes<'_, FOURTH> {
 }
 
 impl<const FOURTH: bool> Changes<'_, FOURTH> {
-    /// Adds to `total` the terms that the moments leave out, w (|P + G z|^2 - |P|^2 - 2 t (|P + G z| - |P|)). It has
-    /// fewer instructions than [`crate::kernels::greedy::search::changes`] and more rounding, see
-    /// [`Energies::rounding`].
+    /// Adds to `total` the terms that the moments leave out, w (|P + G z|^2 - |P|^2 - 2 t (|P + G z| - |P|)), of points
+    /// with weight w, target t, pressure P and gain G. It has fewer instructions than
+    /// [`crate::kernels::greedy::search::changes`] and more rounding, see [`Energies::rounding`].
     #[inline(always)]
     fn add_left_out<S: Elementwise>(&self, s: S, [re, im]: [S::V; 2], mut total: S::V) -> S::V {
         for &j in self.near {

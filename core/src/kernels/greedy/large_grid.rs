@@ -110,7 +110,7 @@ pub(crate) fn best<S: Simd>(
 struct Arcs<V> {
     /// The least change at their ends.
     least: f32,
-    /// Index of the end near which the least change is expected.
+    /// Index of the arc end near which the energy's change is expected to be least.
     center: usize,
     /// Lower bounds of the changes on the arcs that begin at an even end, and on those that begin at an odd end.
     lower: [V; 2],
@@ -280,7 +280,7 @@ impl Rivals {
             let bits = !s.less(limit, s.load(changes)) & (0xffff >> (LANES - used));
             best = if best == usize::MAX && bits != 0 { l + bits.trailing_zeros() as usize } else { best };
         }
-        // The window has no best one if its values are not numbers.
+        // `best` is not set if the changes are NaN; then phase 0 is taken.
         let best = if best == usize::MAX { 0 } else { best % phases };
         let [cos, sin] = candidates.phasor(best);
         let (cos, sin, steep) = (s.splat(cos), s.splat(sin), s.splat(self.steep * self.steep));

@@ -103,7 +103,7 @@ pub(crate) fn pass<T: Term>(
     })
 }
 
-/// The layout of the lanes: points of one problem, or problems.
+/// The layout of the lanes: 16 points of one problem, or one point of each of 16 problems.
 pub(crate) trait Layout<S: Simd> {
     /// The drive of a transducer: in one problem, or in each of 16.
     type Drive;
@@ -112,7 +112,7 @@ pub(crate) trait Layout<S: Simd> {
     /// while the processor waits for the sums over the points.
     fn update(&mut self, s: S, points: Points<'_>, i: usize, meanwhile: impl FnOnce()) -> Option<Self::Drive>;
 
-    /// P += G q at `count` points.
+    /// Adds the wave G q of a transducer to the pressures at `count` points.
     fn add(&mut self, s: S, groups: &mut [PointGroup], count: usize, row: [&[f32]; 2], q: Self::Drive);
 }
 

@@ -57,7 +57,8 @@ pub(crate) const FAR: f32 = 0.25;
 /// and D.
 pub(crate) const PARTS: usize = LANES;
 
-/// Number of moments up to the third order, then the index of the power (the remainder follows it) and of the energy.
+/// Number of moments up to the third order. Then the index of the power, which the remainder follows, and of the
+/// energy.
 pub(crate) const THIRD: usize = 12;
 pub(crate) const POWER: usize = 9;
 pub(crate) const ENERGY: usize = 11;
@@ -114,7 +115,7 @@ pub(crate) fn add_parts<S: Elementwise, const FOURTH: bool>(
     *bow = s.fma(s.add(weight, pull), square, *bow);
     let (ur, ui) = (s.mul(er, inverse), s.mul(ei, inverse));
     let (tr, ti) = (s.mul(product, ur), s.mul(product, ui));
-    // w t |P| u^2, from which u^3 and |u|^2 u follow.
+    // The term w t |P| u^2 of the moment A2, from which those of u^3 and |u|^2 u follow.
     let (sr, si) = (s.fnma(ti, ui, s.mul(tr, ur)), s.fma(ti, ur, s.mul(tr, ui)));
     *a2r = s.add(*a2r, sr);
     *a2i = s.add(*a2i, si);
@@ -158,7 +159,8 @@ pub(crate) fn change<S: Elementwise>(s: S, m: impl Fn(usize) -> S::V, z: impl Fn
     s.add(low, s.fma(m(6), z(6), s.fma(m(7), z(7), high)))
 }
 
-/// The terms of points in the moments, one partial sum in each lane. A quarter of the lanes without points contains +0.
+/// The terms of points in the moments, one partial sum in each lane. If a quarter of the lanes has no points, it has
+/// +0.
 pub(crate) type Parts = [Lanes; PARTS];
 
 /// Kernel that adds the terms of a group of points to the moments and finds the points that are left out.
@@ -239,13 +241,13 @@ impl Moments {
         self.0[POWER]
     }
 
-    /// Returns R for drives of modulus 1.
+    /// Returns the remainder R of the module's head, for drives of modulus 1.
     #[inline(always)]
     pub(crate) fn remainder(&self) -> f32 {
         self.0[POWER + 1]
     }
 
-    /// Returns 2 A1.
+    /// Returns twice the moment A1 of the module's head: real and imaginary part.
     #[inline(always)]
     pub(crate) fn first(&self) -> [f32; 2] {
         [self.0[0], -self.0[1]]
@@ -271,7 +273,7 @@ impl Moments {
         let (re2, im2) = (s.fnma(im, im, s.mul(re, re)), s.mul(s.add(re, re), im));
         let (re4, im4) = (s.fnma(im2, im2, s.mul(re2, re2)), s.mul(s.add(re2, re2), im2));
         let [a4r, a4i, dr, di] = [s.splat(self.0[12]), s.splat(self.0[13]), s.splat(self.0[14]), s.splat(self.0[15])];
-        // F is computed from the remainder.
+        // The moment F of the module's head is computed from the remainder R.
         let constant = s.splat(-(1.0 - FAR) / 8.0 * self.remainder());
         let even = s.fma(dr, re2, s.fma(di, im2, s.mul(square, constant)));
         let low = s.fma(square, even, self.change(s, re, im));

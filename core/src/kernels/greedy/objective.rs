@@ -50,7 +50,7 @@ impl Term for L1 {
 /// Squares of smaller numbers are 0 in f32. It is added to |P| + |P + e|, which prevents 0/0.
 const SMALLEST: f32 = 1e-20;
 
-/// Returns |P + e| - |P|, given P (re, im, modulus) and e.
+/// Returns |P + e| - |P|, the change of the modulus of a pressure P (re, im, modulus) when a wave e is added.
 #[inline(always)]
 pub(crate) fn rise<S: Elementwise>(s: S, [pr, pi, old]: [S::V; 3], [er, ei]: [S::V; 2]) -> S::V {
     let (x, y) = (s.add(pr, er), s.add(pi, ei));

@@ -13,12 +13,12 @@ pub(crate) struct PointGroup {
     pub(crate) im: Lanes,
     /// |P|.
     pub(crate) modulus: Lanes,
-    /// 1/|P|^2, limited so that P = 0 gives a |u| above [`crate::kernels::greedy::moments::FAR`]; 0 at a quiet point,
-    /// whose term has no remainder.
+    /// 1/|P|^2, limited so that |u| = |G/P| exceeds [`crate::kernels::greedy::moments::FAR`] where P is 0; 0 at a quiet
+    /// point, whose term has no remainder.
     pub(crate) inverse: Lanes,
-    /// w (1 - t/|P|), w the weight and t the target.
+    /// w (1 - t/|P|) with the weight w and the target t.
     pub(crate) pull: Lanes,
-    /// w t |P|.
+    /// w t |P| with the weight w and the target t.
     pub(crate) product: Lanes,
     pub(crate) target: Lanes,
     pub(crate) weight: Lanes,
@@ -65,7 +65,7 @@ impl PointGroup {
         s.mul(s.mul(weight, gap), gap)
     }
 
-    /// P += G q; returns the energies w (t - |P|)^2.
+    /// Adds the wave G q of a transducer to the pressures P; returns the energies w (t - |P|)^2.
     #[inline(always)]
     pub(crate) fn add<S: Elementwise>(&mut self, s: S, [gr, gi]: [&Lanes; 2], [qr, qi]: [S::V; 2]) -> S::V {
         let (gr, gi) = (s.load(gr), s.load(gi));
@@ -93,7 +93,8 @@ impl PointGroup {
     }
 }
 
-/// P += G q at `count` points; returns the energy as one partial sum in each lane.
+/// Adds the wave G q of a transducer to the pressures at `count` points; returns the energy as a partial sum in each
+/// lane.
 #[inline(always)]
 pub(crate) fn add<S: Simd>(s: S, points: &mut [PointGroup], count: usize, row: [&[f32]; 2], q: [f32; 2]) -> S::V {
     let mut added = Added { points, row, q, energy: [0.0; LANES] };

@@ -80,7 +80,7 @@ pub(crate) fn rotate(
     })
 }
 
-/// P -= G q, then P += G q', where `choose` returns q' for the field without this transducer. Returns q'.
+/// Removes a transducer's wave G q from the pressures, and adds G q' with the q' that `choose` returns. Returns q'.
 #[inline(always)]
 fn replaced<S: Simd>(
     s: S,

@@ -6,7 +6,8 @@ use crate::kernels::lanes::Lanes;
 use crate::kernels::phasor::{log2, power_of_two};
 use crate::kernels::simd::{Elementwise, WHOLE};
 
-/// D as a function of c = cos(theta) from 0 to 1. Each kind and length is a type, so that loops are compiled for it.
+/// The directivity D as a function of cos(theta) from 0 to 1. Each kind and length is a type, for which loops are
+/// compiled.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is one of them an array")]
 pub(crate) enum Pattern {
@@ -63,20 +64,20 @@ impl Ahead for Chebyshev {
         let x = s.fma(c, s.add(c, c), s.splat(-1.0));
         let (double, mut sum, mut last) = (s.add(x, x), s.splat(0.0), s.splat(0.0));
         for &coefficient in &self.0 {
-            // The difference is ready early: each step takes as long as one instruction.
+            // The difference uses a value from two steps before, so that a step takes as long as one instruction.
             (sum, last) = (s.fma(sum, double, s.sub(s.splat(coefficient), last)), sum);
         }
-        // T_1 is x, where the recurrence would have 2 x.
+        // The first Chebyshev polynomial is x, where the recurrence would have 2 x.
         s.fnma(last, x, sum)
     }
 }
 
-/// Quartics in pieces, one lane group for each coefficient. The variable is x = c - 1/4 less the piece's lower bound. A
-/// piece is found by a lookup in registers.
+/// D as quartics of c = cos(theta) in pieces, one lane group for each coefficient. The variable is x = c - 1/4 less the
+/// piece's lower bound. A piece is found by a lookup in registers.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(crate) struct Pieces {
-    /// Lower bounds of the pieces in x. Bound k is the one whose [`PLACE`] is nearest to k.
+    /// Lower bounds of the pieces in x. Bound k is where the position of [`PLACE`] is nearest to k.
     pub(crate) bounds: Lanes,
     /// Coefficients of each piece, the highest power first.
     pub(crate) coefficients: [Lanes; 5],
@@ -85,8 +86,8 @@ pub(crate) struct Pieces {
 /// Offset of the variable: x is c less this value.
 pub(crate) const MIDDLE: f32 = 0.25;
 
-/// Coefficients a and b: x has the place (a x + b) x + 1. There is a piece for ten degrees near 90 degrees, and three
-/// near 20.
+/// Coefficients a and b of a piece's position in the tables, (a x + b) x + 1. Ten degrees near 90 degrees have one
+/// piece, ten degrees near 20 have three.
 const PLACE: [f32; 2] = [16.9, 6.55];
 
 impl Ahead for Pieces {
@@ -106,7 +107,7 @@ impl Ahead for Pieces {
     }
 }
 
-/// c^n for exponents n that no short polynomial fits: small ones that are not whole, or large ones.
+/// D = c^n for exponents n that no short polynomial fits: small ones that are not whole, or large ones.
 #[derive(Clone, Debug)]
 pub(crate) struct Exponent(pub(crate) f32);
 

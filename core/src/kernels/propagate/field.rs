@@ -32,7 +32,7 @@ const SHORT_RUN: usize = 64;
 /// Largest number of points for which the lanes contain transducers.
 const FEW: usize = 4;
 
-/// P += G q for every transducer whose drive is not 0.
+/// Adds the waves G q of all transducers whose drive q is not 0 to the field.
 ///
 /// # Errors
 /// A requested stop, which is checked at least once every [`RUN`] elements.
@@ -100,7 +100,7 @@ fn add_few<S: Elementwise, F: Form>(
     Ok(())
 }
 
-/// Kernel of P += G q over some lanes. It does nothing after a stop in other lanes, which `ended` keeps.
+/// Kernel that adds the waves G q to a field over some lanes. It does nothing after a stop in other lanes, see `ended`.
 struct Sum<'a, 'b, F> {
     form: F,
     radiation: &'a Radiation,

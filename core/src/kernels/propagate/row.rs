@@ -25,8 +25,8 @@ pub(crate) struct Row<'a> {
     pub(crate) im: &'a mut [f32],
 }
 
-/// Returns the square distance, the distance (at least [`NEAREST`]) and |c| D e^{-alpha r}/r; distances are in
-/// wavelengths.
+/// Returns the square distance, the distance (at least [`NEAREST`]) and the amplitude |c| D e^{-alpha r}/r of eq. (5);
+/// distances are in wavelengths.
 #[inline(always)]
 pub(crate) fn spread<S: Elementwise, F: Form>(
     s: S,
@@ -53,7 +53,7 @@ pub(crate) fn spread<S: Elementwise, F: Form>(
     [square, distance, directed]
 }
 
-/// Returns the element of G of one source, or sixteen, at a point.
+/// Returns the element of the propagation matrix G for one source, or sixteen, and a point.
 #[inline(always)]
 pub(crate) fn element<S: Elementwise, F: Form>(
     s: S,

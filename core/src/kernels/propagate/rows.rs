@@ -9,11 +9,11 @@ use crate::kernels::propagate::row::{ControlPoints, write_known_row, write_row, 
 use crate::kernels::propagate::source::SourceList;
 use crate::kernels::simd::Simd;
 
-/// Rows of G, one for each transducer; a row is a whole number of lane groups.
+/// Rows of the propagation matrix G, one for each transducer; a row is a whole number of lane groups.
 #[derive(Clone, Copy)]
 pub(crate) enum Rows<'a> {
-    /// Rows that are computed from positions when they are needed. `amplitudes` are |c| D e^{-alpha r}/r, row after
-    /// row, or empty if they are not known.
+    /// Rows that are computed from positions when they are needed. `amplitudes` are the amplitudes |c| D e^{-alpha r}/r
+    /// of eq. (5), row after row, or empty if they are not known.
     Computed {
         radiation: &'a Radiation,
         sources: &'a SourceList,

@@ -10,9 +10,9 @@ use crate::kernels::simd::Elementwise;
 pub(crate) struct Source {
     pub(crate) position: [f32; 3],
     pub(crate) normal: [f32; 3],
-    /// |c_i| times P0 over the reference pressure, per wavelength.
+    /// |c_i| times P0 over the reference pressure, per wavelength: c_i is the response, P0 the source pressure.
     pub(crate) amplitude: f32,
-    /// The phase of c_i in turns.
+    /// The phase of the response c_i in turns.
     pub(crate) turns: f32,
 }
 
@@ -35,7 +35,7 @@ pub(crate) struct SourceGroup {
 pub(crate) struct SourceList {
     pub(crate) groups: Vec<SourceGroup>,
     count: usize,
-    /// Whether all transducers have c_i with phase 0.
+    /// Whether all transducers have a response c_i of phase 0.
     pub(crate) in_phase: bool,
 }
 

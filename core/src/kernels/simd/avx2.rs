@@ -17,7 +17,7 @@ use crate::kernels::lanes::Lanes;
 use crate::kernels::simd::doubles::{Doubles, EIGHT, ROOT};
 use crate::kernels::simd::{Elementwise, Simd};
 
-/// Token of a CPU with AVX2 and FMA.
+/// Token that proves that the CPU has AVX2 and FMA.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Avx2(());
 

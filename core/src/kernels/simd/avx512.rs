@@ -18,7 +18,7 @@ use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::simd::doubles::{Doubles, EIGHT, ROOT};
 use crate::kernels::simd::{Elementwise, Simd};
 
-/// Token of a CPU with AVX-512F and AVX-512DQ.
+/// Token that proves that the CPU has AVX-512F and AVX-512DQ.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Avx512(());
 

@@ -61,11 +61,11 @@ pub(crate) trait Register: Copy {
     fn pick_neighbours(self, low: Self::V, high: Self::V) -> Self::V;
 }
 
-/// Token for all 16 lanes in four registers.
+/// Token of a machine whose registers have four numbers or one: operations on all 16 lanes in four registers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fours<R>(pub(crate) R);
 
-/// Token for lanes 4 k to 4 k + 3 of the 16; the other lanes are neither read nor written.
+/// Token for operations on lanes 4 k to 4 k + 3 of the 16; the other lanes are neither read nor written.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Quarter<R> {
     register: R,
@@ -122,7 +122,7 @@ macro_rules! own {
 impl<R: Register> Elementwise for Fours<R> {
     type V = [R::V; FOUR];
 
-    // A vector operation takes four instructions or sixteen.
+    // A vector operation takes four instructions or sixteen, so kernels must be short.
     const SHORT: bool = true;
 
     #[inline(always)]

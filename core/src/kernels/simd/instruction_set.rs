@@ -34,7 +34,7 @@ use crate::kernels::simd::sse2::Vectors as Plain;
 #[derive(Clone, Copy)]
 pub struct InstructionSet(pub(crate) Kind);
 
-/// The token of each set.
+/// The token of each set: a value that proves that the machine has its instructions.
 #[derive(Clone, Copy)]
 pub(crate) enum Kind {
     Scalar(Fours<Plain>),

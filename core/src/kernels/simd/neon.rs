@@ -10,10 +10,10 @@ use core::arch::aarch64::{
 
 use crate::kernels::simd::fours::{FOUR, Fours, Register};
 
-/// Token of NEON for 16 lanes.
+/// Token for operations on 16 lanes by NEON.
 pub(crate) type Neon = Fours<Vectors>;
 
-/// Token of a CPU with NEON.
+/// Token that stands for NEON, which every 64-bit ARM CPU has.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Vectors;
 

@@ -4,7 +4,7 @@ use crate::kernels::simd::WHOLE;
 use crate::kernels::simd::fours::{FOUR, Register};
 use crate::math::sqrtf;
 
-/// Token of single numbers, which every machine has. Products and sums are rounded separately.
+/// Token that stands for single numbers, which every machine has. Products and sums are rounded separately.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Numbers;
 
@@ -56,7 +56,7 @@ impl Register for Numbers {
         max(a, b) = if a > b { a } else { b };
         abs(a) = a.abs();
         round(a) = (a + WHOLE) - WHOLE;
-        // The exponent's bits are set and read.
+        // These two set and read the exponent's bits.
         exp2(a) = f32::from_bits(((a as i32 + 127) as u32) << 23);
         exponent(a) = ((a.to_bits() >> 23) as i32 - 127) as f32;
         rsqrt_estimate(a) = rsqrt_estimate(a);
@@ -90,8 +90,8 @@ impl Register for Numbers {
     }
 }
 
-/// Returns 1/sqrt(x) from the exponent's bits, whose relative error below 3.5e-2 two steps of Newton's method reduce to
-/// 5e-6. Unlike the estimates of SSE it has the same bits on every machine.
+/// Returns 1/sqrt(x). The exponent's bits give it within 3.5e-2, and two steps of Newton's method within 5e-6. Unlike
+/// the estimates of SSE it has the same bits on every machine.
 #[inline(always)]
 fn rsqrt_estimate(x: f32) -> f32 {
     let half = 0.5 * x;

@@ -10,7 +10,7 @@ use core::arch::wasm32::{
 
 use crate::kernels::simd::fours::{FOUR, Register};
 
-/// Token of a program compiled for simd128.
+/// Token that stands for simd128 in a program that is compiled for it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Vectors;
 

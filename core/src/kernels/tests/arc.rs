@@ -13,7 +13,7 @@ use crate::kernels::tiles;
 use crate::kernels::tiles::unit::Arc;
 use crate::rng::Rng;
 
-/// Two whole pairs of tiles, because drives in the padding would be within the arc, too.
+/// Number of transducers: two whole pairs of tiles, because drives in the padding would be within the arc, too.
 const TRANSDUCERS: usize = 64;
 
 /// Half widths of the arc in rad, from 0 to more than a quarter turn.
@@ -47,7 +47,7 @@ fn phasors(rng: &mut Rng) -> [Vec<f32>; 2] {
 fn near(found: &[Complex64], wanted: impl Fn(usize) -> Option<Complex64>, reported: &str) {
     let off = |i: usize| wanted(i).map_or(0.0, |wanted| (found[i] - wanted).norm());
     let most = (0..TRANSDUCERS).map(off).fold(0.0, f64::max);
-    // Some roundings of sums of 16 terms, relative to sums that may be a tenth of one term.
+    // The allowed error: some roundings of sums of 16 terms, relative to sums that may be a tenth of one term.
     assert!(most < 1e-4, "{reported}: {most}");
 }
 

@@ -68,7 +68,7 @@ impl Batch {
                 Lists { gain, target, weight: numbers(&mut rng, points, 0.2, 2.0), points }
             })
             .collect();
-        // A point that a problem lacks has any gain, and target and weight 0.
+        // A point that a problem lacks may have any gain; its target and weight are 0.
         let list = |take: &dyn Fn(&Lists, usize) -> f32, missing: f32| -> Vec<f32> {
             (0..points)
                 .flat_map(|j| (0..LANES).map(move |lane| (j, lane)))

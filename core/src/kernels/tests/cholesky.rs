@@ -20,7 +20,7 @@ fn a_system_is_solved_at_every_size() {
         for size in LENGTHS {
             let mut rng = Rng::new(size as u64);
             let lanes = padded(size);
-            // A = B B^T + 1 has eigenvalues from 1 to about 4 size / 3.
+            // The matrix A = B B^T + 1 has eigenvalues from 1 to about 4 size / 3.
             let rows: Vec<Vec<f32>> = (0..size).map(|_| numbers(&mut rng, size, -1.0, 1.0)).collect();
             let entry = |k: usize, l: usize| {
                 let product: f64 = rows[k].iter().zip(&rows[l]).map(|(a, b)| wide(*a) * wide(*b)).sum();
@@ -37,8 +37,7 @@ fn a_system_is_solved_at_every_size() {
             cholesky::solve(set, &matrix, &mut x);
             for k in 0..size {
                 let got: f64 = (0..size).map(|l| entry(k, l) * wide(x[l])).sum();
-                // Backward stable: f32 rounding times the norm of the matrix, at most about size^2, and of x, at most
-                // 1.
+                // Backward stable: f32 rounding times the norms of the matrix, about size^2 at most, and of x.
                 let allowed = 1e-6 * (size * size + 10) as f64;
                 assert!((got - wide(wanted[k])).abs() <= allowed, "{set} {size}: {got} for {}", wanted[k]);
             }

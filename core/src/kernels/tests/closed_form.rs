@@ -79,7 +79,8 @@ fn every_block_takes_the_phases_of_the_formula() {
                             size += w * g.norm() * (t + p.norm() + 1.0);
                         }
                         let change = z / z.norm() - drive[i];
-                        // Some ten roundings of each term and of the sum, and the roundings of adding a wave.
+                        // The allowed error: some ten roundings of each term and of the sum, and those of adding a
+                        // wave.
                         allowed += 2e-6 * (size / z.norm() + 1.0);
                         drive[i] += change;
                         (0..points).for_each(|j| moved[j] += lists.gain(i, j) * change);

@@ -14,7 +14,7 @@ fn error(set: InstructionSet, directivity: Directivity, steps: i32) -> f64 {
     let mut error = 0.0_f64;
     for first in (-steps..=steps).step_by(LANES * STRIDE) {
         let cosines: Lanes = from_fn(|l| (first + l as i32).min(steps) as f32 / steps as f32);
-        // Half the ray at twice the inverse distance: no digit of the cosine is lost.
+        // With half the ray and twice the inverse distance, no digit of the cosine is lost.
         let rays = cosines.map(|c| 0.5 * c);
         let got = dispatch!(set, s => {
             let mut got = [f32::NAN; LANES];

@@ -22,7 +22,7 @@ struct Even {
     points: usize,
     targeted: usize,
     weights: Vec<f32>,
-    /// G, point by point.
+    /// The entries of G, point by point.
     matrix: Vec<Vec<Complex64>>,
     drive: Vec<Complex64>,
 }
@@ -129,12 +129,11 @@ fn points_stay_alike_on_the_grid() {
                 for (i, (q, &code)) in drive.iter().zip(&codes).enumerate().filter(|(i, _)| *i != DEAD) {
                     assert!(code.fract() == 0.0 && wide(code).abs() <= f64::from(count));
                     assert!((q - grid(wide(code))).norm() < 1e-7, "{set}: transducer {i} is off the grid");
-                    // Each code differs by a step or two, so the drive is a correction and not another drive.
+                    // Rounding and corrections move each drive by a few steps only.
                     assert!((q - even.drive[i]).norm() < 4.0 * TAU / f64::from(count), "{set}: transducer {i}");
                 }
                 let (left, rounded) = (even.cost(&drive), even.cost(&plain));
-                // A single point has no deviation, however it is rounded. In trials 1/30 to 1/3000 of the squares were
-                // left.
+                // A single point has no deviation. In trials 1/30 to 1/3000 of the squares were left.
                 assert!(left <= 0.1 * rounded + 1e-6, "{set}, M = {points}, L = {count}: {left} for {rounded}");
                 assert_eq!(drive, even.diffused(set, count, f32::INFINITY).0, "{set}: the same again");
             }

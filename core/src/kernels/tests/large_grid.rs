@@ -11,8 +11,7 @@ use crate::kernels::tests::energies::{grid, scene, with_energies};
 use crate::kernels::tests::search::{Scene, least, tolerance};
 use crate::kernels::tests::{ROUNDING, wide};
 
-/// Returns the candidate that a search of the grid finds, and the rounding of two changes up to which their order is
-/// open.
+/// Returns the candidate that a search of the grid finds, and the rounding error of a comparison.
 fn best(set: InstructionSet, scene: &Scene, candidates: &Candidates, matters: f32) -> (Option<usize>, f32) {
     with_energies!(set, scene, candidates, |_s, energies| {
         let mut floats = vec![f32::NAN; large_grid::floats(candidates.phases)];
@@ -29,8 +28,8 @@ fn assert_best(scene: &Scene, phases: usize, amplitudes: usize) {
         for matters in [0.0, 1e-4 * silence] {
             let (index, rounding) = best(set, scene, &candidates, matters as f32);
             let bounds: f64 = (0..scene.count).map(|j| scene.bound::<L2>(j)).sum();
-            // Differences that are ignored, the tolerance of ties, a term's few roundings as in the exact search, and
-            // the rounding of the polynomial.
+            // The allowed loss: differences that are ignored, the tolerance of ties, a term's few roundings as in the
+            // exact search, and the rounding of the polynomial.
             let exact = wide(tolerance::<L2>(set, scene)) + 12.0 * ROUNDING * bounds;
             let index = index.expect("a transducer that has an effect");
             let regret = scene.total::<L2>(candidates.drive(index)) - least;
@@ -79,8 +78,8 @@ fn where_every_point_has_its_target_the_first_moment_tells_nothing() {
 
 #[test]
 fn more_rivals_than_a_list_holds_are_decided_all_the_same() {
-    // The transducer hardly changes this point. So all candidates of 16 amplitudes and 256 phases agree within
-    // rounding, and the bounds exclude none of them.
+    // The transducer hardly changes the pressure at these points. So all candidates of 16 amplitudes and 256 phases
+    // agree within rounding, and the bounds exclude none of them.
     for set in InstructionSet::all() {
         let mut scene = scene(3, 2, 1e4);
         scene.target.fill(1e4);

@@ -9,7 +9,7 @@ use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::kernels::tests::{LENGTHS, ROUNDING, numbers, wide};
 use crate::rng::Rng;
 
-/// A limit, and the same limit of one drive in double precision.
+/// A function that limits drives, and the same limit for one drive in double precision.
 type Limit<'a> = (fn(InstructionSet, [&mut [f32]; 2]), &'a dyn Fn(Complex64) -> Complex64);
 
 #[test]

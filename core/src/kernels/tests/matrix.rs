@@ -45,7 +45,7 @@ fn exact(z: Complex32) -> Complex64 {
 }
 
 fn assert_close(got: Complex64, want: Complex64, terms: usize, what: &str) {
-    // Two products and sums for each term, of numbers below 2, and the sum over lanes.
+    // The allowed error: two products and sums for each term, of numbers below 2, and the sum over lanes.
     let allowed = 4.0 * ROUNDING * (terms + 8) as f64;
     assert!((got - want).norm() <= allowed, "{what}: {got} for {want}, allowed {allowed:e}");
 }

@@ -43,7 +43,7 @@ use crate::kernels::tiles::{height, lanes, pack, size};
 use crate::rng::Rng;
 use crate::scene::Directivity;
 
-/// Numbers of points. Under Miri, which takes a thousand times as long, only those around one lane group.
+/// Numbers of points in the tests. Under Miri, which takes a thousand times as long, only those around one lane group.
 const LENGTHS: RangeInclusive<usize> = if cfg!(miri) { 15..=17 } else { 1..=67 };
 
 /// Step over the values at which a polynomial is tested.
@@ -75,7 +75,7 @@ fn assert_near(got: f32, want: f64, allowed: f64, what: &str) {
 /// One transducer and some points, in the layout that `Sources` uses.
 struct Shot {
     directivity: Directivity,
-    /// A bound of the slope of D over the cosine.
+    /// A bound of the slope of the directivity D over the cosine of the angle.
     steepness: f64,
     radiation: Radiation,
     source: Source,
@@ -135,7 +135,7 @@ impl Shot {
         let row = &mut Row { re: &mut re, im: &mut im };
         crate::kernels::row(set, &self.radiation, (&sources, 0), self.control_points(), row);
         let nearest = (0..self.count).map(|j| self.square(j)).fold(f64::INFINITY, f64::min);
-        // These limits are clearly above and below the distance: the kernel's square has five roundings.
+        // These limits are just above and just below the square distance: the kernel's square has five roundings.
         for (factor, near) in [(1.0 + 1e-6, true), (1.0 - 1e-6, false)] {
             moduli.fill(1.0);
             let limit = (nearest * factor) as f32;
@@ -178,7 +178,7 @@ impl Shot {
         let q = drive.iter().sum::<Complex32>();
         for j in 0..self.count {
             let ([gr, gi], [qr, qi]) = (row.map(|part| wide(part[j])), [q.re, q.im].map(wide));
-            // Six roundings of numbers below |G|.
+            // The allowed error: six roundings of numbers below |G|.
             let allowed = 6.0 * ROUNDING * gr.hypot(gi);
             assert_near(re[j], gr * qr - gi * qi, allowed, "re");
             assert_near(im[j], gr * qi + gi * qr, allowed, "im");
@@ -245,7 +245,7 @@ fn sharp_and_steep_directivities_are_followed() {
         let sharp = [("piston", 0.1), ("piston", 0.02), ("sinc", 0.2), ("cos", 0.5), ("cos", 2.5), ("cos", 70.0)];
         for (name, parameter) in sharp {
             let pattern = Directivity::named(name, Some(parameter)).expect("a directivity");
-            // D = 1 - x^2/6 with x = (k d/2) sin(theta) at its steepest, twice that for a piston; n for cos^n.
+            // The steepest slope: D = 1 - x^2/6 with x = (k d/2) sin(theta); twice that for a piston; n for cos^n.
             let steepness = if name == "cos" { parameter.max(10.0) } else { (WAVENUMBER * parameter).powi(2) / 2.0 };
             let shot = Shot::new(&mut Rng::new(3), pattern, 0.0, 67);
             Shot { steepness, ..shot }.check(set);
@@ -278,7 +278,7 @@ fn accumulate_adds_g_q() {
             let (mut re, mut im) = (pr.clone(), pi.clone());
             super::accumulate(set, [&gr, &gi], [qr, qi], &mut re, &mut im);
             for j in 0..padded(count) {
-                // Two products, their difference and the sum: four roundings of numbers below 1, 1, 2 and 3.
+                // The allowed error: two products, their difference and the sum round numbers below 1, 1, 2 and 3.
                 let allowed = 7.0 * ROUNDING;
                 assert_near(re[j], wide(pr[j]) + wide(gr[j]) * wide(qr) - wide(gi[j]) * wide(qi), allowed, "re");
                 assert_near(im[j], wide(pi[j]) + wide(gr[j]) * wide(qi) + wide(gi[j]) * wide(qr), allowed, "im");
@@ -300,9 +300,10 @@ fn modulus_and_squares_are_those_of_complex_numbers() {
             super::squares(set, [&re, &im], count, &mut sums);
             for j in 0..padded(count) {
                 let (modulus, sum) = (wide(re[j]).hypot(wide(im[j])), wide(start[j]));
-                // Squares and sum round twice, which the root halves, and the root has two steps of its own.
+                // The allowed error: squares and sum round twice, which the root halves, and the root rounds twice
+                // itself.
                 assert_near(moduli[j], modulus, 2.0 * ROUNDING * modulus, "modulus");
-                // Roundings of the squares, of their sum, and of the sum with the earlier values.
+                // The allowed error: roundings of the squares, of their sum, and of the sum with the earlier values.
                 assert_near(sums[j], sum + modulus * modulus, 3.0 * ROUNDING * (sum + modulus * modulus), "square");
             }
         }
@@ -316,7 +317,8 @@ fn correlate_and_dot_are_their_sums() {
             let mut rng = Rng::new(count as u64);
             let [a, b, c, d] = [(); 4].map(|()| numbers(&mut rng, count, -1.0, 1.0));
             let sum = |part: &dyn Fn(usize) -> f64| (0..count).map(part).sum::<f64>();
-            // Two products and their sum, at most five sums in a lane and four across, of terms below 2.
+            // The allowed error: two products and their sum, at most five sums in a lane and four across, of terms
+            // below 2.
             let allowed = 12.0 * ROUNDING * 2.0 * count as f64;
             let [re, im] = super::correlate(set, [&a, &b], [&c, &d], count);
             assert_near(re, sum(&|j| wide(a[j]) * wide(c[j]) + wide(b[j]) * wide(d[j])), allowed, "re");

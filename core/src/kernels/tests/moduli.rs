@@ -50,7 +50,8 @@ fn moduli_of_any_number_of_transducers_add_up() {
                 let moduli = || shots.iter().map(|shot| (wide(shot.source.amplitude), shot.spread(j)));
                 let want: f64 = moduli().map(|(gain, (_, amplitude))| gain * amplitude.abs()).sum();
                 let most: f64 = moduli().map(|(gain, (r, _))| gain / r).sum();
-                // Each term is within 4e-6 of the modulus straight ahead, as in a row, and at most 36 are added in f32.
+                // Each term is within 4e-6 of the modulus straight ahead, as in a row; at most 36 terms are added in
+                // f32.
                 assert!((sum - want).abs() <= 7e-6 * most, "{set}: N = {transducers}, point {j}: {sum} for {want}");
             }
         }

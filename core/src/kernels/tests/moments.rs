@@ -53,7 +53,7 @@ fn moments_are_the_energy_within_their_remainder() {
                     let [pr, pi, gr, gi] = scene.numbers(j);
                     gr.hypot(gi) / pr.hypot(pi)
                 };
-                // Points with |u| above 1/4 are left out.
+                // Points with |u| = |G/P| above 1/4 are left out.
                 for j in 0..count {
                     assert_eq!(near.contains(&(j as u32)), size(j) > 0.25, "{set}: point {j} of {count}");
                 }

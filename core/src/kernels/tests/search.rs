@@ -69,7 +69,7 @@ impl Scene {
         Points { groups: kept, row: [&self.gain[0], &self.gain[1]], count: self.count }
     }
 
-    /// Returns P and G of point j: real and imaginary parts.
+    /// Returns the pressure P and the gain G of point j: real and imaginary parts.
     pub(super) fn numbers(&self, j: usize) -> [f64; 4] {
         [&self.pressure[0], &self.pressure[1], &self.gain[0], &self.gain[1]].map(|x| wide(x[j]))
     }
@@ -119,7 +119,7 @@ pub(super) fn least<T: Reference>(scene: &Scene, candidates: &Candidates, silent
 fn tolerance_is_1e_7_of_a_true_bound() {
     fn check<T: Reference>(set: InstructionSet, scene: &Scene) {
         let most = (0..scene.count).map(|j| scene.bound::<T>(j)).fold(0.0, f64::max);
-        // Nine roundings in a bound and its part of 1e-7, four of them in the modulus.
+        // The allowed error: nine roundings in a bound and its part of 1e-7, four of them in the modulus.
         assert_near(tolerance::<T>(set, scene), 1e-7 * most, 9.0 * ROUNDING * 1e-7 * most, "tolerance");
         for j in 0..scene.count {
             for step in 0..32 {
@@ -152,7 +152,7 @@ fn candidates_are_amplitudes_times_phases_whatever_the_buffers_kept() {
                 let amplitude = ((k / phases) as f64 + 1.0) / amplitudes as f64;
                 let (sin, cos) = (TAU * (k % phases) as f64 / phases as f64).sin_cos();
                 let [re, im] = made.drive(k);
-                // Cosine, amplitude and their product are each rounded once.
+                // The allowed error: cosine, amplitude and their product are each rounded once.
                 assert_near(re, amplitude * cos, 3.0 * ROUNDING, "re");
                 assert_near(im, amplitude * sin, 3.0 * ROUNDING, "im");
             }
@@ -170,7 +170,7 @@ fn candidates_are_amplitudes_times_phases_whatever_the_buffers_kept() {
 fn assert_best<T: Reference>(set: InstructionSet, scene: &mut Scene, phases: usize, amplitudes: usize, silent: bool) {
     let candidates = candidates(phases, amplitudes);
     let tolerance = tolerance::<T>(set, scene);
-    // The tolerance itself, and a term's few roundings in the candidate found and in the best one.
+    // The allowed loss: the tolerance itself, and a term's few roundings in the candidate found and in the best one.
     let bounds: f64 = (0..scene.count).map(|j| scene.bound::<T>(j)).sum();
     let allowed = wide(tolerance) + 12.0 * ROUNDING * bounds;
     let count = scene.count;

@@ -68,7 +68,7 @@ impl Scene {
         };
         let (drive, field) = (join(&drive), join(&field));
         assert!(drive[self.transducers..].iter().chain(&field[self.points..]).all(|z| z.norm() == 0.0));
-        // The field is a sum of terms of at most 2 sqrt 2.
+        // The allowed error: the field is a sum of terms of at most 2 sqrt 2.
         let allowed = 4.0 * ROUNDING * 3.0 * self.transducers as f64;
         for (received, row) in field.iter().zip(&self.matrix) {
             let want: Complex64 = row.iter().zip(&drive).map(|(g, q)| g * q).sum();
@@ -114,7 +114,8 @@ fn a_sweep_aims_every_transducer_and_hears_it() {
                 let part =
                     |k: usize| scene.matrix[k][i].conj() * Complex64::new(wide(wanted[0][k]), wide(wanted[1][k]));
                 let want: Complex64 = (0..count).map(part).sum();
-                // Sums of terms below 4 have an error relative to their modulus; the root has a few roundings.
+                // The allowed error: that of sums of terms below 4, relative to their modulus, and a few roundings of
+                // the root.
                 let allowed = 8.0 * ROUNDING + 4.0 * ROUNDING * 4.0 * count as f64 / want.norm();
                 assert!((drive[i] - want / want.norm()).norm() <= allowed, "{set} {count}: {}", drive[i]);
             }
@@ -217,7 +218,7 @@ fn slopes_their_products_and_sums_are_those_of_j() {
         }
         let mut matrix = vec![f32::NAN; size * padded(size)];
         products::products(set, &slopes, across, size, &mut matrix, &mut Control::none()).expect("it is not stopped");
-        // A term is at most 16: the product of two factors of at most 4, each with the error above.
+        // The allowed error: a term is at most 16, the product of two factors of at most 4, each with the error above.
         let allowed = 300.0 * ROUNDING * transducers as f64;
         for k in 0..size {
             for l in k..size {
@@ -266,7 +267,7 @@ fn couplings_are_products_of_rows() {
                 .expect("it is not stopped");
             let mut powers = vec![f32::NAN; count];
             products::powers(set, scene.tiles(), &mut powers);
-            // For each transducer a product of two numbers below 2 sqrt 2, with about four roundings.
+            // The allowed error: for each transducer a product of two numbers below 2 sqrt 2 has about four roundings.
             let allowed = 4.0 * ROUNDING * 8.0 * transducers as f64;
             for k in 0..count {
                 for l in k..count {
@@ -321,8 +322,8 @@ fn phases_set_on_the_rows_are_those_set_on_their_products() {
                 energy += if round == 1 { share * sum.norm() } else { 0.0 };
             }
         }
-        // A sum's rounding turns its phase by the error relative to the sum, which is never far below the root of the
-        // number of terms. A turn also affects the points after it.
+        // Rounding turns a sum's phase by the error relative to the sum, which is about the root of the number of terms
+        // at least. A turn also affects the points after it.
         for (k, want) in want.iter().enumerate() {
             let miss = (Complex64::new(wide(re[k]), wide(im[k])) - want).norm();
             assert!(miss <= 1e-3, "{set} {count}: point {k} by {miss}");

@@ -31,16 +31,16 @@ use crate::kernels::simd::{Simd, TINY};
 use crate::kernels::tiles::{Tiles, add_wave};
 use crate::math::sqrtf;
 
-/// The rule by which a drive gets a code.
+/// The rule by which a drive gets the code (index) of a phase.
 #[derive(Clone, Copy)]
 pub(crate) struct Choice<'a> {
     phases: &'a Phases,
     few: Option<Few>,
-    /// The largest code, in either direction.
+    /// The largest code of a phase, in either direction from code 0.
     most: f32,
     /// Distance from code 0, in steps, within which a drive gets code 0; 1/2 means the nearest code.
     kept: f32,
-    /// The largest rotation of a drive by which it corrects errors at the points, in turns.
+    /// The largest rotation of a drive, in turns, by which it corrects errors at the points.
     rotation: f32,
     /// Root mean square of the error, relative to the level, below which codes are not exchanged.
     even: f32,
@@ -60,7 +60,7 @@ impl<'a> Choice<'a> {
     }
 }
 
-/// An even drive's tiles and points, and the working memory.
+/// The tiles, points and weights of an even drive, and the working memory.
 pub(crate) struct Task<'a> {
     pub(crate) tiles: Tiles<'a>,
     pub(crate) choice: Choice<'a>,
@@ -98,9 +98,9 @@ struct Points<'a> {
     field: &'a mut [Lanes],
     /// sqrt(w) h, see the module's head.
     unit: &'a mut [Lanes],
-    /// sqrt(w) r.
+    /// sqrt(w) r with the error r of the module's head.
     miss: &'a mut [Lanes],
-    /// w r h.
+    /// w r h, see the module's head.
     pull: &'a mut [Lanes],
     /// The pressures that a tile's drives add at the points.
     change: &'a mut [Lanes],
@@ -132,7 +132,7 @@ impl<'a> Points<'a> {
         points
     }
 
-    /// Updates the errors relative to the last mean, and then the mean. Returns sum w r^2.
+    /// Updates the errors r relative to the last mean, and then the mean. Returns sum w r^2.
     #[inline(always)]
     fn look<S: Simd>(&mut self, s: S) -> S::V {
         s.aside(
@@ -165,7 +165,8 @@ impl<'a> Points<'a> {
         )
     }
 
-    /// Returns, for changes c, twice sum w Re(h c)^2 over points with a target plus sum w |c|^2 over quiet ones.
+    /// Returns for changes c of the pressures twice sum w Re(h c)^2 (points with a target) + sum w |c|^2 (quiet
+    /// points).
     #[inline(always)]
     fn weigh_change<S: Simd>(&self, s: S) -> f32 {
         s.aside(
@@ -288,7 +289,7 @@ fn round_tiles<S: Simd, const K: usize>(
             }
         }
     }
-    // Steepest descent d of each drive, the change of the drives by it, and sum d^2.
+    // For each drive the steepest descent d of the module's head, the drive's change by it, and sum d^2.
     let (mut down, mut change, mut slope) = ([zero; K], [[zero; 2]; K], zero);
     for ((down, change), (&[re, im], &[a, b, c, d])) in down.iter_mut().zip(&mut change).zip(q.iter().zip(&sums)) {
         *down = s.fma(re, s.add(c, d), s.mul(im, s.sub(a, b)));

@@ -156,7 +156,7 @@ pub(crate) fn rescale(plane: &mut [f32], lanes: usize, k: usize, factor: f32) {
     }
 }
 
-/// P = G q, four rows at a time.
+/// Computes the pressures P = G q of drives q, four rows at a time.
 #[inline(always)]
 fn sound<S: Simd>(s: S, tiles: Tiles<'_>, [qr, qi]: [&[Lanes]; 2], [re, im]: [&mut [f32]; 2]) {
     let field = re.as_chunks_mut::<BLOCK>().0.iter_mut().zip(im.as_chunks_mut::<BLOCK>().0);
@@ -181,7 +181,7 @@ fn hear<S: Simd>(s: S, sums: [[S::V; 2]; BLOCK], re: &mut [f32; BLOCK], im: &mut
     }
 }
 
-/// P = G q of the wave's own drive.
+/// Computes the pressures P = G q of the wave's own drive.
 pub(crate) fn play(set: InstructionSet, tiles: Tiles<'_>, wave: Wave<'_>) {
     dispatch!(set, s => {
         let [qr, qi] = wave.drive;
@@ -189,7 +189,7 @@ pub(crate) fn play(set: InstructionSet, tiles: Tiles<'_>, wave: Wave<'_>) {
     });
 }
 
-/// Returns b = sum_j conj(G_j) p_j for the transducers of two tiles.
+/// Returns b = sum_j conj(G_j) p_j over points j of pressure p_j, for the transducers of two tiles.
 #[inline(always)]
 fn correlated<S: Simd>(s: S, tiles: Tiles<'_>, t: usize, [pr, pi]: [&[[f32; BLOCK]]; 2]) -> [[S::V; 2]; 2] {
     // These sums are independent, so the processor adds them at once.
@@ -210,7 +210,7 @@ fn correlated<S: Simd>(s: S, tiles: Tiles<'_>, t: usize, [pr, pi]: [&[[f32; BLOC
     )
 }
 
-/// Writes b = sum_j conj(G_j) p_j for every transducer.
+/// Writes b = sum_j conj(G_j) p_j over points j of pressure p_j, for every transducer.
 pub(crate) fn correlate(set: InstructionSet, tiles: Tiles<'_>, pressures: [&[f32]; 2], out: [&mut [f32]; 2]) {
     dispatch!(set, s => {
         let [re, im] = out.map(groups_mut);
