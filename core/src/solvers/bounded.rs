@@ -125,10 +125,10 @@ fn inner(a: Complex64, b: Complex64) -> f64 {
 /// An iterate within |q| < 1, and the values that its next step needs.
 struct Barrier<'w> {
     set: InstructionSet,
-    /// W^(1/2) G, row by row, and W^(1/2).
+    /// W^(1/2) G, row by row, and W^(1/2), with the weights W.
     rows: Vector<'w>,
     roots: Buffer<'w, f64>,
-    /// W^(1/2) p, and its norm.
+    /// W^(1/2) p, and its norm, with the targets p.
     targets: Vector<'w>,
     requested: f64,
     drive: Vector<'w>,
@@ -146,7 +146,7 @@ struct Barrier<'w> {
     gradient: Vector<'w>,
     step: Vector<'w>,
     field: Vector<'w>,
-    /// J of some transducers, and I + J D^-1 J^T.
+    /// Columns of J, the real form of G, for some transducers; and the matrix I + J D^-1 J^T.
     columns: Buffer<'w, f64>,
     matrix: Buffer<'w, f64>,
     dual: Buffer<'w, f64>,
@@ -238,7 +238,7 @@ impl<'w> Barrier<'w> {
         drive
     }
 
-    /// Returns D^-1 z at transducer `i`.
+    /// Returns D^-1 z at transducer `i`, with the matrix D of the module's head.
     fn apply_inverse(&self, i: usize, z: Complex64) -> Complex64 {
         let radial = Complex64::new(self.radial[0][i], self.radial[1][i]);
         let z = radial.conj() * z;

@@ -210,7 +210,7 @@ struct Frame<'w> {
     trial: Wave<'w>,
     projector: Projector<'w>,
     weights: Buffer<'w, f32>,
-    /// a G y, the pressures that the earlier envelopes still make at the points; `None` without an envelope.
+    /// The pressures a G y (see the module's head) that earlier envelopes still make; `None` without an envelope.
     rest: Option<[Buffer<'w, f32>; 2]>,
     /// The part of an envelope that a frame replaces.
     part: f32,

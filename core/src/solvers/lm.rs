@@ -217,7 +217,7 @@ impl<'w> Normal<'w> {
         let count = rows.order.len();
         let mut dual = Dual::new(rows, 2 * count, work, control)?;
         let mut pulls = work.floats.take(count);
-        // d r_j / d phi_i = j sqrt(w_j) G_ji q_i, here j before sqrt is the imaginary unit.
+        // d r_j / d phi_i = i sqrt(w_j) G_ji q_i, where the factor i is the imaginary unit.
         for j in 0..count {
             let root = sqrtf(problem.weights()[j]);
             dual.factors[1][j] = -root;
@@ -240,7 +240,7 @@ impl<'w> Normal<'w> {
         self.steepest = f64::from(self.dual.back(&state.residual, &mut self.gradient));
         let matrix = &mut self.dual.matrix;
         for j in 0..count {
-            // d r_j / d theta_j = -j sqrt(w_j) t_j e^{j theta_j}, here j before sqrt is the imaginary unit.
+            // d r_j / d theta_j = -i sqrt(w_j) t_j e^{i theta_j}, where i is the imaginary unit.
             let (re, im) = (self.pulls[j] * state.phasors[1][j], -self.pulls[j] * state.phasors[0][j]);
             matrix[j * lanes + j] += re * re;
             matrix[j * lanes + count + j] += re * im;

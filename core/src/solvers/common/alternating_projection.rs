@@ -50,7 +50,7 @@ impl<'w> Projector<'w> {
         wave.set(|wave| tiles::unit::sweep_within(rows.set, rows.tiles(), [re, im], arc, wave, memory));
     }
 
-    /// Returns the wave of the problem's start, or of q = 1 if it has none.
+    /// Returns the wave (drive and field) of the problem's start, or of q = 1 if it has none.
     pub(crate) fn begin(
         &mut self,
         problem: &Problem,

@@ -17,8 +17,8 @@ use crate::workspace::{Aligned, Buffer, Workspace};
 pub(crate) struct Dual<'w> {
     /// The number of equations.
     pub(crate) size: usize,
-    /// f and g of each equation: dr = f Re(G q d) + g Im(G q d). With dP = j G q d, Re P has f = 0, g = -1, and Im P f
-    /// = 1, g = 0.
+    /// Factors f and g of each equation: rotations d of the drives q change its residual r by dr = f Re(G q d) + g Im(G
+    /// q d). With dP = j G q d, Re P has f = 0, g = -1, and Im P has f = 1, g = 0.
     pub(crate) factors: [Buffer<'w, f32>; 2],
     /// The upper half of J J^T, in rows padded to 16.
     pub(crate) matrix: Buffer<'w, f32>,

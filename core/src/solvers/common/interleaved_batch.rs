@@ -24,8 +24,8 @@ pub(crate) struct InterleavedPoints<'w> {
 }
 
 impl<'w> InterleavedPoints<'w> {
-    /// Creates the points of some problems, or returns `None` if that saves no work. A point takes a lane group here,
-    /// and so does a single problem.
+    /// Creates the points of some problems. Returns `None` if there are fewer problems than points: a point takes a
+    /// lane group here, and a problem that is solved alone takes at least one.
     fn of(problems: &[Problem], work: &'w Workspace) -> Option<Self> {
         let first = problems.first()?.propagation();
         let (prepared, _) = first.computed()?;

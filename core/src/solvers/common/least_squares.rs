@@ -45,7 +45,7 @@ pub(crate) struct Task {
     pub(crate) before: usize,
 }
 
-/// The result: the drive, its status, and the steps taken and in all.
+/// The result: the drive, its status, the number of steps taken, and of all steps planned.
 pub(crate) struct LeastSquares {
     pub(crate) drive: Vec<Complex32>,
     pub(crate) status: Status,

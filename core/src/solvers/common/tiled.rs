@@ -102,7 +102,7 @@ impl<'w> Rows<'w> {
         Ok(Self { order, targeted: 0, count, lanes, scale, target: 0.0, set, planes })
     }
 
-    /// Writes conj(G) of row `k` over the transducers.
+    /// Writes the complex conjugate of row `k` of G over the transducers.
     pub(crate) fn conjugate(&self, k: usize, [out_re, out_im]: [&mut [f32]; 2]) {
         let [re, im] = self.tiles().rows(k / BLOCK);
         let tiles = re.iter().zip(im).flat_map(|(re, im)| re[k % BLOCK].iter().zip(&im[k % BLOCK]));
@@ -139,7 +139,7 @@ impl<'w> Rows<'w> {
 pub(crate) struct Wave<'w> {
     pub(crate) drive: [Buffer<'w, f32>; 2],
     pub(crate) field: [Buffer<'w, f32>; 2],
-    /// |P|.
+    /// |P| at the rows.
     pub(crate) moduli: Buffer<'w, f32>,
 }
 

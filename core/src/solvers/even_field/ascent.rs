@@ -63,7 +63,8 @@ impl Pace {
     pub(super) const RISE_OF_FEW: Self = Self { steps: 60, settled: 1e-6, ..Self::RISE };
 }
 
-/// Lower bound of the curvature D_i, relative to the mean: it limits the rotation of transducers of little effect.
+/// Lower bound of the curvature D_i of the module's head, relative to the mean. It limits the rotation of transducers
+/// of little effect.
 const LEAST_CURVATURE: f32 = 0.1;
 
 /// Raises the level of `wave`, and makes it as even as the last damping allows.
@@ -134,9 +135,9 @@ pub(super) fn climb<'w>(run: &mut Run<'_, '_, 'w>, pace: Pace, wave: &mut Wave<'
 /// D^-1/2 of every transducer, see the module's head.
 pub(super) struct Metric<'w> {
     pub(super) roots: Buffer<'w, f32>,
-    /// y_j P_j/|P_j| over the rows of G.
+    /// y_j P_j/|P_j| over the rows j, with the multipliers y of the module's head.
     pulls: [Buffer<'w, f32>; 2],
-    /// sum_j conj(G_ji) y_j P_j/|P_j|.
+    /// sum_j conj(G_ji) y_j P_j/|P_j| over the transducers i.
     sums: [Buffer<'w, f32>; 2],
 }
 

@@ -88,10 +88,10 @@ pub(super) fn raise<'w>(
 struct Search<'a, 'w> {
     codes: &'a [Complex32],
     points: usize,
-    /// G_ji, one transducer after another.
+    /// G_ji at the points j, one transducer i after another.
     columns: [Buffer<'w, f64>; 2],
     field: [Buffer<'w, f64>; 2],
-    /// s^2.
+    /// s^2, the square of the mean pressure.
     unit: f64,
 }
 
@@ -110,7 +110,7 @@ impl<'a, 'w> Search<'a, 'w> {
         Self { codes, points, columns, field: [(); 2].map(|()| work.doubles.take(points)), unit: 0.0 }
     }
 
-    /// Changes one transducer after another as long as that lowers E.
+    /// Changes one transducer after another as long as that lowers E (see the module's head).
     fn descend(&mut self, run: &mut Run, wave: &Wave, drive: &mut [Complex32]) -> Result<(), Error> {
         let mean = f64::from(wave.level(run.rows));
         self.unit = mean * mean;
@@ -132,7 +132,7 @@ impl<'a, 'w> Search<'a, 'w> {
         Ok(())
     }
 
-    /// Sets one transducer to the code of the least E; returns whether it changed.
+    /// Sets one transducer to the code of the least E (see the module's head); returns whether it changed.
     fn turn(&mut self, i: usize, q: &mut Complex32, sharpness: u32) -> bool {
         let own = i * self.points..(i + 1) * self.points;
         let [re, im] = self.columns.each_ref().map(|plane| &plane[own.clone()]);

@@ -10,7 +10,7 @@ use crate::workspace::Workspace;
 /// Rows of G that are parallel within this part belong to coincident points, about lambda/1000 apart.
 const COINCIDENT: f64 = 1e-5;
 
-/// Gives coincident points the mean of their targets. `powers` are those of the rows.
+/// Gives coincident points the mean of their targets. `powers` are the sums of |G|^2 over each row.
 ///
 /// Most points differ in one tile in the middle. Only rows that look parallel there are compared as a whole.
 pub(super) fn merge(rows: &mut Rows, powers: &mut [f32], work: &Workspace, control: &mut Control) -> Result<(), Error> {

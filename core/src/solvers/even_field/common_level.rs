@@ -230,7 +230,7 @@ impl<'w> Newton<'w> {
         self.factor = None;
         let (targeted, points) = (rows.targeted, rows.order.len());
         let [f, g] = &mut self.dual.factors;
-        // d|P| = Re(conj(P) dP)/|P| with dP = j G q d.
+        // The derivative d|P| = Re(conj(P) dP)/|P| with dP = j G q d, for rotations d of the drives q.
         for k in 0..targeted {
             (f[k], g[k]) = (wave.field[1][k] / wave.moduli[k], -wave.field[0][k] / wave.moduli[k]);
         }

@@ -16,19 +16,19 @@ use crate::solvers::common::least_squares::{LeastSquares, Task, least_squares, w
 use crate::solvers::even_field::targets::met;
 use crate::workspace::Workspace;
 
-/// More points are a picture: their even field would take seconds.
+/// A problem of more points than this is a picture: an even field of them would take seconds.
 const PICTURE: usize = 400;
 
-/// More points with different targets are a picture: their even field would be far below the targets.
+/// A problem of more points than this is a picture if targets differ: an even field would be far below the targets.
 const UNLIKE: usize = 150;
 
-/// Fewer points with a target are no picture, but a few points in a quiet zone.
+/// A picture has at least this many points with a target; fewer are a few points in a quiet zone.
 const LIT: usize = 32;
 
 /// Steps for points of equal targets: their error goes on falling, where that of a picture stops.
 const STEPS_ALIKE: usize = 1500;
 
-/// A board of fewer amplitudes plays all transducers at the same one.
+/// A board with fewer amplitudes than this plays all transducers at the same one.
 const AMPLITUDES: usize = 16;
 
 /// An even solution is replaced only by one whose error is at most this part of its error.

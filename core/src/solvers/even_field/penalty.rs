@@ -20,7 +20,8 @@ use crate::solvers::even_field::common_level::Newton;
 use crate::solvers::even_field::run::Run;
 use crate::workspace::Buffer;
 
-/// Values of r, one after another, until the points are [`CLOSE`]. The first two show how loud the end will be.
+/// Values of r (see the module's head), one after another, until the points are [`CLOSE`]. The first two show how loud
+/// the end will be.
 const PARTS: [f32; 10] = [1.0, 0.3, 0.1, 0.03, 0.01, 4e-3, 2e-3, 1e-3, 7e-4, 4e-4];
 pub(super) const ALL: Range<usize> = 0..PARTS.len();
 pub(super) const FIRST: Range<usize> = 0..2;
@@ -37,21 +38,22 @@ const MOST_ROTATION: f32 = 0.5;
 const STEPS: usize = 60;
 const WORTH: f64 = 1e-5;
 
-/// tau of the first step. A failed step multiplies tau by four and adds this; above [`MOST`] no shorter step is tried.
+/// tau of the first step (see the module's head). A failed step multiplies tau by four and adds this; above [`MOST`] no
+/// shorter step is tried.
 const TAU: f32 = 0.1;
 const MOST: f32 = 1e5;
 
 /// Largest number of steps for all r.
 pub(super) const MOST_STEPS: usize = PARTS.len() * STEPS;
 
-/// Returns F of the targeted points.
+/// Returns F of the module's head for the targeted points.
 fn merit(rows: &Rows, wave: &Wave, rho: f32) -> f64 {
     let moduli = wave.moduli[..rows.targeted].iter().map(|&x| f64::from(x));
     let mean = moduli.clone().sum::<f64>() / rows.targeted as f64;
     mean - moduli.map(|x| (x - mean) * (x - mean)).sum::<f64>() / (2.0 * f64::from(rho))
 }
 
-/// Raises the common level of `wave` with some of the r. All of its points have targets.
+/// Raises the common level of `wave` with some of the r of [`PARTS`]. All of its points have targets.
 ///
 /// # Errors
 /// More memory than allowed is needed.

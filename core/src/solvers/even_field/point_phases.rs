@@ -35,7 +35,7 @@ const ALIKE: f32 = 1e-5;
 pub(super) struct Starts<'w> {
     /// The number of starts.
     pub(super) count: usize,
-    /// Moduli of v for which each point's own wave has the same |P|.
+    /// Moduli of v (see the module's head) for which each point's own wave has the same |P|.
     pub(super) weights: Buffer<'w, f32>,
     /// Phasors of the points, start after start.
     pub(super) phasors: [Buffer<'w, f32>; 2],
@@ -173,7 +173,7 @@ impl<'w> Couplings<'w> {
         [&self.matrix[0], &self.matrix[1]]
     }
 
-    /// Returns |v_k| times the norm of row k.
+    /// Returns |v_k| (see the module's head) times the norm of row k, for each point k.
     fn shares(&self, weights: &[f32], work: &'w Workspace) -> Buffer<'w, f32> {
         let mut shares = work.floats.take(self.points);
         for ((share, weight), norm) in shares.iter_mut().zip(weights).zip(&self.norms) {

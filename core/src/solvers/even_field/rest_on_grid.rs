@@ -33,7 +33,7 @@ const PASSES: usize = 3;
 /// points.
 const APART: f64 = 2.7e-4;
 
-/// Sharpness of the soft minimum of K.
+/// Sharpness of the soft minimum of the stiffnesses K.
 const SHARPNESS: f64 = 48.0;
 
 /// Rounds drives of modulus 1 to a grid, pass after pass. K is measured in parts of `unit`. With a `bound` each drive

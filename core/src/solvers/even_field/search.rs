@@ -63,7 +63,7 @@ impl<'w> Search<'w> {
         Self { best, even: false, lowest: -1.0, trial, raised, leaders: Leaders::new(raised) }
     }
 
-    /// Keeps the trial if it is better: an even field first, then a louder one.
+    /// Keeps the trial if it is better than the best field: an even field before a louder one.
     pub(super) fn offer(&mut self, rows: &Rows, even: bool) {
         let lowest = self.trial.lowest(rows);
         if (even, lowest) > (self.even, self.lowest) {

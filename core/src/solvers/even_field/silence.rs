@@ -15,7 +15,7 @@ use crate::problem::Problem;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::workspace::{Buffer, Workspace};
 
-/// The least part of |G_j| that f32 can distinguish from rounding.
+/// The least part of |G_j|, the norm of a point's row, that f32 can distinguish from rounding.
 const LEAST: f32 = 1e-3;
 
 /// A point depends on others if less than this part of its |G_j| remains without them, ...

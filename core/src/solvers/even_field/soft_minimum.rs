@@ -16,7 +16,7 @@ const STEPS: usize = 60;
 /// A stage ends when a step gains less than this part of the level.
 const WORTH: f64 = 1e-4;
 
-/// Returns E, the negative soft minimum of some values.
+/// Returns E of the module's head, the negative soft minimum of some values.
 pub(super) fn negated(values: impl Iterator<Item = f64> + Clone, sharpness: f64) -> f64 {
     let (least, sum) = shares(values, sharpness);
     log(sum) / sharpness - least
