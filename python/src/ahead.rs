@@ -1,4 +1,4 @@
-//! Tracks over a whole sequence or the next few frames of it, for `midair.sequence`; a solver's last frame, kept.
+//! Phase tracks over a whole sequence or a window of frames, for `midair.sequence`; saving and restoring `glide`'s state.
 
 use midair::Complex32;
 use midair::motion::{Ahead, Ends, ahead};
@@ -16,9 +16,11 @@ use crate::solver::Solver;
 
 type Argument<'a, 'py> = &'a Bound<'py, PyAny>;
 
-/// Codes (T, N) of a whole sequence, uint16: array and air of a scene, points (T, M, 3) in m and targets (T, M) in Pa, 0 where
-/// a point is not there. No phase of `phases` changes by more than `change` rad from frame to frame, nor, closed, from the last
-/// to the first. With a `start` (T, N) its first frame stays. progress is called with (step, steps, residual).
+/// Returns the codes (T, N), uint16, of a whole sequence.
+///
+/// `scene` gives array and air. `points` (T, M, 3) are in m, `targets` (T, M) in Pa, 0 where a point is absent. No phase of
+/// `phases` changes by more than `change` rad from frame to frame; if `closed`, also from the last frame to the first. The
+/// first frame of `start` (T, N) is kept. `progress` is called with (step, steps, residual).
 #[pyfunction]
 #[pyo3(signature = (scene, points, targets, *, change, phases, closed, rounds, start=None, progress=None))]
 #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
@@ -50,7 +52,7 @@ pub(crate) fn tracks<'py>(
         rounds: whole("rounds", rounds)?,
     };
     let start = start.as_ref().map(|codes| codes.as_slice()).transpose()?;
-    // Of the windows of one sequence only the first has no start.
+    // A sequence is solved in windows; only its first window has no start, so the warning is given once.
     if start.is_none() {
         warn_all(py, Remark::still_on(how.change, how.phases))?;
     }
@@ -61,7 +63,7 @@ pub(crate) fn tracks<'py>(
     give::table(py, codes, [frames, model.array().len()])
 }
 
-/// State of `glide`, as Python's objects.
+/// State of `glide` as Python objects.
 type Remembered<'py> = (Bound<'py, PyArray2<Complex32>>, Bound<'py, PyArray1<f32>>, f32, Bound<'py, PyArray2<f64>>);
 
 #[pymethods]

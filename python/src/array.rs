@@ -69,7 +69,7 @@ impl From<&Arc<Ready>> for Array {
 }
 
 impl Array {
-    /// The array with these parts in place of its own.
+    /// Returns the array with these parts instead of its own.
     pub(crate) fn with_parts(self, given: Given) -> PyResult<Self> {
         if given.is_empty() {
             return Ok(self);
@@ -78,7 +78,7 @@ impl Array {
         array.map(Self::from).map_err(refused)
     }
 
-    /// The array prepared for a medium.
+    /// Returns the array prepared for a medium.
     pub(crate) fn ready(&self, medium: Medium) -> PyResult<Arc<Ready>> {
         self.kept.get(&self.inner, medium)
     }
@@ -92,7 +92,7 @@ impl PartialEq for Array {
 
 impl Hash for Array {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        // 0 and -0 are equal.
+        // Equal values need equal hashes, and 0 equals -0: adding 0 turns -0 into 0.
         let Transducer { source_pressure, .. } = self.inner.transducer();
         (self.inner.len(), self.inner.positions()[0].map(|x| (x + 0.0).to_bits())).hash(state);
         source_pressure.to_bits().hash(state);
@@ -184,18 +184,18 @@ impl Array {
         midair::presets::PRESETS.iter().map(|preset| preset.name).collect()
     }
 
-    /// The same array as hardware of a frequency in Hz, or as no hardware.
+    /// Returns the same array, marked as hardware of a frequency in Hz, or as no hardware.
     #[pyo3(name = "_with_hardware")]
     fn with_hardware(&self, hardware: Option<f64>) -> Self {
         self.inner.clone().with_hardware(hardware).into()
     }
 
-    /// Whether a point (x, y, z) in m lies behind every transducer.
+    /// Returns whether a point (x, y, z) in m lies behind every transducer.
     fn _is_behind(&self, point: [f64; 3]) -> bool {
         self.inner.is_behind(point)
     }
 
-    /// A part by its name, or None if the array has none; a mask is then all True.
+    /// Returns a part by its name, or None if the array has none; a missing mask is all True.
     fn _part<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
         let value = midair::Array::part(name).and_then(|part| match (part.of(&self.inner), part.kind()) {
             (None, PartKind::Flags) => Some(PartValue::Flags(vec![true; self.inner.len()])),
@@ -248,7 +248,7 @@ getters! {
     /// Unit normals (N, 3).
     normals(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, self.inner.normals());
 
-    /// Numbers of the air of its scenes by name, unless a scene has others.
+    /// Values of the air by name, for scenes that give none.
     ///
     /// 25 degrees C, 50 % humidity and 101.325 kPa for presets of hardware, else the paper's 340 m/s without
     /// absorption.
@@ -261,7 +261,7 @@ getters! {
     medium(self, py) -> PyResult<Bound<'py, PyDict>> =
         self.inner.medium(&[]).map_err(refused)?.numbers().collect::<Vec<_>>().into_py_dict(py);
 
-    /// Frequency of hardware in Hz, whose scenes have the air of a room by default; else None.
+    /// Frequency of hardware in Hz, or None. Scenes of hardware have the air of a room by default.
     _hardware(self) -> Option<f64> = self.inner.hardware();
 }
 
@@ -278,13 +278,13 @@ getters! {
 pub(crate) struct PresetInfo {
     /// Description in one line.
     summary: String,
-    /// Source of its numbers.
+    /// Source of its data.
     source: String,
-    /// Transducers of one board.
+    /// Number of transducers of one board.
     count: usize,
     /// Whether boards can be tiled.
     tiles: bool,
-    /// P0 in Pa m.
+    /// Source pressure P0 in Pa m: pressure times distance on the axis at full drive.
     source_pressure: f64,
     /// The board that plays it, or None.
     board: Option<String>,
@@ -343,7 +343,7 @@ pub(crate) fn presets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     Ok(dict)
 }
 
-/// Every directivity by name: the default of its parameter or None, the parameter's unit, and the formula.
+/// Returns every directivity by name: (default of its parameter or None, the parameter's unit, the formula).
 #[pyfunction]
 pub(crate) fn directivities(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);

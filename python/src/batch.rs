@@ -43,18 +43,18 @@ pub(crate) struct Batch {
     info: &'static Info,
 }
 
-/// The requests, one problem after the other.
+/// The requests of all problems, one after the other.
 #[derive(PartialEq)]
 struct BatchRequest {
     source: Source,
     choice: Arc<Choice>,
-    /// Points (B, M, 3); none for a given G.
+    /// Points (B, M, 3); empty for a given matrix G.
     points: Vec<[f64; 3]>,
     request: Request,
 }
 
 impl Batch {
-    /// The drives, unless another call is writing them.
+    /// Borrows the drives for reading; raises SceneError while another call writes them.
     fn borrowed<'py>(&self, py: Python<'py>) -> PyResult<PyReadonlyArray2<'py, Complex32>> {
         let drives = self.drives.bind(py).try_readonly();
         drives.map_err(|_| invalid("out", "in use by another call", "wait for that one"))
@@ -63,7 +63,7 @@ impl Batch {
 
 #[pymethods]
 impl Batch {
-    /// The solution of problem `index`, its share of the time as `elapsed`; below 0 from the end.
+    /// Return the solution of problem `index`; a negative index counts from the end. `elapsed` is its share of the time.
     #[allow(clippy::cast_precision_loss, reason = "a share of the time")]
     fn __getitem__(&self, index: &Bound<'_, PyAny>) -> PyResult<Solution> {
         let (py, count, size) = (index.py(), self.inner.steps.len(), self.points);
@@ -100,7 +100,7 @@ impl Batch {
         Ok(Solution::new(solution, choice, self.elapsed / count as f64))
     }
 
-    /// Steps of each (B,).
+    /// Number of steps of each problem (B,).
     #[getter]
     fn steps<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         let steps = self.inner.steps.iter().map(|&steps| i64::try_from(steps).unwrap_or(i64::MAX));
@@ -190,22 +190,22 @@ getters! {
     pressures(self, py) -> PyResult<Bound<'py, PyArray2<Complex32>>> =
         give::table(py, self.inner.pressures.clone(), [self.inner.steps.len(), self.points]);
 
-    /// Quality of each: attributes of shape (B,).
+    /// Metrics of each problem: attributes of shape (B,).
     metrics(self) -> BatchMetrics = BatchMetrics { inner: self.inner.metrics.clone() };
 
-    /// Factors of the drives for supply or modulation (B,).
+    /// Factor of each problem's drive for supply or modulation (B,).
     scale(self, py) -> Bound<'py, PyArray1<f64>> = give::list(py, self.inner.scale.clone());
 
-    /// Status of each (B,): "done", "missed", "out_of_steps" or "stopped".
+    /// Status of each problem (B,): "done", "missed", "out_of_steps" or "stopped".
     status(self) -> Vec<String> = self.inner.status.iter().map(ToString::to_string).collect();
 
-    /// Whether a pressure of each is above what the array reaches at its point (B,), bool.
+    /// Whether a requested pressure of each problem exceeds the array's reach at its point (B,), bool.
     beyond(self, py) -> Bound<'py, PyArray1<bool>> = give::list(py, self.inner.beyond.clone());
 
-    /// Whether the pressures of each are below half the balanced level, solved unbalanced (B,), bool.
+    /// Whether each problem was solved unbalanced with pressures below half the balanced level (B,), bool.
     weak(self, py) -> Bound<'py, PyArray1<bool>> = give::list(py, self.inner.weak.clone());
 
-    /// Seconds from the checked arguments to the last answer.
+    /// Time in s from the checked arguments to the last solution.
     elapsed(self) -> f64 = self.elapsed;
 }
 
@@ -338,7 +338,7 @@ pub(crate) fn solve_batch(
     Ok(Batch { drives: drives.unbind(), inner, points: size, elapsed, request, info })
 }
 
-/// Writes points, and pressures, phases and weights over those of another request, in its memory.
+/// Replaces the points, pressures, phases and weights of a request, and reuses its memory.
 pub(crate) fn write_over(ask: &mut SolveRequest, points: &[[f64; 3]], lists: [Option<&[f64]>; 3]) {
     ask.points.clear();
     ask.points.extend_from_slice(points);
@@ -346,7 +346,7 @@ pub(crate) fn write_over(ask: &mut SolveRequest, points: &[[f64; 3]], lists: [Op
     [pressures, phases, weights].into_iter().zip(lists).for_each(|(own, list)| rewrite(own, list));
 }
 
-/// Writes a list over another one, in its memory.
+/// Replaces a list, and reuses its memory.
 fn rewrite(list: &mut Option<Vec<f64>>, with: Option<&[f64]>) {
     match (list, with) {
         (Some(list), Some(with)) => {

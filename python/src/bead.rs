@@ -1,4 +1,4 @@
-//! `bead=`: what traps are made for, as Python gives and shows it.
+//! The argument `bead`: the sphere for which traps are made, from Python and back.
 
 use midair::{Bead, Particle};
 use pyo3::prelude::*;
@@ -8,7 +8,7 @@ use crate::error::{invalid, refused};
 use crate::numbers::quoted;
 use crate::read;
 
-/// A dict of some of the bead's keys.
+/// Reads a bead from a dict; missing keys have their defaults.
 pub(crate) fn read_bead(value: &Bound<'_, PyAny>) -> PyResult<Bead> {
     let Ok(given) = value.cast::<PyDict>() else {
         return Err(invalid("bead", &quoted(value), "give a dict such as {\"radius\": 1e-3, \"density\": 29}"));
@@ -29,7 +29,7 @@ pub(crate) fn read_bead(value: &Bound<'_, PyAny>) -> PyResult<Bead> {
     Bead::of(&numbers, gravity).map_err(refused)
 }
 
-/// All keys of a bead.
+/// Returns a dict with all keys of a bead.
 pub(crate) fn shown_bead(py: Python<'_>, bead: Bead) -> PyResult<Bound<'_, PyDict>> {
     let dict = bead.particle.numbers().collect::<Vec<_>>().into_py_dict(py)?;
     dict.set_item("gravity", bead.gravity.to_vec())?;

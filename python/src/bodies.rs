@@ -1,4 +1,4 @@
-//! `midair.Wall`, `midair.Sphere`, ...: obstacles of a few numbers, a class for each kind of the core.
+//! `midair.Wall`, `midair.Sphere`, ...: obstacles described by a few numbers, one class for each kind in the core.
 
 use std::hash::{Hash, Hasher};
 
@@ -10,7 +10,7 @@ use crate::error::refused;
 use crate::pickle::{Reduced, restored};
 use crate::read;
 
-/// A part of a body: a place or a number.
+/// A field of a body: a place or a number.
 trait Part: Sized {
     fn read(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Self>;
     fn bits(&self) -> Vec<u64>;
@@ -22,7 +22,7 @@ impl Part for f64 {
     }
 
     fn bits(&self) -> Vec<u64> {
-        // 0 and -0 are equal.
+        // Equal values need equal hashes, and 0 equals -0: adding 0 turns -0 into 0.
         vec![(self + 0.0).to_bits()]
     }
 }
@@ -37,7 +37,7 @@ impl Part for (f64, f64, f64) {
     }
 }
 
-/// Declares the classes: the name of each kind, and its parts in the order of its arguments; the kinds in the core's order.
+/// Declares the classes: each kind's name, and its fields in the order of the arguments. The kinds have the core's order.
 macro_rules! bodies {
     ($( $(#[doc = $doc:literal])+ $name:ident { $( $(#[doc = $about:literal])+ $part:ident: $type:ty, )+ } )+) => {
         $(
@@ -95,13 +95,13 @@ macro_rules! bodies {
             }
         )+
 
-        /// The classes, for the module.
+        /// Adds the classes to the module.
         pub(crate) fn add_bodies(module: &Bound<'_, PyModule>) -> PyResult<()> {
             $( module.add_class::<$name>()?; )+
             Ok(())
         }
 
-        /// The classes by name, each with its parts and the count of numbers of each.
+        /// Returns the classes by name, each with its fields and how many numbers a field has.
         #[pyfunction]
         pub(crate) fn bodies(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
             let classes = PyDict::new(py);
@@ -112,10 +112,10 @@ macro_rules! bodies {
             Ok(classes)
         }
 
-        /// The names of the classes.
+        /// Names of the classes.
         pub(crate) const NAMES: &[&str] = &[$( stringify!($name) ),+];
 
-        /// An obstacle as Python gives it, where it is a body.
+        /// Returns the obstacle of a Python object, or None if it is of no class of these.
         pub(crate) fn read_body(item: &Bound<'_, PyAny>) -> Option<Obstacle> {
             $( if let Ok(body) = item.cast::<$name>() {
                 let $name { $( $part, )+ kind } = body.get();
@@ -124,7 +124,7 @@ macro_rules! bodies {
             None
         }
 
-        /// A body as Python has it.
+        /// Returns the Python object of an obstacle, or None if no class here is of its kind.
         pub(crate) fn shown_body<'py>(py: Python<'py>, obstacle: &Obstacle) -> PyResult<Option<Bound<'py, PyAny>>> {
             Ok(match obstacle {
                 $( &Obstacle::$name { $( $part, )+ kind } => {
@@ -206,7 +206,7 @@ bodies! {
     }
 }
 
-/// The boundary condition of a surface, by its name.
+/// Reads the boundary condition of a surface by its name.
 pub(crate) fn surface(item: &str, kind: &str) -> PyResult<Surface> {
     Surface::read(item, &Value::Text(kind.into())).map_err(refused)
 }

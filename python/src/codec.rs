@@ -1,4 +1,4 @@
-//! `Codec`: frames of bytes of a board, behind `midair.Board`.
+//! `Codec`: converts drives to the bytes of a board's frame; the core of `midair.Board`.
 
 use midair::{Board, Complex32, Complex64};
 use numpy::PyArray1;
@@ -14,7 +14,7 @@ use crate::read;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// Drives (N,) to the bytes of a board's frame, and back.
+/// Converts drives (N,) to the bytes of a board's frame, and back.
 #[pyclass(frozen, module = "midair._midair")]
 pub(crate) struct Codec {
     board: Board,
@@ -45,7 +45,7 @@ impl Codec {
         Ok(Self { board })
     }
 
-    /// The kinds of boards by name, each as the codec of one transducer.
+    /// Returns the kinds of boards by name, each as a codec for one transducer.
     #[staticmethod]
     fn kinds(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
         let kinds = PyDict::new(py);
@@ -55,14 +55,14 @@ impl Codec {
         Ok(kinds)
     }
 
-    /// The array of a kind until the caller gives one: its preset's, or a grid.
+    /// Returns the default array of a kind: its preset's, or a grid.
     #[staticmethod]
     #[pyo3(signature = (kind, tiles=None))]
     fn array(kind: &str, tiles: Argument<'_, '_>) -> PyResult<Array> {
         Ok(midair::Array::of_board(kind, read::tiles(tiles)?).map_err(refused)?.into())
     }
 
-    /// The frame of a drive (N,).
+    /// Returns the frame of a drive (N,).
     fn encode<'py>(&self, py: Python<'py>, drive: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyBytes>> {
         let drive = read::drive("drive", drive)?;
         let mut frame = vec![0; self.board.frame_size()];
@@ -70,14 +70,14 @@ impl Codec {
         Ok(PyBytes::new(py, &frame))
     }
 
-    /// The drive (N,) of a frame.
+    /// Returns the drive (N,) of a frame.
     fn decode<'py>(&self, py: Python<'py>, frame: &[u8]) -> PyResult<Bound<'py, PyArray1<Complex32>>> {
         let mut drive = vec![Complex32::ZERO; self.board.len()];
         self.board.decode(frame, &mut drive).map_err(refused)?;
         Ok(give::list(py, drive))
     }
 
-    /// How bytes reach it and what it does behind that link, by name.
+    /// Properties of the link to the board and of the board itself, by name.
     #[getter]
     fn link<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let link = self.board.link();
@@ -93,7 +93,7 @@ impl Codec {
         Ok(facts)
     }
 
-    /// The channel of each transducer (N,), or (C,) of each of the array's channels.
+    /// Channel of each transducer (N,), or of each of the array's channels (C,).
     #[getter]
     fn channels<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         give::list(
@@ -106,47 +106,47 @@ impl Codec {
 getters! {
     Codec:
 
-    /// The frame that plays nothing.
+    /// Frame that turns all transducers off.
     off_frame(self, py) -> Bound<'py, PyBytes> = PyBytes::new(py, &self.board.off_frame());
 
-    /// The bytes that silence the boards from any state.
+    /// Bytes that silence the boards from any state.
     silence(self, py) -> Bound<'py, PyBytes> = PyBytes::new(py, &self.board.silence());
 
     /// The board's name.
     name(self) -> &'static str = self.board.name();
 
-    /// Its description in one line.
+    /// Description in one line.
     summary(self) -> &'static str = self.board.summary();
 
-    /// Where its bytes are read.
+    /// Source of the byte format.
     source(self) -> &'static str = self.board.source();
 
     /// Number of boards.
     boards(self) -> usize = self.board.boards();
 
-    /// Number of lines; a frame is as many parts of one length, one after the other.
+    /// Number of lines. A frame has one part of equal length for each line, one after the other.
     lines(self) -> usize = self.board.lines();
 
-    /// The most boards that play together.
+    /// Most boards that play together.
     most_boards(self) -> usize = self.board.most_boards();
 
-    /// Hz that it emits.
+    /// Frequency in Hz.
     frequency(self) -> f64 = self.board.frequency();
 
-    /// What each transducer (N,) radiates for a drive of 1, or None where that is 1.
+    /// Complex factor (N,) of each transducer's radiation, or None if all are 1.
     response(self, py) -> Option<Bound<'py, PyArray1<Complex64>>> =
         self.board.response().map(|list| give::list(py, list));
 
-    /// Bits a second of its serial line, or None.
+    /// Bits per second of its serial line, or None for another link.
     baud(self) -> Option<u32> = self.board.baud();
 
-    /// Frames a second that its line can carry.
+    /// Frames per second that its line can carry.
     rate(self) -> f64 = self.board.rate();
 
-    /// Frames a second up to which it emits as at rest.
+    /// Highest frames per second at which it emits as much as with a constant frame.
     steady_rate(self) -> f64 = self.board.steady_rate();
 
-    /// The board's grid, in the form of `Array.quantization`.
+    /// Phases and amplitudes of the board, in the form of `Array.quantization`.
     quantization(self, py) -> PyResult<Option<Bound<'py, PyDict>>> =
         quantization::shown(py, Some(&self.board.quantization().map_err(refused)?));
 }

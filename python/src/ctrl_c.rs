@@ -1,4 +1,4 @@
-//! Ctrl-C and progress callbacks during a computation of the core, and its limits: threads and memory.
+//! Ctrl-C, progress callbacks and limits (threads, memory) of a computation in the core.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -9,8 +9,8 @@ use pyo3::prelude::*;
 use crate::error::refused;
 use crate::limits;
 
-/// Runs a long computation of the core without the GIL. It hears of signals within a tenth of a second and stops for
-/// them; `progress` is called every step.
+/// Runs a long computation of the core without the GIL. Signals stop it within a tenth of a second; `progress` is called
+/// every step.
 pub(crate) fn attend<R: Send>(
     py: Python<'_>,
     progress: Option<Py<PyAny>>,
@@ -23,16 +23,16 @@ pub(crate) fn attend<R: Send>(
     result.map_err(refused)
 }
 
-/// Watches a running computation for Python: signals are looked at every 50 ms, the progress callback is called every
-/// step, and again within steps that take longer than a fifth of a second.
+/// Checks a running computation for signals every 50 ms, and calls the progress callback every step. Within steps longer
+/// than 0.2 s the callback is called repeatedly.
 pub(crate) struct Watch {
     progress: Option<Py<PyAny>>,
-    /// The last arguments of the callback, and their time.
+    /// The last arguments of the callback, and the time of the call.
     reported: (usize, usize, f64),
     called: Instant,
-    /// When signals were last looked at.
+    /// Time of the last check for signals.
     last: Instant,
-    /// When the clock was, how many calls it is left alone for, and how many of them are to come.
+    /// Time of the last reading of the clock; number of calls between two readings; how many of them are left.
     clock: Instant,
     stride: u32,
     left: u32,
@@ -40,10 +40,11 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    /// Often enough that Ctrl-C feels immediate, seldom enough that taking the GIL costs nothing.
+    /// Time between two checks for signals: short enough that Ctrl-C acts at once, long enough that taking the GIL costs
+    /// little.
     const INTERVAL: Duration = Duration::from_millis(50);
 
-    /// The longest time that a callback is left without a call.
+    /// Longest time between two calls of the callback.
     const PATIENCE: Duration = Duration::from_millis(200);
 
     pub(crate) fn new(progress: Option<Py<PyAny>>) -> Self {
@@ -52,7 +53,7 @@ impl Watch {
         Self { progress, reported, called: now, last: now, clock: now, stride: 1, left: 0, raised: None }
     }
 
-    /// Looks at signals if that is due, and calls the callback if it is to be.
+    /// Checks for signals if it is time, and calls the callback if `call` is true.
     fn ask(&mut self, call: bool) -> ControlFlow<()> {
         let go_on = Python::attach(|py| -> PyResult<bool> {
             if self.last.elapsed() >= Self::INTERVAL {
@@ -62,7 +63,7 @@ impl Watch {
             let Some(callback) = self.progress.as_ref().filter(|_| call) else { return Ok(true) };
             let answer = callback.call1(py, self.reported)?;
             self.called = Instant::now();
-            // Only False stops: a callback that returns nothing goes on.
+            // Only False stops: a callback without a return value continues.
             Ok(answer.extract::<bool>(py).unwrap_or(true))
         });
         match go_on {
@@ -75,12 +76,14 @@ impl Watch {
         }
     }
 
-    /// The most steps that the clock is left alone for, and the most pulses: those to come may be a thousand times slower.
+    /// Most steps, and most pulses, between two readings of the clock: the next ones may be a thousand times slower.
     const STEPS: u32 = 256;
     const PULSES: u32 = 4;
 
-    /// Whether signals are to be looked at. A step of greedy takes a tenth of a microsecond and asking for the time a
-    /// third of that, so the clock is left alone for as many calls as fill a tenth of the interval, `most` at most.
+    /// Returns whether it is time to check for signals.
+    ///
+    /// A step of greedy takes 0.1 us, reading the clock a third of that. So the clock is read only once in as many calls as
+    /// fill a tenth of the interval, and at least once in `most` calls.
     fn due(&mut self, most: u32) -> bool {
         if self.left > 0 {
             self.left -= 1;
@@ -95,14 +98,14 @@ impl Watch {
         now - self.last >= Self::INTERVAL
     }
 
-    /// The exception of a callback or signal, if there was one.
+    /// Returns the exception that a callback or a signal has raised, if any.
     pub(crate) fn raised(self) -> PyResult<()> {
         self.raised.map_or(Ok(()), Err)
     }
 }
 
 impl Observe for Watch {
-    /// Called once a step, without the GIL.
+    /// Called once per step, without the GIL.
     fn step(&mut self, progress: Progress<'_>) -> ControlFlow<()> {
         if self.progress.is_none() {
             return if self.due(Self::STEPS) { self.ask(false) } else { ControlFlow::Continue(()) };

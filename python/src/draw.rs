@@ -1,4 +1,4 @@
-//! Tables of a scene file that Python draws: `[shape]` and `[image]` as points, an obstacle's file as a mesh, by the toolbox.
+//! Tables of a scene file that Python reads for the core: `[shape]` and `[image]` as points, an obstacle's file as a mesh.
 
 use std::path::Path;
 
@@ -13,13 +13,13 @@ use crate::toolbox;
 
 type Argument<'py> = Option<Bound<'py, PyAny>>;
 
-/// The scene of a document.
+/// Reads the scene of a document.
 pub(crate) fn scene(py: Python<'_>, bytes: &[u8], format: Format, source: Source<'_>) -> PyResult<midair::Scene> {
     let draw = |name: &str, text: &str| drawing(py, name, text, source.folder);
     drawn(py, draw, |draw| files::read_drawn(bytes, format, source, draw))
 }
 
-/// The scene and settings of a document of points that move; `start` returns the points of the first frame.
+/// Reads scene and settings of a document with moving points; `start` returns the points of the first frame.
 pub(crate) fn motion(
     bytes: &[u8],
     format: Format,
@@ -37,7 +37,8 @@ pub(crate) fn motion(
     drawn(py, draw, |draw| files::read_motion(bytes, format, source, draw))
 }
 
-/// Reads with tables that Python draws. An error that does not refuse the table, such as Ctrl-C, is raised as it is.
+/// Calls `read` with a function for the tables that Python reads. Exceptions other than SceneError, such as Ctrl-C, are
+/// passed on.
 fn drawn<T>(
     py: Python<'_>,
     drawing: impl Fn(&str, &str) -> PyResult<Drawing>,
@@ -56,7 +57,7 @@ fn drawn<T>(
     other.map_or_else(|| found.map_err(refused), Err)
 }
 
-/// The points of a table.
+/// Returns the points of a table, or the mesh of an obstacle's file.
 fn drawing(py: Python<'_>, name: &str, text: &str, folder: Option<&Path>) -> PyResult<Drawing> {
     if name != "obstacles" {
         return points(py, name, text, folder).map(|(points, request)| Drawing::Points(points, request));
@@ -66,7 +67,7 @@ fn drawing(py: Python<'_>, name: &str, text: &str, folder: Option<&Path>) -> PyR
     Ok(Drawing::Mesh(read::vectors("vertices", &vertices)?, indices(&faces)?))
 }
 
-/// Points of a table, and their targets.
+/// Returns the points of a table, and their targets and weights.
 fn points(py: Python<'_>, name: &str, text: &str, folder: Option<&Path>) -> PyResult<(Vec<[f64; 3]>, Request)> {
     let drawn = toolbox::call(py, "points", (name, text, folder))?;
     let (points, pressures, weights): (Bound<'_, PyAny>, Argument<'_>, Argument<'_>) = drawn.extract()?;

@@ -1,4 +1,4 @@
-//! An energy written in Python: the costs of greedy's candidates.
+//! A cost function written in Python, by which greedy compares its candidates.
 
 use midair::solvers::{ActiveRequest, Configured, Energy, Greedy, GreedyBy};
 use midair::{Complex32, Configure, Error, Options, Value};
@@ -10,14 +10,14 @@ use crate::error::{invalid, refused};
 use crate::function::Raised;
 use crate::read;
 
-/// A function of candidates' pressures (K, M), targets (M,) and weights (M,), and its exception.
+/// A Python function of the candidates' pressures (K, M), targets (M,) and weights (M,); and the exception that it raised.
 pub(crate) struct Function {
     function: Py<PyAny>,
     raised: Raised,
 }
 
 impl Function {
-    /// The `objective` among the options of greedy, if it is a function; it is taken out of them.
+    /// Removes `objective` from greedy's options and returns it, if it is a function.
     pub(crate) fn take<'py>(
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<(Option<Self>, Option<Bound<'py, PyDict>>)> {
@@ -32,18 +32,18 @@ impl Function {
         }
     }
 
-    /// Where what it raises is kept.
+    /// Returns the place where its exception is stored.
     pub(crate) fn raised(&self) -> Raised {
         self.raised.clone()
     }
 
-    /// The search by it, with the options of a configured greedy.
+    /// Returns greedy with this cost function and the given options.
     pub(crate) fn configured(self, py: Python<'_>, mut options: Options) -> PyResult<Configured> {
         let mut greedy = Greedy::default();
         for (name, value) in &options {
             greedy.set(name, value).map_err(refused)?;
         }
-        // Labelled by its name, or its class's.
+        // The label is the function's name, or its class's.
         let function = self.function.bind(py);
         let name = function.getattr("__name__").and_then(|name| name.extract());
         let name = name.or_else(|_| function.get_type().name()?.extract())?;

@@ -36,7 +36,7 @@ Examples
 'SceneWarning'"
 );
 
-/// A core error as the exception that users see.
+/// Converts an error of the core to the exception that users see.
 pub(crate) fn refused(error: midair::Error) -> PyErr {
     use midair::Error::{InBatch, InFrame};
     let cause = if let InBatch { error, .. } | InFrame { error, .. } = &error { error } else { &error };
@@ -46,17 +46,17 @@ pub(crate) fn refused(error: midair::Error) -> PyErr {
     }
 }
 
-/// A [`SceneError`] of this binding itself: an argument that never reaches the core.
+/// Makes a [`SceneError`] about an argument that this binding rejects before it reaches the core.
 pub(crate) fn invalid(item: &str, value: &str, cure: &str) -> PyErr {
     refused(midair::Error::invalid(item, value, cure))
 }
 
-/// Warns by a [`SceneWarning`], at the line that called the package.
+/// Gives a [`SceneWarning`] that points to the line which called the package.
 pub(crate) fn warn(py: Python<'_>, text: &impl ToString) -> PyResult<()> {
     toolbox::call(py, "warn", (text.to_string(),)).map(drop)
 }
 
-/// Warns of each.
+/// Gives a warning for each text.
 pub(crate) fn warn_all(py: Python<'_>, texts: impl IntoIterator<Item = impl ToString>) -> PyResult<()> {
     texts.into_iter().try_for_each(|text| warn(py, &text))
 }

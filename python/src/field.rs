@@ -31,7 +31,7 @@ pub(crate) struct Field {
     scene: Scene,
     solution: Option<Py<Solution>>,
     picture: Picture,
-    /// Further planes that are necessary to show all points.
+    /// Further planes, if one plane does not contain all points.
     others: Vec<Picture>,
 }
 
@@ -43,7 +43,7 @@ impl PartialEq for Field {
     }
 }
 
-/// Pressures and their places.
+/// Pressures and the places where they were computed.
 #[derive(Clone, PartialEq)]
 struct Picture {
     places: Places,
@@ -175,13 +175,13 @@ getters! {
     /// Samples along z (pixels,) in m of a plane normal to x or y, else None.
     z(self, py) -> plane::Samples<'py> = self.samples(py, Axis::Z);
 
-    /// The scene of the field.
+    /// The scene.
     scene(self) -> Scene = self.scene.clone();
 
-    /// The solution of the field, or None for a bare drive.
+    /// The solution, or None for a drive that was given alone.
     solution(self, py) -> Option<Py<Solution>> = self.solution.as_ref().map(|solution| solution.clone_ref(py));
 
-    /// Factor for supply or modulation, included: the solution's scale; 1 for a bare drive.
+    /// Factor for supply or modulation, already applied: the solution's scale, or 1 for a drive that was given alone.
     scale(self) -> f64 = self.solution.as_ref().map_or(1.0, |solution| solution.get().inner.scale);
 }
 

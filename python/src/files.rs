@@ -1,4 +1,4 @@
-//! Scene files on disk and scenes as text: read within the size limit, written whole.
+//! Scene files and scenes as text: read up to a size limit; written completely or not at all.
 
 use std::fs::File;
 use std::io::Read;
@@ -15,7 +15,7 @@ use crate::error::{invalid, refused};
 use crate::scene::Scene;
 use crate::toolbox;
 
-/// An error of the file system, as Python's own file functions raise it.
+/// Converts an error of the file system to the OSError that Python's own functions would raise.
 fn os_error(error: &std::io::Error, path: &Path) -> PyErr {
     let text = error.to_string();
     let text = text.split(" (os error").next().unwrap_or_default().to_owned();
@@ -24,14 +24,14 @@ fn os_error(error: &std::io::Error, path: &Path) -> PyErr {
 
 pub(crate) fn bytes_of(path: &Path) -> PyResult<Vec<u8>> {
     let mut bytes = Vec::new();
-    // One byte more than allowed is enough to see that a file is too large.
+    // Reads one byte more than allowed, to detect that a file is too large.
     File::open(path)
         .and_then(|file| file.take(MOST_BYTES as u64 + 1).read_to_end(&mut bytes))
         .map_err(|error| os_error(&error, path))?;
     Ok(bytes)
 }
 
-/// A function of a file's bytes, their format and their origin.
+/// Calls `reading` with a file's bytes, their format and their origin.
 pub(crate) fn read<T>(
     path: &Path,
     bytes: &[u8],
@@ -41,12 +41,12 @@ pub(crate) fn read<T>(
     reading(bytes, Format::of_document(&name, bytes), Source { name: &name, folder: path.parent() })
 }
 
-/// The scene of a file.
+/// Reads the scene of a file.
 pub(crate) fn load(py: Python<'_>, path: &Path) -> PyResult<midair::Scene> {
     read(path, &bytes_of(path)?, |bytes, format, source| draw::scene(py, bytes, format, source))
 }
 
-/// The scene of a text, str or bytes.
+/// Reads the scene of a text, given as str or bytes.
 pub(crate) fn parse(text: &Bound<'_, PyAny>, name: &str, folder: Option<&Path>) -> PyResult<midair::Scene> {
     let bytes = match (text.cast::<PyBytes>(), text.cast::<PyString>()) {
         (Ok(bytes), _) => bytes.as_bytes().to_vec(),
@@ -58,7 +58,7 @@ pub(crate) fn parse(text: &Bound<'_, PyAny>, name: &str, folder: Option<&Path>) 
     draw::scene(text.py(), &bytes, Format::of_text(&bytes), Source { name, folder })
 }
 
-/// Writes a file whole or not at all, as every result is written.
+/// Writes a file completely or not at all, like every result.
 pub(crate) fn save(py: Python<'_>, path: &Path, text: &str) -> PyResult<()> {
     toolbox::call(py, "write", (path, text.as_bytes())).map(drop)
 }
@@ -133,7 +133,8 @@ impl Scene {
     }
 }
 
-/// The files that a scene file consists of: itself, and those that it names. What can be read but once is given.
+/// Returns the files of a scene: the scene file itself, and those that it names. `text` is its content, for files that can
+/// be read only once (pipes).
 #[pyfunction]
 #[pyo3(signature = (path, text=None))]
 pub(crate) fn scene_files(path: PathBuf, text: Option<Vec<u8>>) -> PyResult<Vec<PathBuf>> {
@@ -142,13 +143,13 @@ pub(crate) fn scene_files(path: PathBuf, text: Option<Vec<u8>>) -> PyResult<Vec<
     Ok([path].into_iter().chain(named).collect())
 }
 
-/// Every table of a scene file with its keys, in order: an example in JSON and the meaning of each.
+/// Returns every table of a scene file with its keys, in order: an example as JSON and the meaning of each key.
 #[pyfunction]
 pub(crate) fn scene_keys(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     keys(py, files::tables())
 }
 
-/// The same of the tables that are a sweep file's own.
+/// Returns the tables that only sweep files have, in the same form.
 #[pyfunction]
 pub(crate) fn sweep_keys(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     keys(py, files::sweep_tables())

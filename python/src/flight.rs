@@ -1,4 +1,4 @@
-//! Beads in flight, for `midair.fly` and `midair.path.fastest`: what moves a bead, and eight of them step by step.
+//! Beads in flight, for `midair.fly` and `midair.path.fastest`: forces on a bead; simulates eight beads at once.
 
 use midair::motion::{Flight, State};
 use midair::{Medium, Particle};
@@ -16,7 +16,7 @@ use crate::scene::Scene;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// A small sphere in the air of a scene, as `midair.gorkov` takes it.
+/// A small sphere in the air of a scene, with the properties that `midair.gorkov` takes.
 #[pyclass(frozen, module = "midair._midair")]
 pub(crate) struct Bead {
     particle: Particle,
@@ -51,19 +51,19 @@ impl Bead {
         Ok(Self { particle, medium, gravity })
     }
 
-    /// The factors (2,) of |p|^2 and of -|grad p|^2 in Gor'kov's potential.
+    /// The factors (2,) of |p|^2 and -|grad p|^2 in Gor'kov's potential.
     #[getter]
     fn factors<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         give::list(py, self.particle.factors(self.medium).to_vec())
     }
 
-    /// Mass in kg that a force moves: its own and half that of the air in its place.
+    /// Effective mass in kg: the bead's own mass and half the mass of the air that it displaces.
     #[getter]
     fn mass(&self) -> f64 {
         self.particle.mass(self.medium)
     }
 
-    /// The forces (K, 3) in N beside weight and buoyancy that velocities and accelerations (K, 3) take.
+    /// Returns the forces (K, 3) in N, without weight and buoyancy, that cause these velocities and accelerations (K, 3).
     fn needed<'py>(
         &self,
         py: Python<'py>,
@@ -77,8 +77,8 @@ impl Bead {
         give::rows(py, &needed)
     }
 
-    /// Keywords of `midair.rest` for a bead that is to get a `force` (3,) in N beside its weight and buoyancy: it rests where
-    /// its trap gives it, under a gravity that is larger by as much.
+    /// Returns arguments of `midair.rest` for a bead to which the trap must give a `force` (3,) in N in addition to its
+    /// weight and buoyancy. The gravity in them is increased accordingly.
     fn under<'py>(&self, py: Python<'py>, force: [f64; 3]) -> PyResult<Bound<'py, PyDict>> {
         let Particle { radius, density, sound_speed } = self.particle;
         let heft = self.particle.weight(self.medium, [1.0; 3])[0];
@@ -88,10 +88,11 @@ impl Bead {
         Ok(keywords)
     }
 
-    /// Eight beads from step `first` on, as the core's `Flight::fly`; returns the last step. All arrays are in C order.
+    /// Simulates eight beads from step `first` on (the core's `Flight::fly`); returns the last step. All arrays are in C
+    /// order.
     ///
-    /// state (6, 3, 8): place, speed, accelerations, in and out; reach (8,) in m; forces (K, 84, 3, 8) in N around centres
-    /// (steps (K - 1) + 1, 3, 8) in m; places (K, 3, 8) out; step in s, unit in m.
+    /// state (6, 3, 8): place, velocity and accelerations, updated; reach (8,) in m; forces (K, 84, 3, 8): polynomial
+    /// coefficients in N around centres (steps (K - 1) + 1, 3, 8) in m; places (K, 3, 8): output; step in s, unit in m.
     #[allow(clippy::too_many_arguments, reason = "as PyO3 gives them")]
     fn fly<'py>(
         &self,

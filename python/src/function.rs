@@ -11,10 +11,10 @@ use pyo3::types::PyDict;
 use crate::error::refused;
 use crate::read;
 
-/// Facts that the entry point needs about any function: it neither balances by itself nor uses a start or an aim.
+/// Properties of all such functions: they do not balance, and use neither a start nor an aim.
 static INFO: Info = Info::new("function", "a function in Python", "the caller's own");
 
-/// The exception of a function, which the binding raises again.
+/// Stores the exception of a Python function, so that the binding can raise it after the core has returned.
 #[derive(Clone, Default)]
 pub(crate) struct Raised(Arc<Mutex<Option<PyErr>>>);
 
@@ -28,7 +28,7 @@ impl Raised {
     }
 }
 
-/// A function, and the keywords it is called with.
+/// A Python function, and the keywords with which it is called.
 pub(crate) struct Function {
     solver: Py<PyAny>,
     keywords: Option<Py<PyDict>>,
@@ -37,30 +37,30 @@ pub(crate) struct Function {
 }
 
 impl Function {
-    /// `solver`, if it is a function.
+    /// Returns `solver` as a function, or None if it is not callable.
     pub(crate) fn read(solver: &Bound<'_, PyAny>, keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Option<Self>> {
         if !solver.is_callable() {
             return Ok(None);
         }
-        // A functools.partial has no name, its function has; else the class of what can be called.
+        // A functools.partial has no name; its function has. Other callable objects are named by their class.
         let name = solver.getattr("__name__").or_else(|_| solver.getattr("func")?.getattr("__name__"));
         let name = name.and_then(|name| name.extract()).or_else(|_| solver.get_type().name()?.extract())?;
         let keywords = keywords.map(|keywords| keywords.clone().unbind());
         Ok(Some(Self { solver: solver.clone().unbind(), keywords, name, raised: Raised::default() }))
     }
 
-    /// How a solution of it is labelled: its name and its keywords.
+    /// Returns the label of its solutions: its name and keywords.
     pub(crate) fn choice(&self, py: Python<'_>) -> PyResult<Choice> {
         let options = read::options(self.keywords.as_ref().map(|keywords| keywords.bind(py)))?;
         Ok(Choice { name: self.name.clone(), options, balance: None, aim: None })
     }
 
-    /// Where what it raises is kept.
+    /// Returns the place where its exception is stored.
     pub(crate) fn raised(&self) -> Raised {
         self.raised.clone()
     }
 
-    /// The function as the registry would make a method.
+    /// Returns the function as a configured method, like those of the registry.
     pub(crate) fn configured(self, choice: &Choice) -> PyResult<Configured> {
         if choice.aim.is_some() {
             return Err(refused(unused("aim", &self.name, |info| info.uses_aim)));

@@ -1,6 +1,6 @@
-//! Getters: the properties of a Python class, one a line.
+//! Macro for the read-only properties of a Python class, one per line.
 
-/// Properties of a class, each with its documentation: a name, whether it needs `py`, its type and its value.
+/// Declares properties of a class. Each has documentation, a name, `py` if it needs it, a type and a value.
 macro_rules! getters {
     ($class:ident: $( $(#[$about:meta])* $name:ident($this:ident $(, $py:ident)?) -> $type:ty = $value:expr; )+) => {
         #[pymethods]

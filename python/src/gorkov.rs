@@ -84,7 +84,7 @@ getters! {
     /// Weight less buoyancy (3,) in N.
     weight(self, py) -> Bound<'py, PyArray1<f64>> = give::list(py, self.weight.to_vec());
 
-    /// Mass in kg that a force moves: the sphere's own and half that of the air in its place.
+    /// Effective mass in kg: the sphere's own mass and half the mass of the air that it displaces.
     mass(self, _py) -> f64 = self.mass;
 
     /// Force -grad U (P, 3) in N, without gravity.
@@ -147,26 +147,27 @@ getters! {
     /// Whether each is trapped (P,): the net force pulls back from all sides, within a wavelength of the start.
     held(self, py) -> Bound<'py, PyArray1<bool>> = give::list(py, self.inner.held.clone());
 
-    /// Stiffness (P, 3) in N/m along the axes, the softest first: the eigenvalues of Gor'kov's hessian.
+    /// Stiffness (P, 3) in N/m along the axes, the smallest first: the eigenvalues of Gor'kov's hessian.
     stiffness(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, &self.inner.stiffness);
 
-    /// The axes (P, 3, 3), a unit vector a row.
+    /// Axes (P, 3, 3): three unit vectors as rows.
     axes(self, py) -> PyResult<Bound<'py, PyArray3<f64>>> =
         give::list(py, self.inner.axes.as_flattened().as_flattened().to_vec()).reshape([self.inner.axes.len(), 3, 3]);
 
-    /// How far in m the net force pulls back along each axis (P, 3, 2), against it and along it; a wavelength at most.
+    /// Range in m along each axis (P, 3, 2), in the negative and the positive direction, in which the net force pulls back;
+    /// at most a wavelength.
     basin(self, py) -> PyResult<Bound<'py, PyArray3<f64>>> =
         give::list(py, self.inner.basin.as_flattened().as_flattened().to_vec()).reshape([self.inner.basin.len(), 3, 2]);
 
-    /// The most in N that the net force pulls back with along each axis (P, 3, 2).
+    /// Largest restoring force in N along each axis (P, 3, 2), in the negative and the positive direction.
     restoring(self, py) -> PyResult<Bound<'py, PyArray3<f64>>> =
         give::list(py, self.inner.restoring.as_flattened().as_flattened().to_vec()).reshape([self.inner.place.len(), 3, 2]);
 
-    /// Mass in kg that a force moves: the bead's own and half that of the air in its place.
+    /// Effective mass in kg: the bead's own mass and half the mass of the air that it displaces.
     mass(self, _py) -> f64 = self.mass;
 }
 
-/// Arguments of a trap's evaluation.
+/// Checked arguments of `gorkov` and `rest`.
 struct Requested {
     model: Model,
     drive: Vec<Complex32>,
@@ -200,7 +201,7 @@ fn requested<'py>(
     Ok(Requested { model, drive, points, particle, gravity, remark })
 }
 
-/// In m/s^2, down the z axis.
+/// Default gravity in m/s^2, down the z axis.
 pub(crate) const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 /// Compute Gor'kov's potential, force and stiffness of a small sphere in the field of a drive.

@@ -1,4 +1,4 @@
-//! Implementation of `midair.grad`: a quantity of the field at points and its gradients.
+//! The core of `midair.grad`: a quantity of the field at points, and its gradients.
 
 use midair::{Complex64, Model, Particle, Quantity};
 use numpy::IntoPyArray;
@@ -16,7 +16,7 @@ use crate::solution::{Solution, about, played};
 
 type Argument<'py> = Option<Bound<'py, PyAny>>;
 
-/// Model, drive and points of what a gradient is about: a Scene, a Solution alone, or an Array in its own air.
+/// Returns model, drive and points of the first argument: a Scene, a Solution alone, or an Array in its own air.
 fn subject<'py>(
     scene: &Bound<'py, PyAny>,
     drive: Argument<'py>,
@@ -46,7 +46,7 @@ fn subject<'py>(
     Ok((model, drive, points))
 }
 
-/// A cotangent as the core reads it, point by point.
+/// Reads a cotangent in the core's order, point by point.
 fn cotangent(quantity: Quantity, value: &Bound<'_, PyAny>, count: usize) -> PyResult<Vec<f64>> {
     match quantity {
         Quantity::Pressure => {
@@ -72,7 +72,7 @@ fn cotangent(quantity: Quantity, value: &Bound<'_, PyAny>, count: usize) -> PyRe
     }
 }
 
-/// Values (M,) or (M, 3) in NumPy.
+/// Returns the values (M,) or (M, 3) as a NumPy array.
 fn shaped(py: Python<'_>, quantity: Quantity, value: Vec<f64>) -> PyResult<Bound<'_, PyAny>> {
     Ok(match quantity {
         Quantity::Pressure => {
@@ -84,7 +84,8 @@ fn shaped(py: Python<'_>, quantity: Quantity, value: Vec<f64>) -> PyResult<Bound
     })
 }
 
-/// The values of a quantity and, of a cotangent, its gradients by the drive, the points, positions, normals and the sound speed.
+/// Returns the values of a quantity and, with a cotangent, its gradients with respect to drive, points, positions, normals
+/// and sound speed.
 #[pyfunction]
 #[pyo3(signature = (quantity, scene, drive, points, cotangent=None, radius=None, density=None, sound_speed=None))]
 #[allow(clippy::too_many_arguments, reason = "they are keywords in Python")]

@@ -1,4 +1,4 @@
-//! The instruction set of the kernels: the best of this machine, unless MIDAIR_SIMD names another.
+//! The instruction set of the kernels: the best one of this machine, unless MIDAIR_SIMD names another.
 
 use std::sync::OnceLock;
 
@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 
 use crate::error::invalid;
 
-/// The instruction set that `MIDAIR_SIMD` names, else the best of this machine. The environment is read once.
+/// Returns the instruction set that `MIDAIR_SIMD` names, or the best one of this machine. The variable is read once.
 pub(crate) fn instruction_set() -> PyResult<InstructionSet> {
     static REQUESTED: OnceLock<Option<String>> = OnceLock::new();
     let Some(name) = REQUESTED.get_or_init(|| std::env::var("MIDAIR_SIMD").ok().filter(|name| !name.is_empty())) else {

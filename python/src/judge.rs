@@ -161,7 +161,7 @@ fn read_precision(value: &Bound<'_, PyAny>) -> PyResult<Precision> {
     }
 }
 
-/// Whether there are many drives, row by row.
+/// Returns whether `drive` has several drives, as rows.
 fn is_table(drive: &Bound<'_, PyAny>) -> bool {
     match drive.cast::<PyUntypedArray>() {
         Ok(array) => array.ndim() > 1,
@@ -169,7 +169,7 @@ fn is_table(drive: &Bound<'_, PyAny>) -> bool {
     }
 }
 
-/// Number of drives.
+/// Settings of the evaluation of many drives.
 struct Work {
     precision: Precision,
     threads: Threads,
@@ -189,7 +189,7 @@ fn judge_many(
     let Setting { mut session, .. } = Setting::read(scene, None, Some(&keywords))?;
     let drives = Drives::read(drives, session.transducers())?;
     let count = drives.count;
-    // A scene's own points and request, for all drives.
+    // Without `points`, all drives are evaluated at the scene's own points and request.
     let own = scene.cast::<Scene>().ok().filter(|_| points.is_none()).map(|scene| &*scene.get().inner);
     let (points, size) = match (session.given_points(), points, own) {
         (Some(_), Some(_), _) => {
@@ -235,7 +235,7 @@ fn judge_many(
     Ok(BatchMetrics { inner })
 }
 
-/// Drives (B, N): those of an array without a copy, others rounded.
+/// Drives (B, N): a complex64 array is used without a copy, other values are rounded to complex64.
 struct Drives<'py> {
     count: usize,
     array: Option<PyReadonlyArray2<'py, Complex32>>,
@@ -263,7 +263,7 @@ impl<'py> Drives<'py> {
     }
 }
 
-/// The scene of a solution, with the other arguments.
+/// Returns the scene of a solution with the other arguments instead of its own.
 fn answered(solution: &Bound<'_, Solution>, beside: Beside<'_, '_>) -> PyResult<Subject> {
     let py = solution.py();
     if let Some(scene) = solution.get().scene()? {

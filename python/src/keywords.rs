@@ -1,4 +1,4 @@
-//! Keywords of a call: those of the air and the transducers, and the rest.
+//! Keyword arguments of a call: those of air and transducers, and the rest.
 
 use midair::Medium;
 use pyo3::prelude::*;
@@ -9,7 +9,7 @@ use crate::error::refused;
 use crate::parts;
 use crate::read;
 
-/// Keywords, taken out one by one.
+/// Keyword arguments, which are taken out one by one.
 pub(crate) struct Keywords<'py>(Bound<'py, PyDict>);
 
 impl<'py> Keywords<'py> {
@@ -17,12 +17,12 @@ impl<'py> Keywords<'py> {
         keywords.map_or_else(|| Ok(PyDict::new(py)), PyDictMethods::copy).map(Self)
     }
 
-    /// A keyword where None stands for leaving it out.
+    /// Takes a keyword out; None counts as not given.
     pub(crate) fn take(&self, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
         Ok(self.take_or_none(name)?.filter(|value| !value.is_none()))
     }
 
-    /// A keyword that may be Python's None.
+    /// Takes a keyword out; it may be Python's None.
     pub(crate) fn take_or_none(&self, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
         let value = self.0.get_item(name)?;
         if value.is_some() {
@@ -31,12 +31,12 @@ impl<'py> Keywords<'py> {
         Ok(value)
     }
 
-    /// The keywords that are left.
+    /// Returns the keywords that were not taken.
     pub(crate) fn rest(&self) -> &Bound<'py, PyDict> {
         &self.0
     }
 
-    /// The refusal of the first one that is left; `known` are those of the call beside the air's and the array's.
+    /// Returns the error about the first keyword that was not taken. `known` are the names of the call itself.
     pub(crate) fn unknown(&self, what: &str, known: &[&str]) -> Option<midair::Error> {
         let left = self.0.keys().iter().next()?;
         let keys = Medium::KEYS.iter().chain(midair::Array::PART_KEYS).map(|key| key.name);
@@ -44,7 +44,7 @@ impl<'py> Keywords<'py> {
         Some(midair::Error::unknown(what, left.to_string(), names))
     }
 
-    /// A scene's medium, or that of an array, as the keywords change it.
+    /// Returns the scene's medium, or the array's, with the changes that the keywords give.
     pub(crate) fn medium(&self, own: Option<Medium>, array: &Array) -> PyResult<Medium> {
         let mut given = Vec::new();
         for key in Medium::KEYS {
@@ -55,7 +55,7 @@ impl<'py> Keywords<'py> {
         own.map_or_else(|| array.inner.medium(&given), |own| own.with(&given)).map_err(refused)
     }
 
-    /// An array with the parts that the keywords give in place of its own.
+    /// Returns the array with the parts that the keywords give instead of its own.
     pub(crate) fn array(&self, array: Array) -> PyResult<Array> {
         array.with_parts(parts::given(|name| self.take(name))?)
     }

@@ -1,4 +1,4 @@
-//! The Python binding: NumPy in, NumPy out, the GIL released; it reads arguments, calls the core once, decides nothing.
+//! The Python binding: NumPy in, NumPy out, the GIL released. It reads arguments and calls the core once.
 
 mod ahead;
 mod array;
@@ -120,8 +120,8 @@ mod _midair {
     #[pymodule_export]
     use super::toolbox::register;
 
-    /// The first array makes the numpy crate look for NumPy; were Ctrl-C to come in between, it would panic. Imports
-    /// may be interrupted.
+    /// The first array makes the numpy crate import NumPy, which panics if Ctrl-C comes at that moment. Making one array
+    /// during the import of midair avoids this, because an import may be interrupted.
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("STEP", midair::points::STEP)?;

@@ -11,13 +11,14 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use crate::error::invalid;
 use crate::read;
 
-/// Bytes, unless the machine has less or `MIDAIR_MEMORY` says otherwise.
+/// Default memory limit in bytes.
 const MEMORY: u64 = 8_000_000_000;
 
-/// The threads of this process, one a processor: a child made by fork has none of its parent's, and gets its own.
+/// Returns the thread pool of this process, one thread per processor. A forked child has no threads of its parent, so it
+/// gets a new pool.
 pub(crate) fn threads(_py: Python<'_>) -> PyResult<Threads> {
     static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
-    // Locked with the GIL taken, and so free whenever Python forks.
+    // Only a thread with the GIL takes this lock, so it is never locked when Python forks.
     let mut kept = POOL.lock().unwrap_or_else(PoisonError::into_inner);
     let process = process::id();
     if let Some((owner, pool)) = &*kept
@@ -27,36 +28,36 @@ pub(crate) fn threads(_py: Python<'_>) -> PyResult<Threads> {
     }
     let built = ThreadPoolBuilder::new().build();
     let pool = Arc::new(built.map_err(|error| PyRuntimeError::new_err(format!("no threads to work with: {error}")))?);
-    // The parent's is left alone: its threads are not here to be waited for.
+    // The parent's pool is not dropped: dropping would wait for threads that do not exist in this process.
     mem::forget(kept.replace((process, Arc::clone(&pool))));
     Ok(Threads::of(pool))
 }
 
-/// The threads that a caller asks for, at most; all where none are named.
+/// Returns at most as many threads as the caller requests; all threads by default.
 pub(crate) fn at_most(py: Python<'_>, given: Option<&Bound<'_, PyAny>>) -> PyResult<Threads> {
     match given.map(|value| read::count("threads", value)).transpose()? {
         None => threads(py),
         Some(0) => Err(invalid("threads", "0", "give a whole number, 1 or above")),
-        // One works here, and wakes no other.
+        // A single thread needs no pool.
         Some(1) => Ok(Threads::default().at_most(1)),
         Some(most) => Ok(threads(py)?.at_most(most)),
     }
 }
 
-/// The most bytes that a computation may take at once: `MIDAIR_MEMORY`, such as 2e9, 500MB or 16GB, else 8 GB, but no
-/// more than three quarters of the machine's. The environment is read once.
+/// Returns the memory limit of a computation in bytes: `MIDAIR_MEMORY` (such as 2e9, 500MB or 16GB), by default 8 GB or
+/// three quarters of the machine's memory if that is less. The variable is read once.
 pub(crate) fn memory() -> PyResult<u64> {
     static REQUESTED: OnceLock<Result<u64, String>> = OnceLock::new();
     REQUESTED.get_or_init(requested).clone().map_err(no_bytes)
 }
 
-/// The memory limit, read again, for computations in Python.
+/// Returns the memory limit for computations in Python; the variable is read at each call.
 #[pyfunction]
 pub(crate) fn memory_limit() -> PyResult<u64> {
     requested().map_err(no_bytes)
 }
 
-/// The limit, or the text of the environment that is none.
+/// Returns the limit, or the text of the variable if it is no number of bytes.
 fn requested() -> Result<u64, String> {
     match std::env::var("MIDAIR_MEMORY").ok().filter(|text| !text.is_empty()) {
         None => Ok(installed().map_or(MEMORY, |bytes| MEMORY.min(bytes / 4 * 3))),
@@ -69,7 +70,7 @@ fn no_bytes(text: String) -> PyErr {
     invalid("MIDAIR_MEMORY", &format!("\"{text}\""), "give bytes, such as 2e9, 500MB or 16GB")
 }
 
-/// Bytes of a number with a unit or without.
+/// Parses a number of bytes with or without a unit.
 fn read(text: &str) -> Option<u64> {
     let text = text.trim().to_ascii_uppercase();
     let units = [("KB", 1e3), ("MB", 1e6), ("GB", 1e9), ("TB", 1e12), ("", 1.0)];
@@ -79,7 +80,7 @@ fn read(text: &str) -> Option<u64> {
     (bytes.is_finite() && bytes >= 0.0).then_some(bytes as u64)
 }
 
-/// The machine's memory in bytes, where Linux tells.
+/// Returns the machine's memory in bytes; None on systems other than Linux.
 fn installed() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;

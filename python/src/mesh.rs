@@ -1,4 +1,4 @@
-//! `midair.Mesh`, and its boundary from Python's linear algebra.
+//! `midair.Mesh`, and its boundary equations, which Python's linear algebra solves.
 
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
@@ -156,7 +156,7 @@ impl Mesh {
     }
 }
 
-/// Faces (F, 3).
+/// Reads the faces (F, 3) of a mesh.
 #[allow(clippy::cast_sign_loss, reason = "below 0 is checked before")]
 pub(crate) fn indices(value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
     let (item, cure) = ("mesh.faces", "give whole numbers of shape (F, 3), indices of vertices");
@@ -164,7 +164,7 @@ pub(crate) fn indices(value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
     match shape[..] {
         _ if values.is_empty() => Ok(Vec::new()),
         [_, 3] => {
-            // The core rejects an index below 0 or too large and names its face: -1 becomes the largest index.
+            // A negative index becomes the largest one, so that the core rejects it and names the face.
             Ok(values
                 .as_chunks()
                 .0
@@ -176,7 +176,7 @@ pub(crate) fn indices(value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
     }
 }
 
-/// The boundary of a scene's meshes: equations whose solution is the sound on their elements.
+/// The boundary equations of a scene's meshes; their solution is the sound on the elements.
 #[pyclass(frozen, module = "midair._midair")]
 pub(crate) struct Boundary {
     inner: Arc<midair::Boundary>,
@@ -184,39 +184,40 @@ pub(crate) struct Boundary {
 
 #[pymethods]
 impl Boundary {
-    /// Elements E and transducers N.
+    /// Number of elements E and of transducers N.
     #[getter]
     fn shape(&self) -> (usize, usize) {
         (self.inner.elements(), self.inner.transducers())
     }
 
-    /// The parameters that the sound depends on, to be hashed.
+    /// Returns all parameters on which the sound depends, as bytes to be hashed.
     fn content<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
         PyBytes::new(py, &self.inner.content())
     }
 
-    /// The equations' matrix (E, E).
+    /// Returns the matrix of the equations (E, E).
     fn matrix<'py>(&self, py: Python<'py>, progress: Option<Py<PyAny>>) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
         let threads = limits::threads(py)?;
         let matrix = attend(py, progress, |control| self.inner.matrix(&mut control.on(threads)))?;
         PyArray1::from_vec(py, matrix).reshape([self.inner.elements(); 2])
     }
 
-    /// The right-hand sides of the elements (E, N).
+    /// Returns the right-hand sides of the equations (E, N).
     fn incident<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
         let threads = limits::threads(py)?;
         let incident = attend(py, None, |control| self.inner.incident(&mut control.on(threads)))?;
         PyArray1::from_vec(py, incident).reshape([self.inner.elements(), self.inner.transducers()])
     }
 
-    /// What sound (E, N) leaves inside the bodies, of what comes there without them.
+    /// Returns the sound inside of the bodies, which should be 0, relative to the incident sound there. `sound` is the
+    /// solution (E, N).
     fn left_inside(&self, py: Python<'_>, sound: PyReadonlyArray2<'_, Complex32>) -> PyResult<f64> {
         let (sound, threads) = (sound.as_slice()?, limits::threads(py)?);
         attend(py, None, |control| self.inner.left_inside(sound, &mut control.on(threads)))
     }
 }
 
-/// A model behind obstacles; where there are meshes among them, Python solves their boundary.
+/// Returns a model with obstacles. If there are meshes among them, Python solves their boundary equations.
 pub(crate) fn behind(py: Python<'_>, model: &Model, obstacles: &[Obstacle]) -> PyResult<Model> {
     if !obstacles.iter().any(|obstacle| matches!(obstacle, Obstacle::Mesh(_))) {
         let threads = limits::threads(py)?;

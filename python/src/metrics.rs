@@ -55,7 +55,7 @@ midair::metrics!(define);
 
 impl Hash for Metrics {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        // 0 and -0 are equal.
+        // Equal values need equal hashes, and 0 equals -0: adding 0 turns -0 into 0.
         self.values().map(|value| (value + 0.0).to_bits()).hash(state);
     }
 }
@@ -99,7 +99,7 @@ pub(crate) struct BatchMetrics {
 }
 
 impl BatchMetrics {
-    /// (B, 6).
+    /// Returns the metrics as rows (B, 6).
     pub(crate) fn rows(&self) -> Vec<[f64; 6]> {
         self.inner.iter().map(|metrics| metrics.values()).collect()
     }

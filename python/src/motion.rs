@@ -1,4 +1,4 @@
-//! Scene files of moving points, read for the toolbox, which draws their paths.
+//! Scene files with moving points, read for the Python package, which makes their paths.
 
 use std::path::PathBuf;
 
@@ -11,8 +11,8 @@ use crate::files::{bytes_of, read};
 use crate::read::option_dict;
 use crate::scene::Scene;
 
-/// The scene and settings of a file of points that move, or None where it has no `[motion]`; `start` is called with the name
-/// and text of each table of it, and returns the points of the first frame.
+/// Returns the scene and the settings of a file with moving points, or None if it has no `[motion]`. `start` is called with
+/// name and text of each table of a path, and returns the points of the first frame.
 #[pyfunction]
 pub(crate) fn read_motion<'py>(
     path: PathBuf,

@@ -1,4 +1,4 @@
-//! Listed names for a typed name, ignoring case, "-" and "_".
+//! Finds listed names; case, "-" and "_" do not matter.
 
 use midair::{Error, presets, solvers};
 use pyo3::exceptions::PyTypeError;
@@ -7,19 +7,19 @@ use pyo3::types::PyDict;
 
 use crate::error::refused;
 
-/// The listed name of a solver.
+/// Returns the listed name of a solver.
 #[pyfunction]
 pub(crate) fn solver_name(name: &str) -> PyResult<&'static str> {
     Ok(solvers::find(name).map_err(refused)?.info.name)
 }
 
-/// The listed name of a preset.
+/// Returns the listed name of a preset.
 #[pyfunction]
 pub(crate) fn preset_name(name: &str) -> PyResult<&'static str> {
     Ok(presets::find(name).map_err(refused)?.name)
 }
 
-/// The hint at the known name that an unknown one probably means, or ""; and the line that rejects it.
+/// Returns a hint at the known name that was probably meant, or "", and the text of the error about an unknown name.
 #[pyfunction]
 pub(crate) fn unknown(kind: &str, name: &str, known: Vec<String>) -> (String, String) {
     let error = Error::unknown(kind, name, known.iter().map(String::as_str));
@@ -27,7 +27,8 @@ pub(crate) fn unknown(kind: &str, name: &str, known: Vec<String>) -> (String, St
     (hint, error.to_string())
 }
 
-/// Rejects a keyword that a call does not have. Python does so for all functions except `Solver.__call__`, the fastest one.
+/// Makes the error about an unknown keyword of `Solver.__call__`. The Python package wraps all other functions for this
+/// error; `__call__` stays unwrapped, because it must be fast.
 #[cold]
 pub(crate) fn unknown_argument(name: &str, others: &Bound<'_, PyDict>, known: &[&str]) -> PyErr {
     let other = others.keys().iter().next().map_or_else(String::new, |key| key.to_string());

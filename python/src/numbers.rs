@@ -1,4 +1,4 @@
-//! The one reader of arrays: numbers of any memory layout, copied in C order; rejects arrays that numpy would guess or lose.
+//! Reads arrays of numbers in any memory layout as copies in C order. Rejects values that NumPy would convert wrongly.
 
 use numpy::ndarray::{Dimension, IxDyn};
 use numpy::{
@@ -12,7 +12,7 @@ use pyo3::types::{IntoPyDict, PyBool, PyFloat, PyInt, PyList, PyTuple};
 
 use crate::error::invalid;
 
-/// The most dimensions that an argument has: (B, M, 3).
+/// Most dimensions of an argument: (B, M, 3).
 const DEEPEST: usize = 3;
 
 /// Values in C order, and their shape.
@@ -22,7 +22,7 @@ pub(crate) struct Numbers<T> {
 }
 
 impl<T: Element + Copy> Numbers<T> {
-    /// The numbers of an array, whatever its byte order, alignment and strides.
+    /// Returns the numbers of an array with any byte order, alignment and strides.
     pub(crate) fn of(array: &Bound<'_, PyAny>) -> PyResult<Self> {
         if let Some(array) = in_place::<T, IxDyn>(array) {
             return Ok(Self { shape: array.shape().to_vec(), values: array.as_slice()?.to_vec() });
@@ -35,13 +35,13 @@ impl<T: Element + Copy> Numbers<T> {
     }
 }
 
-/// How a shape reads in an error.
+/// Returns a shape as text for an error.
 pub(crate) fn reported(shape: &[usize]) -> String {
     let sizes: Vec<String> = shape.iter().map(ToString::to_string).collect();
     format!("of shape ({}{})", sizes.join(", "), if sizes.len() == 1 { "," } else { "" })
 }
 
-/// The numbers of an argument that is of one of `kinds` (numpy's letters).
+/// Reads the numbers of an argument whose type is one of `kinds` (NumPy's letters).
 pub(crate) fn numbers<T: Element + Copy>(
     item: &str,
     value: &Bound<'_, PyAny>,
@@ -51,7 +51,7 @@ pub(crate) fn numbers<T: Element + Copy>(
     Numbers::of(&array(item, value, kinds, cure)?.0)
 }
 
-/// The numpy array of an argument, and its kind, which is one of `kinds`.
+/// Returns the NumPy array of an argument, and its kind, which is one of `kinds`.
 pub(crate) fn array<'py>(
     item: &str,
     value: &Bound<'py, PyAny>,
@@ -66,7 +66,7 @@ pub(crate) fn array<'py>(
             return Err(refusal());
         }
         refuse_hidden(item, value)?;
-        // A ragged list is no array at all; what else goes wrong in there is not ours to hide.
+        // A ragged list is no array. Exceptions of other kinds, such as Ctrl-C, are passed on.
         match as_array(value) {
             Err(error) if error.is_instance_of::<PyException>(value.py()) => return Err(refusal()),
             array => array?,
@@ -79,7 +79,7 @@ pub(crate) fn array<'py>(
 fn as_array<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     static AS_ARRAY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     static FROM_DLPACK: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    // `import midair` makes arrays of lists, and loads no module of the toolbox for them.
+    // While midair is being imported, arrays are made from lists only, which need no module of the package.
     let read = if value.hasattr("__dlpack__")? {
         FROM_DLPACK.import(value.py(), "midair._support.arguments", "as_array")?
     } else {
@@ -88,7 +88,8 @@ fn as_array<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     read.call1((value,))
 }
 
-/// Whether lists nest no deeper than an array does, and no bool hides in them, where numpy would make a number of it.
+/// Returns whether nested lists can be an array of numbers: not nested too deeply, and without bools, which NumPy would
+/// convert to numbers.
 fn is_array_like(value: &Bound<'_, PyAny>, depth: usize, bools: bool) -> bool {
     if value.is_exact_instance_of::<PyFloat>() || value.is_exact_instance_of::<PyInt>() {
         return true;
@@ -101,7 +102,7 @@ fn is_array_like(value: &Bound<'_, PyAny>, depth: usize, bools: bool) -> bool {
     bools || !(value.is_instance_of::<PyBool>() || name.is_ok_and(|name| name == "bool" || name == "bool_"))
 }
 
-/// Refuses masked arrays that hide entries, alone or in lists: numpy would take what lies under the mask.
+/// Rejects masked arrays with masked entries, also in lists: NumPy would use the values under the mask.
 pub(crate) fn refuse_hidden(item: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
     if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
         return value.try_iter()?.try_for_each(|entry| refuse_hidden(item, &entry?));
@@ -117,14 +118,14 @@ pub(crate) fn refuse_hidden(item: &str, value: &Bound<'_, PyAny>) -> PyResult<()
     Err(invalid(item, &reported, "fill what the mask hides, or leave it out"))
 }
 
-/// An array that can be read where it lies.
+/// Returns an array that can be read without a copy, else None.
 pub(crate) fn in_place<'py, T: Element, D: Dimension>(value: &Bound<'py, PyAny>) -> Option<PyReadonlyArray<'py, T, D>> {
     let array = value.cast_exact::<PyArray<T, D>>().ok()?;
-    // A Fortran-ordered array is contiguous, too.
+    // Memory in Fortran order is contiguous, too, so C order is checked explicitly.
     (array.is_c_contiguous() && array.is_aligned()).then(|| array.try_readonly().ok()).flatten()
 }
 
-/// How a value reads in an error: short, on one line.
+/// Returns a value as text for an error: short, on one line.
 pub(crate) fn quoted(value: &Bound<'_, PyAny>) -> String {
     let text = value.repr().map_or_else(
         |error| {

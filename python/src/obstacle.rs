@@ -1,4 +1,4 @@
-//! `obstacles=` from Python and back.
+//! The argument `obstacles`, from Python and back.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::error::invalid;
 use crate::mesh::Mesh;
 use crate::numbers::quoted;
 
-/// Obstacles (K,), or none.
+/// Reads a list of obstacles; None is an empty list.
 pub(crate) fn read_obstacles(value: &Bound<'_, PyAny>) -> PyResult<Vec<Obstacle>> {
     let cure = &format!("give a list of midair.{} and Mesh", NAMES.join(", "));
     if value.is_none() {
@@ -30,7 +30,7 @@ pub(crate) fn read_obstacles(value: &Bound<'_, PyAny>) -> PyResult<Vec<Obstacle>
     all.enumerate().map(one).collect()
 }
 
-/// Obstacles as they were given.
+/// Returns obstacles as Python objects.
 pub(crate) fn shown_obstacles<'py>(py: Python<'py>, obstacles: &[Obstacle]) -> PyResult<Vec<Bound<'py, PyAny>>> {
     let one = |obstacle: &Obstacle| match (shown_body(py, obstacle)?, obstacle) {
         (Some(body), _) => Ok(body),

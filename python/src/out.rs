@@ -1,4 +1,4 @@
-//! `out` arrays: checked for a drive, then written.
+//! Arrays for results, `out`: checked before a solve, then written.
 
 use midair::Complex32;
 use numpy::ndarray::Dimension;
@@ -8,13 +8,13 @@ use pyo3::prelude::*;
 use crate::error::invalid;
 use crate::numbers::{quoted, refuse_hidden, reported};
 
-/// An array of a shape that can be written, borrowed so that no other call writes it; of a batch a contiguous one.
+/// Borrows a writable array of a shape, so that no other call can write it. For a batch it must be contiguous.
 pub(crate) fn borrowed<'py, D: Dimension>(
     value: &Bound<'py, PyAny>,
     shape: &[usize],
 ) -> PyResult<PyReadwriteArray<'py, Complex32, D>> {
     let contiguous = if shape.len() > 1 { "C-contiguous " } else { "" };
-    // Named only when refused: this runs for every frame of a moving hand.
+    // The error's text is made only when needed: this runs for every frame of a moving hand.
     let refusal = |value: &str| {
         let cure = format!("give a writable {contiguous}complex64 array {}", reported(shape));
         invalid("out", value, &cure)
@@ -43,13 +43,13 @@ pub(crate) fn borrowed<'py, D: Dimension>(
     })
 }
 
-/// Writes a drive (N,).
+/// Writes a drive (N,) to an array.
 pub(crate) fn write(mut out: PyReadwriteArray<'_, Complex32, numpy::Ix1>, drive: &[Complex32]) -> PyResult<()> {
     if out.is_c_contiguous() {
         out.as_slice_mut()?.copy_from_slice(drive);
         return Ok(());
     }
-    // Strides need not be whole numbers of entries (a field of records): numpy knows.
+    // Strides may be no multiple of the entry's size (a field of records); NumPy handles them.
     let (py, array) = (out.py(), out.as_any().clone());
     drop(out);
     array.set_item(py.Ellipsis(), PyArray1::from_slice(py, drive))

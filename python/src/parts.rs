@@ -9,10 +9,10 @@ use crate::give;
 use crate::quantization::{self, read_quantization};
 use crate::read;
 
-/// Parts, and the values that an array gets of them.
+/// Parts with the values that an array gets.
 pub(crate) type Given = Vec<(&'static Part, PartValue)>;
 
-/// Reads the parts that are given by name; what is left out or None stays as it is.
+/// Reads the parts by their names; parts that are missing or None do not change.
 pub(crate) fn given<'py>(value: impl Fn(&str) -> PyResult<Option<Bound<'py, PyAny>>>) -> PyResult<Given> {
     let read = |part: &'static Part| {
         let value = value(part.name).transpose()?;
@@ -21,7 +21,7 @@ pub(crate) fn given<'py>(value: impl Fn(&str) -> PyResult<Option<Bound<'py, PyAn
     Array::PARTS.iter().filter_map(read).collect()
 }
 
-/// Reads the keywords of a call that takes parts alone.
+/// Reads the keywords of a call that accepts only parts.
 pub(crate) fn keywords(call: &str, keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Given> {
     let Some(keywords) = keywords else { return Ok(Given::new()) };
     for name in keywords.keys() {
@@ -45,7 +45,7 @@ fn read_part(part: &Part, value: &Bound<'_, PyAny>) -> PyResult<PartValue> {
     })
 }
 
-/// The value of a part as Python has it.
+/// Returns the value of a part as a Python object.
 pub(crate) fn shown(py: Python<'_>, value: PartValue) -> PyResult<Bound<'_, PyAny>> {
     Ok(match value {
         PartValue::Real(number) => number.into_pyobject(py)?.into_any(),
@@ -64,7 +64,7 @@ fn directivity(py: Python<'_>, law: Directivity) -> PyResult<Bound<'_, PyAny>> {
     }
 }
 
-/// The kind of each part by its name, for stubs and sweeps.
+/// Returns the kind of each part by its name, for stubs and sweeps.
 #[pyfunction]
 pub(crate) fn array_parts(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let kind = |part: &Part| (part.name, format!("{:?}", part.kind()).to_lowercase());

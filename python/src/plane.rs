@@ -53,7 +53,7 @@ pub(crate) struct Plane {
 
 impl Hash for Plane {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        // 0 and -0 are equal.
+        // Equal values need equal hashes, and 0 equals -0: adding 0 turns -0 into 0.
         let bits = |x: f64| (x + 0.0).to_bits();
         (bits(self.inner.at), bits(self.inner.size), self.inner.pixels).hash(state);
     }
@@ -94,7 +94,7 @@ impl Plane {
         let place = match (place, axis) {
             (Some(place), _) => place,
             (None, Axis::Z) => return Err(invalid("plane.z", "left out", "give the plane's height in m")),
-            // By default upright planes go through the array's axis.
+            // By default, planes normal to x or y pass through the array's axis.
             (None, _) => 0.0,
         };
         let size = number("plane.size", size)?;

@@ -1,4 +1,4 @@
-//! Curves as points, and points along contours, by the core.
+//! Curves, and points along curves and contours.
 
 use midair::points;
 use numpy::{PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
@@ -10,11 +10,11 @@ use crate::give::fresh;
 use crate::pickle::Reduced;
 use crate::read::{place, vectors};
 
-/// A curve by arc length: a line, a circle, or straight lines.
+/// A curve parametrised by arc length: a line, a circle, or a polyline.
 #[pyclass(frozen, module = "midair._midair")]
 pub(crate) struct Curve {
     curve: points::Curve,
-    /// How it was made: a static method and its arguments.
+    /// The static method that made it, and its arguments, for pickling.
     made: (&'static str, Py<PyTuple>),
 }
 
@@ -57,12 +57,12 @@ impl Curve {
         self.curve.closed()
     }
 
-    /// Points (M, 3), evenly spaced.
+    /// Returns points (M, 3), evenly spaced.
     fn points<'py>(&self, py: Python<'py>, step: f64) -> PyResult<Bound<'py, PyArray2<f64>>> {
         fresh(py, &self.curve.points(step).map_err(refused)?)
     }
 
-    /// Places (..., 3) after ways (...) in m from its start.
+    /// Returns the places (..., 3) at distances (...) in m along the curve from its start.
     fn after<'py>(&self, py: Python<'py>, ways: PyReadonlyArrayDyn<'_, f64>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let places = ways.as_array().iter().flat_map(|&way| self.curve.after(way)).collect();
         let shape: Vec<usize> = ways.shape().iter().copied().chain([3]).collect();
@@ -74,7 +74,7 @@ impl Curve {
     }
 }
 
-/// Points (M, 3) along contours of vertices (K, 3).
+/// Returns points (M, 3) along contours with vertices (K, 3).
 #[pyfunction]
 pub(crate) fn along<'py>(
     py: Python<'py>,

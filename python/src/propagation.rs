@@ -53,7 +53,7 @@ impl Propagation {
         Ok(Self { inner: midair::Propagation::from_matrix(&entries, points).map_err(refused)? })
     }
 
-    /// (M, N): points and transducers.
+    /// Number of points M and of transducers N.
     #[getter]
     fn shape(&self) -> (usize, usize) {
         (self.inner.points(), self.inner.transducers())

@@ -1,4 +1,4 @@
-//! `quantization` arguments, from Python and back.
+//! The argument `quantization`, from Python and back.
 
 use midair::Quantization;
 use pyo3::prelude::*;
@@ -11,7 +11,7 @@ use crate::read;
 
 const KEYS: [&str; 3] = ["phases", "amplitudes", "pulses"];
 
-/// `{"phases": 256, "amplitudes": [0, 0.5, 1]}`; what is left out or None is continuous.
+/// Reads a table such as `{"phases": 256, "amplitudes": [0, 0.5, 1]}`; a key that is missing or None is continuous.
 pub(crate) fn read_quantization(value: &Bound<'_, PyAny>) -> PyResult<Quantization> {
     let Ok(table) = value.cast::<PyDict>() else {
         let cure = "give a dictionary such as {\"phases\": 256, \"amplitudes\": [0, 0.5, 1]}";
@@ -40,7 +40,7 @@ pub(crate) fn read_quantization(value: &Bound<'_, PyAny>) -> PyResult<Quantizati
     .map_err(refused)
 }
 
-/// The same as a dictionary of Python's, or None where any drive can be had.
+/// Returns a quantization as a dict, or None if any drive is possible.
 pub(crate) fn shown<'py>(py: Python<'py>, quantization: Option<&Quantization>) -> PyResult<Option<Bound<'py, PyDict>>> {
     let Some(quantization) = quantization else { return Ok(None) };
     let table = PyDict::new(py);

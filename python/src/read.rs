@@ -1,4 +1,4 @@
-//! Arguments by their meaning (points, pressures, drives, options), read for the core; errors state the name.
+//! Reads arguments by their meaning (points, pressures, drives, options) for the core. Errors state the argument's name.
 
 use midair::solvers as registry;
 use midair::{Aim, Choice, Complex32, Complex64, Directivity, OptionValue, Options, Request, Start, Value};
@@ -9,7 +9,7 @@ use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString};
 use crate::error::{invalid, refused};
 use crate::numbers::{Numbers, array, numbers, quoted, reported};
 
-/// Boards along x and y, one where none are given.
+/// Reads the number of boards along x and y; one by default.
 pub(crate) fn tiles(value: Option<&Bound<'_, PyAny>>) -> PyResult<[usize; 2]> {
     let Some(value) = value else { return Ok([1, 1]) };
     let pair: Vec<Bound<'_, PyAny>> = value.try_iter().and_then(|few| few.take(3).collect()).unwrap_or_default();
@@ -19,11 +19,11 @@ pub(crate) fn tiles(value: Option<&Bound<'_, PyAny>>) -> PyResult<[usize; 2]> {
     Ok([count("tiles[0]", x)?, count("tiles[1]", y)?])
 }
 
-/// Kinds of numbers, in numpy's letters.
+/// Kinds of numbers, as NumPy's letters.
 pub(crate) const REAL: &str = "iuf";
 pub(crate) const NUMBER: &str = "iufc";
 
-/// Vectors (K, 3).
+/// Reads vectors (K, 3).
 pub(crate) fn vectors(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 3]>> {
     let cure = "give real numbers of shape (K, 3), in metres";
     let Numbers { values, shape } = numbers(item, value, REAL, cure)?;
@@ -34,7 +34,7 @@ pub(crate) fn vectors(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64
     }
 }
 
-/// One place or direction (3,).
+/// Reads one place or direction (3,).
 pub(crate) fn place(item: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
     let cure = "give three real numbers";
     let Numbers { values, shape } = numbers(item, value, REAL, cure)?;
@@ -44,13 +44,13 @@ pub(crate) fn place(item: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> 
     }
 }
 
-/// Numbers (M,); one number stands for all M.
+/// Reads numbers (M,); a single number applies to all M points.
 pub(crate) fn list(item: &str, value: &Bound<'_, PyAny>, count: usize) -> PyResult<Vec<f64>> {
     let cure = format!("give one real number, or one for each of the {count} points");
     for_all(item, numbers(item, value, REAL, &cure)?, count, &cure)
 }
 
-/// Pressures (M,); one number stands for all M, complex ones have phases.
+/// Reads pressures (M,); a single number applies to all M points, complex numbers have phases.
 pub(crate) fn pressures(value: &Bound<'_, PyAny>, count: usize) -> PyResult<Request> {
     let (item, cure) = ("pressures", format!("give one real or complex number, or one for each of the {count} points"));
     let (array, kind) = array(item, value, NUMBER, &cure)?;
@@ -70,7 +70,7 @@ fn for_all<T: Copy>(item: &str, numbers: Numbers<T>, count: usize, cure: &str) -
     }
 }
 
-/// One real number.
+/// Reads one real number.
 pub(crate) fn real(item: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     let cure = "give one real number";
     let Numbers { values, shape } = numbers(item, value, REAL, cure)?;
@@ -80,12 +80,12 @@ pub(crate) fn real(item: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     }
 }
 
-/// One real number, or the default where it is left out.
+/// Reads one real number; returns the default if it is not given.
 pub(crate) fn real_or(item: &str, value: Option<&Bound<'_, PyAny>>, default: f64) -> PyResult<f64> {
     value.map_or(Ok(default), |value| real(item, value))
 }
 
-/// A whole number that counts something; `least` is refused by the core, below 0 is refused here.
+/// Reads a whole number. Negative numbers are rejected here, other invalid ones by the core.
 pub(crate) fn count(item: &str, value: &Bound<'_, PyAny>) -> PyResult<usize> {
     let number = integer(value).and_then(|number| usize::try_from(number).ok());
     number.ok_or_else(|| invalid(item, &quoted(value), "give a whole number, 1 or above"))
@@ -95,7 +95,7 @@ fn integer(value: &Bound<'_, PyAny>) -> Option<i128> {
     if value.is_instance_of::<PyBool>() || value.is_instance_of::<PyFloat>() {
         return None;
     }
-    // numpy's integers are no `int`, but count as one; its bools do not.
+    // NumPy's integers are not `int` and are accepted; its bools are not.
     if !value.is_instance_of::<PyInt>() {
         let kind = value.getattr("dtype").and_then(|dtype| dtype.getattr("kind")).ok()?;
         if !matches!(kind.extract::<&str>(), Ok("i" | "u")) {
@@ -105,7 +105,7 @@ fn integer(value: &Bound<'_, PyAny>) -> Option<i128> {
     value.call_method0("__index__").ok()?.extract().ok()
 }
 
-/// Points (B, M, 3) of a batch, one after the other, and B and M.
+/// Reads points (B, M, 3) of a batch; returns them one after the other, with B and M.
 pub(crate) fn batch_of_points(item: &str, value: &Bound<'_, PyAny>) -> PyResult<(Vec<[f64; 3]>, [usize; 2])> {
     let cure = "give real numbers of shape (B, M, 3), in metres, B and M at least 1";
     let Numbers { values, shape } = numbers(item, value, REAL, cure)?;
@@ -115,7 +115,7 @@ pub(crate) fn batch_of_points(item: &str, value: &Bound<'_, PyAny>) -> PyResult<
     }
 }
 
-/// B of numbers (B, M).
+/// Returns B of numbers (B, M).
 pub(crate) fn batch_size(item: &str, value: Option<&Bound<'_, PyAny>>, size: usize) -> PyResult<usize> {
     let cure = format!("give numbers of shape (B, {size}), one row a problem");
     let Some(value) = value else { return Err(invalid(item, "left out", &cure)) };
@@ -126,13 +126,13 @@ pub(crate) fn batch_size(item: &str, value: Option<&Bound<'_, PyAny>>, size: usi
     }
 }
 
-/// Numbers (B, M) of a batch; (M,) stand for every problem, one number for every point.
+/// Reads numbers (B, M) of a batch; (M,) apply to every problem, a single number to every point.
 pub(crate) fn batch_of_numbers(item: &str, value: &Bound<'_, PyAny>, size: [usize; 2]) -> PyResult<Vec<f64>> {
     let cure = format!("give one real number, {} of them, or an array {}", size[1], reported(&size));
     for_each(item, numbers(item, value, REAL, &cure)?, size, &cure)
 }
 
-/// Pressures (B, M) of a batch, likewise; complex ones have phases.
+/// Reads pressures (B, M) of a batch in the same way; complex ones have phases.
 pub(crate) fn batch_of_pressures(value: &Bound<'_, PyAny>, size: [usize; 2]) -> PyResult<Request> {
     let item = "pressures";
     let cure = format!("give one real or complex number, {} of them, or an array {}", size[1], reported(&size));
@@ -154,7 +154,7 @@ fn for_each<T: Copy>(item: &str, numbers: Numbers<T>, size: [usize; 2], cure: &s
     }
 }
 
-/// Starts of a batch: complex numbers are drives (B, N), real numbers point phases (B, M).
+/// Reads the starts of a batch: complex numbers are drives (B, N), real numbers are point phases (B, M).
 pub(crate) fn batch_of_starts(
     item: &str,
     value: &Bound<'_, PyAny>,
@@ -173,7 +173,7 @@ pub(crate) fn batch_of_starts(
     Ok(Starts::Drives(rounded(&values)))
 }
 
-/// Drives (B, N) of `transducers` each, one after the other, and B.
+/// Reads drives (B, N) of `transducers` each; returns them one after the other, with B.
 pub(crate) fn batch_of_drives(
     item: &str,
     value: &Bound<'_, PyAny>,
@@ -187,58 +187,59 @@ pub(crate) fn batch_of_drives(
     }
 }
 
-/// Where the problems of a batch begin, one after the other.
+/// Starts of all problems of a batch, one after the other.
 pub(crate) enum Starts {
     None,
     Drives(Vec<Complex32>),
     Phases(Vec<f64>),
 }
 
-/// Where an iterative method begins: complex numbers are a drive (N,), real numbers point phases (M,).
+/// Reads the start of an iterative method: complex numbers are a drive (N,), real numbers are point phases (M,).
 pub(crate) fn start(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Start> {
     let (_, kind) = array(item, value, NUMBER, "give a drive (N,), a Solution or point phases (M,)")?;
     if kind == 'c' { drive(item, value).map(Start::Drive) } else { reals(item, value).map(Start::Phases) }
 }
 
-/// Yes or no (N,).
+/// Reads bools (N,).
 pub(crate) fn flags(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<bool>> {
     one_each(item, value, "b", "give True or False of shape (N,), one a transducer")
 }
 
-/// Whole numbers of 0 or above (N,).
+/// Reads whole numbers (N,) of at least 0.
 pub(crate) fn indices(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<usize>> {
     let cure = "give whole numbers of 0 or above of shape (N,), one a transducer";
     let index = |number: i64| usize::try_from(number).map_err(|_| invalid(item, &number.to_string(), cure));
     one_each(item, value, "iu", cure)?.into_iter().map(index).collect()
 }
 
-/// Complex numbers (N,) in double precision.
+/// Reads complex numbers (N,) in double precision.
 pub(crate) fn complexes(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Complex64>> {
     one_each(item, value, NUMBER, "give numbers of shape (N,), one a transducer")
 }
 
-/// A drive (N,).
+/// Reads a drive (N,).
 pub(crate) fn drive(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Complex32>> {
     complexes(item, value).map(|values| rounded(&values))
 }
 
-/// Real numbers (K,).
+/// Reads real numbers (K,).
 pub(crate) fn reals(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     one_each(item, value, REAL, "give real numbers of shape (K,)")
 }
 
-/// Values of shape (K,).
+/// Reads values of shape (K,).
 fn one_each<T: Element + Copy>(item: &str, value: &Bound<'_, PyAny>, kinds: &str, cure: &str) -> PyResult<Vec<T>> {
     let Numbers { values, shape } = numbers(item, value, kinds, cure)?;
     if shape.len() == 1 { Ok(values) } else { Err(invalid(item, &reported(&shape), cure)) }
 }
 
-/// Rounded here and not by numpy: what does not fit f32 becomes infinite and is refused by name.
+/// Rounds to single precision. NumPy would warn of values too large for it; here they become infinite, and are rejected by
+/// name.
 fn rounded(values: &[Complex64]) -> Vec<Complex32> {
     values.iter().map(|q| Complex32::new(q.re as f32, q.im as f32)).collect()
 }
 
-/// A complex matrix (M, N): its entries and M.
+/// Reads a complex matrix (M, N); returns its entries and M.
 pub(crate) fn matrix(item: &str, value: &Bound<'_, PyAny>) -> PyResult<(Vec<Complex64>, usize)> {
     let cure = "give numbers of shape (M, N): points by transducers";
     let Numbers { values, shape } = numbers(item, value, NUMBER, cure)?;
@@ -248,7 +249,7 @@ pub(crate) fn matrix(item: &str, value: &Bound<'_, PyAny>) -> PyResult<(Vec<Comp
     }
 }
 
-/// A directivity: a name, or a dictionary of one name and its parameter.
+/// Reads a directivity: a name, or a dict with one name and its parameter.
 pub(crate) fn directivity(value: &Bound<'_, PyAny>) -> PyResult<Directivity> {
     if let Ok(name) = value.cast::<PyString>() {
         return Directivity::named(&name.to_string_lossy(), None).map_err(refused);
@@ -263,13 +264,13 @@ pub(crate) fn directivity(value: &Bound<'_, PyAny>) -> PyResult<Directivity> {
     Err(invalid("directivity", &quoted(value), "give a name such as \"point\" or {\"piston\": 4.5e-3}"))
 }
 
-/// A solver's options from keywords; `None` leaves the default.
+/// Reads a solver's options from keywords; `None` means the default.
 pub(crate) fn options(keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Options> {
     let mut options = Options::new();
     for (name, value) in keywords.into_iter().flatten() {
         if !value.is_none() {
             let name: String = name.extract()?;
-            // `lambda` is a word of Python's own: lambda_ stands for it.
+            // `lambda` is a keyword of Python, so that option is given as `lambda_`.
             let name = name.strip_suffix('_').unwrap_or(&name);
             options.insert(name.to_owned(), option(name, &value)?);
         }
@@ -277,7 +278,7 @@ pub(crate) fn options(keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Options>
     Ok(options)
 }
 
-/// The solver, its options, whether to balance and the aim, from the keywords and from what a scene file chooses.
+/// Returns solver, options, balance and aim from the keywords and from a scene file's choice.
 pub(crate) fn chosen(
     file: Option<&Choice>,
     solver: Option<&Bound<'_, PyAny>>,
@@ -285,7 +286,7 @@ pub(crate) fn chosen(
 ) -> PyResult<Choice> {
     let named = solver.map(name).transpose()?;
     let given = options(keywords)?;
-    // Another solver's options in the file do not fit; the same one's do, and keywords win over them.
+    // The file's options apply only if the solver is the file's. Keywords replace them.
     let named = named.as_deref().map(registry::find).transpose().map_err(refused)?.map(|entry| entry.info.name);
     let file = file.filter(|choice| named.is_none_or(|name| name == choice.name));
     let name = named.or(file.map(|choice| choice.name.as_str())).unwrap_or(registry::DEFAULT);
@@ -295,7 +296,7 @@ pub(crate) fn chosen(
     Ok(Choice { name: name.into(), options, balance, aim })
 }
 
-/// A solver by its name and options, as `options` of a solution and `solver` of a scene tell them.
+/// Returns a solver's choice from its name and options, as `Solution.options` and `Scene.solver` contain them.
 pub(crate) fn choice(name: String, options: &Bound<'_, PyDict>) -> PyResult<Choice> {
     Choice::new(name, self::options(Some(options))?).map_err(refused)
 }
@@ -326,7 +327,7 @@ fn option(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     }
 }
 
-/// Options as Python values.
+/// Returns options as a Python dict.
 pub(crate) fn option_dict<'py>(py: Python<'py>, options: &Options) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     for (name, value) in options {
@@ -335,7 +336,7 @@ pub(crate) fn option_dict<'py>(py: Python<'py>, options: &Options) -> PyResult<B
     Ok(dict)
 }
 
-/// An option's value as a Python value.
+/// Returns an option's value as a Python object.
 pub(crate) fn option_object<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
     Ok(match value {
         Value::Bool(flag) => flag.into_pyobject(py)?.to_owned().into_any(),
@@ -346,7 +347,7 @@ pub(crate) fn option_object<'py>(py: Python<'py>, value: &Value) -> PyResult<Bou
     })
 }
 
-/// Pressures and weights of `count` points as the core takes them.
+/// Reads pressures and weights of `count` points.
 pub(crate) fn request(
     count: usize,
     pressures: Option<&Bound<'_, PyAny>>,
@@ -356,7 +357,7 @@ pub(crate) fn request(
     Ok(Request { weights: weights.map(|value| list("weights", value, count)).transpose()?, ..given })
 }
 
-/// An aim by its name.
+/// Reads an aim by its name.
 pub(crate) fn aim(aim: &Bound<'_, PyAny>) -> PyResult<Aim> {
     match aim.extract::<String>() {
         Ok(name) => Aim::read("aim", &Value::Text(name)).map_err(refused),
@@ -364,12 +365,12 @@ pub(crate) fn aim(aim: &Bound<'_, PyAny>) -> PyResult<Aim> {
     }
 }
 
-/// True or False.
+/// Reads True or False.
 pub(crate) fn flag(item: &str, value: &Bound<'_, PyAny>) -> PyResult<bool> {
     value.extract().map_err(|_| invalid(item, &quoted(value), "give True, False or None"))
 }
 
-/// A solver's name.
+/// Reads a solver's name.
 pub(crate) fn name(value: &Bound<'_, PyAny>) -> PyResult<String> {
     if value.is_callable() {
         let cure = "give a name; a function solves one scene at a time, by midair.solve";
@@ -379,7 +380,7 @@ pub(crate) fn name(value: &Bound<'_, PyAny>) -> PyResult<String> {
     value.extract().map_err(|_| invalid("solver", &quoted(value), cure))
 }
 
-/// A callback, called with `arguments`.
+/// Rejects a callback that cannot be called; `arguments` describes its arguments in the error.
 pub(crate) fn callback(value: Option<&Bound<'_, PyAny>>, arguments: &str) -> PyResult<()> {
     match value {
         Some(callback) if !callback.is_callable() => {

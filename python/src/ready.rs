@@ -1,4 +1,4 @@
-//! Ready: an array prepared for a medium, stored beside the array for the next scene of both.
+//! Ready: an array prepared for a medium, stored beside the array and reused by the next scene with both.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -9,38 +9,38 @@ use crate::error::refused;
 use crate::instruction_set::instruction_set;
 use crate::mesh::behind;
 
-/// Bytes of a workspace that is kept for the next solve at most: new memory of 1 MB costs as much as G at 64 points.
+/// Most bytes of a workspace that is stored for the next solve. Allocating 1 MB costs as much time as G for 64 points.
 const MOST_KEPT: usize = 32 << 20;
 
-/// An array prepared for a medium, and what is probably a mistake of the two: both take O(N) and more, a scene of them O(M).
+/// An array prepared for a medium, and probable mistakes in them. Preparing takes time O(N) or more, a scene only O(M).
 pub(crate) struct Ready {
     pub(crate) model: Model,
     pub(crate) doubts: Vec<Doubt>,
-    /// The last obstacles, and the model behind them: what a body sends on takes long to find.
+    /// The last obstacles and the model with them: computing what they reflect takes long.
     behind: Mutex<Option<(Vec<Obstacle>, Model)>>,
-    /// The memory of the last solve.
+    /// Workspace of the last solve.
     work: Mutex<Option<Workspace>>,
 }
 
 impl Ready {
-    /// The memory of the last solve, or new memory while that is in use.
+    /// Returns the workspace of the last solve; a new one if there is none or another call uses it.
     pub(crate) fn workspace(&self) -> Workspace {
         self.work.lock().unwrap_or_else(PoisonError::into_inner).take().unwrap_or_default()
     }
 
-    /// Keeps memory for the next solve.
+    /// Stores a workspace for the next solve, unless it is too large.
     pub(crate) fn keep(&self, work: Workspace) {
         if work.bytes() <= MOST_KEPT {
             *self.work.lock().unwrap_or_else(PoisonError::into_inner) = Some(work);
         }
     }
 
-    /// The model behind obstacles.
+    /// Returns the model with these obstacles.
     pub(crate) fn behind(&self, py: Python<'_>, obstacles: &[Obstacle]) -> PyResult<Model> {
         if obstacles.is_empty() {
             return Ok(self.model.clone());
         }
-        // Never locked while others may want the GIL.
+        // Locked only for short operations that do not wait for the GIL, to avoid a deadlock.
         let kept = || self.behind.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, model)) = kept().as_ref().filter(|(own, _)| own == obstacles) {
             return Ok(model.clone());
@@ -51,7 +51,7 @@ impl Ready {
     }
 }
 
-/// The last preparation of an array. Copies share it.
+/// The last prepared form of an array. Copies share it.
 #[derive(Clone, Default)]
 pub(crate) struct Kept(Arc<Mutex<Option<Arc<Ready>>>>);
 
@@ -60,9 +60,9 @@ impl Kept {
         Self(Arc::new(Mutex::new(Some(ready))))
     }
 
-    /// The prepared data of the array.
+    /// Returns the array prepared for a medium.
     pub(crate) fn get(&self, array: &midair::Array, medium: Medium) -> PyResult<Arc<Ready>> {
-        // Locked with the GIL taken, and so free whenever Python forks.
+        // Only a thread with the GIL takes this lock, so it is never locked when Python forks.
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(ready) = kept.as_ref().filter(|ready| ready.model.medium() == medium) {
             return Ok(Arc::clone(ready));

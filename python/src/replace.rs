@@ -1,4 +1,4 @@
-//! A scene with other parts: `scene.replace(...)`, and keywords of `solve` beside a scene.
+//! Scenes with changed parts: `scene.replace(...)`, and keywords of `solve` beside a scene.
 
 use midair::Request;
 use pyo3::prelude::*;
@@ -15,7 +15,7 @@ use crate::read;
 use crate::scene::{ARGUMENTS, Around, Scene, remade};
 use crate::signature::read_signature;
 
-// Here, not beside the class: `Keywords` itself reads scenes.
+// In this file instead of scene.rs, to keep that file short.
 #[pymethods]
 impl Scene {
     /// Return the same scene with other parts; what is left out stays, the solver of a scene file too.
@@ -49,7 +49,7 @@ impl Scene {
     }
 }
 
-/// The scene with changes, named as its constructor names them.
+/// Returns the scene with changes, which are named like the constructor's arguments.
 fn replaced(py: Python<'_>, scene: &Scene, changes: &Bound<'_, PyDict>) -> PyResult<Scene> {
     let (own, keywords) = (&*scene.inner, Keywords::of(py, Some(changes))?);
     let array = match keywords.take("array")? {

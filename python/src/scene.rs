@@ -26,7 +26,7 @@ use crate::signature::{read_signature, shown_signature};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// Arguments of the constructor beside the air and the array's parts.
+/// Arguments of the constructor, without those of the air and the array's parts.
 pub(crate) const ARGUMENTS: [&str; 7] = ["array", "points", "pressures", "weights", "signature", "bead", "obstacles"];
 
 /// Request: an array, points in the air, and a pressure for each point.
@@ -84,9 +84,9 @@ pub(crate) const ARGUMENTS: [&str; 7] = ["array", "points", "pressures", "weight
 #[derive(Clone)]
 pub(crate) struct Scene {
     pub(crate) inner: Arc<midair::Scene>,
-    /// Its array and medium.
+    /// Array and medium.
     pub(crate) ready: Arc<Ready>,
-    /// Array and medium with the obstacles and the signature.
+    /// Array and medium with obstacles and signature.
     model: midair::Model,
 }
 
@@ -98,20 +98,20 @@ impl PartialEq for Scene {
 
 impl Hash for Scene {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        // 0 and -0 are equal.
+        // Equal values need equal hashes, and 0 equals -0: adding 0 turns -0 into 0.
         (self.inner.points().len(), self.inner.points()[0].map(|x| (x + 0.0).to_bits())).hash(state);
         (self.inner.array().len(), self.inner.medium().frequency.to_bits()).hash(state);
     }
 }
 
 impl Scene {
-    /// A scene of the core.
+    /// Makes a scene from one of the core.
     pub(crate) fn of(inner: midair::Scene) -> PyResult<Self> {
         let array = inner.array().clone().into();
         Self::with(&array, inner)
     }
 
-    /// A scene of an array that may be prepared already.
+    /// Makes a scene whose array may already be prepared for the medium.
     pub(crate) fn with(array: &Array, inner: midair::Scene) -> PyResult<Self> {
         let ready = array.ready(inner.medium())?;
         let model = Python::attach(|py| ready.behind(py, inner.obstacles()))?;
@@ -119,7 +119,7 @@ impl Scene {
         Ok(Self { ready, model, inner: Arc::new(inner) })
     }
 
-    /// The scene, with a warning of probable mistakes.
+    /// Returns the scene after warnings about probable mistakes.
     pub(crate) fn reported(self, py: Python<'_>) -> PyResult<Self> {
         warn_all(py, self.doubts())?;
         Ok(self)
@@ -130,7 +130,7 @@ impl Scene {
         midair::Problem::of_model(&model, self.inner.points(), self.inner.request(), control)
     }
 
-    /// Its array and medium with the obstacles and the signature, for solving.
+    /// Returns array and medium with obstacles and signature, for solving.
     pub(crate) fn model(&self) -> midair::Model {
         self.model.clone()
     }
@@ -165,7 +165,7 @@ impl Scene {
             return Err(PyTypeError::new_err(unknown.to_string()));
         }
         let points = read::vectors("points", points)?;
-        // Without points there is no length to compare; the core reports this.
+        // Without points, pressures have no length to compare with; the core reports the missing points.
         let request =
             if points.is_empty() { Request::default() } else { read::request(points.len(), pressures, weights)? };
         let signature = signature.map(|value| read_signature(value, array.inner.len())).transpose()?;
@@ -235,8 +235,8 @@ impl Scene {
         Ok(Reach { alone, level })
     }
 
-    /// From its parts.
-    /// A warning of places (K, 3) in m that are so far from the array that their unit is probably wrong, or None.
+    /// Returns a warning about places (K, 3) in m that are so far from the array that their unit is probably wrong, or
+    /// None.
     fn _far(&self, name: &str, places: &Bound<'_, PyAny>) -> PyResult<Option<String>> {
         let places = read::vectors(name, places)?;
         let named = |k: usize| if places.len() == 1 { name.to_owned() } else { format!("{name}[{k}]") };
@@ -274,7 +274,7 @@ impl Scene {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
-        // Moduli and phases as stored: to the last bit.
+        // Moduli and phases as stored, because complex numbers would lose the last bit.
         let Request { pressures, phases, weights } = self.inner.request().clone();
         let [pressures, phases, weights] =
             [pressures, phases, weights].map(|list| list.map(|list| give::list(py, list)));
@@ -326,7 +326,7 @@ getters! {
     plane(self) -> Option<Plane> = self.inner.plane.map(|inner| Plane { inner });
 }
 
-/// Parts of a scene beside array, air, points and request.
+/// Parts of a scene in addition to array, air, points and request.
 pub(crate) struct Around {
     pub(crate) plane: Option<midair::Plane>,
     pub(crate) signature: Option<midair::Signature>,
@@ -334,7 +334,7 @@ pub(crate) struct Around {
     pub(crate) obstacles: Vec<midair::Obstacle>,
 }
 
-/// A scene with other parts, the solver of its file kept, and a warning of probable mistakes.
+/// Returns a scene with other parts and the same solver, after warnings about probable mistakes.
 pub(crate) fn remade(
     py: Python<'_>,
     own: &Scene,

@@ -1,4 +1,4 @@
-//! Common part of `midair.Solver` and `solve_batch`: a session from transducers, a solver and keywords.
+//! Common part of `midair.Solver` and `solve_batch`: makes a session from transducers, a solver and keywords.
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ use crate::subject::{Beside, given};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// A session, and how it was chosen.
+/// A session, and the choices from which it was made.
 pub(crate) struct Setting {
     pub(crate) session: Session,
     pub(crate) choice: Choice,
@@ -32,7 +32,7 @@ pub(crate) struct Setting {
     pub(crate) source: Source,
 }
 
-/// A choice as an answer tells it: with the aim of its problem, where the method uses one.
+/// Returns the choice for a solution's record: with the problem's aim, if the method uses one.
 pub(crate) fn answered(choice: &Arc<Choice>, info: &Info, problem: Option<&Problem>) -> Arc<Choice> {
     match problem {
         Some(problem) if info.uses_aim => Arc::new(Choice { aim: Some(problem.aim()), ..Choice::clone(choice) }),
@@ -40,7 +40,7 @@ pub(crate) fn answered(choice: &Arc<Choice>, info: &Info, problem: Option<&Probl
     }
 }
 
-/// The source of a session's G.
+/// Where a session gets G from: a model, or a given matrix.
 pub(crate) enum Source {
     Model(Model),
     Given(midair::Propagation, Arc<Setup>),
@@ -61,7 +61,7 @@ impl PartialEq for Source {
 }
 
 impl Source {
-    /// One problem of a session, made again.
+    /// Makes one problem of a session again.
     pub(crate) fn problem(
         &self,
         points: &[[f64; 3]],
@@ -76,7 +76,7 @@ impl Source {
         }
     }
 
-    /// The first argument and the keywords that make the setting of a choice again.
+    /// Returns the first argument and the keywords from which the setting can be made again.
     pub(crate) fn arguments<'py>(
         &self,
         py: Python<'py>,
@@ -105,8 +105,8 @@ impl Source {
 }
 
 impl Setting {
-    /// From a Scene (its array, medium and solver), an Array or a Propagation, and keywords: the Scene's, `signature`, `bead`,
-    /// `obstacles`, `balance`, `aim`, and the solver's options.
+    /// Reads a Scene (its array, medium and solver), an Array or a Propagation, and keywords: the Scene's, `signature`,
+    /// `bead`, `obstacles`, `balance`, `aim`, and the solver's options.
     pub(crate) fn read(
         object: &Bound<'_, PyAny>,
         solver: Argument<'_, '_>,

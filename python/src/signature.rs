@@ -1,4 +1,4 @@
-//! `signature=` from Python and back: factors that turn foci into traps.
+//! The argument `signature`, from Python and back: factors that turn foci into traps.
 
 use midair::{Complex64, Signature};
 use pyo3::prelude::*;
@@ -9,7 +9,7 @@ use crate::give;
 use crate::numbers::{Numbers, numbers, quoted, reported};
 use crate::read::NUMBER;
 
-/// A name, one or None for each point, or factors (N,) or (M, N) for `transducers` of them.
+/// Reads a signature: a name, a list with a name or None for each point, or factors (N,) or (M, N) for N `transducers`.
 pub(crate) fn read_signature(value: &Bound<'_, PyAny>, transducers: usize) -> PyResult<Signature> {
     if let Ok(name) = value.cast::<PyString>() {
         return Signature::named(&name.to_string()).map_err(refused);
@@ -33,7 +33,7 @@ pub(crate) fn read_signature(value: &Bound<'_, PyAny>, transducers: usize) -> Py
     Ok(Signature::Given(values.into()))
 }
 
-/// A signature as it was given, its factors complex128.
+/// Returns a signature in the form in which it was given, its factors as complex128.
 pub(crate) fn shown_signature<'py>(
     py: Python<'py>,
     signature: Option<&Signature>,

@@ -34,7 +34,7 @@ use crate::subject::{Beside, Subject};
 pub(crate) struct Solution {
     pub(crate) inner: midair::Solution,
     pub(crate) choice: Arc<midair::Choice>,
-    /// The given scene; without one, it is made of the solution when it is read.
+    /// The scene that was given. If there is none, it is made from the solution at the first use.
     scene: Option<Scene>,
     trace: Option<Vec<f64>>,
     elapsed: f64,
@@ -45,13 +45,13 @@ impl Solution {
         Self { inner, choice, scene: None, trace: None, elapsed }
     }
 
-    /// The same with its scene and the residual after each step.
+    /// Adds a scene and the residual after each step to the solution.
     pub(crate) fn of(self, scene: Option<Scene>, trace: Option<Vec<f64>>) -> Self {
         Self { scene, trace, ..self }
     }
 }
 
-/// By value, except for its time.
+/// Compares values; the elapsed time does not count.
 impl PartialEq for Solution {
     fn eq(&self, other: &Self) -> bool {
         self.inner == other.inner
@@ -157,7 +157,7 @@ impl Solution {
         let metrics = self.inner.metrics();
         let (name, status) = (&self.choice.name, self.inner.status);
         let (accuracy, sigma) = (metrics.accuracy, metrics.sigma);
-        // Without pressures there is no request that could be missed.
+        // Without pressures there is no request that a drive could miss.
         let given = self.inner.requested().2.pressures.is_some();
         let level =
             if given { format!("accuracy {accuracy:.4}") } else { format!("{accuracy:.4} of the balanced level") };
@@ -221,10 +221,10 @@ getters! {
     options(self, py) -> PyResult<Bound<'py, PyDict>> = read::option_dict(py, &self.choice.table());
 }
 
-/// A scene, a drive and a place, from a function's first arguments: `(scene, drive, place)`, or `(solution, place)`.
+/// Scene, drive and place from a function's first arguments: `(scene, drive, place)`, or `(solution, place)`.
 pub(crate) type About<'py> = (Bound<'py, Scene>, Bound<'py, PyAny>, Option<Bound<'py, PyAny>>);
 
-/// A scene and a drive: both as given, or those of a Solution alone.
+/// Returns scene, drive and place: all as given, or scene and drive of a Solution.
 #[pyfunction]
 #[pyo3(signature = (scene, drive=None, place=None))]
 pub(crate) fn about<'py>(
@@ -251,7 +251,7 @@ pub(crate) fn about<'py>(
     Ok((scene.clone(), drive, place))
 }
 
-/// The played drive: a drive (N,) unchanged, or a Solution's times its scale.
+/// Returns the played drive: a drive (N,) unchanged, or a Solution's times its scale.
 pub(crate) fn played(drive: &Bound<'_, PyAny>) -> PyResult<Vec<Complex32>> {
     match drive.cast::<Solution>() {
         Ok(solution) => Ok(solution.get().inner.played()),
@@ -259,7 +259,7 @@ pub(crate) fn played(drive: &Bound<'_, PyAny>) -> PyResult<Vec<Complex32>> {
     }
 }
 
-/// A start: a Solution or complex numbers are a drive (N,), real numbers are point phases (M,).
+/// Reads a start: a Solution or complex numbers give a drive (N,), real numbers are point phases (M,).
 pub(crate) fn begin(start: &Bound<'_, PyAny>) -> PyResult<midair::Start> {
     if let Ok(solution) = start.cast::<Solution>() {
         return Ok(midair::Start::Drive(solution.get().inner.drive.clone()));
@@ -267,7 +267,7 @@ pub(crate) fn begin(start: &Bound<'_, PyAny>) -> PyResult<midair::Start> {
     read::start("start", start)
 }
 
-// Here, not beside the class: a solution has its scene already.
+// In this file instead of scene.rs, because solution.rs already imports scene.rs.
 #[pymethods]
 impl Scene {
     /// Return the scene as JSON text; with a solution, as the record of its solve.

@@ -67,7 +67,7 @@ pub(crate) struct Solver {
     source: Source,
 }
 
-/// The part that a call changes.
+/// Data that a call changes.
 pub(crate) struct State {
     pub(crate) session: Session,
     ask: SolveRequest,
@@ -78,7 +78,7 @@ impl Solver {
     pub(crate) fn state(&self) -> PyResult<MutexGuard<'_, State>> {
         match self.state.try_lock() {
             Ok(state) => Ok(state),
-            // A call that panicked leaves nothing that the next one reads.
+            // A call that panicked leaves no data that the next call uses.
             Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
             Err(TryLockError::WouldBlock) => {
                 Err(invalid("solver", "at work in another thread", "give each thread a Solver of its own"))
@@ -86,7 +86,7 @@ impl Solver {
         }
     }
 
-    /// Reads a part of the last solution.
+    /// Returns a value of the last solution.
     fn answer<T>(&self, read: impl FnOnce(&midair::Solution) -> T) -> PyResult<T> {
         self.state()?.session.solution().map(read).ok_or_else(|| {
             invalid("solution", "none yet", "call the solver with out= first; without out= the answer is returned")
@@ -94,7 +94,7 @@ impl Solver {
     }
 }
 
-/// Copies points into a reused list: an array that is already float64 and C-contiguous without another copy.
+/// Copies points into a reused list; a C-contiguous float64 array is copied only once.
 fn copy_points(value: &Bound<'_, PyAny>, kept: &mut Vec<[f64; 3]>) -> PyResult<()> {
     kept.clear();
     if let Some(array) = in_place::<f64, Ix2>(value)
@@ -311,7 +311,7 @@ impl Solver {
         Ok(())
     }
 
-    /// A copy has the same setting and a memory of its own, without a last answer.
+    /// Pickles the setting. A copy has its own memory and no last solution.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         let (py, Self { choice, points, source, .. }) = (slf.py(), slf.get());
         let (first, keywords) = source.arguments(py, choice)?;

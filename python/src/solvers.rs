@@ -22,7 +22,7 @@ pub(crate) struct OptionInfo {
     default: Py<PyAny>,
     /// Description in one line.
     doc: String,
-    /// The words that it accepts; none for other types.
+    /// Words that it accepts; empty for other types.
     words: Vec<String>,
     /// Whether it accepts a list of integers.
     list: bool,
@@ -60,7 +60,7 @@ impl OptionInfo {
 /// ('fast', True)
 #[pyclass(frozen, module = "midair")]
 pub(crate) struct SolverInfo {
-    /// Name.
+    /// Name of the solver.
     #[pyo3(get)]
     name: String,
     /// Description in one line.
@@ -72,7 +72,7 @@ pub(crate) struct SolverInfo {
     /// Whether it balances by default.
     #[pyo3(get)]
     balance: bool,
-    /// Whether it uses the phases of complex pressures, a start and an aim.
+    /// Whether the solver uses the phases of complex pressures, a start and an aim.
     uses: [bool; 3],
     /// Options by name.
     #[pyo3(get)]
@@ -123,7 +123,7 @@ getters! {
     uses_aim(self) -> bool = self.uses[2];
 }
 
-/// Every solver by name, with its documented options and their defaults.
+/// Return every solver by name, with its options, their documentation and defaults.
 #[pyfunction]
 pub(crate) fn solvers(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);

@@ -1,4 +1,4 @@
-//! First argument of `midair.solve`, `judge` and `bound`: a scene, or a matrix with its keywords.
+//! First argument of `midair.solve`, `judge` and `bound`: a scene, or a matrix with keywords.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use crate::scene::{Around, Scene, remade};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// Keywords for what a matrix has not of its own; beside a scene they replace its own.
+/// Keywords for data that a matrix does not have. For a scene they replace its own.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Beside<'a, 'py> {
     pub(crate) pressures: Argument<'a, 'py>,
@@ -28,7 +28,7 @@ pub(crate) struct Beside<'a, 'py> {
 }
 
 impl Beside<'_, '_> {
-    /// A scene with what is given beside it in place of its own.
+    /// Returns a scene with these keywords instead of its own values.
     fn over(self, scene: &Bound<'_, Scene>) -> PyResult<Scene> {
         let Self { pressures, weights, quantization, mask, positions } = self;
         if positions.is_some() {
@@ -56,13 +56,13 @@ impl Beside<'_, '_> {
     }
 }
 
-/// The scene or matrix that `solve`, `judge` and `bound` get.
+/// A scene or a matrix.
 pub(crate) enum Subject {
     Scene(Scene),
     Given(midair::Propagation, Arc<Setup>, midair::Request),
 }
 
-/// A matrix under its mask, and the array behind it.
+/// Returns a matrix with its mask applied, and the data of its array.
 pub(crate) fn given(
     propagation: &midair::Propagation,
     Beside { quantization, mask, positions, .. }: Beside<'_, '_>,
@@ -105,7 +105,7 @@ impl Subject {
         }
     }
 
-    /// The scene, if it is one.
+    /// Returns the scene; None for a matrix.
     pub(crate) fn scene(self) -> Option<Scene> {
         match self {
             Self::Scene(scene) => Some(scene),
@@ -113,7 +113,7 @@ impl Subject {
         }
     }
 
-    /// The board's grid.
+    /// Returns the board's quantization.
     pub(crate) fn quantization(&self) -> Option<&Quantization> {
         match self {
             Self::Scene(scene) => scene.inner.array().quantization(),
@@ -121,7 +121,7 @@ impl Subject {
         }
     }
 
-    /// The array prepared for the medium, of a scene.
+    /// Returns the prepared array of a scene; None for a matrix.
     pub(crate) fn ready(&self) -> Option<&Ready> {
         match self {
             Self::Scene(scene) => Some(&scene.ready),
@@ -129,7 +129,7 @@ impl Subject {
         }
     }
 
-    /// The solver the scene file names.
+    /// Returns the solver that the scene file names.
     pub(crate) fn choice(&self) -> Option<&midair::Choice> {
         match self {
             Self::Scene(scene) => scene.inner.solver.as_ref(),

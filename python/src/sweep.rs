@@ -1,4 +1,4 @@
-//! Sweep files, read for the toolbox: values, keys and places.
+//! Sweep files, read for the Python package: values, keys and line numbers.
 
 use midair::files::{self, Format, Node, Source};
 use pyo3::IntoPyObjectExt;
@@ -7,14 +7,14 @@ use pyo3::types::PyDict;
 
 use crate::error::refused;
 
-/// The tables of a sweep file's text; name is what errors call it.
+/// Returns the tables in a sweep file's text; `name` is its name in errors.
 #[pyfunction]
 pub(crate) fn read_sweep<'py>(py: Python<'py>, text: &[u8], name: &str) -> PyResult<Bound<'py, PyAny>> {
     let tables = files::read_sweep(text, Format::of_document(name, text), Source { name, folder: None });
     value(py, &tables.map_err(refused)?)
 }
 
-/// A refusal of a value of the text with its place, where it has one.
+/// Returns the error about a value in a text, with its line if that can be found.
 #[pyfunction]
 pub(crate) fn placed(text: &[u8], name: &str, refusal: &str) -> String {
     let found = files::placed(text, Format::of_document(name, text), Source { name, folder: None }, refusal);

@@ -8,10 +8,10 @@ use pyo3::prelude::*;
 use crate::error::refused;
 use crate::{give, read};
 
-/// The line of each row (R,), and the rows (R, C) in the order of the names.
+/// Line number of each row (R,), and the rows (R, C) in the order of the names.
 type Read<'py> = (Bound<'py, PyArray1<usize>>, Bound<'py, PyArray2<f64>>);
 
-/// The table of a file's text; name is what errors call it. Without names they are those of positions.
+/// Reads the table in a file's text; `name` is its name in errors. `names` are the columns, by default those of positions.
 #[pyfunction(name = "read_table")]
 #[pyo3(signature = (text, name, names=None, units="in metres", example=""))]
 pub(crate) fn table<'py>(
@@ -31,7 +31,7 @@ pub(crate) fn table<'py>(
     Ok((PyArray1::from_vec(py, table.lines), rows))
 }
 
-/// The CSV of a drive (N,) of transducers at positions (N, 3) in m, where they are known.
+/// Returns the CSV of a drive (N,), with the positions (N, 3) of the transducers in m if given.
 #[pyfunction]
 #[pyo3(signature = (drive, positions=None))]
 pub(crate) fn drive_to_csv(drive: &Bound<'_, PyAny>, positions: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
@@ -39,7 +39,7 @@ pub(crate) fn drive_to_csv(drive: &Bound<'_, PyAny>, positions: Option<&Bound<'_
     Ok(midair::files::write_drive(positions.as_deref(), &read::drive("drive", drive)?))
 }
 
-/// The drive (N,) of such a CSV; name is what errors call the file.
+/// Reads the drive (N,) in such a CSV; `name` is the file's name in errors.
 #[pyfunction]
 pub(crate) fn drive_from_csv<'py>(
     py: Python<'py>,

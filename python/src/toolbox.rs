@@ -1,4 +1,4 @@
-//! Toolbox: functions of the package's Python part for the extension, which never imports that part.
+//! Toolbox: functions of the Python package that the extension calls; it imports no Python code of midair itself.
 
 use pyo3::exceptions::PyImportError;
 use pyo3::prelude::*;
@@ -7,7 +7,7 @@ use pyo3::sync::PyOnceLock;
 /// The module that `midair` registers when it is imported.
 static TOOLBOX: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
 
-/// Keeps the module whose functions the extension calls; the first one stays.
+/// Stores the module whose functions the extension calls; only the first call has an effect.
 #[pyfunction]
 pub(crate) fn register(toolbox: Bound<'_, PyAny>) {
     let py = toolbox.py();
