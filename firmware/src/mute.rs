@@ -1,7 +1,8 @@
 //! Mute: silences a board after some time without points, and lets it play again with the next ones.
 //!
 //! Boards play their last frame for ever. A microcontroller that gets points over a line that may break calls
-//! [`Mute::is_due`] whenever it looks for points. If it is true, it sends [`crate::player::Player::silence`].
+//! [`Mute::is_due`] whenever it looks for points. If that is true, the microcontroller sends
+//! [`crate::player::Player::silence`].
 
 /// A timeout for a source of points, in ticks of any clock that counts through all of u32.
 #[derive(Clone, Copy, Debug)]

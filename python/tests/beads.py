@@ -52,7 +52,7 @@ class Air:
         return -2 * (compression * (slope * pressure.conj()[:, None]) + motion * along).real
 
     def drag(self, speed: Real) -> Real:
-        """Schiller and Naumann's drag (M, 3) in N at velocities (M, 3) in m/s."""
+        """Returns Schiller and Naumann's drag (M, 3) in N at velocities (M, 3) in m/s."""
         modulus = np.linalg.norm(speed, axis=1, keepdims=True)
         reynolds = 2 * self.radius * traps.DENSITY * modulus / VISCOSITY
         return -6 * np.pi * VISCOSITY * self.radius * (1 + 0.15 * reynolds**0.687) * speed
@@ -60,7 +60,7 @@ class Air:
     def stray(
         self, drives: Complex, points: Real, begin: Real, rate: float, speed: Real | float = 0.0
     ) -> Real:
-        """Distances (T, M) in m of beads from points (T, M, 3) at each frame's end, from places (M, 3)."""
+        """Returns distances (T, M) in m between points (T, M, 3) and beads that start at `begin` (M, 3)."""
         step, apart = 1 / (rate * STEPS), np.zeros(points.shape[:2])
         state = np.stack([begin, np.broadcast_to(speed, begin.shape)])
 

@@ -73,7 +73,7 @@ def assert_nearest(kind: str, got: Complex, wanted: Complex) -> None:
 #: it.
 TOGETHER = {"autd3": (1, 2, 4), "mega64": (1, 2, 3, 14)}
 
-#: Each kind and number of boards.
+#: All pairs of a kind and a number of boards.
 CASES = [
     (kind, boards)
     for kind, known in Codec.kinds().items()

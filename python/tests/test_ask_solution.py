@@ -23,7 +23,7 @@ def scenes() -> dict[str, midair.Scene]:
     array = midair.Array.preset("openmpd_board")
     return {
         "plain": midair.Scene(array, POINTS, 300.0),
-        # The amplitudes of this board leave a scale below 1.
+        # This board has few amplitudes, so a scale below 1 remains for the supply voltage.
         "scaled": midair.Scene(midair.Array.preset("sonicsurface"), POINTS, 20.0),
         "trap": midair.Scene(array, POINTS, signature="trap"),
         "wall": midair.Scene(array, POINTS, obstacles=[midair.Wall([0, 0.09, 0], [0, -1, 0])]),

@@ -94,7 +94,7 @@ def test_a_scenes_own_solver_counts() -> None:
     assert own == midair.solve_batch(scene, POINTS, solver="greedy", phases=16, balance=True)
     assert own[0].options["phases"] == midair.Solver(scene).options["phases"] == 16
     assert own[0].options["balance"] is True
-    # Keywords override the options of the scene's solver, and another solver drops them.
+    # Keywords override the options of the scene's solver; another solver does not use those options.
     assert midair.solve_batch(scene, POINTS, phases=8)[0].options["phases"] == 8
     assert midair.solve_batch(scene, POINTS, solver="fast")[0].solver == "fast"
 

@@ -103,7 +103,7 @@ def test_autd3_intensities_are_pressures_within_half_a_tick_of_the_pulse_width()
     assert np.abs(np.sin(np.pi / 512 * line.pulse_widths) - got).max() <= np.pi / 1024
 
 
-# Which channel is which transducer
+# The channel of each transducer
 
 
 def sonicsurface_channel(x: float, z: float) -> int:

@@ -222,7 +222,7 @@ def test_a_mesh_is_solved_once(cache: Path) -> None:
         assert np.array_equal(midair.Scene(other, POINTS[:2], obstacles=[mesh]).propagation(), first)
         kept.copy().pop().write_bytes(spoil)
     assert not list(cache.rglob("*.part"))
-    # Another medium or another mesh has another file.
+    # Every other medium or mesh is stored in a file of its own.
     midair.Scene(array, POINTS[:2], frequency=39e3, obstacles=[mesh])
     midair.Scene(array, POINTS[:2], obstacles=[ball(1, "soft", 0.0079)])
     assert len(set(cache.rglob("*.npz")) - before) == 3
@@ -261,7 +261,7 @@ def test_files_of_modellers(tmp_path: Path) -> None:
         assert "\n" not in str(refusal.value)
     with pytest.raises(midair.SceneError, match="scale is 0"):
         midair.Mesh.from_file(tmp_path / "ball.stl", scale=0)
-    # Seams of a texture, and a face without area: the surface counts as closed all the same.
+    # A surface is closed even if a texture has seams on it, or if a face has no area.
     corners = [f"v {x} {y} {z}" for x, y, z in vertices] + [f"vt 0.{k} 0.5" for k in range(3 * len(faces))]
     seams = [
         "f " + " ".join(f"{v + 1}/{3 * k + c + 1}" for c, v in enumerate(face))

@@ -209,7 +209,7 @@ def test_memory_is_requested_before_it_is_taken(monkeypatch: pytest.MonkeyPatch)
     rig = Rig(20)
     drives = midair.calibration_drives(rig.array, 2)
     received = rig.read(drives, 60)
-    # 6 matrices of 515 x 515 unknowns, 8 bytes each.
+    # 6 matrices of 515 x 515 numbers of 8 bytes are 0.013 GB.
     for given, reported in [("12MB", "0.012"), ("1e3", "0.000"), (" 2 kb ", "0.000"), ("0", "0.000")]:
         monkeypatch.setenv("MIDAIR_MEMORY", given)
         with pytest.raises(

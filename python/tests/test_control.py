@@ -105,7 +105,7 @@ def test_progress_of_a_balanced_solve_speaks_of_the_final_drive() -> None:
     scene = small(pressures=1.0)
     midair.solve(scene, "greedy", balance=True, progress=lambda *step: reported.append(step[2]))
     solution = midair.solve(scene, "greedy", balance=True)
-    # The pressures before balancing scaled the drive down to the targets.
+    # The pressures of the drive before it was scaled down to the targets, relative to the level.
     before = np.abs(solution.pressures) / solution.amplitudes.max() / scene.reach().level
     assert reported[-1] == pytest.approx(np.mean((1 - before) ** 2), abs=1e-4)
     assert solution.metrics.residual <= reported[-1]

@@ -137,7 +137,7 @@ def test_a_solutions_scale_counts_in_field_and_judge() -> None:
     assert np.mean(np.abs(at_points.pressure)) / 16 == pytest.approx(solution.metrics.level, rel=1e-4)
     assert numbers(midair.judge(scene, solution)) == pytest.approx(numbers(solution.metrics), rel=1e-4)
     assert (at_points.scale, at_points.solution) == (solution.scale, solution)
-    # Every pixel of a picture has the scale.
+    # The solution's scale applies to every pixel of a picture.
     loud, real = (np.abs(midair.field(scene, drive).pressure) for drive in (solution.drive, solution))
     assert real == pytest.approx(loud * solution.scale, rel=1e-4)
     # `judge` of a matrix applies the scale, too; a bare drive has no scale.

@@ -44,7 +44,7 @@ def test_each_choice_is_the_best_of_its_turn() -> None:
     requested = scene(9)
     solution = midair.solve(requested, "greedy", objective=noted, seed=9)
     assert len(turns) == 400
-    # The candidates' mean over all phases is the field without this transducer's change: the start of a turn.
+    # The phases of the next candidates are a full circle, so their mean is the field that this turn chose.
     for (pressures, costs), (later, _) in pairwise(turns):
         chosen = np.abs(pressures - later.mean(axis=0)).max(axis=1).argmin()
         assert costs[chosen] <= costs.min() + 1e-6 * costs.max()

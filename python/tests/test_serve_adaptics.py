@@ -132,7 +132,7 @@ def test_parameters_jumps_and_transforms() -> None:
         assert tacton.at(0, Moment(), values).point == (10 + radius, 0, 50)
     moved = tacton.at(0, Moment(), {}, [[2, 0, 0, 1], [0, 1, 0, 0], [0, 0, 1, -5], [0, 0, 0, 1]])
     assert moved.point == (24, 0, 45)
-    # A start in the middle: the offset is the time given with the parameters.
+    # A start at 50 ms: the point is halfway between the two keyframes.
     assert tacton.at(50, Moment(50), {}).point[0] == pytest.approx(15 + 3)
 
 

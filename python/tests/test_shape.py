@@ -58,7 +58,7 @@ def test_a_line_has_equal_steps_and_both_ends(step: float) -> None:
     assert (points[0] == start).all()
     assert points[-1] == pytest.approx(end)
     length = np.linalg.norm(end - start)
-    # The number of steps is rounded; lines are shorter than 0.1 m here.
+    # The number of steps is rounded to the nearest integer, and is at least 1.
     assert steps(points) == pytest.approx(np.full(len(points) - 1, length / (len(points) - 1)))
     assert abs(length / step - (len(points) - 1)) <= 0.5 or len(points) == 2
 

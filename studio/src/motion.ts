@@ -1,4 +1,4 @@
-/** Motion: the path of the points, and its player. */
+/** Motion: the controls for the path of the points and for its player. */
 
 import type { Context } from "./context.ts";
 import { choice, element, labelled, write } from "./dom.ts";
