@@ -1,4 +1,4 @@
-"""`midair.fly`: beads in the traps of a sequence, step by step; which are lost and when."""
+"""`midair.fly`: simulates beads in the traps of a sequence; which beads are lost, and when."""
 
 from __future__ import annotations
 
@@ -15,22 +15,26 @@ from .judged import SETTLING, TAU
 from .propagation import TERMS, Course, Forces
 from .sequence import Flight, Sequence
 
-#: The largest angle in rad of a step of the fastest oscillation, which then is 1e-4 too slow.
+#: Largest phase in rad that the fastest oscillation advances per step. Its frequency then has an error of
+#: 1e-4.
 ANGLE = 0.3
 
-#: Knots whose forces are found together, and how many of them are kept for the next laps: some 500 MB.
+#: Knots whose forces are computed together; number of such results that are stored for later laps, about 500
+#: MB.
 KNOTS, KEPT = 1024, 32
 
-#: Knots that beads fly at once, and once one has left its cell: it may be lost.
+#: Most knots that are simulated in one call; and fewer after a bead has left its cell, because it may be
+#: lost.
 FLOWN, SOON = 8192, 16
 
-#: The distance of two cells, in radii of a cell: every place lies well inside the ball of its cell.
+#: Distance between neighbouring cells, in radii of a cell, so that every place lies well inside of a cell.
 LATTICE = 0.8
 
-#: A bead farther from its point, in wavelengths, is in another node or out.
+#: A bead farther than this from its point, in wavelengths, is lost: it is in another node or outside of the
+#: field.
 LOST = 0.5
 
-#: Beads that fly together.
+#: Number of beads that are simulated together.
 LANES = 8
 
 
@@ -116,7 +120,7 @@ def fly(
 def _start(
     sequence: Sequence, course: Course, bead: Bead, beads: ArrayLike | None, speeds: ArrayLike | None
 ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-    """Places and speeds (2, B, 3) of beads, and the point of each (B,)."""
+    """Return the beads' places and velocities (2, B, 3) at the start, and the index of each bead's point."""
     points = sequence.points[0]
     moving, pulled = course.moving()
     if beads is None:
@@ -141,7 +145,10 @@ def _start(
 
 
 class Group:
-    """Up to eight beads that fly together, each in a cell: a ball that moves with its point."""
+    """Up to eight beads that are simulated together.
+
+    Each is in a cell, a ball that moves with the bead's point.
+    """
 
     def __init__(
         self,
@@ -152,11 +159,11 @@ class Group:
         start: NDArray[np.float64],
         knots: int,
     ) -> None:
-        # The knot after the last of a lap, or of the flight where that is shorter.
+        # The knot after the last one of a lap, or of the flight if that is shorter.
         self._end = min(len(course.drives), knots - 1)
         self._course, self._bead, self._points, self._count = course, bead, points, len(points)
         self._forces = Forces(scene, bead.factors)
-        # Cells lie on a lattice, by whole numbers.
+        # Indices of each bead's cell in a lattice of cells around its point.
         self._cells = np.zeros((self._count, 3), np.intp)
         self._there = np.full(self._count, True)
         self._kept: dict[tuple[int, ...], tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
@@ -171,7 +178,10 @@ class Group:
         self._kept = {name: (forces, self._centres(*first)) for name in self._kept}
 
     def flown(self, ways: NDArray[np.float64], flown: NDArray[np.float64]) -> NDArray[np.float64]:
-        """When each bead was lost, else NaN. Writes its places (K, B, 3) at knots, with points at `ways`."""
+        """Return the time at which each bead was lost, else NaN.
+
+        Writes the beads' places (K, B, 3) at the knots to `flown`; `ways` are the points' places.
+        """
         lost, most = np.full(self._count, np.nan), (LOST * self._forces.wavelength) ** 2
         first = 0
         while first < len(ways) - 1 and self._there.any():
@@ -191,15 +201,17 @@ class Group:
         return lost
 
     def _stretch(self, knot: int) -> tuple[int, int]:
-        """The knot at which forces begin that are found together with those of a knot, and how many."""
+        """Return the first knot of the block whose forces are computed together, and the number of knots."""
         first = knot % len(self._course.drives) // KNOTS * KNOTS
         return first, min(KNOTS, self._end - first)
 
     def _through(self, first: int, most: int) -> NDArray[np.float64]:
-        """Places (K, B, 3) at the knots from `first` on, at most so many more, as long as it is easy."""
+        """Return places (K, B, 3) at up to `most` knots after `first`, while all beads stay in their
+        cells.
+        """
         (begin, count), lap = self._stretch(first), len(self._course.drives)
         own = first % lap - begin
-        # A short lap is flown again and again.
+        # A short lap is simulated repeatedly with the same forces.
         most = min(most, FLOWN if count == lap else count - own)
         places = np.full((own + most + 1, 3, LANES), np.nan)
         places[own] = self._state[0]
@@ -217,7 +229,7 @@ class Group:
         return places[own : last // self._steps + 1, :, : self._count].swapaxes(1, 2)
 
     def _centres(self, first: int, count: int) -> NDArray[np.float64]:
-        """Middles (S, 3, 8) of the cells at the steps of so many knots, as late as transducers follow."""
+        """Return the cells' centres (S, 3, 8) at the steps of `count` knots, delayed by the time constant."""
         knots = first + np.arange(count * self._steps + 1) / self._steps
         ways = self._course.points(self._course.times(knots) - self._course.envelope.tau)[:, self._points]
         found = np.zeros((len(knots), 3, LANES))
@@ -225,18 +237,18 @@ class Group:
         return found
 
     def _offsets(self) -> NDArray[np.float64]:
-        """Middles (B, 3) of the cells, from the points."""
+        """Return the centres (B, 3) of the cells relative to the points."""
         return np.asarray(self._cells * (LATTICE * self._forces.unit), np.float64)
 
     def _settle(self, centres: NDArray[np.float64]) -> None:
-        """Gives each bead that is out of its cell, around centres (3, 8), the one around it."""
+        """Move each bead that is outside of its cell (centres (3, 8)) to the cell that contains it."""
         apart = (self._state[0] - centres)[:, : self._count].T
         out = self._there & (np.linalg.norm(apart, axis=1) > self._forces.unit)
         nearest = np.rint((apart + self._offsets()) / (LATTICE * self._forces.unit))
         self._cells[out] = nearest[out]
 
     def _around(self, own: int, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Forces (count + 1, 84, 3, 8) in the cells at knots of a lap, and middles (S, 3, 8) at the steps."""
+        """Return forces (count + 1, 84, 3, 8) in the cells at knots, and centres (S, 3, 8) at the steps."""
         name = (own, count, *self._cells[self._there].ravel(), *np.flatnonzero(self._there))
         if name not in self._kept:
             if len(self._kept) >= KEPT:
@@ -248,14 +260,14 @@ class Group:
         return self._kept[name]
 
     def _cell(self, own: int, count: int, one: int) -> NDArray[np.float64]:
-        """Coefficients (count + 1, 84, 3) of one bead's."""
+        """Return the force coefficients (count + 1, 84, 3) in the cell of one bead."""
         knots, laps = np.unique(
             np.arange(own, own + count + 1) % len(self._course.drives), return_inverse=True
         )
         drives = self._course.drives[knots]
         times = self._course.times(knots) - self._course.envelope.tau
         places = self._course.points(times)[:, self._points[one]] + self._offsets()[one]
-        # A frame that lasts has many knots alike.
+        # While a frame lasts, several knots have equal drives and places; their forces are computed once.
         new = np.full(len(drives), True)
         new[1:] = (drives[1:] != drives[:-1]).any(axis=1) | (places[1:] != places[:-1]).any(axis=1)
         found = self._forces.around(places[new], drives[new])
@@ -263,6 +275,6 @@ class Group:
         return each
 
     def _fine(self, forces: NDArray[np.float64]) -> int:
-        """Steps from a knot to the next, for the stiffest trap."""
+        """Return the number of steps between two knots that the stiffest trap needs."""
         slopes = np.linalg.norm(forces[:, 1:4], axis=(1, 2)).max() / self._forces.unit
         return max(ceil(self._course.spacing * float(np.sqrt(slopes / self._bead.mass)) / ANGLE), 1)

@@ -1,11 +1,11 @@
-"""Sheet: a viscoelastic membrane under pressure that repeats, line by line of its spectrum.
+"""Sheet: a viscoelastic membrane under periodic pressure, solved for each line of the spectrum.
 
-With e^(+j w t), the displacement w of a membrane of mass m for each area, wave speed c and loss factor eta is
+With e^(+j w t), the displacement u of a membrane with mass per area m, wave speed c and loss factor eta obeys
 
-    T (laplacian w - s^2 w) = -p,    T = m c^2 (1 + j eta),    s = j w/(c sqrt(1 + j eta)).
+    T (laplacian u - s^2 u) = -p,    T = m c^2 (1 + j eta),    s = j w/(c sqrt(1 + j eta)).
 
-A point load F makes w = F K_0(s r)/(2 pi T): waves that go out and fall to 1/e in about 2 c/(eta w), so that
-high frequencies stay nearer than low ones. The steady part, 0 Hz, has no answer on an endless sheet.
+A point force F gives u = F K_0(s r)/(2 pi T). These waves fall to 1/e in about 2 c/(eta w), so that high
+frequencies spread less far than low ones. At 0 Hz an infinite membrane has no solution.
 """
 
 from __future__ import annotations
@@ -20,15 +20,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Mesh, Plane, SceneError
 
-#: Of the integral of K_nu: samples, and its end, where e^(-z cosh t) is nothing for every |z| from 1e-5 on.
+#: Integral of K_nu: number of samples, and upper limit, where e^(-z cosh t) is negligible for every |z| from
+#: 1e-5 on.
 SAMPLES, END = 221, 16.0
 
-#: The table of K_0 along one direction of the complex plane: |z| from, to, and how many: to 0.2 % where waves
-#: have not fallen to a hundredth.
+#: Table of K_0 along one direction of the complex plane: least and largest |z|, and number of entries. The
+#: error is 0.2 % while waves exceed a hundredth.
 LEAST, MOST, ENTRIES = 1e-5, 400.0, 6000
 
 
-#: SuperLU's mode for matrices that are symmetric, with pivots on the diagonal.
+#: Mode of SuperLU for symmetric matrices, with pivots on the diagonal.
 SYMMETRIC = {"SymmetricMode": True}
 
 
@@ -42,18 +43,18 @@ class Sheet:
 
     @property
     def tension(self) -> complex:
-        """T = m c^2 (1 + j eta), in N/m."""
+        """T = m c^2 (1 + j eta) in N/m."""
         return self.mass * self.speed**2 * (1 + 1j * self.loss)
 
     def decay(self, frequency: ArrayLike) -> NDArray[np.complex128]:
-        """The s of frequencies in Hz, in 1/m: waves fall as e^(-Re(s) r), and turn by Im(s) r."""
+        """Return s in 1/m for frequencies in Hz: waves decay as e^(-Re(s) r) with the phase Im(s) r."""
         found: NDArray[np.complex128] = (
             2j * np.pi * np.asarray(frequency) / (self.speed * np.sqrt(1 + 1j * self.loss))
         )
         return found
 
     def response(self, distance: NDArray[np.float64], frequency: float) -> NDArray[np.complex128]:
-        """Displacement in m/N at distances in m from a point load."""
+        """Return the displacement in m/N at distances in m from a point force."""
         s = complex(self.decay(frequency))
         sizes, values = _table(round(float(np.angle(s)), 12))
         found = np.interp(np.log(np.maximum(abs(s) * distance, LEAST)), sizes, values)
@@ -62,10 +63,10 @@ class Sheet:
     def on_plane(
         self, frequencies: NDArray[np.float64], lines: NDArray[np.complex64], step: float
     ) -> NDArray[np.complex64]:
-        """Displacement (L, R, C) in m under pressure lines (L, R, C) in Pa, on squares of side `step` in m.
+        """Return displacements (L, R, C) in m for pressure lines (L, R, C) in Pa on squares of side `step` m.
 
-        The sheet goes on for ever: FFT of twice the size, by the response to a point load, and by its mean
-        over a disc of a square's area where the load is.
+        The membrane is infinite: the convolution with the response to a point force uses FFTs of twice the
+        size. At the force itself, the response is its mean over a disc with the area of a square.
         """
         rows, columns = lines.shape[1:]
         squares = step * np.hypot(np.arange(rows + 1)[:, None], np.arange(columns + 1))
@@ -77,19 +78,19 @@ class Sheet:
             quarter = (self.response(squares, frequency) * step**2).astype(np.complex64)
             quarter[0, 0] = own[k]
             spread = np.fft.fft2(lines[k], (2 * rows, 2 * columns)) * _even_spectrum(quarter)
-            # Of the square of twice the size, only these rows are the skin.
+            # The padding is cut off: only these rows and columns are the skin.
             found[k] = np.fft.ifft(np.fft.ifft(spread, axis=0)[:rows], axis=1)[:, :columns]
         return found
 
     def on_mesh(
         self, frequencies: NDArray[np.float64], lines: NDArray[np.complex64], mesh: Triangles
     ) -> NDArray[np.complex64]:
-        """Displacement (L, V) in m under pressure lines (L, V) in Pa at the corners of triangles."""
+        """Return displacements (L, V) in m for pressure lines (L, V) in Pa at the corners of triangles."""
         from scipy.sparse.linalg import splu
 
         found, order = np.empty_like(lines), mesh.order
         stiffness, shares = mesh.stiffness[order][:, order].tocsc(), mesh.shares[order]
-        # As SuperLU sorts it; else the diagonal would move.
+        # SuperLU would sort the indices, which would move the diagonal's entries.
         stiffness.sort_indices()
         diagonal = np.flatnonzero(
             stiffness.indices == np.repeat(np.arange(len(order)), np.diff(stiffness.indptr))
@@ -97,7 +98,7 @@ class Sheet:
         matrix = stiffness.astype(np.complex64)
         for k, squared in enumerate(self.decay(frequencies) ** 2):
             matrix.data[diagonal] = stiffness.data[diagonal] + squared * shares
-            # The matrix is symmetric, and its loss keeps every pivot from 0: the order may stay.
+            # The matrix is symmetric, and the loss keeps all pivots away from 0, so rows need no reordering.
             factors = splu(
                 matrix, permc_spec="NATURAL", diag_pivot_thresh=0, relax=1, panel_size=1, options=SYMMETRIC
             )
@@ -107,7 +108,7 @@ class Sheet:
 
 
 def _even_spectrum(quarter: NDArray[np.complex64]) -> NDArray[np.complex64]:
-    """The spectrum (2 R, 2 C) of a function that is even along both axes, from its quarter (R + 1, C + 1)."""
+    """Return the spectrum (2 R, 2 C) of an even function from its quarter (R + 1, C + 1)."""
     found: NDArray[Any] = quarter
     for axis in (0, 1):
         found = np.fft.fft(_mirrored(found, axis), axis=axis).take(range(found.shape[axis]), axis)
@@ -115,15 +116,16 @@ def _even_spectrum(quarter: NDArray[np.complex64]) -> NDArray[np.complex64]:
 
 
 def _mirrored(half: NDArray[np.complex64], axis: int) -> NDArray[np.complex64]:
-    """A half of n + 1 along an axis, and its mirror image: 2 n."""
+    """Return a half of n + 1 values along an axis, followed by its mirror image: 2 n values."""
     inner = half.take(range(half.shape[axis] - 2, 0, -1), axis)
     return np.concatenate([half, inner], axis=axis)
 
 
 def bessel(order: int, z: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """The modified Bessel function K_0 or K_1 of Re z > 0, by its integral along a path of steepest descent.
+    """Return the modified Bessel function K_0 or K_1 of z, Re z > 0, by the path of steepest descent.
 
-    K_nu(z) = integral from 0 to infinity of e^(-z cosh t) cosh(nu t), shifted by -j arg(z) tanh(t).
+    K_nu(z) = integral from 0 to infinity of e^(-z cosh t) cosh(nu t) dt. The path is shifted by -j arg(z)
+    tanh(t).
     """
     t = np.linspace(0.0, END, SAMPLES)
     turn = np.angle(z)[..., None]
@@ -139,22 +141,22 @@ def bessel(order: int, z: NDArray[np.complex128]) -> NDArray[np.complex128]:
 
 @lru_cache(maxsize=8)
 def _table(turn: float) -> tuple[NDArray[np.float64], NDArray[np.complex128]]:
-    """Logarithms of |z| and K_0(|z| e^(j turn))."""
+    """Return log |z| and K_0(|z| e^(j turn))."""
     logs = np.linspace(np.log(LEAST), np.log(MOST), ENTRIES)
     return logs, bessel(0, np.exp(logs + 1j * turn))
 
 
 class Triangles:
-    """A surface of triangles by linear elements, of SciPy's sparse matrices.
+    """A surface of triangles with linear finite elements, as SciPy's sparse matrices.
 
     Parameters
     ----------
     stiffness
-        (V, V), the integral of the product of gradients.
+        (V, V): integrals of the products of the elements' gradients.
     shares
-        (V,) in m^2, a third of the triangles around each corner.
+        (V,) in m^2: a third of the area of the triangles around each corner.
     order
-        (V,), of corners, in which factors of such matrices stay sparse.
+        (V,): order of the corners in which the factors of such matrices are sparse.
     """
 
     def __init__(self, vertices: NDArray[np.float64], faces: NDArray[Any]) -> None:
@@ -168,7 +170,8 @@ class Triangles:
         twice = np.linalg.norm(cross, axis=1)
         self._faces, self._areas, count = faces, twice / 2, len(vertices)
         normals = cross / twice[:, None]
-        # The gradient of a corner's hat: the opposite edge, turned by a right angle, over twice the area.
+        # Gradient of a corner's hat function: the opposite edge, rotated by 90 degrees, divided by twice the
+        # area.
         edges = np.roll(corners, 1, axis=1) - np.roll(corners, -1, axis=1)
         hats = np.cross(normals[:, None], edges) / twice[:, None, None]
         rows = np.repeat(np.arange(len(faces)), 3)
@@ -179,7 +182,8 @@ class Triangles:
         weights = diags_array(self._areas)
         self.stiffness = sum(g.T @ weights @ g for g in self._gradients)
         self.shares = np.bincount(faces.ravel(), np.repeat(self._areas / 3, 3), count)
-        # Corners that have a mass and no wave: positive definite, and as sparse as at any frequency.
+        # This matrix is positive definite and has the same pattern as those of all frequencies, so its order
+        # serves them all.
         first = splu(
             (self.stiffness + diags_array(self.shares)).tocsc(), "MMD_AT_PLUS_A", 0, options=SYMMETRIC
         )
@@ -189,7 +193,7 @@ class Triangles:
         self.normals = outward / np.linalg.norm(outward, axis=1, keepdims=True)
 
     def slopes(self, lines: NDArray[np.complex64]) -> Iterator[NDArray[np.float64]]:
-        """|gradient|^2 (V,) of each of some lines (L, V): the mean over the triangles around a corner."""
+        """Yield |gradient|^2 (V,) of each line (L, V), averaged over the triangles around each corner."""
         for line in lines:
             squares = sum(np.abs(g @ line) ** 2 for g in self._gradients) * self._areas / 3
             yield np.bincount(self._faces.ravel(), np.repeat(squares, 3), len(line)) / self.shares
@@ -197,12 +201,12 @@ class Triangles:
 
 @lru_cache(maxsize=2)
 def triangles(hand: Mesh) -> Triangles:
-    """The triangles of a hand's mesh."""
+    """Return the triangles of a hand's mesh."""
     return Triangles(hand.vertices, hand.faces)
 
 
 def squares(plane: Plane) -> NDArray[np.float64]:
-    """Places (pixels^2, 3) of a plane, row after row upwards."""
+    """Return the places (pixels^2, 3) of a plane, row after row upwards."""
     axes = [plane.along(name) for name in "xyz"]
     across, up = (axis for axis in axes if axis is not None)
     first, second = (values.ravel() for values in np.meshgrid(across, up))

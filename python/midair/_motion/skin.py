@@ -1,4 +1,4 @@
-"""`midair.skin`: how the skin moves under a sequence, and how strongly that is felt."""
+"""`midair.skin`: the motion of the skin under a sequence, and its felt strength."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     from .._pictures.colours import Map
     from .._pictures.sheet import Size
 
-#: Places along each side of a hand that is left out, and its margin around the points, in m.
+#: Default hand: places per side of the plane, and its margin around the points in m.
 SIDE, MARGIN = 64, 0.02
 
-#: The parts of a skin's picture.
+#: The panels of a skin's picture.
 Panel = Literal["pressure", "motion", "spectrum"]
 
 
@@ -373,7 +373,7 @@ def _decibels(strength: float) -> float:
 
 
 def _around(sequence: Sequence) -> Plane:
-    """A plane through all points that are there, square to the way to them."""
+    """Return a plane through all points that are present, which faces the array."""
     points = sequence.points[sequence.targets > 0]
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
     way = np.abs(middle - sequence.array.positions.mean(axis=0))
