@@ -37,6 +37,10 @@ pub struct Ahead {
 /// [`Ends::Held`] the result keeps those of the first frame. Without `start` the search begins with the drives of
 /// [`crate::solvers::Uniform`], each frame from the one before. Transducers of one channel have one code; in `start` it
 /// is that of the first.
+///
+/// In the formulas psi_j and w_j are phase and weight of point j, P_j its pressure, S_i the wave that transducer i is
+/// to follow, G the propagation matrix and w the largest step.
+///
 /// ```text
 /// |l_i(t) - l_i(t-1)| <= w = floor(change L / 2 pi), modulo L, and from the last frame to the first of a closed sequence
 /// S_i(t) = sum_j w_j(t) e^{j psi_j(t)} conj(G_ji(t))

@@ -5,7 +5,7 @@ use crate::kernels::simd::doubles::Eight;
 
 const STILL: [f64; 3] = [0.0; 3];
 
-/// Beads in air too thin to hold them back.
+/// Returns air that is too thin for drag.
 fn thin() -> Medium {
     Medium { density: 1e-9, ..Medium::default() }
 }
@@ -14,7 +14,7 @@ fn flight(steps: usize, step: f64) -> Flight {
     Flight { particle: Particle::default(), gravity: STILL, step, steps, unit: 1e-3 }
 }
 
-/// -k x, of eight lanes with a stiffness each, in units of 1 mm.
+/// Returns the force -k x for eight beads, each with its stiffness k, in units of 1 mm.
 fn spring(stiffness: Eight) -> Force {
     let mut force = [[[0.0; 8]; 3]; 84];
     for axis in 0..3 {
@@ -50,7 +50,7 @@ fn a_bead_on_a_spring_swings_as_a_cosine_that_friction_damps_and_sags_by_its_wei
     let flight = Flight { gravity: [0.0, 0.0, -9.81], ..flight(10, 1e-5) };
     let forces = vec![spring(stiffness); 101];
     let (_, places) = flown(InstructionSet::best(), air, &forces, &flight, [1e-4, -2e-4, 0.0]);
-    // Stokes' friction: the air is too thin for more.
+    // Only Stokes' friction acts: the air is too thin for other drag.
     let damping = 3.0 * core::f64::consts::PI * air.viscosity() * particle.radius / mass;
     for (knot, place) in places.iter().enumerate() {
         for i in 0..8 {
@@ -72,7 +72,7 @@ fn drag_brings_a_falling_bead_to_the_speed_at_which_it_weighs_nothing() {
     let (state, _) = flown(InstructionSet::best(), air, &vec![spring([0.0; 8]); 11], &flight, STILL);
     let weight = -particle.weight(air, flight.gravity)[2];
     assert!((particle.drag(air, -state[1][2][0]) / weight - 1.0).abs() < 1e-5);
-    // Stokes' law: friction is the only force.
+    // Stokes' law holds at low speed: friction is the only force.
     assert!((particle.drag(air, 1e-7) / (6.0 * core::f64::consts::PI * air.viscosity() * 1e-10) - 1.0).abs() < 1e-3);
 }
 
@@ -110,7 +110,7 @@ fn every_set_gives_the_same_bits_and_a_flight_that_stops_goes_on_to_the_same() {
     assert!(calls == 4 && again == state && found == places);
 }
 
-/// A force whose terms of each degree are a tenth of those before, on beads at `places` of a unit along x.
+/// Flies beads from `places`, in units along x, in a force whose terms of each degree are a tenth of those before.
 fn swung(set: InstructionSet, places: Eight) -> State {
     let mut force = spring([0.02; 8]);
     for (t, term) in force.iter_mut().enumerate().skip(4) {
@@ -135,7 +135,7 @@ fn swung(set: InstructionSet, places: Eight) -> State {
 fn near_its_centre_a_bead_moves_by_few_terms_as_by_all() {
     for near in [0.01, 0.03, 0.1, 0.3] {
         let alone = swung(InstructionSet::best(), [near; 8]);
-        // Beside one that is far, all have all terms.
+        // If one bead is far from its centre, all beads use all terms.
         let mut places = [near; 8];
         places[7] = 0.9;
         let beside = swung(InstructionSet::best(), places);

@@ -4,13 +4,15 @@
 //! dE/dphi_i = Im(conj(q_i) sum_k conj(G_ki) (dE/dRe P_k + j dE/dIm P_k))        P = G q, |q_i| = 1
 //! ```
 //!
-//! A step costs two products with G, however many rows there are, and curvature is learnt from the last steps
-//! ([`crate::solvers::common::quasi_newton`]). Each drive rotates by the arc tangent of what a step asks for.
+//! E is the cost, phi_i the phase of the drive q_i, P_k the pressure at row k. A step takes two products with G,
+//! however many rows there are, and uses the curvature of the last steps ([`crate::solvers::common::quasi_newton`]).
+//! Each drive rotates by the arc tangent of its entry of the step.
 //!
-//! With amplitudes free a drive is the mean of a pair of phasors, q_i = (a_i + b_i)/2, so that |q_i| <= 1 holds by itself:
-//! the steps rotate both, each by half of that slope.
+//! With free amplitudes a drive is the mean of a pair of phasors, q_i = (a_i + b_i)/2, so that |q_i| <= 1 always holds.
+//! The steps rotate both phasors, each with half of that slope.
 //!
-//! Within an arc around 1 drives that a step would turn out of it stay at its end, and are left out of the next direction.
+//! Within an arc around 1, drives that a step would turn out of the arc stay at its end. They are left out of the next
+//! direction.
 
 use crate::kernels::tiles;
 use crate::kernels::tiles::unit::Arc;
@@ -19,45 +21,45 @@ use crate::solvers::common::quasi_newton::{QuasiNewton, dot};
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::workspace::{Buffer, Workspace};
 
-/// The part of the predicted decrease that a step must bring.
+/// The part of the predicted decrease that a step must reach.
 const ENOUGH: f64 = 1e-4;
 
-/// Trials of a step, each at most half as long as the last.
+/// Number of trials of a step; each is at most half as long as the one before.
 const TRIALS: usize = 12;
 
 /// The largest rotation of a first step, in rad.
 const FIRST: f32 = 0.3;
 
-/// The largest rotation of a step: its arc tangent is less than a quarter turn.
+/// The largest rotation before its arc tangent is taken, which is less than a quarter turn.
 const LONGEST: f32 = 2.0;
 
-/// A drive is at an end of its arc where its cosine is no further than this from that of the end.
+/// A drive is at an end of its arc if its cosine is within this of that of the end.
 const AT_END: f32 = 1e-6;
 
-/// The quantity that is minimised.
+/// The cost E that is minimised.
 pub(crate) trait Cost {
-    /// E of a wave.
+    /// Returns E of a wave.
     fn of(&self, wave: &Wave) -> f64;
 
     /// Writes dE/dRe P and dE/dIm P of the rows.
     fn pull(&self, wave: &Wave, pulls: [&mut [f32]; 2]);
 }
 
-/// The largest modulus that a pair begins at: at 1 its two phasors are one, and nothing would draw them apart.
+/// The largest modulus with which a pair begins: at 1 its two phasors would be equal, and no step would separate them.
 const MOST_BEGUN: f32 = 0.97;
 
-/// The pairs of phasors of all drives: the first of each, then the second.
+/// The pairs of phasors of all drives: the first phasor of each drive, then the second of each.
 type Pairs<'w> = [Buffer<'w, f32>; 2];
 
-/// A descent under way.
+/// The state of a descent.
 pub(crate) struct PhaseDescent<'w> {
     pub(crate) wave: Wave<'w>,
-    /// E of the wave.
+    /// The cost E of the wave.
     pub(crate) cost: f64,
     trial: Wave<'w>,
-    /// Where amplitudes are free: those of the wave, and of the trial.
+    /// With free amplitudes, the pairs of the wave, and of the trial.
     pairs: Option<[Pairs<'w>; 2]>,
-    /// The penalty that keeps drives near 1.
+    /// The arc around 1 in which drives must stay.
     arc: Option<Arc>,
     gradient: Buffer<'w, f32>,
     newton: QuasiNewton<'w>,
@@ -66,17 +68,17 @@ pub(crate) struct PhaseDescent<'w> {
 }
 
 impl<'w> PhaseDescent<'w> {
-    /// Descent by phases alone, |q| = 1.
+    /// Begins a descent by phases alone, |q| = 1.
     pub(crate) fn new(wave: Wave<'w>, cost: &impl Cost, rows: &Rows, work: &'w Workspace) -> Self {
         Self::by(None, None, wave, cost, rows, work)
     }
 
-    /// Descent by phases within an arc around 1, |q| = 1.
+    /// Begins a descent by phases within an arc around 1, |q| = 1.
     pub(crate) fn within(arc: Arc, wave: Wave<'w>, cost: &impl Cost, rows: &Rows, work: &'w Workspace) -> Self {
         Self::by(None, Some(arc), wave, cost, rows, work)
     }
 
-    /// Descent by phases and amplitudes, |q| <= 1.
+    /// Begins a descent by phases and amplitudes, |q| <= 1.
     pub(crate) fn with_amplitudes(mut wave: Wave<'w>, cost: &impl Cost, rows: &Rows, work: &'w Workspace) -> Self {
         let mut pairs = [(); 2].map(|()| [(); 2].map(|()| work.floats.take(2 * rows.lanes)));
         split(&wave.drive, rows, &mut pairs[0]);
@@ -141,7 +143,7 @@ impl<'w> PhaseDescent<'w> {
         }
     }
 
-    /// Writes the wave after a part of a step into the trial.
+    /// Writes the wave after a part of a step to the trial.
     fn turn(&mut self, rows: &Rows, direction: &[f32], part: f32) {
         if let Some(arc) = self.arc {
             let mut turns = self.newton.work.floats.take_any(direction.len());
@@ -156,7 +158,7 @@ impl<'w> PhaseDescent<'w> {
         self.trial.hear(rows);
     }
 
-    /// Takes the trial.
+    /// Makes the trial the present wave.
     fn accept(&mut self) {
         core::mem::swap(&mut self.wave, &mut self.trial);
         if let Some([own, trial]) = &mut self.pairs {
@@ -164,7 +166,7 @@ impl<'w> PhaseDescent<'w> {
         }
     }
 
-    /// Writes by how much the last step turned each drive: by its sine, for arcs are short.
+    /// Writes by how much the last step turned each drive: the sine of the angle, because arcs are short.
     fn turned(&self, turns: &mut [f32]) {
         let ([re, im], [old_re, old_im]) = (&self.wave.drive, &self.trial.drive);
         for (i, turn) in turns.iter_mut().enumerate() {
@@ -172,7 +174,7 @@ impl<'w> PhaseDescent<'w> {
         }
     }
 
-    /// One step; whether there was one that lowers the cost.
+    /// Takes one step; returns whether there was one that lowers the cost.
     pub(crate) fn step(&mut self, cost: &impl Cost, rows: &Rows) -> bool {
         loop {
             let work = self.newton.work;
@@ -204,13 +206,13 @@ impl<'w> PhaseDescent<'w> {
                         self.newton.remember(&direction, &change);
                         return true;
                     }
-                    // The least of the parabola through both costs and the slope.
+                    // The minimum of the parabola through both costs and the slope.
                     let bend = trial - self.cost - f64::from(part) * slope;
                     let least = -0.5 * f64::from(part) * slope / bend;
                     part *= if bend > 0.0 { (least as f32).clamp(0.1, 0.5) } else { 0.5 };
                 }
             }
-            // The learnt direction leads nowhere: once more along the gradient alone.
+            // No step along the direction lowers the cost: try once more along the gradient alone.
             if !self.newton.forget() {
                 return false;
             }
@@ -218,7 +220,7 @@ impl<'w> PhaseDescent<'w> {
     }
 }
 
-/// Writes the pair of phasors whose mean is each drive; none for a transducer without effect.
+/// Writes the pair of phasors whose mean is each drive; 0 for a transducer without effect.
 fn split([qr, qi]: &[Buffer<'_, f32>; 2], rows: &Rows, [re, im]: &mut Pairs<'_>) {
     for i in (0..rows.lanes).filter(|&i| rows.tiles().reaches(i)) {
         let modulus = sqrtf(qr[i] * qr[i] + qi[i] * qi[i]);
@@ -230,7 +232,7 @@ fn split([qr, qi]: &[Buffer<'_, f32>; 2], rows: &Rows, [re, im]: &mut Pairs<'_>)
     }
 }
 
-/// Writes the mean of each pair into the drives of a wave; its field is still the old one.
+/// Writes the mean of each pair to the drives of a wave. Its field remains the old one.
 fn mean(pairs: &Pairs<'_>, wave: &mut Wave<'_>) {
     for (drive, phasors) in wave.drive.iter_mut().zip(pairs) {
         let (first, second) = phasors.split_at(drive.len());
@@ -238,7 +240,7 @@ fn mean(pairs: &Pairs<'_>, wave: &mut Wave<'_>) {
     }
 }
 
-/// Rotates each phasor by the phase atan(`part` `direction`) at modulus 1, 0 staying 0.
+/// Rotates each phasor by the phase atan(`part` `direction`) at modulus 1; 0 stays 0.
 fn rotate([qr, qi]: &Pairs<'_>, direction: &[f32], part: f32, [re, im]: &mut Pairs<'_>) {
     for (i, direction) in direction.iter().enumerate() {
         let slope = part * direction;
