@@ -110,7 +110,7 @@ class Uniform(TypedDict, total=False):
     tolerance: float | None
     """Ends when no point is off the common level by more than this part of it."""
     quiet: float | None
-    """Allowed leak of a quiet point, relative to the loudest point; divided by its weight, relative to the targets'."""
+    """Allowed leak of a quiet point, relative to the loudest point. It is divided by the point's weight, relative to the largest weight of a target."""
 class SolveUniform(Solve, Uniform): ...
 class SolverUniform(Solver, Uniform): ...
 class BatchUniform(Batch, Uniform): ...
@@ -118,13 +118,13 @@ class BatchUniform(Batch, Uniform): ...
 class Best(TypedDict, total=False):
     """the loudest even field from many starts."""
     starts: int | None
-    """Point phases tried on the M x M matrix, at least 1: one alone is found as by `uniform`, without the seed."""
+    """Number of start phases that are tried on the M x M matrix, at least 1. A single one is found as in `uniform`, without the seed."""
     steps: int | None
-    """Weighted Gerchberg-Saxton sweeps from each of the four best."""
+    """Weighted Gerchberg-Saxton sweeps from each of the four best starts."""
     tolerance: float | None
     """Ends when no point is off the common level by more than this part of it."""
     quiet: float | None
-    """Allowed leak of a quiet point, relative to the loudest point; divided by its weight, relative to the targets'."""
+    """Allowed leak of a quiet point, relative to the loudest point. It is divided by the point's weight, relative to the largest weight of a target."""
     seed: int | None
     """Seed of the point phases, 0 to 2^64 - 1."""
 class SolveBest(Solve, Best): ...
@@ -144,9 +144,9 @@ class Greedy(TypedDict, total=False):
     seed: int | None
     """Seed of the random order, 0 to 2^64 - 1."""
     change: float | None
-    """The most that a phase turns by from a start drive, in rad, 0 or above; less than 2 pi/phases turns none."""
+    """Largest change of a phase from a start drive, in rad, 0 or above; below 2 pi/phases no phase changes."""
     sweeps: int | None
-    """Passes over all transducers, 1 to 1000: after the first each one decides again, in the field of all others."""
+    """Number of passes over all transducers, 1 to 1000. From the second on, each one is chosen again in the field of all others."""
 class SolveGreedy(Solve, Greedy): ...
 class SolverGreedy(Solver, Greedy): ...
 class BatchGreedy(Batch, Greedy): ...
@@ -154,7 +154,7 @@ class BatchGreedy(Batch, Greedy): ...
 class Fast(TypedDict, total=False):
     """greedy in closed form: one sum instead of a search."""
     block: int | None
-    """Transducers that share one look at the field, 1 to 8."""
+    """Number of transducers that are updated from the same field, 1 to 8."""
     sweeps: int | None
     """Further sweeps over all transducers, 0 to 1000."""
     seed: int | None
@@ -166,15 +166,15 @@ class BatchFast(Batch, Fast): ...
 class Glide(TypedDict, total=False):
     """even points in motion, phases within a bound of the last frame's."""
     change: float | None
-    """The most that a phase changes from the last frame to this one, in rad; pi and more leaves phases free."""
+    """Largest change of a phase from the last frame to this one, in rad; pi or more leaves phases free."""
     tau: float | None
-    """Time constant of the transducers' envelopes in s; 0 leaves it out of account."""
+    """Time constant of the transducers' envelopes in s; 0 means no envelope."""
     rate: float | None
-    """Frames a second, of which an envelope makes use."""
+    """Frames a second; envelopes and traps in motion depend on it."""
     sweeps: int | None
     """Weighted Gerchberg-Saxton sweeps a frame."""
     steps: int | None
-    """Gauss-Newton steps a frame at most."""
+    """Largest number of Gauss-Newton steps a frame."""
 class SolveGlide(Solve, Glide): ...
 class SolverGlide(Solver, Glide): ...
 class BatchGlide(Batch, Glide): ...
@@ -182,13 +182,13 @@ class BatchGlide(Batch, Glide): ...
 class Descent(TypedDict, total=False):
     """least squares over all phases: pictures, and more points than can be even."""
     steps: int | None
-    """Steps of the best start, at most."""
+    """Largest number of steps of the best start."""
     tolerance: float | None
     """Ends when ten steps lower the error (the root of the residual) by less than this part of it."""
     starts: int | None
-    """Starts, each followed for a fifth of the steps: a focus whose cone covers the points, behind them, then in front of them (amid the transducers all in phase instead), then random phases at the points."""
+    """Number of starts, each followed for a fifth of the steps: a focus behind the points whose cone covers them, then one in front of them, then random phases. Points among the transducers start with all in phase instead."""
     seed: int | None
-    """Seed of these phases, 0 to 2^64 - 1."""
+    """Seed of the random phases, 0 to 2^64 - 1."""
 class SolveDescent(Solve, Descent): ...
 class SolverDescent(Solver, Descent): ...
 class BatchDescent(Batch, Descent): ...
@@ -196,13 +196,13 @@ class BatchDescent(Batch, Descent): ...
 class Lm(TypedDict, total=False):
     """Levenberg-Marquardt on all phases, |q| = 1."""
     steps: int | None
-    """Steps at most."""
+    """Largest number of steps."""
     tau: float | None
     """First damping relative to the largest diagonal entry of J^T J, above 0."""
     eps: float | None
     """Ends when the gradient, or the root mean square of a step in turns, is smaller; 0 takes all steps."""
     seed: int | None
-    """Seed of the phases it starts from, 0 to 2^64 - 1."""
+    """Seed of the random start phases, 0 to 2^64 - 1."""
 class SolveLm(Solve, Lm): ...
 class SolverLm(Solver, Lm): ...
 class BatchLm(Batch, Lm): ...
@@ -210,11 +210,11 @@ class BatchLm(Batch, Lm): ...
 class Gspat(TypedDict, total=False):
     """GS-PAT: Gerchberg-Saxton on the M x M matrix."""
     steps: int | None
-    """Steps at most."""
+    """Largest number of steps."""
     tolerance: float | None
     """Ends when no |p| changes by more than this part of its target in a step; 0 takes all steps."""
     limit: Literal["clamp", "normalize", "full"] | None
-    """How a drive above 1 is brought back: "clamp", "normalize" or "full"."""
+    """Rule that reduces drives above 1: "clamp", "normalize" or "full"."""
 class SolveGspat(Solve, Gspat): ...
 class SolverGspat(Solver, Gspat): ...
 class BatchGspat(Batch, Gspat): ...
@@ -222,7 +222,7 @@ class BatchGspat(Batch, Gspat): ...
 class Gs(TypedDict, total=False):
     """Gerchberg-Saxton, |q| = 1."""
     steps: int | None
-    """Steps at most."""
+    """Largest number of steps."""
     tolerance: float | None
     """Ends when no |p| changes by more than this part of its target in a step; 0 takes all steps."""
 class SolveGs(Solve, Gs): ...
@@ -232,7 +232,7 @@ class BatchGs(Batch, Gs): ...
 class Wgs(TypedDict, total=False):
     """weighted Gerchberg-Saxton, damped, |q| = 1, best iterate kept."""
     steps: int | None
-    """Steps at most."""
+    """Largest number of steps."""
     tolerance: float | None
     """Ends when 1 - uniformity is at most this; 0 takes all steps."""
 class SolveWgs(Solve, Wgs): ...
@@ -244,7 +244,7 @@ class Evd(TypedDict, total=False):
     gamma: float | None
     """Exponent of Long's regularising weights, 0 to 10."""
     limit: Literal["clamp", "normalize", "full"] | None
-    """How a drive above 1 is brought back: "clamp", "normalize" or "full"."""
+    """Rule that reduces drives above 1: "clamp", "normalize" or "full"."""
 class SolveEvd(Solve, Evd): ...
 class SolverEvd(Solver, Evd): ...
 class BatchEvd(Batch, Evd): ...
@@ -252,11 +252,11 @@ class BatchEvd(Batch, Evd): ...
 class Sdp(TypedDict, total=False):
     """SDP relaxation of the point phases, then the pseudo-inverse."""
     steps: int | None
-    """Random columns visited at most."""
+    """Largest number of random columns that are updated."""
     tolerance: float | None
-    """Ends when no column's visit changes an entry of X by more; 0 takes all steps. Rest needs lambda near 1: at 0.9 the descent never settles."""
+    """Ends when no update of a column changes an entry of X by more; 0 takes all steps. The descent comes to rest only with lambda near 1, not with 0.9."""
     lambda_: float | None
-    """How much of a column the descent may use, above 0 and below 1."""
+    """Factor lambda in the update of a column, above 0 and below 1."""
     alpha: float | None
     """Damping of the pseudo-inverse in units of 1/mm^2 (at P0 = 1e-3 Pa m), above 0."""
     moduli: Literal["raw", "unit"] | None
@@ -264,7 +264,7 @@ class Sdp(TypedDict, total=False):
     seed: int | None
     """Seed of the columns' order, 0 to 2^64 - 1."""
     limit: Literal["clamp", "normalize", "full"] | None
-    """How a drive above 1 is brought back: "clamp", "normalize" or "full"."""
+    """Rule that reduces drives above 1: "clamp", "normalize" or "full"."""
 class SolveSdp(Solve, Sdp): ...
 class SolverSdp(Solver, Sdp): ...
 class BatchSdp(Batch, Sdp): ...
@@ -272,7 +272,7 @@ class BatchSdp(Batch, Sdp): ...
 class Bounded(TypedDict, total=False):
     """the least error of complex targets, to a proven tolerance."""
     steps: int | None
-    """Steps at most."""
+    """Largest number of steps."""
     tolerance: float | None
     """Ends when the error is proven to be within this part of the least possible one; 0 takes all steps."""
 class SolveBounded(Solve, Bounded): ...
@@ -284,7 +284,7 @@ class Tikhonov(TypedDict, total=False):
     regularization: float | None
     """Damping relative to the mean of diag(G G^H), above 0."""
     limit: Literal["clamp", "normalize", "full"] | None
-    """How a drive above 1 is brought back: "clamp", "normalize" or "full"."""
+    """Rule that reduces drives above 1: "clamp", "normalize" or "full"."""
 class SolveTikhonov(Solve, Tikhonov): ...
 class SolverTikhonov(Solver, Tikhonov): ...
 class BatchTikhonov(Batch, Tikhonov): ...
@@ -292,7 +292,7 @@ class BatchTikhonov(Batch, Tikhonov): ...
 class Naive(TypedDict, total=False):
     """single foci, superposed."""
     limit: Literal["clamp", "normalize", "full"] | None
-    """How a sum above full drive is brought back: "clamp", "normalize" or "full"."""
+    """Rule that reduces drives above 1: "clamp", "normalize" or "full"."""
 class SolveNaive(Solve, Naive): ...
 class SolverNaive(Solver, Naive): ...
 class BatchNaive(Batch, Naive): ...

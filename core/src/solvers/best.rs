@@ -11,13 +11,15 @@ use crate::workspace::Workspace;
 options! {
     /// Even fields from many starts. Time O(N M^2 + M^3), memory O(N M + M^2).
     pub struct Best {
-        /// Point phases tried on the M x M matrix, at least 1: one alone is found as by `uniform`, without the seed.
+        /// Number of start phases that are tried on the M x M matrix, at least 1. A single one is found as in `uniform`,
+        /// without the seed.
         pub starts: u32 = 32,
-        /// Weighted Gerchberg-Saxton sweeps from each of the four best.
+        /// Weighted Gerchberg-Saxton sweeps from each of the four best starts.
         pub steps: u32 = 12,
         /// Ends when no point is off the common level by more than this part of it.
         pub tolerance: f64 = 1e-5,
-        /// Allowed leak of a quiet point, relative to the loudest point; divided by its weight, relative to the targets'.
+        /// Allowed leak of a quiet point, relative to the loudest point. It is divided by the point's weight, relative to the
+        /// largest weight of a target.
         pub quiet: f64 = QUIET,
         /// Seed of the point phases, 0 to 2^64 - 1.
         pub seed: u64 = 0,

@@ -43,7 +43,7 @@ const RUN: usize = 32;
 options! {
     /// Bounded least squares on complex targets. Time O(N M^2 + M^3) a step, in double precision; memory O(N M + M^2).
     pub struct Bounded {
-        /// Steps at most.
+        /// Largest number of steps.
         pub steps: u32 = 100,
         /// Ends when the error is proven to be within this part of the least possible one; 0 takes all steps.
         pub tolerance: f64 = 1e-3,

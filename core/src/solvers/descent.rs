@@ -13,14 +13,14 @@ use crate::workspace::Workspace;
 options! {
     /// L-BFGS on the phases, then on amplitudes too. Time O(N M) a step, memory O(N M).
     pub struct Descent {
-        /// Steps of the best start, at most.
+        /// Largest number of steps of the best start.
         pub steps: u32 = 500,
         /// Ends when ten steps lower the error (the root of the residual) by less than this part of it.
         pub tolerance: f64 = 5e-4,
-        /// Starts, each followed for a fifth of the steps: a focus whose cone covers the points, behind them, then in front
-        /// of them (amid the transducers all in phase instead), then random phases at the points.
+        /// Number of starts, each followed for a fifth of the steps: a focus behind the points whose cone covers them, then
+        /// one in front of them, then random phases. Points among the transducers start with all in phase instead.
         pub starts: u32 = 3,
-        /// Seed of these phases, 0 to 2^64 - 1.
+        /// Seed of the random phases, 0 to 2^64 - 1.
         pub seed: u64 = 0,
     }
 }

@@ -23,7 +23,7 @@ options! {
     pub struct Evd {
         /// Exponent of Long's regularising weights, 0 to 10.
         pub gamma: f64 = 1.0,
-        /// How a drive above 1 is brought back: "clamp", "normalize" or "full".
+        /// Rule that reduces drives above 1: "clamp", "normalize" or "full".
         pub limit: AmplitudeLimit = AmplitudeLimit::Clamp,
     }
 }

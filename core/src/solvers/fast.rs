@@ -39,7 +39,7 @@ const OWN: f32 = 0.4;
 options! {
     /// Greedy in closed form, |q| = 1. Time O(N M) a sweep, memory O(N + M).
     pub struct Fast {
-        /// Transducers that share one look at the field, 1 to 8.
+        /// Number of transducers that are updated from the same field, 1 to 8.
         pub block: u32 = 8,
         /// Further sweeps over all transducers, 0 to 1000.
         pub sweeps: u32 = 0,

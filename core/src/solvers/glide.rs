@@ -44,15 +44,15 @@ use crate::workspace::{Buffer, Workspace};
 options! {
     /// Even points in motion, |q| = 1 before all drives are reduced to the targets. Time O(N M^2 + M^3) a frame, memory O(N M + M^2).
     pub struct Glide {
-        /// The most that a phase changes from the last frame to this one, in rad; pi and more leaves phases free.
+        /// Largest change of a phase from the last frame to this one, in rad; pi or more leaves phases free.
         pub change: f64 = PI / 16.0,
-        /// Time constant of the transducers' envelopes in s; 0 leaves it out of account.
+        /// Time constant of the transducers' envelopes in s; 0 means no envelope.
         pub tau: f64 = 0.0,
-        /// Frames a second, of which an envelope makes use.
+        /// Frames a second; envelopes and traps in motion depend on it.
         pub rate: f64 = 10e3,
         /// Weighted Gerchberg-Saxton sweeps a frame.
         pub sweeps: u32 = 3,
-        /// Gauss-Newton steps a frame at most.
+        /// Largest number of Gauss-Newton steps a frame.
         pub steps: u32 = 6,
     }
 }

@@ -16,7 +16,7 @@ use crate::workspace::Workspace;
 options! {
     /// Gerchberg-Saxton. Time O(N M) a step, memory O(N M).
     pub struct Gs {
-        /// Steps at most.
+        /// Largest number of steps.
         pub steps: u32 = 100,
         /// Ends when no |p| changes by more than this part of its target in a step; 0 takes all steps.
         pub tolerance: f64 = 0.0,

@@ -27,11 +27,11 @@ const MOST_LOUDER: f32 = 1e12;
 options! {
     /// GS-PAT. Time O(N M^2) once and O(M^2) a step, memory O(N + M^2).
     pub struct Gspat {
-        /// Steps at most.
+        /// Largest number of steps.
         pub steps: u32 = 100,
         /// Ends when no |p| changes by more than this part of its target in a step; 0 takes all steps.
         pub tolerance: f64 = 0.0,
-        /// How a drive above 1 is brought back: "clamp", "normalize" or "full".
+        /// Rule that reduces drives above 1: "clamp", "normalize" or "full".
         pub limit: AmplitudeLimit = AmplitudeLimit::Clamp,
     }
 }

@@ -28,13 +28,13 @@ use crate::workspace::{Buffer, Workspace};
 options! {
     /// Levenberg-Marquardt, |q| = 1. Time O(N M^2 + M^3) a step, memory O(N M + M^2).
     pub struct Lm {
-        /// Steps at most.
+        /// Largest number of steps.
         pub steps: u32 = 200,
         /// First damping relative to the largest diagonal entry of J^T J, above 0.
         pub tau: f64 = 1e-3,
         /// Ends when the gradient, or the root mean square of a step in turns, is smaller; 0 takes all steps.
         pub eps: f64 = 1e-8,
-        /// Seed of the phases it starts from, 0 to 2^64 - 1.
+        /// Seed of the random start phases, 0 to 2^64 - 1.
         pub seed: u64 = 0,
     }
 }

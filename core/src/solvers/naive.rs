@@ -17,7 +17,7 @@ use crate::workspace::Workspace;
 options! {
     /// The sum of single foci. Time O(N M), memory O(N + M).
     pub struct Naive {
-        /// How a sum above full drive is brought back: "clamp", "normalize" or "full".
+        /// Rule that reduces drives above 1: "clamp", "normalize" or "full".
         pub limit: AmplitudeLimit = AmplitudeLimit::Clamp,
     }
 }

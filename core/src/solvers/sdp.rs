@@ -40,12 +40,12 @@ words!(Moduli: "raw" = Self::Raw, "unit" = Self::Unit);
 options! {
     /// SDP relaxation by block coordinate descent. Time O(N M^2 + M^3) once and O(M^2) a step, memory O(N + M^2).
     pub struct Sdp {
-        /// Random columns visited at most.
+        /// Largest number of random columns that are updated.
         pub steps: u32 = 1000,
-        /// Ends when no column's visit changes an entry of X by more; 0 takes all steps. Rest needs lambda near 1:
-        /// at 0.9 the descent never settles.
+        /// Ends when no update of a column changes an entry of X by more; 0 takes all steps. The descent comes to rest
+        /// only with lambda near 1, not with 0.9.
         pub tolerance: f64 = 0.0,
-        /// How much of a column the descent may use, above 0 and below 1.
+        /// Factor lambda in the update of a column, above 0 and below 1.
         pub lambda: f64 = 0.9,
         /// Damping of the pseudo-inverse in units of 1/mm^2 (at P0 = 1e-3 Pa m), above 0.
         pub alpha: f64 = 1e-3,
@@ -53,7 +53,7 @@ options! {
         pub moduli: Moduli = Moduli::Raw,
         /// Seed of the columns' order, 0 to 2^64 - 1.
         pub seed: u64 = 0,
-        /// How a drive above 1 is brought back: "clamp", "normalize" or "full".
+        /// Rule that reduces drives above 1: "clamp", "normalize" or "full".
         pub limit: AmplitudeLimit = AmplitudeLimit::Normalize,
     }
 }

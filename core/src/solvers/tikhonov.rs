@@ -20,7 +20,7 @@ options! {
     pub struct Tikhonov {
         /// Damping relative to the mean of diag(G G^H), above 0.
         pub regularization: f64 = 0.07,
-        /// How a drive above 1 is brought back: "clamp", "normalize" or "full".
+        /// Rule that reduces drives above 1: "clamp", "normalize" or "full".
         pub limit: AmplitudeLimit = AmplitudeLimit::Clamp,
     }
 }

@@ -15,7 +15,8 @@ options! {
         pub steps: u32 = SWEEPS,
         /// Ends when no point is off the common level by more than this part of it.
         pub tolerance: f64 = 1e-5,
-        /// Allowed leak of a quiet point, relative to the loudest point; divided by its weight, relative to the targets'.
+        /// Allowed leak of a quiet point, relative to the loudest point. It is divided by the point's weight, relative to the
+        /// largest weight of a target.
         pub quiet: f64 = QUIET,
     }
 }

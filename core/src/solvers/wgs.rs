@@ -16,7 +16,7 @@ use crate::workspace::Workspace;
 options! {
     /// Weighted Gerchberg-Saxton, damped. Time O(N M) a step, memory O(N M).
     pub struct Wgs {
-        /// Steps at most.
+        /// Largest number of steps.
         pub steps: u32 = 100,
         /// Ends when 1 - uniformity is at most this; 0 takes all steps.
         pub tolerance: f64 = 0.0,

@@ -68,9 +68,10 @@ options! {
         pub order: Order = Order::Random,
         /// Seed of the random order, 0 to 2^64 - 1.
         pub seed: u64 = 0,
-        /// The most that a phase turns by from a start drive, in rad, 0 or above; less than 2 pi/phases turns none.
+        /// Largest change of a phase from a start drive, in rad, 0 or above; below 2 pi/phases no phase changes.
         pub change: f64 = core::f64::consts::PI,
-        /// Passes over all transducers, 1 to 1000: after the first each one decides again, in the field of all others.
+        /// Number of passes over all transducers, 1 to 1000. From the second on, each one is chosen again in the field of all
+        /// others.
         pub sweeps: u32 = 1,
     }
 }
