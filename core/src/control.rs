@@ -52,7 +52,8 @@ impl<F: FnMut(Progress<'_>) -> ControlFlow<()>> Observe for F {
 /// The default limit on the memory of one computation, in bytes.
 const MEMORY: u64 = 8_000_000_000;
 
-/// Only one pulse in this many is passed on, because a row of G takes only ten times as long as the call.
+/// Only one pulse in this many is passed on, because a row of the propagation matrix G takes only ten times as long as the
+/// call.
 const PULSES: u32 = 8;
 
 /// Up to this many bytes are allowed without a test of the free memory.
@@ -164,7 +165,7 @@ impl<'a> Control<'a> {
         answer
     }
 
-    /// Solvers call this within a long step, about once for each row of G, many times per millisecond.
+    /// Solvers call this within a long step, about once for each row of the propagation matrix G, many times per millisecond.
     ///
     /// # Errors
     /// [`Error::Stopped`] once, if the caller stops. A solver then ends with its best result so far, if it has any.

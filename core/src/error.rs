@@ -118,7 +118,7 @@ impl Error {
         Self::invalid("drive", "not finite", cure)
     }
 
-    /// The error for points beside a user's own G, which belongs to fixed points.
+    /// The error for points beside a user's own propagation matrix G, which belongs to fixed points.
     pub(crate) fn given_points() -> Self {
         Self::invalid("points", "given", "a matrix of your own belongs to its points: leave them out")
     }

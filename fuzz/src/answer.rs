@@ -2,7 +2,8 @@
 
 use midair::{Array, Complex32, Complex64, Directivity, Error, Medium, Metrics, Problem, Propagation, Solution};
 
-/// The allowed relative error of a sum of about a hundred elements of G, each accurate to 2e-4 near the array.
+/// The allowed relative error of a sum of about a hundred elements of the propagation matrix G, each accurate to 2e-4 near the
+/// array.
 const NEAR: f64 = 1e-3;
 
 /// Numbers below this, relative to the reference, are lost in f32.
@@ -22,13 +23,13 @@ pub fn one_line<T>(result: Result<T, Error>) -> Option<T> {
         .ok()
 }
 
-/// The allowed error of every element of G in Pa at full drive, point by point.
+/// The allowed error of every element of the propagation matrix G in Pa at full drive, point by point.
 pub struct Allowed(Vec<Vec<f64>>);
 
 impl Allowed {
-    /// Returns the allowed errors of a computed G. They are relative to the pressure on the axis, because directivities have
-    /// zeros. Near the baffle, where the directivity jumps, the whole value is allowed. The error of a phase in f32 grows with
-    /// the distance, about ten roundings of a turn.
+    /// Returns the allowed errors of a computed propagation matrix G. They are relative to the pressure on the axis, because
+    /// directivities have zeros. Near the baffle, where the directivity jumps, the whole value is allowed. The error of a phase
+    /// in f32 grows with the distance, about ten roundings of a turn.
     pub fn of(array: &Array, medium: Medium, points: &[[f64; 3]]) -> Self {
         let origin = array.positions()[0];
         let places = array.positions().iter().chain(points);
@@ -50,7 +51,7 @@ impl Allowed {
         Self(points.iter().map(|point| (0..array.len()).map(|i| element(i, point)).collect()).collect())
     }
 
-    /// Returns the allowed errors of a user's own G.
+    /// Returns the allowed errors of a user's own propagation matrix G.
     pub fn given(propagation: &Propagation) -> Self {
         let element = |j: usize, i: usize| NEAR * propagation.exact(j, i).norm();
         let row = |j: usize| (0..propagation.transducers()).map(|i| element(j, i)).collect();

@@ -34,7 +34,7 @@ fn run(draw: &mut Draw) -> Result<(), Error> {
     Ok(())
 }
 
-/// Returns the G of an array at some points.
+/// Returns the propagation matrix G of an array at some points.
 fn computed(draw: &mut Draw, set: InstructionSet) -> Result<(Propagation, Setup, Allowed), Error> {
     let (array, medium) = (draw.array()?, draw.medium()?);
     let points = draw.points(40);
@@ -42,7 +42,7 @@ fn computed(draw: &mut Draw, set: InstructionSet) -> Result<(Propagation, Setup,
     Ok((propagation, Setup::of(&array, medium), Allowed::of(&array, medium, &points)))
 }
 
-/// Returns a user's own G; its entries have one order of magnitude, or many.
+/// Returns a user's own propagation matrix G; its entries have one order of magnitude, or many.
 fn given(draw: &mut Draw) -> Result<(Propagation, Setup, Allowed), Error> {
     let (points, transducers) = (draw.whole(1, 20), draw.whole(1, 40));
     let (unit, many) = (draw.wide(), draw.flag());

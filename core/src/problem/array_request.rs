@@ -24,7 +24,7 @@ const LEAST_REACH: f64 = 1e-200;
 /// The targets and weights of a request at all points of an array.
 #[derive(Clone, Debug)]
 pub(crate) struct ArrayRequest {
-    /// G at all points.
+    /// The propagation matrix G at all points.
     pub(crate) propagation: Propagation,
     /// The medium, quantization and channels of the array.
     pub(crate) setup: Arc<Setup>,
@@ -68,8 +68,8 @@ impl ArrayRequest {
         }
     }
 
-    /// Checks a request and stores it. Returns G at the active points, or `None` if all points are active. A second call
-    /// allocates memory only for that G.
+    /// Checks a request and stores it. Returns the propagation matrix G at the active points, or `None` if all points are
+    /// active. A second call allocates memory only for that G.
     pub(crate) fn read(&mut self, request: &Request) -> Result<Option<Propagation>, Error> {
         let all = 0..self.propagation.points();
         request.check(all.end)?;

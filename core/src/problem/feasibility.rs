@@ -79,7 +79,7 @@ impl Problem {
     /// Returns the pressures that the array can give at the points, computed in double precision.
     ///
     /// # Errors
-    /// A stop.
+    /// A stop by the caller.
     pub fn reach(&self, control: &mut Control) -> Result<Reach, Error> {
         let propagation = &self.targets.propagation;
         let mut alone = vec![0.0; propagation.points()];
@@ -98,10 +98,9 @@ impl Problem {
     /// pressure of all transducers at its point, or no drive gives more than three quarters of all targets at once. The second
     /// is proven by the quick form of [`crate::bound()`], for up to 64 points. It finds targets from about 1.4 times the
     /// balanced level at a few points, from 2 to 2.5 times at 64.
-    /// about 1.4 times the balanced level on at a few points, from 2 to 2.5 times at 64).
     ///
     /// # Errors
-    /// A stop.
+    /// A stop by the caller.
     pub fn beyond(&self, control: &mut Control) -> Result<Option<Beyond>, Error> {
         if let Some(alone) = self.beyond_alone() {
             return Ok(Some(alone));

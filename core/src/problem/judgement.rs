@@ -123,7 +123,7 @@ impl Problem {
         Metrics::of(field.zip(active).map(point))
     }
 
-    /// Returns the metrics of a drive, one value for each column of G, in double precision.
+    /// Returns the metrics of a drive, one value for each column of the propagation matrix G, in double precision.
     fn judge_exactly(&self, drive: &[Complex32], control: &mut Control) -> Result<Metrics, Error> {
         let all = &self.targets.propagation;
         let wide = |q: Complex32| Complex64::new(f64::from(q.re), f64::from(q.im));

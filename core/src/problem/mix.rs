@@ -139,7 +139,7 @@ struct Points<'w> {
     loud: Buffer<'w, f32>,
     /// 1 at quiet points, else 0.
     quiet: Buffer<'w, f32>,
-    /// Scratch memory for a row of G.
+    /// Scratch memory for a row of the propagation matrix G.
     row: Planar<'w>,
 }
 

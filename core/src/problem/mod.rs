@@ -1,4 +1,4 @@
-//! Problem: G, targets and weights of the points with a weight above 0, in units of the reference pressure.
+//! Problem: propagation matrix G, targets and weights of the points of weight above 0, relative to the reference pressure.
 
 pub(crate) mod array_request;
 pub(crate) mod complex_targets;
@@ -44,9 +44,10 @@ use crate::workspace::Workspace;
 /// A clone copies only the targets; all other data are shared.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// G at the points of weight above 0. `None` if all points have such a weight and no row of G is rescaled.
+    /// The propagation matrix G at the points of weight above 0. `None` if all points have such a weight and no row of G is
+    /// rescaled.
     selected: Option<Propagation>,
-    /// The same G before rows were rescaled to the range of f32; `None` if none were.
+    /// The same propagation matrix G before rows were rescaled to the range of f32; `None` if none were.
     plain: Option<Propagation>,
     /// Targets and weights of all points, in Pa.
     targets: Arc<ArrayRequest>,
@@ -58,7 +59,7 @@ pub struct Problem {
     scaled: Vec<f32>,
     /// p1_j, the sum of |G_ji| over all transducers, for the points of weight above 0, in units of the reference.
     pub(crate) reach: Vec<f64>,
-    /// The amplitudes of G from the computation of these sums, if they are stored.
+    /// The amplitudes of the propagation matrix G from the computation of these sums, if they are stored.
     amplitudes: Amplitudes,
 }
 
@@ -83,7 +84,7 @@ impl Problem {
     /// M).
     ///
     /// # Errors
-    /// The same, and a stop.
+    /// The same, and a stop by the caller.
     pub fn of_scene(scene: &Scene, set: InstructionSet, control: &mut Control) -> Result<Self, Error> {
         Self::of_model(&Model::of(scene, set), scene.points(), scene.request(), control)
     }
@@ -102,7 +103,7 @@ impl Problem {
         Self::read(model.driven(points)?, setup.into(), request, control)
     }
 
-    /// Returns the problem of any G, computed or given by the user, and the setup of its array.
+    /// Returns the problem of any propagation matrix G, computed or given by the user, and the setup of its array.
     ///
     /// # Errors
     /// As [`Problem::new`] and [`Request::check`]; another number of positions than transducers, a medium out of range.
@@ -117,7 +118,7 @@ impl Problem {
     /// Does the same as [`Problem::with_propagation`], with a control.
     ///
     /// # Errors
-    /// The same, and a stop.
+    /// The same, and a stop by the caller.
     pub fn watched(
         propagation: Propagation,
         setup: impl Into<Arc<Setup>>,
@@ -148,8 +149,8 @@ impl Problem {
     /// stays the same.
     ///
     /// # Errors
-    /// As [`crate::Model::propagation`] and [`Problem::with_propagation`], and points for a G that the user gave. After an
-    /// error the problem is lost.
+    /// As [`crate::Model::propagation`] and [`Problem::with_propagation`], and points for a propagation matrix G that the user
+    /// gave. After an error the problem is lost.
     pub fn renewed(mut self, points: Option<&[[f64; 3]]>, request: &Request) -> Result<Self, Error> {
         self.replace(points, request)?;
         self.measure(&mut Control::none())?;
@@ -267,7 +268,7 @@ impl Problem {
         self.start.is_some()
     }
 
-    /// The drive to start from, one value for each column of G; `None` if none was given.
+    /// The drive to start from, one value for each column of the propagation matrix G; `None` if none was given.
     #[must_use]
     pub fn start_drive(&self) -> Option<&[Complex32]> {
         match self.start.as_deref() {
@@ -295,18 +296,19 @@ impl Problem {
         work.floats.give(self.scaled);
     }
 
-    /// G at the points of weight above 0.
+    /// The propagation matrix G at the points of weight above 0.
     #[must_use]
     pub fn propagation(&self) -> &Propagation {
         self.selected.as_ref().unwrap_or(&self.targets.propagation)
     }
 
-    /// The rows of G in the form that the kernels of a sweep read.
+    /// The rows of the propagation matrix G in the form that the kernels of a sweep read.
     pub(crate) fn rows(&self) -> Rows<'_> {
         self.propagation().rows_of(&self.amplitudes)
     }
 
-    /// G at the points of weight above 0, before any row was multiplied by a power of two for the range of f32.
+    /// The propagation matrix G at the points of weight above 0, before any row was multiplied by a power of two for the range
+    /// of f32.
     #[must_use]
     pub fn plain_propagation(&self) -> &Propagation {
         self.plain.as_ref().unwrap_or_else(|| self.propagation())

@@ -79,7 +79,7 @@ pub(crate) struct Effort {
 /// transducers.
 ///
 /// # Errors
-/// More memory than allowed, a stop.
+/// More memory than allowed, a stop by the caller.
 pub(crate) fn search(
     set: InstructionSet,
     [re, im]: [&[f64]; 2],

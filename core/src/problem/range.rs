@@ -1,4 +1,4 @@
-//! Range: rescales rows of G that are too weak or too strong for squares in f32, and targets far beyond reach.
+//! Range: rescales rows of the propagation matrix G that are too weak or too strong for f32, and excessive targets.
 //!
 //! These rows and their targets are multiplied by a power of two, which changes no digit, so the drive that meets the targets
 //! stays the same. In eq. (7) their terms then have a size similar to those of other points, and are not lost in f32.
@@ -32,7 +32,7 @@ impl Problem {
         Some(prepared)
     }
 
-    /// Whether the rows of G, and `factor` times the targets, are within the range of f32.
+    /// Whether the rows of the propagation matrix G, and `factor` times the targets, are within the range of f32.
     pub(crate) fn is_within(&self, factor: f64) -> bool {
         let mut points = self.reach.iter().zip(&self.scaled);
         points.all(|(&reach, &target)| {
@@ -41,7 +41,7 @@ impl Problem {
         })
     }
 
-    /// Whether rows of G have been rescaled.
+    /// Whether rows of the propagation matrix G have been rescaled.
     pub(crate) fn is_stretched(&self) -> bool {
         self.plain.is_some()
     }

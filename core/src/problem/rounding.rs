@@ -45,7 +45,7 @@ impl Solution {
     /// Returns whether a drive changed.
     ///
     /// # Errors
-    /// A stop, if it is the first.
+    /// A stop by the caller, unless it was noticed before.
     pub(crate) fn quantize(&mut self, factor: f64, work: &Workspace, control: &mut Control) -> Result<bool, Error> {
         let Some(quantization) = self.request.setup.quantization.as_deref() else {
             if factor > 1.0 {

@@ -11,8 +11,8 @@ use crate::error::{Error, one_each};
 use crate::propagation::Propagation;
 use crate::scene::{Array, Medium, check_drive, check_positions};
 
-/// The inputs of a problem besides G and the request. They are useful with any G, also a measured one: the quantization of a
-/// board, positions for methods that order the transducers, and a medium for radiation pressures.
+/// The inputs of a problem besides the propagation matrix G and the request. They are useful with any G, also a measured one:
+/// the quantization of a board, positions for methods that order the transducers, and a medium for radiation pressures.
 ///
 /// ```
 /// use midair::{Complex64, Control, Problem, Propagation, Quantization, Request, Setup, Workspace, solvers::Greedy};
@@ -33,10 +33,10 @@ pub struct Setup {
     pub medium: Medium,
     /// The phases and amplitudes that the board can play; `None` for any drive.
     pub quantization: Option<Arc<Quantization>>,
-    /// The position in m of each column of G, if known, for methods that order the columns. For a channel it is the middle of
-    /// its transducers.
+    /// The position in m of each column of the propagation matrix G, if known, for methods that order the columns. For a
+    /// channel it is the middle of its transducers.
     pub positions: Option<Arc<[[f64; 3]]>>,
-    /// The channels, if each column of G is a channel; `None` if each column is a transducer.
+    /// The channels, if each column of the propagation matrix G is a channel; `None` if each column is a transducer.
     pub channels: Option<Channels>,
 }
 
@@ -50,7 +50,7 @@ impl Setup {
         Self { medium, quantization, positions: middles.or(Some(positions)), channels }
     }
 
-    /// Checks that the parts fit G.
+    /// Checks that the parts fit the propagation matrix G.
     pub(crate) fn check(&self, propagation: &Propagation) -> Result<(), Error> {
         self.medium.check()?;
         let columns = propagation.transducers();
@@ -60,12 +60,12 @@ impl Setup {
         self.positions.as_ref().map_or(Ok(()), |positions| check_positions(positions, columns))
     }
 
-    /// The number of transducers N, for a G with this many columns.
+    /// The number of transducers N, for a propagation matrix G with this many columns.
     pub(crate) fn transducers(&self, columns: usize) -> usize {
         self.channels.as_ref().map_or(columns, |channels| channels.of().len())
     }
 
-    /// Checks a drive (N,), and returns the value of each column of G.
+    /// Checks a drive (N,), and returns the value of each column of the propagation matrix G.
     ///
     /// # Errors
     /// A drive that the array cannot play.

@@ -31,7 +31,8 @@ pub(super) fn divided(z: Complex32, factor: f64) -> Complex32 {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Solution {
-    /// Drives q (N,), |q| <= 1, after [`crate::solve`]. Within a solver there is one for each column of G.
+    /// Drives q (N,), |q| <= 1, after [`crate::solve`]. Within a solver there is one for each column of the propagation matrix
+    /// G.
     pub drive: Vec<Complex32>,
     /// Complex pressures (M,) in Pa (peak) at all of the caller's points, computed in f32. With a signature they are the
     /// pressures sum G s q of the foci before they become traps; [`crate::field()`] computes the real ones.
@@ -54,7 +55,7 @@ impl Solution {
     ///
     /// # Errors
     /// Lists of another length, a value that is not finite, |q| above 1 + 1e-6, a scale outside of 0 to 1; pressures that the
-    /// drive does not give; a stop.
+    /// drive does not give; a stop by the caller.
     pub fn restored(
         problem: &Problem,
         drive: Vec<Complex32>,
@@ -94,7 +95,7 @@ impl Solution {
     /// last step, and the number of `steps`. Computes the pressures and reports the last step.
     ///
     /// # Errors
-    /// A stop, before anything else stopped.
+    /// A stop by the caller, unless it was noticed before.
     pub fn new(
         problem: &Problem,
         drive: Vec<Complex32>,
@@ -114,7 +115,7 @@ impl Solution {
     /// drive 0.
     ///
     /// # Errors
-    /// A drive of another length, a value that is not finite, |q| above 1 + 1e-6; a stop.
+    /// A drive of another length, a value that is not finite, |q| above 1 + 1e-6; a stop by the caller.
     pub fn checked(
         problem: &Problem,
         mut drive: Vec<Complex32>,
@@ -154,7 +155,7 @@ impl Solution {
     ) -> Result<Self, Error> {
         let request = Arc::clone(&problem.targets);
         if problem.is_stretched() {
-            // The field belongs to rescaled rows of G.
+            // The field belongs to rescaled rows of the propagation matrix G.
             let field = field_of(&request.propagation, &drive, work, control)?;
             return Ok(Self::with_pressures(request, drive, &field, status, steps, work));
         }
@@ -258,13 +259,13 @@ impl Solution {
         problem.residual_of(self.request.active.iter().map(|&j| math::modulus(self.pressures[j]) / unit))
     }
 
-    /// Returns G, the setup of its array, and the request.
+    /// Returns the propagation matrix G, the setup of its array, and the request.
     #[must_use]
     pub fn requested(&self) -> (&Propagation, &Setup, Request) {
         (&self.request.propagation, &self.request.setup, self.request.request())
     }
 
-    /// Returns the scene of the solution: array, medium, points and request. `None` if the user gave G.
+    /// Returns the scene of the solution: array, medium, points and request. `None` if the user gave the propagation matrix G.
     #[must_use]
     pub fn scene(&self) -> Option<Scene> {
         let ArrayRequest { propagation, setup, .. } = &*self.request;

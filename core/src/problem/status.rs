@@ -20,7 +20,7 @@ pub enum Status {
 }
 
 impl Status {
-    /// The status of a name, as it is displayed.
+    /// Returns the status with this name, as `Display` writes it.
     ///
     /// # Errors
     /// An unknown name.

@@ -65,7 +65,7 @@ type Lanes = [Complex64; RANK];
 /// time O(N M) for each of some hundred steps.
 ///
 /// # Errors
-/// A stop.
+/// A stop by the caller.
 pub fn bound(problem: &Problem, control: &mut Control) -> Result<f64, Error> {
     let rows = Rows::new(problem, MOST_POINTS, control)?;
     if rows.count() == 0 {
@@ -114,10 +114,11 @@ pub fn bound(problem: &Problem, control: &mut Control) -> Result<f64, Error> {
     Ok(least)
 }
 
-/// Returns a quick bound, up to 1.5 times the best one: with equal weights, and d_i the norm of each transducer's row of G.
+/// Returns a quick bound, up to 1.5 times the best one: with equal weights, and d_i the norm of each transducer's row of the
+/// propagation matrix G.
 ///
 /// # Errors
-/// A stop.
+/// A stop by the caller.
 pub(crate) fn rough_bound(problem: &Problem, control: &mut Control) -> Result<f64, Error> {
     let rows = Rows::new(problem, MOST_POINTS, control)?;
     let share: Vec<f64> = rows.iter().map(|row| sqrt(row.iter().map(Complex64::norm_sqr).sum::<f64>())).collect();

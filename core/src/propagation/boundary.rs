@@ -129,7 +129,7 @@ impl Boundary {
     ///
     /// # Errors
     /// Bodies that coincide, cross or contain each other, or that are too thin for the size of the elements; more memory than
-    /// allowed; a stop.
+    /// allowed; a stop by the caller.
     pub fn matrix(&self, control: &mut Control) -> Result<Vec<Complex32>, Error> {
         let count = self.elements.len();
         control.room("the boundary of the meshes", [self.transducers(), count], bytes(8, &[count, count]))?;
@@ -173,7 +173,7 @@ impl Boundary {
     /// element.
     ///
     /// # Errors
-    /// More memory than allowed; a stop.
+    /// More memory than allowed; a stop by the caller.
     pub fn incident(&self, control: &mut Control) -> Result<Vec<Complex32>, Error> {
         let (count, transducers) = (self.elements.len(), self.transducers());
         control.room("sound that meets the meshes", [transducers, count], bytes(8, &[count, transducers]))?;

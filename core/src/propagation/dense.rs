@@ -9,14 +9,15 @@ use crate::control::{Control, bytes};
 use crate::error::Error;
 use crate::propagation::Propagation;
 
-/// How many entries of G are computed together. The memory of later points is not touched before their turn.
+/// How many entries of the propagation matrix G are computed together. The memory of later points is not touched before their
+/// turn.
 const ENTRIES_A_BLOCK: usize = 1 << 18;
 
 impl Propagation {
-    /// Returns G (M, N) in Pa, point by point. The entries are those that the solvers use.
+    /// Returns the propagation matrix G (M, N) in Pa, point by point. The entries are those that the solvers use.
     ///
     /// # Errors
-    /// A point on a transducer; more memory than allowed; a stop.
+    /// A point on a transducer; more memory than allowed; a stop by the caller.
     pub fn matrix(&self, control: &mut Control) -> Result<Vec<Complex32>, Error> {
         let n = self.transducers();
         control.room("the matrix G", [n, self.count], bytes(8, &[n, self.count]))?;

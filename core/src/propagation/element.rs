@@ -247,7 +247,7 @@ fn kernel(
     }
 }
 
-/// e^z.
+/// The exponential e^z of a complex number.
 fn phasor(z: Complex64) -> Complex64 {
     math::phasor(z.im) * math::exp(z.re)
 }

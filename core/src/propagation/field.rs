@@ -20,7 +20,7 @@ use crate::workspace::Workspace;
 /// How many points a thread computes together.
 const CHUNK: usize = 256;
 
-/// How many entries of G a thread computes between two reports of progress: some milliseconds of work.
+/// How many entries of the propagation matrix G a thread computes between two reports of progress: some milliseconds of work.
 const STRETCH: usize = 1 << 21;
 
 /// Returns the complex pressures (P,) in Pa (peak) of a drive (N,) at any `points` (P, 3) in m: p = G q.
@@ -31,7 +31,7 @@ const STRETCH: usize = 1 << 21;
 ///
 /// # Errors
 /// A drive that does not fit the array, no points, a coordinate that is not finite or too far away; more memory than
-/// allowed; a stop.
+/// allowed; a stop by the caller.
 ///
 /// ```
 /// use midair::{Array, Complex32, Control, InstructionSet, Medium, Model, Plane};
@@ -79,7 +79,8 @@ pub fn field(
     Ok(pressures)
 }
 
-/// G at fixed points, stored for many drives: each field is then a matrix product, much faster than [`field`].
+/// The propagation matrix G at fixed points, stored for many drives: each field is then a matrix product, much faster than
+/// [`field`].
 #[derive(Clone, Debug)]
 pub struct KeptField {
     /// Real and imaginary part of the padded rows, one row for each transducer, in units of `reference`.
@@ -91,7 +92,8 @@ pub struct KeptField {
 }
 
 impl KeptField {
-    /// Computes and stores G (N, P), 8 bytes for each entry, at any `points` (P, 3) in m of a model without obstacles.
+    /// Computes and stores the propagation matrix G (N, P), 8 bytes for each entry, at any `points` (P, 3) in m of a model
+    /// without obstacles.
     ///
     /// # Errors
     /// As [`field`]; a model with obstacles, which add other waves.
@@ -133,7 +135,7 @@ impl KeptField {
     /// Complex pressures (P,) in Pa of a drive (N,).
     ///
     /// # Errors
-    /// A drive that does not fit the array; a stop.
+    /// A drive that does not fit the array; a stop by the caller.
     pub fn field(&self, drive: &[Complex32], control: &mut Control) -> Result<Vec<Complex32>, Error> {
         check_drive(drive, self.transducers)?;
         let [all_re, all_im] = &self.planes;
@@ -180,8 +182,8 @@ fn chunk(
     Ok(())
 }
 
-/// Returns the field p = G q of a drive at the points of a problem: one padded row, in units of the reference. Rows of G are
-/// computed on the way and not stored.
+/// Returns the field p = G q of a drive at the points of a problem: one padded row, in units of the reference. Rows of the
+/// propagation matrix G are computed on the way and not stored.
 pub(crate) fn field_of<'w>(
     propagation: &Propagation,
     drive: &[Complex32],

@@ -1,4 +1,4 @@
-//! Gor'kov potential of a small sphere in the field of a drive, with its force and stiffness, by exact derivatives of G.
+//! Gor'kov potential of a small sphere in the field of a drive, with its force and stiffness, by exact derivatives.
 
 use alloc::format;
 use alloc::vec;
@@ -55,15 +55,15 @@ pub struct Gorkov {
 /// a series of spherical waves and contains the scattering force. It has no potential: `potential` is NaN, and `hessian`
 /// contains finite differences of the force, -dF.
 ///
-/// G is eq. (5) itself in double precision, without a scene's signature. Its derivatives are exact, from Taylor polynomials
-/// around each point. Those of the sound scattered by spheres and meshes come from its values on a small ball, with an error of
-/// 1e-5.
+/// The propagation matrix G is eq. (5) itself in double precision, without a scene's signature. Its derivatives are exact, from
+/// Taylor polynomials around each point. Those of the sound scattered by spheres and meshes come from its values on a small
+/// ball, with an error of 1e-5.
 ///
 /// # Errors
 /// A drive that does not fit the array; no points, one that is not finite, too far away, within lambda/100 of a transducer, or
 /// in the plane of a transducer whose directivity is discontinuous there; a particle of no size, density or sound speed, or
 /// larger than three wavelengths; a point inside an obstacle or within lambda/100 of a sphere or mesh, or a large sphere that
-/// extends there; more memory than allowed; a stop.
+/// extends there; more memory than allowed; a stop by the caller.
 pub fn gorkov(
     model: &Model,
     drive: &[Complex32],

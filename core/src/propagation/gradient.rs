@@ -69,7 +69,7 @@ pub struct Gradient {
 /// # Errors
 /// A drive or cotangent of another length or not finite; no points, one that is not finite, too far away, behind a wall, within
 /// lambda/100 of a transducer, or in the plane of a transducer whose directivity is discontinuous there; spheres and meshes;
-/// more memory than allowed; a particle of no size, density or sound speed; a stop.
+/// more memory than allowed; a particle of no size, density or sound speed; a stop by the caller.
 ///
 /// ```
 /// use midair::{Array, Complex64, Control, InstructionSet, Medium, Model, Quantity};

@@ -57,7 +57,7 @@ impl Boundary {
     /// bodies.
     ///
     /// # Errors
-    /// Sound of another boundary; a stop.
+    /// Sound of another boundary; a stop by the caller.
     pub fn left_inside(&self, sound: &[Complex32], control: &mut Control) -> Result<f64, Error> {
         self.check_sound(sound)?;
         let triangles: Vec<Triangle> = self.obstacles.meshes().flat_map(Mesh::triangles).collect();

@@ -1,4 +1,4 @@
-//! Kept: a G that is stored because no kernel computes it: with obstacles, a signature, or channels as columns.
+//! Kept: a stored propagation matrix G, for cases that no kernel computes: obstacles, a signature, channels as columns.
 
 use alloc::format;
 use alloc::sync::Arc;
@@ -17,28 +17,28 @@ use crate::propagation::stiffness::Stiffness;
 use crate::propagation::taylor::add_exact;
 use crate::scene::{Bead, Signature};
 
-/// The most entries of a stored G: it takes a tenth of a second and a few MB. If each entry is the sum of more than eight
-/// waves, the limit is lower in proportion.
+/// The most entries of a stored propagation matrix G: it takes a tenth of a second and a few MB. If each entry is the sum of
+/// more than eight waves, the limit is lower in proportion.
 const MOST_ENTRIES: usize = 1 << 20;
 
-/// G column by column, or the error that prevents it.
+/// The propagation matrix G column by column, or the error that prevents it.
 pub(crate) type Matrix = Result<Arc<[Complex64]>, Error>;
 
-/// The points and the entries of an earlier G with the same other parameters. Columns of points that have not moved are copied
-/// from it. Empty if there is none.
+/// The points and the entries of an earlier propagation matrix G with the same other parameters. Columns of points that have
+/// not moved are copied from it. Empty if there is none.
 pub(crate) type Known<'a> = (&'a [[f64; 3]], &'a [Complex64]);
 
 /// The functions that compute from a [`Kept`], as function pointers, so that a program without obstacles and signatures is not
 /// linked with them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Make {
-    /// [`Kept::matrix`]
+    /// Computes the propagation matrix G, by [`Kept::matrix`].
     pub(crate) matrix: fn(&Kept, Known<'_>) -> Matrix,
-    /// [`Kept::stiffness`]
+    /// Computes the stiffness of traps, by [`Kept::stiffness`].
     pub(crate) stiffness: fn(&Kept, &mut Control) -> Result<Option<Stiffness>, Error>,
 }
 
-/// The parameters of a stored G.
+/// The parameters of a stored propagation matrix G.
 #[derive(Clone, Debug)]
 pub(crate) struct Kept {
     pub(crate) sources: Arc<Sources>,
@@ -70,7 +70,7 @@ impl Kept {
     /// The functions for channels alone, without obstacles and signature.
     pub(crate) const BARE: Make = Make { matrix: Self::bare, stiffness: |_, _| Ok(None) };
 
-    /// Computes G in Pa, column by column (N or C, M).
+    /// Computes the propagation matrix G in Pa, column by column (N or C, M).
     ///
     /// # Errors
     /// Points inside obstacles, a signature that does not fit, more entries than can be stored.
@@ -114,8 +114,9 @@ impl Kept {
         })
     }
 
-    /// Computes the columns of G. Each entry is the sum of `waves` waves; `why` explains in the error why G is stored. `add`
-    /// gets the indices and positions of the points that are not known, and adds to a row of zeros for each.
+    /// Computes the columns of the propagation matrix G. Each entry is the sum of `waves` waves; `why` explains in the error
+    /// why G is stored. `add` gets the indices and positions of the points that are not known, and adds to a row of zeros for
+    /// each.
     fn columns(
         &self,
         (waves, why): (usize, &str),
@@ -149,7 +150,7 @@ impl Kept {
     /// the surface of a sphere or a mesh.
     ///
     /// # Errors
-    /// More memory than allowed, a stop.
+    /// More memory than allowed, a stop by the caller.
     fn stiffness(&self, control: &mut Control) -> Result<Option<Stiffness>, Error> {
         // All instruction sets give the same bits.
         let set = InstructionSet::best();

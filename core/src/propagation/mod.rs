@@ -75,10 +75,10 @@ enum Rows {
     },
 }
 
-/// The array and the points (M, 3) in m that G was computed from, and its obstacles and signature if it has any.
+/// The array and the points (M, 3) in m from which the propagation matrix G was computed, and its obstacles and signature.
 type Origin<'a> = (&'a Array, &'a [[f64; 3]], Option<&'a Kept>);
 
-/// Compares the data that G is computed from; the instruction set does not count.
+/// Compares the data that the propagation matrix G is computed from; the instruction set does not count.
 impl PartialEq for Propagation {
     fn eq(&self, other: &Self) -> bool {
         match (&self.rows, &other.rows) {
@@ -94,27 +94,27 @@ impl PartialEq for Propagation {
 }
 
 impl Propagation {
-    /// Returns G of a scene's array at its points, without the scene's signature and obstacles.
+    /// Returns the propagation matrix G of a scene's array at its points, without the scene's signature and obstacles.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         Self::at(Arc::new(Sources::new(scene.array(), scene.medium())), scene.points().into(), InstructionSet::best())
     }
 
-    /// Returns G of these sources at points that have been checked.
+    /// Returns the propagation matrix G of these sources at points that have been checked.
     pub(crate) fn at(sources: Arc<Sources>, points: Arc<[[f64; 3]]>, set: InstructionSet) -> Self {
         let frame = Arc::new(sources.frame(&points));
         let count = points.len();
         Self { count, rows: Rows::Computed { sources, frame, points }, set, rows_follow: false }
     }
 
-    /// Returns a stored G at points that have been checked. Columns that are `known` are not computed again.
+    /// Returns a stored propagation matrix G at points that have been checked. Columns that are `known` are not computed again.
     pub(crate) fn kept(kept: Kept, known: Known<'_>, set: InstructionSet) -> Result<Self, Error> {
         let (count, reference) = (kept.points.len(), kept.sources.reference());
         Ok(Self::stored((kept.make.matrix)(&kept, known)?, count, reference, set, Some(kept.into())))
     }
 
-    /// Returns G with one column for each channel: the sum of its transducers' columns. A user's own matrix has such columns
-    /// already.
+    /// Returns the propagation matrix G with one column for each channel: the sum of its transducers' columns. A user's own
+    /// matrix has such columns already.
     pub(crate) fn driven(self, channels: Option<&Channels>) -> Result<Self, Error> {
         let Some(channels) = channels else { return Ok(self) };
         let mut kept = match &self.rows {
@@ -138,7 +138,7 @@ impl Propagation {
         Self::kept(kept, (&[], &[]), self.set)
     }
 
-    /// Returns the same G with another instruction set for its kernels.
+    /// Returns the same propagation matrix G with another instruction set for its kernels.
     #[must_use]
     pub fn with_instruction_set(self, set: InstructionSet) -> Self {
         Self { set, ..self }
@@ -150,7 +150,7 @@ impl Propagation {
         self.set
     }
 
-    /// Returns a user's own G (M, N) in Pa, given point by point.
+    /// Returns a user's own propagation matrix G (M, N) in Pa, given point by point.
     ///
     /// # Errors
     /// No entries, a length that is no multiple of `points`, an entry that is not finite (named by [j, i]).
@@ -199,10 +199,10 @@ impl Propagation {
     }
 
     /// Switches off some transducers of a user's own matrix: where the mask (N,) is false, G is 0, and therefore the drive too.
-    /// For a computed G, the array has the mask.
+    /// For a computed propagation matrix G, the array has the mask.
     ///
     /// # Errors
-    /// Another number of entries than transducers, a G that is computed from an array.
+    /// Another number of entries than transducers, a propagation matrix G that is computed from an array.
     pub fn with_mask(mut self, mask: &[bool]) -> Result<Self, Error> {
         let Rows::Stored { matrix, planar, kept: None, .. } = &mut self.rows else {
             return Err(Error::invalid("mask", "given", "an array has its own: give it there"));
@@ -240,7 +240,7 @@ impl Propagation {
         padded(self.count)
     }
 
-    /// The unit of the rows in Pa: 1000 P0, or the mean modulus of a user's own G.
+    /// The unit of the rows in Pa: 1000 P0, or the mean modulus of a user's own propagation matrix G.
     #[must_use]
     pub fn reference(&self) -> f64 {
         match &self.rows {
@@ -249,7 +249,7 @@ impl Propagation {
         }
     }
 
-    /// The array, points and obstacles that G was computed from; `None` for a user's own matrix.
+    /// The array, points and obstacles that the propagation matrix G was computed from; `None` for a user's own matrix.
     pub(crate) fn origin(&self) -> Option<Origin<'_>> {
         match &self.rows {
             Rows::Computed { sources, points, .. } => Some((&sources.array, points, None)),
@@ -319,7 +319,7 @@ impl Propagation {
         }
     }
 
-    /// Replaces the points. The memory is reused unless another G shares it.
+    /// Replaces the points. The memory is reused unless another propagation matrix G shares it.
     pub(crate) fn carry(&mut self, points: &[[f64; 3]]) -> Result<(), Error> {
         let (sources, frame, old) = match &mut self.rows {
             Rows::Computed { sources, frame, points } => (sources, frame, points),
@@ -353,7 +353,7 @@ impl Propagation {
         }
     }
 
-    /// Returns G at some of the points, by their indices.
+    /// Returns the propagation matrix G at some of the points, by their indices.
     pub(crate) fn select(&self, chosen: &[usize]) -> Self {
         match &self.rows {
             Rows::Computed { sources, points, .. } => {
@@ -369,7 +369,7 @@ impl Propagation {
         }
     }
 
-    /// Returns G with the row of each point multiplied by a factor, as a stored matrix.
+    /// Returns the propagation matrix G with the row of each point multiplied by a factor, as a stored matrix.
     pub(crate) fn stretched(&self, factors: &[f64]) -> Self {
         let entry = |k: usize| self.exact(k % self.count, k / self.count) * factors[k % self.count];
         let entries = (0..self.transducers() * self.count).map(entry).collect();

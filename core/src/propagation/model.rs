@@ -17,7 +17,7 @@ use crate::propagation::scattering::Scattering;
 use crate::propagation::sources::Sources;
 use crate::scene::{Array, Bead, Medium, Obstacle, Obstacles, Scene, Signature, check_array};
 
-/// An array in a medium, prepared once to compute G and fields for points that change.
+/// An array in a medium, prepared once to compute the propagation matrix G and fields for points that change.
 ///
 /// ```
 /// use midair::{Array, InstructionSet, Medium, Model};
@@ -34,9 +34,9 @@ pub struct Model {
     pub(crate) scattering: Option<Arc<Scattering>>,
     signature: Option<Signature>,
     bead: Bead,
-    /// Whether the method computes the rows of G one by one, see [`Model::for_rows`].
+    /// Whether the method computes the rows of the propagation matrix G one by one, see [`Model::for_rows`].
     rows_follow: bool,
-    /// The functions that compute a stored G, with obstacles or a signature; `None` without both.
+    /// The functions that compute a stored propagation matrix G, with obstacles or a signature; `None` without both.
     make: Option<Make>,
 }
 
@@ -92,7 +92,7 @@ impl Model {
     /// takes seconds.
     ///
     /// # Errors
-    /// As [`Model::with_obstacles`]; a stop.
+    /// As [`Model::with_obstacles`]; a stop by the caller.
     pub fn with_obstacles_watched(self, obstacles: &[Obstacle], control: &mut Control) -> Result<Self, Error> {
         let checked = Obstacles::new(obstacles.to_vec(), self.array(), self.medium())?;
         self.scattered(&checked, control)
@@ -137,8 +137,8 @@ impl Model {
         Self { signature, make: kept.then_some(Kept::MAKE), ..self }
     }
 
-    /// Returns a copy of this model for a method that computes the rows of G one by one, or for another method. Results do not
-    /// depend on it. For rows, intermediate values of the sums of |G| are stored and used again.
+    /// Returns a copy of this model for a method that computes the rows of the propagation matrix G one by one, or for another
+    /// method. Results do not depend on it. For rows, intermediate values of the sums of |G| are stored and used again.
     #[doc(hidden)]
     #[must_use]
     pub fn for_rows(self, rows_follow: bool) -> Self {
@@ -157,7 +157,7 @@ impl Model {
         self.bead
     }
 
-    /// Returns G at `points` (M, 3) in m, multiplied by the factors of the signature if there is one.
+    /// Returns the propagation matrix G at `points` (M, 3) in m, multiplied by the factors of the signature if there is one.
     ///
     /// # Errors
     /// No point, a coordinate that is not finite or too far away; a point inside an obstacle; factors that do not fit; with a
@@ -166,8 +166,8 @@ impl Model {
         self.columns(points, None)
     }
 
-    /// Returns G as solvers need it: for an array with channels, one column for each channel, the sum of its transducers'
-    /// columns.
+    /// Returns the propagation matrix G as solvers need it: for an array with channels, one column for each channel, the sum of
+    /// its transducers' columns.
     ///
     /// # Errors
     /// As [`Model::propagation`], and more than 2^20 entries (N, M) with channels.
@@ -190,7 +190,7 @@ impl Model {
         Propagation::kept(kept, (&[], &[]), self.set)
     }
 
-    /// The bytes of a stored G for each point, in f64 and f32; 0 if G is computed when needed.
+    /// The bytes of a stored propagation matrix G for each point, in f64 and f32; 0 if G is computed when needed.
     pub(crate) fn bytes_a_point(&self) -> usize {
         if self.make.is_some() || self.array().wiring().is_some() { 24 * self.array().len() } else { 0 }
     }

@@ -54,7 +54,7 @@ impl Pushed {
     /// Returns the force in N on the sphere around `center`. `pressure` returns the real and imaginary part at a place.
     ///
     /// # Errors
-    /// The errors of `pressure`, a stop.
+    /// The errors of `pressure`, a stop by the caller.
     pub(crate) fn force(
         &self,
         center: [f64; 3],

@@ -18,7 +18,7 @@ pub(crate) const NEAR: f32 = 1.01e-4;
 /// The most amplitudes that are stored: 1 MiB, which stays in the second-level cache until the rows are computed.
 const MOST_KEPT: usize = 1 << 18;
 
-/// The amplitudes |c| D e^{-alpha r}/r of all elements of G, row by row, if they are stored.
+/// The amplitudes |c| D e^{-alpha r}/r of all elements of the propagation matrix G, row by row, if they are stored.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Amplitudes {
     rows: Vec<Line>,

@@ -27,7 +27,7 @@ impl Scattering {
     /// Prepares obstacles that have been checked with the array and medium of `sources`. The sound on meshes is not known yet.
     ///
     /// # Errors
-    /// A stop.
+    /// A stop by the caller.
     pub(crate) fn new(sources: &Sources, obstacles: Obstacles, control: &mut Control) -> Result<Self, Error> {
         let sphere = obstacles.given().iter().find_map(|obstacle| match obstacle {
             Obstacle::Sphere { center, radius, kind } => {
@@ -70,7 +70,7 @@ impl Scattering {
         }
     }
 
-    /// How many times longer an entry of G takes than without obstacles.
+    /// How many times longer an entry of the propagation matrix G takes than without obstacles.
     pub(crate) fn cost(&self) -> usize {
         // A wave or an element takes about a hundredth of the time of eq. (5).
         1 + self.images.len() + self.bodies.as_ref().map_or(0, |bodies| bodies.len() / 100)

@@ -10,7 +10,8 @@ use crate::kernels::{Radiation, Source, SourceList, padded};
 use crate::math;
 use crate::scene::{Array, Medium, check_places, distance};
 
-/// An array in a medium, prepared to compute rows of G. Positions are in wavelengths, relative to the array's middle.
+/// An array in a medium, prepared to compute rows of the propagation matrix G. Positions are in wavelengths, relative to the
+/// array's middle.
 ///
 /// A distance in wavelengths *is* a phase in turns. So the f32 rows need no multiplication between distance and phase, and lose
 /// no digits to one.

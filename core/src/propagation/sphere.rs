@@ -100,7 +100,7 @@ impl Sphere {
     /// included.
     ///
     /// # Errors
-    /// A stop.
+    /// A stop by the caller.
     pub(crate) fn answers(&self, sources: &Sources, control: &mut Control) -> Result<Vec<Complex64>, Error> {
         let transducers = sources.array.len();
         let rules = Rules::new(self);
@@ -207,7 +207,7 @@ impl Rules {
     /// Returns the coefficients (K,) in Y_k of some functions of the direction.
     ///
     /// # Errors
-    /// The errors of the functions, a stop.
+    /// The errors of the functions, a stop by the caller.
     pub(crate) fn waves<const F: usize>(
         &self,
         of: impl Fn([f64; 3]) -> Result<[Complex64; F], Error>,

@@ -57,7 +57,7 @@ impl Stiffness {
     /// field has no derivatives.
     ///
     /// # Errors
-    /// More memory than allowed, a stop.
+    /// More memory than allowed, a stop by the caller.
     pub(crate) fn of(
         (set, Bead { particle, gravity }): (InstructionSet, Bead),
         sources: &Sources,

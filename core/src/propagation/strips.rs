@@ -1,8 +1,9 @@
-//! Strips: G as tiles, some transducers at a time, and the results of one pass over them: powers, G G^H, G^H p and G q.
+//! Strips: the propagation matrix G as tiles, some transducers at a time, and products such as G G^H, G^H p and G q.
 //!
 //! Sixteen transducers fill the SIMD lanes, even if there are few points. With M = 4, G takes a quarter of the time that it
-//! takes with one row for each transducer. A small G is one strip, computed once and used in each pass. A large G is computed
-//! again in each pass, [`STRIP`] transducers at a time. Memory stays O(M), and reading a stored G would take as long.
+//! takes with one row for each transducer. A small G is one strip, computed once and used in each pass. A large propagation
+//! matrix G is computed again in each pass, [`STRIP`] transducers at a time. Memory stays O(M), and reading a stored G would
+//! take as long.
 
 use core::ops::Range;
 
@@ -16,19 +17,19 @@ use crate::math::sqrtf;
 use crate::propagation::Propagation;
 use crate::workspace::{Aligned, Buffer, Workspace};
 
-/// The number of transducers in a strip of a large G.
+/// The number of transducers in a strip of a large propagation matrix G.
 const STRIP: usize = products::RUN * LANES;
 
 /// The number of transducers in a strip, on targets where code and memory must be small.
 const SHORT_STRIP: usize = 4 * LANES;
 
-/// The most entries of a G that is stored as a whole: 2 MB.
+/// The most entries of a propagation matrix G that is stored as a whole: 2 MB.
 const KEPT: usize = 1 << 18;
 
 /// One number for each transducer, real and imaginary part, padded to whole pairs of tiles.
 pub(crate) type Drives<'w> = [Buffer<'w, f32>; 2];
 
-/// G at the points of a problem, in strips.
+/// The propagation matrix G at the points of a problem, in strips.
 pub(crate) struct Strips<'w> {
     propagation: &'w Propagation,
     order: Buffer<'w, u32>,
@@ -138,7 +139,7 @@ impl<'w> Strips<'w> {
     /// It is conjugated so that `correlate` with row k gives row k of G G^H times a vector.
     ///
     /// # Errors
-    /// More memory than allowed, a stop.
+    /// More memory than allowed, a stop by the caller.
     pub(crate) fn gram(&mut self, factors: Option<&[f32]>, control: &mut Control) -> Result<Planar<'w>, Error> {
         let (propagation, work) = (self.propagation, self.work);
         let (set, count, lanes) = (propagation.instruction_set(), propagation.points(), propagation.lanes());

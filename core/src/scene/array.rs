@@ -140,7 +140,7 @@ impl Array {
         array.with_quantization(preset.quantization()?).with_response(response)?.with_channels(Some(channels))
     }
 
-    /// The same array with other transducers.
+    /// Returns a copy of this array with another source pressure and directivity.
     ///
     /// # Errors
     /// A source pressure or directivity parameter out of range.
@@ -293,8 +293,8 @@ impl Array {
         }
     }
 
-    /// The frequency in Hz of an array that is real hardware, such as every preset except the arrays of the paper. The default
-    /// medium of its scenes is [`Medium::room`].
+    /// The frequency in Hz of an array that is real hardware, such as every preset except the arrays of Suzuki et al. 2021. The
+    /// default medium of its scenes is [`Medium::room`].
     #[must_use]
     pub fn hardware(&self) -> Option<f64> {
         self.hardware

@@ -9,7 +9,7 @@ numbers! {
     ///
     /// The default is a bead of expanded polystyrene, 2 mm across and 29 kg/m^3: the density of the beads of A. Marzo et al.,
     /// "Holographic acoustic elements for manipulation of levitated objects", Nature Communications 6, 8661 (2015). Its sound
-    /// speed, 900 m/s, hardly matters: with the 1052 m/s of others a standing wave holds it 0.1 % better.
+    /// speed, 900 m/s, hardly matters: with 1052 m/s, as other authors have, a standing wave traps it 0.1 % more strongly.
     pub struct Particle of "bead" {
         /// Radius a in m; left out 1e-3.
         radius = 1e-3, above 0.0, such as 1e-3;

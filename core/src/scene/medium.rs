@@ -7,8 +7,8 @@ use crate::math;
 use crate::scene::key::numbers;
 
 numbers! {
-    /// A homogeneous medium and the frequency used in it. Its default is the paper's: air of 14.5 degrees C, a wavelength of
-    /// 8.5 mm, without absorption. That of an array is [`Array::medium`](crate::Array::medium).
+    /// A homogeneous medium and the frequency used in it. The default is that of Suzuki et al. 2021: air of 14.5 degrees C
+    /// without absorption, in which the wavelength is 8.5 mm. [`Array::medium`](crate::Array::medium) is the default for an array.
     pub struct Medium of "medium" {
         /// Frequency f in Hz; left out 40e3.
         frequency = 40e3, above 0.0, such as 40e3;

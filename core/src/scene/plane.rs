@@ -40,10 +40,10 @@ impl Axis {
     /// Every axis, in order of preference: if several fit as the normal of a plane, the first is used.
     const ALL: [Self; 3] = [Self::Z, Self::Y, Self::X];
 
-    /// The axis of this name: "x", "y" or "z".
+    /// Returns the axis of this name: "x", "y" or "z".
     ///
     /// # Errors
-    /// Another name.
+    /// An unknown name.
     pub fn named(name: &str) -> Result<Self, Error> {
         let names = [("x", Self::X), ("y", Self::Y), ("z", Self::Z)];
         find("axis", name, &names, |(name, _)| name).map(|(_, axis)| *axis)

@@ -33,7 +33,7 @@ impl Session {
     /// without points is 0.
     ///
     /// # Errors
-    /// Lists of lengths that do not fit, the errors of [`Session::solve`] with the index of the frame; a stop.
+    /// Lists of lengths that do not fit, the errors of [`Session::solve`] with the index of the frame; a stop by the caller.
     ///
     /// ```
     /// use midair::{Array, SolveRequest, Complex32, Control, Frames, InstructionSet, Medium, Model, Session, solvers};

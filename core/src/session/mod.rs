@@ -32,8 +32,8 @@ use crate::solvers::method::Solve;
 use crate::solvers::remark::Remark;
 use crate::solvers::solve::solve_after;
 
-/// How many entries of G a thread computes between two calls of the control. This takes `fast` about 100 us, much longer than
-/// to wake a thread.
+/// How many entries of the propagation matrix G a thread computes between two calls of the control. This takes `fast` about 100
+/// us, much longer than to wake a thread.
 const STRETCH: usize = 1 << 17;
 
 /// A solver with its array, its memory and its last solution, for loops such as the tracking of a hand.
@@ -81,7 +81,8 @@ impl Session {
         Self::of(Task { transducers, setup, solver, balance }, vicinity)
     }
 
-    /// Returns a session for a user's own G, the setup of its array, and a solver. Its requests have no points.
+    /// Returns a session for a user's own propagation matrix G, the setup of its array, and a solver. Its requests have no
+    /// points.
     ///
     /// # Errors
     /// Another number of positions than transducers, a medium out of range.
@@ -115,7 +116,7 @@ impl Session {
     ///
     /// # Errors
     /// As [`Model::propagation`], [`Problem::with_propagation`], [`Problem::with_start`] and the errors of the method; points
-    /// for a user's own G.
+    /// for a user's own propagation matrix G.
     pub fn solve(&mut self, ask: &SolveRequest, control: &mut Control) -> Result<&Solution, Error> {
         if self.workers.is_empty() {
             self.workers.push(Worker::default());
@@ -302,7 +303,7 @@ impl Session {
         self.task.transducers.count(&self.task.setup)
     }
 
-    /// The number of points M of a user's own G; `None` for other sessions.
+    /// The number of points M of a user's own propagation matrix G; `None` for other sessions.
     #[must_use]
     pub fn given_points(&self) -> Option<usize> {
         self.task.transducers.points()

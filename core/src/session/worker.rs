@@ -23,7 +23,7 @@ use crate::workspace::Workspace;
 #[derive(Clone, Debug, Default)]
 #[allow(clippy::exhaustive_structs, reason = "a session's request, in one piece")]
 pub struct SolveRequest {
-    /// Points (M, 3) in m; empty for a user's own G.
+    /// Points (M, 3) in m; empty for a user's own propagation matrix G.
     pub points: Vec<[f64; 3]>,
     /// The targets and weights.
     pub request: Request,
@@ -48,9 +48,9 @@ impl SolveRequest {
 
 /// Where the matrix G of a session comes from.
 pub(super) enum Transducers {
-    /// G is computed at the points of each request.
+    /// The propagation matrix G is computed at the points of each request.
     Model(Model),
-    /// G is the same matrix for all requests, given by the user.
+    /// The propagation matrix G is the same matrix for all requests, given by the user.
     Given(Propagation),
 }
 

@@ -22,7 +22,7 @@ fn scene(signature: Option<Signature>) -> Scene {
     scene.and_then(|scene| scene.with_signature(signature)).expect("a scene")
 }
 
-/// The entries (j, c) of G in double precision, each summed over the transducers of channel c.
+/// The entries (j, c) of the propagation matrix G in double precision, each summed over the transducers of channel c.
 fn summed(scene: &Scene) -> Vec<Complex64> {
     let propagation = Model::of(scene, InstructionSet::best()).propagation(scene.points()).expect("a matrix");
     let channels = scene.array().channels().expect("channels").to_vec();

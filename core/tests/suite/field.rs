@@ -44,7 +44,8 @@ fn assert_field(scene: &Scene, points: &[[f64; 3]]) {
     for ((found, exact), reach) in
         widen(&field(scene, &drive, points)).iter().zip(exact).zip(oracle::reach(&propagation))
     {
-        // Within 0.3 m an entry of G is accurate to 3e-5 of its modulus. The sum is accurate to that part of the sum of moduli.
+        // Within 0.3 m an entry of the propagation matrix G is accurate to 3e-5 of its modulus. The sum is accurate to that
+        // part of the sum of moduli.
         assert!((found - exact).norm() < 3e-5 * reach, "{found} for {exact} where {reach} is the most");
     }
 }

@@ -145,7 +145,8 @@ fn on_small_scenes_the_choices_are_the_oracles() {
                 let ours = widen(&drive);
                 let same = |i: usize| (ours[i] - search.greedy()[i]).norm() < 1e-6;
                 if !(0..ours.len()).all(same) {
-                    // The phases of G in f32 are accurate to 1e-5, which may change a near-tie and then all later choices.
+                    // The phases of the propagation matrix G in f32 are accurate to 1e-5, which may change a near-tie and then
+                    // all later choices.
                     let worst = search.regrets(&ours).into_iter().fold(0.0, f64::max);
                     assert!(worst < REGRET, "seed {seed}: regret {worst:e}");
                     apart += 1;

@@ -1,4 +1,4 @@
-//! Compares rows of G, computed and stored, with eq. (5) in plain f64 loops.
+//! Compares rows of the propagation matrix G, computed and stored, with eq. (5) in plain f64 loops.
 
 use midair::solvers::{Greedy, Order};
 use midair::{
@@ -58,8 +58,9 @@ fn rows(propagation: &Propagation) -> Vec<Vec<Complex64>> {
     (0..propagation.transducers()).map(row).collect()
 }
 
-/// Returns the distance and the error of each entry of G, except for dead transducers. The error is relative to the modulus on
-/// the axis at that distance, because the directivity is 0 at some angles. For a point source this is the entry's own modulus.
+/// Returns the distance and the error of each entry of the propagation matrix G, except for dead transducers. The error is
+/// relative to the modulus on the axis at that distance, because the directivity is 0 at some angles. For a point source this
+/// is the entry's own modulus.
 fn errors(scene: &Scene, found: &[Vec<Complex64>]) -> Vec<(f64, f64)> {
     let array = scene.array();
     let mut errors = Vec::new();
@@ -208,7 +209,7 @@ fn an_entry_has_the_same_bits_whatever_the_number_of_points_and_the_memory() {
     }
 }
 
-/// Returns the exact matrix of a scene as a user's own G.
+/// Returns the exact matrix of a scene as a user's own propagation matrix G.
 fn stored(scene: &Scene) -> Propagation {
     let propagation = propagation(scene);
     let points = scene.points().len();

@@ -58,7 +58,7 @@ pub(crate) fn model(scene: &Scene) -> oracle::Model {
     }
 }
 
-/// Returns the reference's G of a scene, transducer by transducer.
+/// Returns the reference's propagation matrix G of a scene, transducer by transducer.
 pub(crate) fn propagation(scene: &Scene) -> Vec<Vec<Complex64>> {
     oracle::propagation(&model(scene), scene.points())
 }

@@ -9,7 +9,8 @@ use crate::propagation::kept::Kept;
 use crate::rng::Rng;
 use crate::scene::{Array, Directivity, Obstacle, Particle, Signature, Surface, Transducer};
 
-/// Returns a model of two facing arrays of 4 x 3 transducers with a wall beside them, and the stored G at two points.
+/// Returns a model of two facing arrays of 4 x 3 transducers with a wall beside them, and the stored propagation matrix G at
+/// two points.
 fn kept() -> (Model, Kept) {
     let place = |i: usize| [0.011 * (i % 4) as f64, 0.012 * (i / 4 % 3) as f64, if i < 12 { 0.0 } else { 0.08 }];
     let normals = (0..24).map(|i| [0.0, 0.0, if i < 12 { 1.0 } else { -1.0 }]).collect();

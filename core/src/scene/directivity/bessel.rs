@@ -12,8 +12,8 @@ const SMALL: f64 = 2.0;
 /// digits.
 const LARGEST: f64 = 64.0;
 
-/// Converts Taylor coefficients. `of(y)` returns those of a function f in y = x^2, where x = `scale` sin(theta); the result are
-/// those of the same function in c = cos(theta).
+/// Converts Taylor coefficients of a function f of y = x^2, where x = `scale` sin(theta), into those of f in c = cos(theta).
+/// `of(y)` returns the coefficients in y.
 pub(super) fn in_sine(scale: f64, c: f64, of: impl Fn(f64) -> [f64; SLOPES]) -> [f64; SLOPES] {
     let square = scale * scale;
     let [f, f1, f2, f3, f4] = of(square * (1.0 - c * c));
