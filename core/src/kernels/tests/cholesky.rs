@@ -47,7 +47,7 @@ fn a_system_is_solved_at_every_size() {
 }
 
 #[test]
-fn what_is_not_positive_definite_is_refused() {
+fn a_matrix_that_is_not_positive_definite_is_rejected() {
     for set in InstructionSet::all() {
         // The matrix has 1 on the diagonal, and later one 1 beside it.
         let mut matrix = vec![0.0; 20 * padded(20)];

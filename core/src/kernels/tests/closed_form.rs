@@ -145,7 +145,7 @@ fn a_transducer_without_gain_has_no_phase_and_a_report_ends_the_sweep() {
 }
 
 #[test]
-fn on_a_board_every_drive_is_one_of_its_phases_and_the_field_knows() {
+fn on_a_board_every_drive_has_one_of_its_phases_and_the_field_is_theirs() {
     const COUNT: f64 = 32.0;
     let phases = Phases::new(COUNT as u32);
     for set in InstructionSet::all() {

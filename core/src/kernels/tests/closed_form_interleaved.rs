@@ -46,7 +46,7 @@ fn every_lane_has_the_bits_of_its_single_sweep() {
 }
 
 #[test]
-fn drives_are_dealt_out_to_their_problems() {
+fn drives_are_copied_to_their_problems() {
     for set in InstructionSet::all() {
         let drive: Vec<f32> = (0..3 * LANES * LANES).map(|k| k as f32).collect();
         let mut out: [Vec<_>; LANES] = from_fn(|_| Vec::new());

@@ -39,7 +39,7 @@ fn sinc(x: f64) -> Directivity {
 }
 
 #[test]
-fn patterns_are_followed_within_a_millionth() {
+fn patterns_are_accurate_within_a_millionth() {
     let exponents = [0.0, 0.1, 0.5, 1.0, 1.5, 2.0, 2.5, 2.9, 3.0, 3.376, 4.0, 5.5, 9.0, 12.5, 17.0, 24.0, 70.0, 6400.0];
     let widths = [0.01, 1.0, 2.0, 3.326, 4.0, 5.0, 6.0, 7.0, 8.0];
     let beams = widths.into_iter().flat_map(|x| [piston(x), sinc(x)]);
@@ -52,7 +52,7 @@ fn patterns_are_followed_within_a_millionth() {
 }
 
 #[test]
-fn narrow_beams_lose_what_a_rounding_of_the_cosine_changes() {
+fn narrow_beams_are_accurate_up_to_a_rounding_of_the_cosine() {
     for x in [9.0, 10.0, 12.0, 14.0, 16.0, 20.0, 30.0, 50.0, 79.0] {
         for directivity in [piston(x), sinc(x)] {
             for set in InstructionSet::all() {

@@ -17,7 +17,7 @@ const TRANSDUCERS: usize = 9;
 const PAIR: [f32; 2] = [0.5, 0.75];
 
 #[test]
-fn each_takes_the_part_that_leaves_less_and_errors_are_sums() {
+fn each_transducer_takes_the_part_of_the_smaller_error() {
     for (set, count) in InstructionSet::all().flat_map(|set| LENGTHS.map(move |count| (set, count))) {
         let (mut rng, lanes) = (Rng::new(count as u64), padded(count));
         let mut list = |rows: usize| (0..rows).flat_map(|_| numbers(&mut rng, count, -1.0, 1.0)).collect::<Vec<f32>>();

@@ -74,7 +74,7 @@ fn products_are_factored_and_solved() {
 }
 
 #[test]
-fn what_is_not_positive_definite_has_no_factor() {
+fn a_matrix_that_is_not_positive_definite_has_no_factor() {
     for bad in [0.0, -1.0, f64::NAN] {
         for set in InstructionSet::all() {
             let mut matrix = vec![0.0; 16];

@@ -114,7 +114,7 @@ impl Even {
 }
 
 #[test]
-fn points_stay_alike_on_the_grid() {
+fn points_stay_even_on_the_grid() {
     for (points, quiet) in [(1, 0), (2, 0), (3, 1), (7, 0), (8, 2), (9, 0), (16, 0), (17, 4), (40, 0), (64, 8)] {
         let even = Even::new(points, quiet);
         assert!(even.cost(&even.drive) < 1e-16 * 100.0 * 100.0 * points as f64);

@@ -29,7 +29,7 @@ fn tables() -> Vec<Vec<f64>> {
 
 #[test]
 #[ignore = "slow"]
-fn the_nearest_code_by_every_set_with_the_same_bits() {
+fn every_set_finds_the_nearest_code_with_the_same_bits() {
     let mut rng = Rng::new(1);
     for length in super::LENGTHS {
         let polar = |modulus: f64, turns: f64| Complex32::from_polar(modulus as f32, (TAU * turns) as f32);
@@ -65,7 +65,7 @@ fn the_nearest_code_by_every_set_with_the_same_bits() {
 }
 
 #[test]
-fn of_two_as_near_the_later_phase_and_the_larger_amplitude() {
+fn of_two_equally_near_the_later_phase_and_the_larger_amplitude_win() {
     let diagonal = |re: f32, im: f32| Complex32::new(0.5 * re, 0.5 * im);
     for set in InstructionSet::all() {
         let quarters = grid(Some(4), Some(&[1.0]));
@@ -86,7 +86,7 @@ fn of_two_as_near_the_later_phase_and_the_larger_amplitude() {
 }
 
 #[test]
-fn what_is_hardly_there_and_what_is_no_number_end() {
+fn tiny_drives_and_drives_that_are_not_finite_are_rounded() {
     let odd = [1e-30, 1e-40, f32::NAN, f32::INFINITY].map(|x| Complex32::new(x, x));
     for set in InstructionSet::all() {
         for table in tables() {
@@ -98,7 +98,7 @@ fn what_is_hardly_there_and_what_is_no_number_end() {
 }
 
 #[test]
-fn where_anything_can_be_had_nothing_moves() {
+fn continuous_phases_or_amplitudes_stay() {
     let mut rng = Rng::new(2);
     let drive: Vec<_> =
         (0..100).map(|_| Complex32::from_polar(rng.uniform() as f32, 7.0 * rng.uniform() as f32)).collect();
@@ -140,7 +140,7 @@ fn factor_and_range() {
 }
 
 #[test]
-fn moduli_whose_squares_underflow_stay_what_they_are() {
+fn moduli_whose_squares_underflow_stay_accurate() {
     let drive = [4.7e-23, 5.1e-23].map(|modulus| Complex32::new(0.0, modulus));
     for set in InstructionSet::all() {
         let mut out = drive.to_vec();

@@ -61,7 +61,7 @@ fn the_best_of_a_large_grid_is_found() {
 }
 
 #[test]
-fn where_every_point_has_its_target_the_first_moment_tells_nothing() {
+fn the_first_moment_is_0_where_every_point_has_its_target() {
     for count in [1, 2, 3, 8, 17, 67] {
         for loud in [0.7, 3.0, 10.0] {
             for (phases, amplitudes) in [(64, 1), (100, 2), (256, 1), (256, 16)] {
@@ -77,7 +77,7 @@ fn where_every_point_has_its_target_the_first_moment_tells_nothing() {
 }
 
 #[test]
-fn more_rivals_than_a_list_holds_are_decided_all_the_same() {
+fn more_rivals_than_a_list_has_room_for_are_compared_exactly() {
     // The transducer hardly changes the pressure at these points. So all candidates of 16 amplitudes and 256 phases
     // agree within rounding, and the bounds exclude none of them.
     for set in InstructionSet::all() {

@@ -240,7 +240,7 @@ fn row_and_moduli_are_eq_5() {
 }
 
 #[test]
-fn sharp_and_steep_directivities_are_followed() {
+fn sharp_and_steep_directivities_are_accurate() {
     for set in InstructionSet::all() {
         let sharp = [("piston", 0.1), ("piston", 0.02), ("sinc", 0.2), ("cos", 0.5), ("cos", 2.5), ("cos", 70.0)];
         for (name, parameter) in sharp {
@@ -254,7 +254,7 @@ fn sharp_and_steep_directivities_are_followed() {
 }
 
 #[test]
-fn nearer_than_a_hundredth_of_a_wavelength_r_is_fixed_there() {
+fn distances_below_a_hundredth_of_a_wavelength_count_as_that() {
     for mut shot in shots(1, 20) {
         for (j, step) in [(3, 0.0), (7, 0.004), (17, 0.02)] {
             for axis in 0..3 {

@@ -63,7 +63,7 @@ fn pulses_are_the_first_harmonics_of_square_waves() {
 }
 
 #[test]
-fn the_nearest_pulse_is_that_of_all() {
+fn the_nearest_pulse_is_found() {
     let mut rng = Rng::new(0);
     let mut full = || Complex32::from_polar(1.0, (TAU * rng.uniform()) as f32);
     for (ticks, most) in [(&[1.0; 128][..], 0.0072), (&[1.0; 10], 0.097), (&UNEVEN, 0.11)] {
@@ -78,7 +78,7 @@ fn the_nearest_pulse_is_that_of_all() {
 }
 
 #[test]
-fn the_nearest_pulse_is_that_of_all_where_ticks_are_far_from_equal() {
+fn the_nearest_pulse_of_unequal_ticks_is_found() {
     let mut rng = Rng::new(1);
     for _ in 0..20 {
         let ticks: Vec<f64> = (0..12).map(|_| 0.2 + rng.uniform()).collect();

@@ -143,7 +143,7 @@ fn tolerance_is_1e_7_of_a_true_bound() {
 }
 
 #[test]
-fn candidates_are_amplitudes_times_phases_whatever_the_buffers_kept() {
+fn candidates_are_amplitudes_times_phases_for_any_buffers() {
     for phases in LENGTHS {
         for amplitudes in [1, 2, 3, 16] {
             let dirty = [3, 2 * phases + 40, 1].map(|length| vec![f32::NAN; length]);

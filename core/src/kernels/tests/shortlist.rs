@@ -12,7 +12,7 @@ use crate::kernels::tests::search::{Scene, candidates, least};
 use crate::kernels::tests::wide;
 
 #[test]
-fn the_shortlist_holds_the_best() {
+fn the_shortlist_contains_the_best() {
     for set in InstructionSet::all() {
         for count in [1, 2, 5, 16, 17, 40, 67] {
             for loud in [0.3, 3.0, 30.0] {

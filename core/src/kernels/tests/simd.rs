@@ -25,7 +25,7 @@ macro_rules! stored {
 }
 
 #[test]
-fn inverse_roots_are_the_same_of_every_set_and_close() {
+fn inverse_roots_are_accurate_and_the_same_for_every_set() {
     let numbers = [1e-300, 3e-9, 0.25, 0.999, 1.0, 2.0, 7.3, 1e200];
     let exact = numbers.map(|x: f64| 1.0 / x.sqrt());
     let mut first = None;

@@ -98,7 +98,7 @@ fn each(test: impl Fn(InstructionSet, usize, &mut Rng)) {
 }
 
 #[test]
-fn a_sweep_aims_every_transducer_and_hears_it() {
+fn a_sweep_sets_every_drive_and_computes_the_field() {
     each(|set, count, rng| {
         for transducers in [1, 16, 37] {
             let scene = Scene::new(count, transducers, set);
@@ -150,7 +150,7 @@ fn a_drive_is_played_as_it_is_and_made_full() {
 }
 
 #[test]
-fn a_transducer_reaches_what_is_not_all_zeros() {
+fn a_transducer_reaches_points_unless_its_column_is_0() {
     each(|set, count, _| {
         let mut scene = Scene::new(count, 37, set);
         assert!((0..37).all(|i| scene.tiles().reaches(i)));
@@ -188,7 +188,7 @@ fn a_turn_is_a_change_of_phase() {
 }
 
 #[test]
-fn slopes_their_products_and_sums_are_those_of_j() {
+fn slopes_products_and_sums_are_those_of_the_jacobian() {
     each(|set, count, rng| {
         let (transducers, loud) = (37, count / 2);
         let size = 2 * count - loud;
@@ -237,7 +237,7 @@ fn slopes_their_products_and_sums_are_those_of_j() {
 }
 
 #[test]
-fn transducers_are_weighed() {
+fn weights_multiply_the_columns() {
     each(|set, count, rng| {
         let mut scene = Scene::new(count, 37, set);
         let factors = over(rng, 37);

@@ -55,7 +55,7 @@ fn a_hermitian_system_is_solved_at_every_size() {
 }
 
 #[test]
-fn what_is_not_positive_definite_is_refused() {
+fn a_matrix_that_is_not_positive_definite_is_rejected() {
     let work = Workspace::new();
     let (_, stored) = random(8, 2, &work);
     assert!(
@@ -67,7 +67,7 @@ fn what_is_not_positive_definite_is_refused() {
 }
 
 #[test]
-fn a_matrix_that_is_not_finite_is_refused_and_no_loop_without_end() {
+fn a_matrix_that_is_not_finite_is_rejected() {
     let work = Workspace::new();
     let (_, mut stored) = random(8, 16, &work);
     assert!(Hermitian::damped(InstructionSet::best(), &stored, 8, -1.0, &work, &mut Control::none()).is_ok());

@@ -120,7 +120,7 @@ fn a_closed_curve_has_no_seam() {
 }
 
 #[test]
-fn the_ends_of_the_bound() {
+fn a_bound_of_0_keeps_all_codes_and_a_bound_of_pi_none() {
     let model = model(&grid());
     let points = circles(20, 100);
     let still = Ahead { change: 0.0, ..OPEN };
@@ -159,7 +159,7 @@ fn points_come_and_go_and_dead_transducers_keep_code_0() {
 }
 
 #[test]
-fn a_start_is_gone_on_from() {
+fn a_search_continues_from_its_start() {
     let model = model(&grid());
     let points = circles(16, 400);
     let once = solved(&model, &points, &[1.0; 48], 16, &OPEN);
@@ -197,7 +197,7 @@ fn a_first_frame_is_kept() {
 
 #[cfg(feature = "parallel")]
 #[test]
-fn threads_leave_no_trace() {
+fn the_number_of_threads_changes_no_code() {
     use crate::threads::Threads;
     let model = model(&grid());
     let points = circles(24, 24);
@@ -213,7 +213,7 @@ fn threads_leave_no_trace() {
 }
 
 #[test]
-fn a_stop_is_noticed_and_memory_requested() {
+fn a_stop_and_a_lack_of_memory_end_the_search() {
     let model = model(&grid());
     let points = circles(16, 400);
     let mut steps = 0;
@@ -231,7 +231,7 @@ fn a_stop_is_noticed_and_memory_requested() {
 }
 
 #[test]
-fn what_cannot_be_meant_is_refused_by_name() {
+fn meaningless_arguments_are_rejected_by_name() {
     let model = model(&grid());
     let points = circles(4, 400);
     let text = |points: &[[f64; 3]], targets: &[f64], frames: usize, how: Ahead, start: Option<&[u16]>| {

@@ -51,7 +51,7 @@ fn best(waves: &[Vec<f32>; 2], levels: usize, reach: usize, closed: bool, first:
 
 #[test]
 #[ignore = "slow"]
-fn no_track_is_better() {
+fn no_track_is_better_than_the_one_found() {
     let mut rng = Rng::new(3);
     let mut closed_best = 0;
     for (levels, reach) in [(8, 0), (8, 1), (8, 2), (8, 4), (5, 1), (5, 2), (2, 0), (2, 1), (3, 1)] {
@@ -86,7 +86,7 @@ fn no_track_is_better() {
 }
 
 #[test]
-fn what_asks_for_nothing_stays() {
+fn a_track_without_a_wave_has_code_0() {
     let circle = Circle::new(256, 4);
     let mut tracker = Tracker::new(&circle, FRAMES, InstructionSet::best());
     let mut codes = vec![9; FRAMES];

@@ -5,7 +5,7 @@ use crate::points::contour::{Lines, along, fitted, spaced};
 use crate::scene::distance;
 
 #[test]
-fn what_is_left_is_what_a_plain_loop_leaves() {
+fn spaced_points_are_those_of_a_plain_loop() {
     let mut rng = crate::rng::Rng::new(1);
     let points: Vec<[f64; 3]> = (0..400).map(|_| [0; 3].map(|_| 0.02 * rng.uniform() - 0.01)).collect();
     let mut kept: Vec<[f64; 3]> = Vec::new();
@@ -19,7 +19,7 @@ fn what_is_left_is_what_a_plain_loop_leaves() {
 }
 
 #[test]
-fn a_way_along_lines_leads_to_its_place() {
+fn a_distance_along_lines_gives_the_right_place() {
     let corner = [[0.0, 0.0, 0.1], [0.03, 0.0, 0.1], [0.03, 0.0, 0.1], [0.03, 0.01, 0.1]];
     let lines = Lines::new(&corner).unwrap();
     assert!((lines.length() - 0.04).abs() < 1e-17);
@@ -38,7 +38,7 @@ fn a_contour_that_ends_where_it_began_has_no_point_twice() {
 }
 
 #[test]
-fn so_many_points_at_most_and_those_of_the_usual_step_where_they_fit() {
+fn fitted_points_are_at_most_as_many_as_allowed() {
     let circle = Curve::circle([0.0, 0.0, 0.1], 0.01, [0.0, 0.0, 1.0], 0.0).unwrap();
     let ring = |step| circle.points(step);
     assert_eq!(fitted(64, ring).unwrap().len(), 30);
@@ -49,7 +49,7 @@ fn so_many_points_at_most_and_those_of_the_usual_step_where_they_fit() {
 }
 
 #[test]
-fn a_length_that_no_one_means_is_refused() {
+fn a_length_of_too_many_points_is_rejected() {
     let line = Curve::line([0.0, 0.0, 0.1], [1000.0, 0.0, 0.1], false).unwrap();
     let reported = |step| line.points(step).unwrap_err().to_string();
     assert!(reported(2e-3).starts_with("step is 0.002: 1000 m of contours would be more than 100000 points"));

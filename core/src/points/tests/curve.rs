@@ -24,7 +24,7 @@ fn a_circle_is_round_flat_and_counterclockwise() {
 }
 
 #[test]
-fn what_is_no_curve_is_refused() {
+fn meaningless_curves_are_rejected() {
     let circle = |center, radius, normal, angle| Curve::circle(center, radius, normal, angle).unwrap_err().to_string();
     let (at, up) = ([0.0, 0.0, 0.1], [0.0, 0.0, 1.0]);
     assert_eq!(circle(at, 0.0, up, 0.0), "radius is 0.0: give a number above 0");
@@ -41,7 +41,7 @@ fn what_is_no_curve_is_refused() {
 }
 
 #[test]
-fn lines_end_where_they_do_or_where_they_began() {
+fn open_lines_end_at_their_end_and_closed_ones_at_their_start() {
     let corners = [[0.0, 0.0, 0.1], [0.03, 0.0, 0.1], [0.03, 0.04, 0.1]];
     let [open, closed] = [false, true].map(|closed| Curve::lines("corners", &corners, closed).unwrap());
     assert!((open.length() - 0.07).abs() < 1e-16 && (closed.length() - 0.12).abs() < 1e-16);

@@ -80,7 +80,7 @@ fn the_error_is_the_least_one_within_its_tolerance() {
 }
 
 #[test]
-fn what_can_be_had_is_had() {
+fn targets_within_reach_are_met() {
     for (count, transducers) in [(1, 3), (4, 60), (16, 200)] {
         let (matrix, targets) = scene(count, transducers, 0.3, 7);
         let solution = answer(&matrix, &Request::of_complex(&targets), &Bounded::default());
@@ -105,7 +105,7 @@ fn too_few_steps_are_reported_and_all_steps_stay_finite() {
 }
 
 #[test]
-fn opposite_targets_in_one_place_leave_silence() {
+fn opposite_targets_in_one_place_give_pressures_of_0() {
     let matrix = [Complex64::ONE; 8];
     let targets = [Complex64::new(1.0, 0.0), Complex64::new(-1.0, 0.0)];
     let solution = answer(&matrix, &Request::of_complex(&targets), &Bounded::default());

@@ -42,6 +42,6 @@ fn a_stop_noticed_within_a_step_takes_that_step_back() {
 }
 
 #[test]
-fn the_largest_change_is_relative_to_the_target_and_passes_quiet_points_over() {
+fn the_largest_change_is_relative_to_targets_and_ignores_quiet_points() {
     assert_eq!(largest_change(&[1.0, 2.0, 9.0], &[1.5, 4.0, 0.0], &[1.0, 8.0, 0.0]), 0.5);
 }

@@ -7,7 +7,7 @@ use crate::workspace::Workspace;
 const CURVATURES: [f32; 9] = [1.0, 2.0, 0.5, 100.0, 7.0, 0.1, 30.0, 1.0, 3.0];
 
 #[test]
-fn exact_line_searches_reach_the_least_of_a_quadratic_form_in_as_many_steps_as_it_has_curvatures() {
+fn exact_line_searches_minimise_a_quadratic_form_in_as_many_steps_as_it_has_curvatures() {
     let work = Workspace::new();
     let mut newton = QuasiNewton::new(&work);
     let mut x = [1.0_f32; 9];
@@ -27,7 +27,7 @@ fn exact_line_searches_reach_the_least_of_a_quadratic_form_in_as_many_steps_as_i
 }
 
 #[test]
-fn a_step_without_curvature_is_not_remembered() {
+fn a_step_without_curvature_is_not_stored() {
     let work = Workspace::new();
     let mut newton = QuasiNewton::new(&work);
     newton.remember(&[1.0, 0.0], &[0.0, 1.0]);

@@ -77,7 +77,7 @@ fn a_wave_is_a_drive_and_its_field() {
 }
 
 #[test]
-fn rows_made_alike_ask_for_one_modulus_and_end_with_the_quiet_ones() {
+fn rows_made_alike_request_one_modulus_and_end_with_quiet_points() {
     let work = Workspace::new();
     let matrix: Vec<Complex64> = (0..5 * 37).map(|k| Complex64::cis(f64::from(k))).collect();
     let propagation = Propagation::from_matrix(&matrix, 5).expect("propagation");
