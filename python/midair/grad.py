@@ -128,7 +128,7 @@ def amplitude(
     Parameters
     ----------
     scene, drive, points
-        As `pressure` takes them.
+        As for `pressure`.
     cotangent : (M,) array_like, optional
         dL/d|p|, real, or one for all.
 
@@ -140,7 +140,7 @@ def amplitude(
     Raises
     ------
     SceneError
-        As `pressure`.
+        As for `pressure`.
 
     Examples
     --------
@@ -163,7 +163,7 @@ def radiation(
     Parameters
     ----------
     scene, drive, points
-        As `pressure` takes them.
+        As for `pressure`.
     cotangent : (M,) array_like, optional
         dL by the radiation pressure, real, or one for all.
 
@@ -175,7 +175,7 @@ def radiation(
     Raises
     ------
     SceneError
-        As `pressure`.
+        As for `pressure`.
 
     Examples
     --------
@@ -202,11 +202,11 @@ def gorkov(
     Parameters
     ----------
     scene, drive, points
-        As `pressure` takes them.
+        As for `pressure`.
     cotangent : (M,) array_like, optional
         dL/dU, real, or one for all.
     radius, density, sound_speed : float, optional
-        Of the sphere, constant, as in `midair.gorkov`. The gradient by `sound_speed` is that of the air.
+        Properties of the sphere, as for `midair.gorkov`. The gradient `sound_speed` is that of the air.
 
     Returns
     -------
@@ -216,7 +216,7 @@ def gorkov(
     Raises
     ------
     SceneError
-        As `pressure`, and for a sphere of no size.
+        As for `pressure`, and if the sphere's radius is 0.
 
     Examples
     --------
@@ -247,11 +247,11 @@ def force(
     Parameters
     ----------
     scene, drive, points
-        As `pressure` takes them.
+        As for `pressure`.
     cotangent : (M, 3) array_like, optional
         dL by the force, real, or one number for all.
     radius, density, sound_speed : float, optional
-        Of the sphere, as in `gorkov`.
+        Properties of the sphere, as for `gorkov`.
 
     Returns
     -------
@@ -261,7 +261,7 @@ def force(
     Raises
     ------
     SceneError
-        As `gorkov`.
+        As for `gorkov`.
 
     Examples
     --------
@@ -289,11 +289,11 @@ def stiffness(
     Parameters
     ----------
     scene, drive, points
-        As `pressure` takes them.
+        As for `pressure`.
     cotangent : (M, 3) array_like, optional
         dL by the stiffness, real, or one number for all.
     radius, density, sound_speed : float, optional
-        Of the sphere, as in `gorkov`.
+        Properties of the sphere, as for `gorkov`.
 
     Returns
     -------
@@ -303,7 +303,7 @@ def stiffness(
     Raises
     ------
     SceneError
-        As `gorkov`.
+        As for `gorkov`.
 
     Examples
     --------

@@ -57,9 +57,9 @@ def field(
         "pressure" (M,) complex, "amplitude" or "radiation" (M,) in Pa, "gorkov" (M,) in J, "force" (M, 3) in
         N or "stiffness" (M, 3) in N/m.
     positions, normals : (N, 3) array_like, optional
-        In place of the array's; a normal may have any length.
+        Replace those of the array; a normal may have any length.
     sound_speed : float, optional
-        In m/s, in place of the air's.
+        Sound speed in m/s; replaces that of the air.
     bead : mapping, optional
         radius, density and sound_speed of the sphere for forces, as in `midair.gorkov`.
 
@@ -72,7 +72,7 @@ def field(
     Raises
     ------
     SceneError
-        As `midair.grad`, and where JAX is missing.
+        As for `midair.grad`, and if JAX is not installed.
 
     Examples
     --------

@@ -98,9 +98,9 @@ def field(
         "pressure" (M,) complex, "amplitude" or "radiation" (M,) in Pa, "gorkov" (M,) in J, "force" (M, 3) in
         N or "stiffness" (M, 3) in N/m.
     positions, normals : (N, 3) tensor or array_like, optional
-        In place of the array's; a normal may have any length.
+        Replace those of the array; a normal may have any length.
     sound_speed : float or tensor, optional
-        In m/s, in place of the air's.
+        Sound speed in m/s; replaces that of the air.
     bead : mapping, optional
         radius, density and sound_speed of the sphere for forces, as in `midair.gorkov`.
 
@@ -112,7 +112,7 @@ def field(
     Raises
     ------
     SceneError
-        As `midair.grad`, and where PyTorch is missing.
+        As for `midair.grad`, and if PyTorch is not installed.
 
     Examples
     --------

@@ -234,7 +234,7 @@ getters! {
 ///     Called with (done, problems, mean residual). False stops the batch: unsolved problems have the status "stopped"
 ///     and a drive of 0.
 /// **options
-///     Of the solver, and `balance`, `aim`, and quantization and mask in place of the array's.
+///     Options of the solver; `balance` and `aim`; `quantization` and `mask`, which replace those of the array.
 ///
 /// Returns
 /// -------
@@ -244,12 +244,12 @@ getters! {
 /// Raises
 /// ------
 /// SceneError
-///     As `solve`, with the number of the problem and before any solve; also for an out that cannot be written.
+///     As for `solve`, with the number of the problem, before any solve; also if `out` cannot be written.
 ///
 /// Warns
 /// -----
 /// SceneWarning
-///     As `solve`, each kind once, with counts.
+///     As for `solve`, once for each kind, with counts.
 ///
 /// Examples
 /// --------

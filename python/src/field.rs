@@ -207,7 +207,7 @@ getters! {
 /// SceneError
 ///     For a drive or points of another shape or not finite.
 /// TypeError
-///     For another type of scene.
+///     If `scene` has another type.
 /// MemoryError
 ///     For more than MIDAIR_MEMORY allows.
 ///
@@ -282,7 +282,7 @@ impl Solution {
     /// Parameters
     /// ----------
     /// plane : midair.Plane or (P, 3) array_like, optional
-    ///     As for `midair.field`.
+    ///     Plane or points, as for `midair.field`.
     ///
     /// Returns
     /// -------

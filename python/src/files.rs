@@ -80,7 +80,7 @@ impl Scene {
     /// Raises
     /// ------
     /// SceneError
-    ///     For an error in it, with line, column and a correct line as an example.
+    ///     For an error in it. The text states line and column, and shows a correct line.
     /// OSError
     ///     If it cannot be read, such as FileNotFoundError.
     #[staticmethod]
@@ -107,7 +107,7 @@ impl Scene {
     /// Raises
     /// ------
     /// SceneError
-    ///     For an error in it, with line, column and a correct line as an example.
+    ///     For an error in it. The text states line and column, and shows a correct line.
     #[staticmethod]
     #[pyo3(signature = (text, *, name="scene", folder=None))]
     fn parse(text: &Bound<'_, PyAny>, name: &str, folder: Option<PathBuf>) -> PyResult<Self> {

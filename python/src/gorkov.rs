@@ -215,14 +215,14 @@ pub(crate) const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 /// points : (P, 3) array_like, optional
 ///     Points in m; by default the scene's.
 /// radius : float, optional
-///     Of the sphere in m; by default that of the scene's bead, 1e-3 unless it has another.
+///     Radius of the sphere in m; by default that of the scene's bead, which by default is 1e-3.
 /// density : float, optional
-///     Of the sphere in kg/m^3; by default the bead's, 29 (expanded polystyrene: Marzo et al., Nature Communications 6,
+///     Density of the sphere in kg/m^3; by default the bead's, 29 (polystyrene foam: Marzo et al., Nature Communications 6,
 ///     8661, 2015).
 /// sound_speed : float, optional
-///     In the sphere in m/s; by default the bead's, 900.
+///     Sound speed in the sphere in m/s; by default the bead's, 900.
 /// gravity : (3,) array_like, optional
-///     In m/s^2, for `net` and `weight`; by default the bead's, 9.81 down the z axis.
+///     Gravity in m/s^2, for `net` and `weight`; by default the bead's, 9.81 down the z axis.
 ///
 /// Returns
 /// -------
@@ -281,9 +281,9 @@ pub(crate) fn gorkov<'py>(
 /// Parameters
 /// ----------
 /// scene, drive, points
-///     As `midair.gorkov` takes them; points are where the spheres start.
+///     As for `midair.gorkov`; the spheres start at the points.
 /// radius, density, sound_speed, gravity
-///     Of the spheres, as there.
+///     Properties of the spheres, as for `midair.gorkov`.
 ///
 /// Returns
 /// -------
@@ -293,7 +293,7 @@ pub(crate) fn gorkov<'py>(
 /// Raises
 /// ------
 /// SceneError
-///     As `midair.gorkov`.
+///     As for `midair.gorkov`.
 ///
 /// Notes
 /// -----
@@ -337,7 +337,7 @@ impl Solution {
     /// Parameters
     /// ----------
     /// points, radius, density, sound_speed, gravity
-    ///     As `midair.gorkov` takes them.
+    ///     As for `midair.gorkov`.
     ///
     /// Returns
     /// -------
@@ -347,7 +347,7 @@ impl Solution {
     /// Raises
     /// ------
     /// SceneError
-    ///     As `midair.gorkov`, and where it has no scene.
+    ///     As for `midair.gorkov`, and if the solution has no scene.
     #[pyo3(signature = (points=None, *, radius=None, density=None, sound_speed=None, gravity=None))]
     fn gorkov<'py>(
         slf: &Bound<'py, Self>,
@@ -365,7 +365,7 @@ impl Solution {
     /// Parameters
     /// ----------
     /// points, radius, density, sound_speed, gravity
-    ///     As `midair.rest` takes them.
+    ///     As for `midair.rest`.
     ///
     /// Returns
     /// -------
@@ -375,7 +375,7 @@ impl Solution {
     /// Raises
     /// ------
     /// SceneError
-    ///     As `midair.rest`, and where it has no scene.
+    ///     As for `midair.rest`, and if the solution has no scene.
     #[pyo3(signature = (points=None, *, radius=None, density=None, sound_speed=None, gravity=None))]
     fn rest<'py>(
         slf: &Bound<'py, Self>,

@@ -46,7 +46,7 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// SceneError
 ///     For no pressure above 0.
 /// TypeError
-///     For another type of scene.
+///     If `scene` has another type.
 ///
 /// Notes
 /// -----
@@ -101,7 +101,7 @@ pub(crate) fn bound(
 /// SceneError
 ///     For a drive of another shape or not finite.
 /// TypeError
-///     For another type of scene.
+///     If `scene` has another type.
 ///
 /// Notes
 /// -----
@@ -283,7 +283,7 @@ impl Solution {
     /// Parameters
     /// ----------
     /// pressures, weights, mask, precision
-    ///     As `midair.judge` takes them.
+    ///     As for `midair.judge`.
     ///
     /// Returns
     /// -------

@@ -83,7 +83,7 @@ impl Mesh {
     /// offset : (3,) array_like, optional
     ///     Added after that, in m.
     /// kind : {"rigid", "soft"}, optional
-    ///     As for `Mesh`.
+    ///     Boundary condition, as for `Mesh`.
     ///
     /// Returns
     /// -------

@@ -119,7 +119,7 @@ impl Plane {
     /// Raises
     /// ------
     /// SceneError
-    ///     For another axis.
+    ///     If the axis is none of these.
     fn along<'py>(&self, py: Python<'py>, axis: &Bound<'py, PyAny>) -> PyResult<Samples<'py>> {
         Ok(self.samples(py, read_axis(axis)?))
     }

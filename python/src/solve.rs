@@ -29,7 +29,7 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 ///     weights, **options) gets G (M, N) in Pa, targets (M,) in Pa and weights (M,), the largest 1, of the points of
 ///     weight above 0, and returns a drive (N,) of moduli up to 1.
 /// pressures, weights, quantization, mask
-///     For a matrix, as `Scene` takes them; beside a scene they replace its own.
+///     For a matrix, as for `Scene`; for a scene they replace its own.
 /// positions : (N, 3) array_like, optional
 ///     Places of the transducers in m, for a matrix only.
 /// balance : bool, optional
@@ -58,14 +58,14 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 ///     For an unknown solver or option, a wrong value, a point nearer than lambda/100 to a transducer, and a pressure
 ///     that no transducer reaches. A function's own errors pass through.
 /// TypeError
-///     For another type of scene.
+///     If `scene` has another type.
 /// MemoryError
 ///     For more than MIDAIR_MEMORY allows.
 ///
 /// Warns
 /// -----
 /// SceneWarning
-///     Of pressures beyond reach.
+///     If pressures are above the array's reach.
 ///
 /// See Also
 /// --------

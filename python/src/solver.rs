@@ -36,14 +36,14 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// points : int, optional
 ///     Largest number of points of a call, if there is one.
 /// **options
-///     Of the solver, and `balance`, `aim`, and quantization and mask in place of the array's.
+///     Options of the solver; `balance` and `aim`; `quantization` and `mask`, which replace those of the array.
 ///
 /// Raises
 /// ------
 /// SceneError
 ///     For an unknown solver or option and a wrong value; a call raises the errors of `solve`.
 /// TypeError
-///     For another type of scene.
+///     If `scene` has another type.
 ///
 /// Notes
 /// -----
@@ -177,7 +177,7 @@ impl Solver {
     /// points : (M, 3) array_like, optional
     ///     Points in m; none for a matrix.
     /// pressures, weights, start
-    ///     As `midair.solve` takes them.
+    ///     As for `midair.solve`.
     /// out : (N,) ndarray of complex64, optional
     ///     Array for the drive.
     ///
@@ -189,7 +189,7 @@ impl Solver {
     /// Raises
     /// ------
     /// SceneError
-    ///     As `midair.solve`.
+    ///     As for `midair.solve`.
     #[pyo3(signature = (points=None, pressures=None, *, weights=None, start=None, out=None, **others))]
     fn __call__<'py>(
         slf: &Bound<'py, Self>,

@@ -209,7 +209,7 @@ def ports() -> list[Port]:
     Raises
     ------
     BoardError
-        Where pyserial, of the extra `midair[serial]`, is missing.
+        If pyserial is not installed (the extra `midair[serial]`).
 
     Examples
     --------

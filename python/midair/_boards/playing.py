@@ -55,7 +55,7 @@ def play(solution: Solution, address: str, *, seconds: float | None = None, **op
     Parameters
     ----------
     solution : midair.Solution
-        What is played.
+        The solution to play.
     address : str
         The board and its place, as for `midair.connect`.
     seconds : float, optional
@@ -68,7 +68,7 @@ def play(solution: Solution, address: str, *, seconds: float | None = None, **op
     SceneError
         For a duration that is not above 0 and for a solution without a scene.
     BoardError
-        As `midair.connect` and `Connection.send`.
+        As for `midair.connect` and `Connection.send`.
 
     Examples
     --------

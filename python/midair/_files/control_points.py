@@ -36,11 +36,11 @@ class ControlPoints:
     Attributes
     ----------
     times : (T,) ndarray
-        In s.
+        Times in s.
     points : (T, M, 3) ndarray
-        In m.
+        Points in m.
     intensities : (T, M) ndarray
-        From 0 to 1.
+        Intensities from 0 to 1.
     frequencies : (T, M) ndarray or None
         Frequency of the points' modulation in Hz.
     """

@@ -32,14 +32,14 @@ def save(solution: Solution, path: str | PathLike[str]) -> None:
     Parameters
     ----------
     solution : midair.Solution
-        What is written.
+        The solution to write.
     path : str or path
         File to write; docs/files.md lists its keys.
 
     Raises
     ------
     SceneError
-        For another ending, and for a path that cannot be written.
+        If the file's ending is unknown, or the path cannot be written.
     """
     scene = solution.scene
     if scene is None:

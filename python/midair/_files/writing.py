@@ -44,7 +44,7 @@ def write(
     board : midair.Board, str or path, optional
         A board, its name or .pat file; needed for .bin, and the array of drives without one.
     layout : str, optional
-        Of a .csv, below; by default it follows from the content.
+        Layout of a .csv, see Notes; by default it follows from the content.
     rate : float, optional
         Frames a second of "points".
     modulate : float, optional

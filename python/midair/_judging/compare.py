@@ -47,11 +47,11 @@ class Comparison:
     Attributes
     ----------
     scene : midair.Scene or midair.Propagation
-        What was solved.
+        The scene or matrix that was solved.
     bound : float or None
         Level min |p| / target that no drive exceeds (`midair.bound`); None for over 64 points.
     solutions : tuple of midair.Solution
-        In the requested order.
+        One solution per solver, in the requested order.
 
     Examples
     --------
@@ -126,7 +126,7 @@ class Comparison:
         plane : midair.Plane, optional
             Plane of the fields, in place of those through the points.
         quantity : {"pressure", "radiation", "spl", "phase"}, optional
-            What is drawn, as for `midair.plot`.
+            Quantity to draw, as for `midair.plot`.
         cmap : str or Colormap, optional
             A colour map of matplotlib.
         panels : str or list of str, optional
@@ -142,7 +142,7 @@ class Comparison:
         Raises
         ------
         SceneError
-            For another quantity, colour map, panel or size, and for a matrix, which has no field.
+            If the quantity, the colour map, a panel or the size is invalid; for a matrix, which has no field.
         """
         from .._pictures.plot import contact_sheet
         from .._pictures.sheet import chosen
@@ -274,7 +274,7 @@ def compare(
     solvers : str, callable, (str, mapping), or list of these, optional
         Names, (name, options) pairs or functions; by default every solver there is.
     pressures, weights, quantization, mask, positions, balance
-        As `midair.solve` takes them, for every solver.
+        As for `midair.solve`; they apply to every solver.
 
     Returns
     -------
@@ -284,7 +284,7 @@ def compare(
     Raises
     ------
     SceneError, TypeError
-        As `midair.solve`, for the first solver that is refused.
+        As for `midair.solve`, about the first solver that is rejected.
 
     See Also
     --------

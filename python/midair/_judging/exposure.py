@@ -28,7 +28,7 @@ class Limit:
     name, source : str
         Name of the limit, and the document with those for whom it is.
     spl : float
-        In dB re 20 uPa.
+        Level of the limit in dB re 20 uPa.
     band : (float, float)
         Lowest and highest frequency in Hz that it is meant for.
     """
@@ -278,9 +278,9 @@ def exposure(
         A solution or a sequence gives its scene and its drive: then `places` comes second, or
         `solution.exposure(places)`.
     drive : (N,) array_like, midair.Solution or midair.Sequence, optional
-        What plays. Of a sequence each place gets its loudest frame, at rest.
+        The drive that plays. For a sequence, each place reports its loudest frame, at rest.
     places : mapping
-        By name a position (3,) in m, a box as two corners (2, 3), or a `midair.Ear`, which is its box.
+        Places by name: a position (3,) in m, a box as two corners (2, 3), or a `midair.Ear` (a box).
         Positions are lambda/100 at least from every transducer, boxes lambda.
     limit : str or float, optional
         "howard" (110 dB), "acgih" (115), "acgih air" (145), "irpa" (100), or a level in dB.
@@ -295,7 +295,7 @@ def exposure(
     SceneError
         For wrong places, a wrong limit or a wrong drive.
     TypeError
-        For another type of scene.
+        If `scene` has another type.
 
     Notes
     -----

@@ -71,7 +71,7 @@ class Haptic:
     aim : str
         "strong" or "even".
     strength, weakest : float
-        In dB above what is just felt: the mean along the shape, and its weakest place.
+        Strength in dB above the threshold: the mean along the shape, and at its weakest place.
     standards : dict of str to float
         Of the four usual techniques by name, at the same array, rate and bound: the strength, or with the
         aim "even" the weakest.
@@ -154,14 +154,14 @@ def haptic(
     closed : bool, optional
         Whether places go on from the last to the first; a path knows it.
     beside : float, optional
-        How far in m foci may lie from the shape, half a wave of the skin; 0 keeps them on it.
+        Largest distance in m of foci from the shape, by default half a wave of the skin; 0: on it.
     ears : mapping, optional
         Places, as `midair.exposure` takes them, that must not be louder than a limit. The level is lowered,
         of a board with amplitudes.
     limit : str or float, optional
         The limit there, as `midair.exposure` takes it.
     **model
-        Of the skin: `speed`, `loss`, `mass` and `reach`, as `midair.skin` takes them.
+        Properties of the skin: `speed`, `loss`, `mass` and `reach`, as for `midair.skin`.
 
     Returns
     -------

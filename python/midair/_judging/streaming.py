@@ -117,7 +117,7 @@ class Streaming:
         Raises
         ------
         SceneError
-            For another colour map or size, and for forces at single points.
+            If the colour map or the size is invalid, and for forces at single points.
         """
         return draw(self, ax, cmap, size)
 
@@ -138,7 +138,7 @@ def streaming(
     drive : (N,) array_like or midair.Solution, optional
         The drive that plays.
     plane : midair.Plane or (P, 3) array_like, optional
-        Where; points are in m. By default the scene's own plane, or one through its points.
+        Places of the force; points are in m. By default the scene's plane, or one through its points.
     absorption : float, optional
         alpha in Np/m; by default the scene's, or 0.15 (air at 40 kHz, 1.3 dB/m) where it has none.
 
@@ -152,7 +152,7 @@ def streaming(
     SceneError
         For a drive or points of another shape.
     TypeError
-        For another type of scene.
+        If `scene` has another type.
 
     Notes
     -----

@@ -186,7 +186,7 @@ class Kept:
     Attributes
     ----------
     level, uniformity : (T,) ndarray
-        Of each of T trials, as a part of the value without faults.
+        Values in T trials, relative to the value without faults.
 
     Examples
     --------
@@ -217,7 +217,7 @@ class Tolerance:
     Attributes
     ----------
     solution : midair.Solution or None
-        What is played; None where a bare drive was given.
+        The solution that is played; None if only a drive was given.
     faults : mapping of str to float
         Sizes of the faults by name, those above 0.
     rows : mapping of str to midair.Kept
@@ -282,7 +282,7 @@ class Tolerance:
         ax : matplotlib.axes.Axes, optional
             Axes of your own for one panel, the first of `panels`.
         panels : {"level", "uniformity"} or list of them, optional
-            What is drawn; by default both.
+            The panels to draw; by default both.
         size : float or (float, float), optional
             Size of the figure in inches: its width, or (width, height).
 
@@ -294,7 +294,7 @@ class Tolerance:
         Raises
         ------
         SceneError
-            For another panel or size.
+            If a panel or the size is invalid.
         """
         return draw(self, ax, panels, size)
 

@@ -54,7 +54,7 @@ def tolerate(
     scene : midair.Scene or midair.Solution
         A solution is played as it is: `solution.tolerate(phase=20)`.
     solver : str or callable, optional
-        As `midair.solve` takes it; the scene is solved once.
+        As for `midair.solve`; the scene is solved once.
     drive : (N,) array_like or midair.Solution, optional
         Played as it is and not solved; targets are the scene's, as in `midair.judge`.
     phase : float, optional
@@ -66,9 +66,9 @@ def tolerate(
     temperature : float, optional
         Error of the air's temperature, standard deviation in K.
     tilt : float, optional
-        Of the whole array about its middle, standard deviation in degrees, about a random axis in its plane.
+        Tilt of the whole array about a random axis in its plane, standard deviation in degrees.
     position : float, optional
-        Of each transducer along each axis, standard deviation in m.
+        Error of each transducer's position along each axis, standard deviation in m.
     trials : int, optional
         Number of trials, of each fault alone and of all together.
     seed : int, optional
@@ -92,7 +92,7 @@ def tolerate(
     SceneError
         For faults out of their range, none at all, and what `midair.solve` refuses.
     TypeError
-        For another type of scene, and for a mistyped name of a fault.
+        If `scene` has another type, or the name of a fault is mistyped.
 
     See Also
     --------

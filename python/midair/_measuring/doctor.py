@@ -80,7 +80,7 @@ def doctor(
     progress : callable, optional
         Called with (step, steps).
     temperature, sound_speed : float, optional
-        Of the air, in degrees C or m/s; by default those of the array's scenes.
+        Temperature of the air in degrees C, or its sound speed in m/s; by default the array's.
 
     Returns
     -------

@@ -216,7 +216,7 @@ class Report:
     order : (N,) ndarray of int
         Place of the transducer that each channel drives.
     sound_speed, sound_speed_error : float
-        In m/s.
+        Sound speed in m/s, and its error.
     noise : float
         Noise of a reading in Pa.
     readings : int
@@ -269,7 +269,7 @@ class Report:
         Raises
         ------
         SceneError
-            For another ending, and for a path that cannot be written.
+            If the file's ending is unknown, or the path cannot be written.
         """
         target = path_of("path", path)
         output.check(target, REPORTS)

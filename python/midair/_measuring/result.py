@@ -112,11 +112,11 @@ class Calibration:
     dead, reversed : ndarray of int
         Indices of transducers without sound, and of those with wires the wrong way round.
     sound_speed, sound_speed_error : float
-        In m/s.
+        Sound speed in m/s, and its error.
     microphones, microphones_error : (M, 3) ndarray
         Places in m; errors of 0 for fixed places.
     pose, pose_error : (6,) ndarray
-        Of the second board: moved by x, y, z in m and turned about x, y, z in rad, about its middle.
+        Pose of the second board: moved by x, y, z in m; turned about x, y, z in rad about its centre.
     noise : float
         Standard deviation in Pa of a reading about the model: noise, and errors of the model.
     residuals : (K, M) ndarray
@@ -219,7 +219,7 @@ class Calibration:
         cmap : str or Colormap, optional
             A colour map of matplotlib for the gains.
         panels : {"gain", "phase", "residuals"} or list of them, optional
-            What is drawn; by default all.
+            The panels to draw; by default all.
         size : float or (float, float), optional
             Size of the figure in inches: its width, or (width, height).
 
@@ -231,7 +231,7 @@ class Calibration:
         Raises
         ------
         SceneError
-            For another colour map, panel or size.
+            If the colour map, a panel or the size is invalid.
         """
         return draw(self, ax, cmap, panels, size)
 
@@ -246,7 +246,7 @@ class Calibration:
         Raises
         ------
         SceneError
-            For another ending, and for a path that cannot be written.
+            If the file's ending is unknown, or the path cannot be written.
         """
         path = path_of("path", path)
         output.check(path, ENDINGS)

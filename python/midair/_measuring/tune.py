@@ -166,7 +166,7 @@ def tune(
     Warns
     -----
     SceneWarning
-        Of an error of `read`, and of a place that gives 0, or the same, in all readings.
+        If `read` raises an error, or a place reads 0 or the same value in all readings.
 
     See Also
     --------

@@ -132,9 +132,9 @@ class Felt:
     Attributes
     ----------
     times, values : (T,) ndarray
-        In s, and in `unit`.
+        Times in s, and values in `unit`.
     frequencies, spectrum : (T//2 + 1,) ndarray
-        In Hz, and the amplitude (peak) of each line, the mean at 0 Hz.
+        Frequency in Hz and amplitude (peak) of each spectral line; the mean is at 0 Hz.
     bands : tuple of (float, float)
         (low, high) in Hz, low <= f < high.
     unit : str

@@ -57,17 +57,17 @@ def fly(
     Parameters
     ----------
     sequence : midair.Sequence
-        Of traps: signature="trap".
+        A sequence of traps (signature="trap").
     beads : (B, 3) array_like, optional
         Places in m at the start; by default where it rests at each point that is there in the first frame.
     speeds : (B, 3) array_like, optional
-        In m/s. By default those of the points of a closed sequence, which repeats, or 0.
+        Velocities in m/s at the start; by default those of the points if the sequence is closed, else 0.
     duration : float, optional
-        In s. By default the sequence's, and of a closed one as many laps as take a second, at most 100.
+        Duration in s; by default the sequence's, or if it is closed a second in whole laps, at most 100.
     tau, hold
         Time constant of the transducers in s and board between frames, as for `Sequence.between`.
     radius, density, sound_speed, gravity
-        Of the beads, as for `midair.gorkov`.
+        Properties of the beads, as for `midair.gorkov`.
 
     Returns
     -------

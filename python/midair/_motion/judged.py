@@ -138,7 +138,7 @@ class JudgedFrames(Frames):
         Raises
         ------
         IndexError
-            Where there is no such frame.
+            If there is no such frame.
         """
         return self._drives[frame]
 
@@ -158,7 +158,7 @@ class JudgedFrames(Frames):
         Raises
         ------
         IndexError
-            Where there is no such frame.
+            If there is no such frame.
         """
         there = self._targets[frame] > 0
         if not there.any():
@@ -173,7 +173,7 @@ class JudgedFrames(Frames):
         frame : int
             Number of the frame.
         plane : midair.Plane, optional
-            As for `midair.field`.
+            Plane of the field, as for `midair.field`.
 
         Returns
         -------
@@ -183,7 +183,7 @@ class JudgedFrames(Frames):
         Raises
         ------
         IndexError
-            Where there is no such frame.
+            If there is no such frame.
         """
         return field(self.scene(frame), self.drive(frame), plane)
 
@@ -239,7 +239,7 @@ class JudgedFrames(Frames):
         tau : float, optional
             Time constant in s of the transducers. By default frames are at rest, and 0.2 ms for the noise.
         hold, substeps
-            As `between` takes them; a target is that of its frame.
+            As for `between`; the targets of a frame apply to all of its sub-steps.
 
         Returns
         -------

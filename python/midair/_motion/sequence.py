@@ -103,7 +103,7 @@ class Sequence(JudgedFrames):
         cmap : str or Colormap, optional
             A colour map of matplotlib.
         panels : {"pressures", "changes", "spectrum"} or list of them, optional
-            What is drawn; by default all.
+            The panels to draw; by default all.
         size : float or (float, float), optional
             Size of the figure in inches: its width, or (width, height).
 
@@ -115,7 +115,7 @@ class Sequence(JudgedFrames):
         Raises
         ------
         SceneError
-            For another colour map, panel or size.
+            If the colour map, a panel or the size is invalid.
         """
         return motion(self, ax, cmap=cmap, panels=panels, size=size)
 
@@ -135,7 +135,7 @@ class Sequence(JudgedFrames):
         path : str or path
             File to write, whole or not at all; Ctrl-C leaves nothing.
         plane : midair.Plane, optional
-            By default one through the points of all frames.
+            Plane to show; by default one through the points of all frames.
         frames : int, optional
             Number of frames shown, evenly chosen; by default at most 100.
         fps : int, optional
@@ -146,7 +146,7 @@ class Sequence(JudgedFrames):
         Raises
         ------
         SceneError
-            For another ending, a path that cannot be written, or wrong frames and fps.
+            If the ending is unknown, the path cannot be written, or `frames` or `fps` is invalid.
         """
         animate(self, path, plane, frames, fps, progress)
 
@@ -164,7 +164,7 @@ class Sequence(JudgedFrames):
         Raises
         ------
         SceneError
-            For another ending, and for a path that cannot be written.
+            If the file's ending is unknown, or the path cannot be written.
         """
         arrays = {"points": self._points, "targets": self._targets, "drives": self._drives.kept}
         files.save(path, arrays, self._scene, self.setting())
@@ -213,7 +213,7 @@ class Sequence(JudgedFrames):
         Raises
         ------
         SceneError
-            Where xarray is missing.
+            If xarray is not installed.
         """
         return dataset(self)
 
@@ -248,11 +248,11 @@ class Flight:
     Attributes
     ----------
     times : (T,) ndarray
-        In s.
+        Times in s.
     places, points : (T, B, 3) ndarray
-        Of the beads (NaN when lost) and of their points, in m.
+        Places in m of the beads (NaN after they are lost), and of their points.
     lost : (B,) ndarray
-        Time in s when it is lost; NaN where it stays.
+        Time in s when each bead is lost; NaN if it stays trapped.
     beads : (B,) ndarray of int
         Number of each bead's point in the sequence.
 
@@ -303,7 +303,7 @@ class Flight:
         ax : matplotlib.axes.Axes, optional
             Axes of your own for one panel, the first of `panels`.
         panels : {"path", "distance"} or list of them, optional
-            What is drawn; by default both. A cross is where a bead was lost.
+            The panels to draw; by default both. A cross marks where a bead was lost.
         size : float or (float, float), optional
             Size of the figure in inches: its width, or (width, height).
 
@@ -315,7 +315,7 @@ class Flight:
         Raises
         ------
         SceneError
-            For another panel or size.
+            If a panel or the size is invalid.
         """
         from .._pictures.sheet import chosen, sheet, whole
 
@@ -350,7 +350,7 @@ class Flight:
         Raises
         ------
         SceneError
-            For another ending, a path that cannot be written, or wrong frames and fps.
+            If the ending is unknown, the path cannot be written, or `frames` or `fps` is invalid.
         """
         film_of_beads(self, path, frames, fps, progress)
 

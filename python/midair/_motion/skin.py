@@ -53,11 +53,11 @@ def skin(
     hand : midair.Plane or midair.Mesh, optional
         A closed mesh needs the extra midair[mesh]. By default a plane of 64 x 64 places through the points.
     speed : float, optional
-        Of waves on the skin in m/s: 5 to 8 (Frier et al., EuroHaptics 2018).
+        Speed of waves on the skin in m/s: 5 to 8 (Frier et al., EuroHaptics 2018).
     loss : float, optional
         Loss factor; 0.4 lets waves of 200 Hz fall to 1/e in 26 mm, of 400 Hz in half of that.
     mass : float, optional
-        That moves, in kg/m^2; fitted to the threshold of 0.4 mN at 200 Hz on the finger (Dalecki et al., J.
+        Moving mass in kg/m^2; fitted to the threshold of 0.4 mN at 200 Hz on the finger (Dalecki et al., J.
         Acoust. Soc. Am. 97, 3165, 1995).
     reach : float, optional
         Distance in m over which the slow channel compares displacements: the radius of the receptive field
@@ -234,12 +234,12 @@ class Skin:
         Parameters
         ----------
         place : (3,) array_like, optional
-            In m; by default the strongest place.
+            Place in m; by default the strongest one.
 
         Returns
         -------
         float
-            In m; inf where strength is nowhere below.
+            Width in m; inf if the strength is nowhere below that.
 
         Raises
         ------
@@ -254,7 +254,7 @@ class Skin:
         Parameters
         ----------
         place : (3,) array_like, optional
-            In m; by default the place of its maximum.
+            Place in m; by default that of the largest pressure.
 
         Returns
         -------
@@ -304,13 +304,13 @@ class Skin:
         Parameters
         ----------
         place : (3,) array_like, optional
-            Of the spectrum, in m; by default the strongest.
+            Place of the spectrum in m; by default the strongest one.
         ax : matplotlib.axes.Axes, optional
             Axes of your own for one panel, the first of `panels`.
         cmap : str or Colormap, optional
             A colour map of matplotlib.
         panels : {"pressure", "motion", "spectrum"} or list of them, optional
-            What is drawn; by default all, side by side.
+            The panels to draw, side by side; by default all.
         size : float or (float, float), optional
             Size of the figure in inches: its width, or (width, height).
 

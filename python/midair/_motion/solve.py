@@ -95,7 +95,7 @@ def sequence(
     Warns
     -----
     SceneWarning
-        Where points move faster than the bound allows, or than traps can pull a bead.
+        If points move faster than the bound allows, or than traps can move a bead.
 
     See Also
     --------
@@ -170,11 +170,11 @@ def modulated(
     solution : midair.Solution
         A solution with a scene.
     frequency : float or (S,) array_like
-        In Hz; or samples from 0 to 1 that repeat.
+        Frequency in Hz; or samples from 0 to 1 that repeat.
     shape : {"sqrt", "cosine", "square"}, optional
         Shape of a period.
     depth : float, optional
-        From 0, no modulation, to 1.
+        Depth of the modulation, from 0 (none) to 1.
     samples_rate : float, optional
         Samples a second.
     rate : float, optional
@@ -256,9 +256,9 @@ def stream(
         Of points (M, 3) in m, or of pairs of points and pressures (M,) in Pa. M may change: a point that
         appears or vanishes at once makes a jolt as large as the bound lets it be.
     solver, rate, change, change_rate, tau, ahead, aim
-        As `midair.sequence` takes them.
+        As for `midair.sequence`.
     **options
-        Of the solver, and the air, as there.
+        Options of the solver, and the air, as for `midair.sequence`.
 
     Yields
     ------
@@ -268,7 +268,7 @@ def stream(
     Raises
     ------
     SceneError
-        For wrong arguments, and for a wrong frame at its turn.
+        If an argument is invalid; or, when it comes, a frame.
 
     See Also
     --------

@@ -134,17 +134,17 @@ def answer(
     Parameters
     ----------
     solution : midair.Solution
-        Of drawings, more than 40 points in one plane, the field has three panels: wanted, made, difference.
+        The solution. With more than 40 points in a plane, the field has 3 panels: wanted, made, difference.
     ax : matplotlib.axes.Axes, optional
         Axes of your own for one panel, that of the field in the first plane if `panels` is left out.
     plane : midair.Plane, optional
         Plane of the field in place of those through the points.
     quantity : {"pressure", "radiation", "spl", "phase"}, optional
-        What the field's picture shows.
+        Quantity in the field's picture.
     cmap : str or Colormap, optional
         A colour map of matplotlib; by default the quantity's own.
     panels : {"field", "points"} or list of them, optional
-        What is drawn; by default both, but of a single point the field alone.
+        The panels to draw; by default both, or the field alone for a single point.
     size : float or (float, float), optional
         Size of the figure in inches: its width, or (width, height).
 
@@ -156,7 +156,7 @@ def answer(
     Raises
     ------
     SceneError
-        For another quantity, colour map, panel or size.
+        If the quantity, the colour map, a panel or the size is invalid.
     """
     from .sheet import chosen, head, sheet, whole
 

@@ -87,9 +87,9 @@ def plot(
     Raises
     ------
     SceneError
-        For another quantity, colour map or size, a field at single points and a solution of a matrix.
+        If the quantity, the colour map or the size is invalid; for a field at points, or of a matrix.
     TypeError
-        For anything else to draw.
+        If `what` is of none of these types.
 
     Notes
     -----

@@ -90,7 +90,7 @@ def style(name: str) -> AbstractContextManager[object]:
     Raises
     ------
     SceneError
-        For another name.
+        If the style is unknown.
 
     Notes
     -----

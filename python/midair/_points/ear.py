@@ -49,7 +49,7 @@ class Ear:
         Parameters
         ----------
         scene : midair.Scene
-            Where it has no pressures, they become the balanced level (`scene.reach().level`).
+            A scene. Missing pressures become the balanced level (`scene.reach().level`).
 
         Returns
         -------
@@ -61,7 +61,7 @@ class Ear:
         SceneError
             For a point nearer than lambda/100 to a transducer.
         TypeError
-            For another type of scene.
+            If `scene` has another type.
         """
         if not isinstance(scene, Scene):
             raise TypeError(f"expected a midair.Scene first, not {type(scene).__qualname__}")

@@ -32,7 +32,7 @@ def view(what: Scene | Solution) -> View:
     Raises
     ------
     SceneError
-        For scenes with more than the page can show (docs/studio.md), and where anywidget is missing.
+        For scenes with parts that the page cannot show (docs/studio.md); if anywidget is not installed.
 
     Examples
     --------

@@ -116,7 +116,7 @@ class Dataset:
         Raises
         ------
         SceneError
-            For a part of another name.
+            If `split` is neither "train" nor "held_out".
         """
         if split not in SPLITS:
             raise SceneError(f'split is "{split}": give "train" or "held_out"')
@@ -138,7 +138,7 @@ class Dataset:
         Raises
         ------
         SceneError
-            For a part of another name.
+            If `split` is neither "train" nor "held_out".
         """
         from pyarrow import parquet
 
@@ -195,13 +195,13 @@ def dataset(
     Parameters
     ----------
     request : str, path or mapping
-        As of `midair.sweep`, with arrays of one size and one solver; all scenes share a solver's seed.
+        As for `midair.sweep`, with arrays of one size and one solver; all scenes share the solver's seed.
     folder : str or path
         Folder of the Parquet files and dataset.json; one that has the same set is completed.
     bounds : bool, optional
         Whether each scene's bound, which no drive exceeds, is computed too.
     scheduler, threads, progress
-        As of `midair.sweep`.
+        As for `midair.sweep`.
 
     Returns
     -------
@@ -216,7 +216,7 @@ def dataset(
     Warns
     -----
     SceneWarning
-        As `midair.sweep`.
+        As for `midair.sweep`.
 
     See Also
     --------

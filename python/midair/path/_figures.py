@@ -42,7 +42,7 @@ def circle(
     radius : float
         Radius in m.
     speed : float, optional
-        In m/s; or give `frequency`.
+        Speed in m/s; alternatively give `frequency`.
     frequency : float, optional
         Turns a second.
     turns : float, optional
@@ -96,7 +96,7 @@ def line(
     start, end : (3,) array_like
         Places in m.
     speed : float, optional
-        In m/s; or give `frequency`.
+        Speed in m/s; alternatively give `frequency`.
     frequency : float, optional
         Times a second; there and back count once.
     there_and_back : bool, optional
@@ -140,7 +140,7 @@ def polyline(
     corners : (K, 3) array_like
         Corners in m.
     speed : float, optional
-        In m/s; or give `frequency`.
+        Speed in m/s; alternatively give `frequency`.
     frequency : float, optional
         Times a second along the whole way.
     closed : bool, optional
@@ -191,7 +191,7 @@ def lissajous(
     ratio : (int, int)
         a and b, two whole numbers; 1, 1 is an ellipse, 1, 2 with phase 0 an eight.
     phase : float, optional
-        In rad.
+        Phase of the x component in rad.
     speed : float, optional
         In m/s, constant along the figure (a sine in time would not be); or give `frequency`.
     frequency : float, optional

@@ -58,16 +58,16 @@ def fastest(
     points : (K, 3) array_like
         Places in m, at least 4, that a smooth curve goes through.
     array : midair.Array or midair.Scene
-        What traps the bead; of a scene array, air and obstacles count.
+        The array that traps the bead. Of a scene, its array, air and obstacles are used.
     closed : bool, optional
         Whether the curve goes on from the last point to the first, for ever; else from rest to rest.
     margin : float, optional
         Part of a trap's largest force along each of its axes that the run may take, below 1. The rest is for
         a board's steps, other points and draught; `midair.fly` shows whether it suffices.
     radius, density, sound_speed, gravity
-        Of the bead, as for `midair.gorkov`.
+        Properties of the bead, as for `midair.gorkov`.
     **air
-        Of an array: frequency, temperature, absorption, obstacles.
+        With an array: frequency, temperature, absorption, obstacles.
 
     Returns
     -------
@@ -77,7 +77,7 @@ def fastest(
     Raises
     ------
     SceneError
-        Where no trap holds the bead, and for wrong arguments.
+        If no trap can keep the bead at some place, or an argument is invalid.
 
     Notes
     -----

@@ -31,7 +31,7 @@ class Wave:
     Attributes
     ----------
     frequency
-        In Hz.
+        Frequency of the modulation in Hz.
     finest
         The highest frequency that the frames must be able to represent, in Hz.
     depth
@@ -296,7 +296,7 @@ class Path:
         Parameters
         ----------
         other : Path
-            What follows.
+            The path that follows.
         fade : float, optional
             Time in s, for paths whose end and start differ in points, places or targets. During the fade all
             points stand still, and targets change from one value to the other along a raised cosine; points
@@ -321,11 +321,11 @@ class Path:
         Parameters
         ----------
         frequency : float
-            In Hz; a closed path needs a whole number of periods.
+            Frequency in Hz; a closed path needs a whole number of periods.
         shape : {"sqrt", "cosine", "square"}, optional
             Shape of s(t), below.
         depth : float, optional
-            From 0, no modulation, to 1.
+            Depth of the modulation, from 0 (none) to 1.
 
         Returns
         -------
@@ -360,7 +360,7 @@ class Path:
         frequency : float or (S,) array_like
             A frequency in Hz, or samples of s from 0 to 1.
         shape, depth
-            As `with_am` takes them; `shape` is not used for samples.
+            As for `with_am`; `shape` is not used for samples.
         samples_rate : float, optional
             Samples a second.
 
@@ -372,7 +372,7 @@ class Path:
         Raises
         ------
         SceneError
-            As `with_am`, and for wrong samples or a wrong rate.
+            As for `with_am`, and for invalid samples or rates.
         """
         return Path(modulated(self._piece, wave(frequency, shape, depth, samples_rate)))
 

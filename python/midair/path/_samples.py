@@ -46,7 +46,7 @@ def svg(
     z : float
         Height of its plane in m.
     speed : float, optional
-        In m/s; or give `frequency`.
+        Speed in m/s; alternatively give `frequency`.
     frequency : float, optional
         Times a second along the outline.
     pressures : float, optional
@@ -218,9 +218,9 @@ def morph(
     from_points, to_points : (M, 3) array_like
         Places in m at the start and at the end.
     duration : float, optional
-        In s; or give `speed`.
+        Duration in s; alternatively give `speed`.
     speed : float, optional
-        In m/s, of the point with the longest way.
+        Speed in m/s of the point with the longest way.
     pressures : float or (M,) array_like, optional
         Peak pressures in Pa; by default balanced.
 
@@ -271,7 +271,7 @@ def still(places: ArrayLike, *, duration: float, pressures: ArrayLike | None = N
     places : (3,) or (M, 3) array_like
         Places in m.
     duration : float
-        In s, after which the path repeats: it is closed.
+        Duration in s of a period: the path is closed and repeats.
     pressures : float or (M,) array_like, optional
         Peak pressures in Pa; by default balanced.
 
