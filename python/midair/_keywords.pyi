@@ -158,7 +158,7 @@ class Fast(TypedDict, total=False):
     sweeps: int | None
     """Further sweeps over all transducers, 0 to 1000."""
     seed: int | None
-    """Seed of the order, 0 to 2^64 - 1."""
+    """Seed of the order of the updates, 0 to 2^64 - 1."""
 class SolveFast(Solve, Fast): ...
 class SolverFast(Solver, Fast): ...
 class BatchFast(Batch, Fast): ...
@@ -200,7 +200,7 @@ class Lm(TypedDict, total=False):
     tau: float | None
     """First damping relative to the largest diagonal entry of J^T J, above 0."""
     eps: float | None
-    """Ends when the gradient, or the root mean square of a step in turns, is smaller; 0 takes all steps."""
+    """Ends when the gradient, or the root mean square of a step in turns, is below this; 0 takes all steps."""
     seed: int | None
     """Seed of the random start phases, 0 to 2^64 - 1."""
 class SolveLm(Solve, Lm): ...
@@ -254,7 +254,7 @@ class Sdp(TypedDict, total=False):
     steps: int | None
     """Largest number of random columns that are updated."""
     tolerance: float | None
-    """Ends when no update of a column changes an entry of X by more; 0 takes all steps. The descent comes to rest only with lambda near 1, not with 0.9."""
+    """Ends when no update of a column changes an entry of X by more than this; 0 takes all steps. The descent comes to rest only with lambda near 1, not with 0.9."""
     lambda_: float | None
     """Factor lambda in the update of a column, above 0 and below 1."""
     alpha: float | None
@@ -262,7 +262,7 @@ class Sdp(TypedDict, total=False):
     moduli: Literal["raw", "unit"] | None
     """Moduli of the eigenvector: "raw" (the paper's) or "unit"."""
     seed: int | None
-    """Seed of the columns' order, 0 to 2^64 - 1."""
+    """Seed of the order of the columns, 0 to 2^64 - 1."""
     limit: Literal["clamp", "normalize", "full"] | None
     """Rule that reduces drives above 1: "clamp", "normalize" or "full"."""
 class SolveSdp(Solve, Sdp): ...

@@ -43,7 +43,7 @@ options! {
         pub block: u32 = 8,
         /// Further sweeps over all transducers, 0 to 1000.
         pub sweeps: u32 = 0,
-        /// Seed of the order, 0 to 2^64 - 1.
+        /// Seed of the order of the updates, 0 to 2^64 - 1.
         pub seed: u64 = 0,
     }
 }

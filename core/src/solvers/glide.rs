@@ -63,10 +63,11 @@ const EVEN: f32 = 1e-5;
 /// Factor of the number of sweeps in the first frame, which has no bound: points at rest then keep its phases.
 const FIRST: u32 = 10;
 
-/// On a board's grid the last frame's codes are kept if their deviation is at most this multiple of the old one, ...
+/// On a board's grid the last codes are kept if their deviation is at most this multiple of the old one; see
+/// [`AS_LOUD`].
 const NO_WORSE: f32 = 1.05;
 
-/// ... and their level is at least this part of that of new codes.
+/// Kept codes must also have a level of at least this part of that of new codes.
 const AS_LOUD: f32 = 1.0 - 2e-4;
 
 /// A frame is done if no point is off the level by more than this part.

@@ -32,7 +32,7 @@ options! {
         pub steps: u32 = 200,
         /// First damping relative to the largest diagonal entry of J^T J, above 0.
         pub tau: f64 = 1e-3,
-        /// Ends when the gradient, or the root mean square of a step in turns, is smaller; 0 takes all steps.
+        /// Ends when the gradient, or the root mean square of a step in turns, is below this; 0 takes all steps.
         pub eps: f64 = 1e-8,
         /// Seed of the random start phases, 0 to 2^64 - 1.
         pub seed: u64 = 0,

@@ -40,16 +40,16 @@ pub enum Remark {
         /// The highest leak, relative to the loudest point, times the point's weight over the largest weight of the
         /// targets.
         leak: f64,
-        /// The tolerance.
+        /// The solver's tolerance for the leak.
         quiet: f64,
         /// The number of quiet points a wavelength apart that so many transducers can silence besides the targets.
         able: usize,
     },
     /// The second harmonic, which the linear model leaves out, is a large part of the pressure at the loudest point.
     Harmonic {
-        /// Its estimated share ([`crate::Medium::second_harmonic`]).
+        /// The estimated share of the second harmonic ([`crate::Medium::second_harmonic`]).
         share: f64,
-        /// |p| of that point in Pa.
+        /// |p| at the loudest point, in Pa.
         pressure: f64,
     },
 }
@@ -143,8 +143,7 @@ impl Remark {
         harmonic(problem, solution).map(|(share, pressure)| Self::Harmonic { share, pressure })
     }
 
-    /// Warns of a board whose phases are too coarse for the bound on their changes; there is no warning for a bound of
-    /// 0.
+    /// Warns of a board whose phases are too coarse for the bound on their changes, unless the bound is 0.
     #[must_use]
     pub fn still(problem: &Problem, solver: &dyn Solve) -> Option<Self> {
         Self::still_on(solver.bound()?, problem.quantization()?.phases()?)

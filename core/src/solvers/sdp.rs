@@ -42,8 +42,8 @@ options! {
     pub struct Sdp {
         /// Largest number of random columns that are updated.
         pub steps: u32 = 1000,
-        /// Ends when no update of a column changes an entry of X by more; 0 takes all steps. The descent comes to rest
-        /// only with lambda near 1, not with 0.9.
+        /// Ends when no update of a column changes an entry of X by more than this; 0 takes all steps. The descent
+        /// comes to rest only with lambda near 1, not with 0.9.
         pub tolerance: f64 = 0.0,
         /// Factor lambda in the update of a column, above 0 and below 1.
         pub lambda: f64 = 0.9,
@@ -51,7 +51,7 @@ options! {
         pub alpha: f64 = 1e-3,
         /// Moduli of the eigenvector: "raw" (the paper's) or "unit".
         pub moduli: Moduli = Moduli::Raw,
-        /// Seed of the columns' order, 0 to 2^64 - 1.
+        /// Seed of the order of the columns, 0 to 2^64 - 1.
         pub seed: u64 = 0,
         /// Rule that reduces drives above 1: "clamp", "normalize" or "full".
         pub limit: AmplitudeLimit = AmplitudeLimit::Normalize,

@@ -8,7 +8,7 @@ use crate::kernels::lanes::{LANES, Lanes, Octet, groups};
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 
-/// Runs [`closed_form::sweep`] with 16 points in a lane group.
+/// Runs the sweep [`closed_form::sweep`] with 16 points in a lane group.
 pub(super) fn sweep(
     set: InstructionSet,
     sweep: Sweep<'_>,

@@ -67,7 +67,8 @@ fn lower_amplitudes_and_the_second_derivative_are_bounded() {
                     })
                 };
                 let (full, [rounding, curvature, bow]) = change(1.0);
-                // On an arc of any length the value in the middle is below the mean of the ends by at most c h^2/8.
+                // On an arc of length h the value in the middle is below the mean of the ends by at most c h^2/8, c the
+                // bound of the curvature.
                 for half in [1, 3, 8] {
                     let dip = curvature * (TAU * 2.0 * half as f64 / STEPS as f64).powi(2) / 8.0;
                     for step in 0..STEPS {

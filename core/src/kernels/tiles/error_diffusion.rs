@@ -260,7 +260,7 @@ pub(crate) fn diffuse(
     })
 }
 
-/// Rounds K tiles so that their errors reduce the errors at the points.
+/// Rounds K tiles so that their rounding errors reduce the errors at the points.
 #[inline(always)]
 fn round_tiles<S: Simd, const K: usize>(
     s: S,

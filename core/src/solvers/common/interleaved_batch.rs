@@ -110,8 +110,8 @@ impl<'w> InterleavedBatch<'w> {
     }
 }
 
-/// Sums |G| at the points of some problems, with the bits of [`Problem::sum_moduli`]. Returns false if a point may be
-/// at a transducer; the caller then uses another method.
+/// Sums |G| at the points of some problems, bit for bit as [`Problem::sum_moduli`] does. Returns false if a point may
+/// be at a transducer; the caller then uses another method.
 pub(crate) fn sum_moduli(problems: &mut [Problem], work: &Workspace) -> bool {
     let Some(points) = InterleavedPoints::of(problems, work) else { return false };
     problems.iter_mut().for_each(Problem::clear_reach);

@@ -33,7 +33,7 @@ const FIRST: f32 = 0.3;
 /// The largest rotation before its arc tangent is taken, which is less than a quarter turn.
 const LONGEST: f32 = 2.0;
 
-/// A drive is at an end of its arc if its cosine is within this of that of the end.
+/// A drive is at an end of its arc if its cosine differs from that of the end by at most this.
 const AT_END: f32 = 1e-6;
 
 /// The cost E that is minimised.

@@ -34,7 +34,7 @@ pub(super) struct Pace {
     pub(super) steps: usize,
     /// An even field is final once a step promises no more than this part of its level.
     settled: f32,
-    /// Returns how the field is made even at the end, at a given level and allowed leak of quiet points.
+    /// Function of a level and an allowed leak: returns how the field is made even at the end.
     pub(super) manner: fn(level: f32, quiet: f32) -> Manner,
 }
 

@@ -41,10 +41,10 @@ pub(super) const TOO_MANY: usize = 500;
 /// Up to this number of equations random phases are tried as starts, too.
 pub(super) const FEW_ENOUGH: usize = 128;
 
-/// Targets are unequal if one is this multiple of another, ...
+/// Targets are unequal if one is this multiple of another, and if there are at least [`MANY`].
 const UNEQUAL: f32 = 3.0;
 
-/// ... which matters from this number of targets on.
+/// The least number of targets for which unequal sizes matter.
 const MANY: usize = 16;
 
 impl Plan {

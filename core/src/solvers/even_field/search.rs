@@ -22,11 +22,11 @@ use crate::solvers::even_field::soft_minimum;
 use crate::solvers::even_field::weighted_sweeps::raise;
 use crate::workspace::Workspace;
 
-/// Points are crowded if more than one and this part of them depend on others, ...
+/// Points are crowded if more than one and this part of them depend on others, and if [`KEPT`] says so, too.
 const CROWDED: f32 = 0.2;
 
-/// ... and the steps to an even field left less than this part of the level. Of separate points a tenth depends on
-/// others, and .97 or more of the level is kept.
+/// Points are crowded if the steps to an even field left less than this part of the level. Of separate points a tenth
+/// depends on others, and .97 or more of the level is kept.
 const KEPT: f32 = 0.97;
 
 /// Crowded points are even if none is off by more than this part of the level: the smallest eigenvalues of their matrix

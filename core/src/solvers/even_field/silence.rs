@@ -18,10 +18,10 @@ use crate::workspace::{Buffer, Workspace};
 /// The least part of |G_j|, the norm of a point's row, that f32 can distinguish from rounding.
 const LEAST: f32 = 1e-3;
 
-/// A point depends on others if less than this part of its |G_j| remains without them, ...
+/// A point depends on others if less than this part of its row's norm |G_j| remains without them.
 const DEPENDENT: f32 = 0.5;
 
-/// ... and quiet points are crowded if more than this part of them depends on others.
+/// Quiet points are crowded if more than this part of them depends on others.
 const CROWDED: f32 = 0.2;
 
 /// The part of the transducers' phases that quiet points may use, two each: beyond it the level falls.

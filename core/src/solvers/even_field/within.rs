@@ -15,7 +15,7 @@ use crate::workspace::Workspace;
 /// Number of tries of a step, each half as far as the one before.
 const HALVINGS: usize = 4;
 
-/// A phase is at its bound if the cosine of its change is within this of that of the bound.
+/// A phase is at its bound if the cosine of its change differs from that of the bound by at most this.
 const AT_BOUND: f32 = 1e-6;
 
 /// After a step that leaves more than this part of the squared error, phases at their bound may turn inwards, too.
