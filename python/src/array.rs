@@ -113,7 +113,7 @@ impl Array {
         Self::from(array).with_parts(parts::keywords("Array", parts)?)
     }
 
-    /// Make a flat grid of nx x ny transducers, centred in z = 0, x fastest.
+    /// Make a flat grid of nx x ny transducers, centred in z = 0; x varies fastest.
     ///
     /// Parameters
     /// ----------

@@ -168,7 +168,7 @@ bodies! {
     Wall {
         /// Any point of the wall (x, y, z) in m.
         point: (f64, f64, f64),
-        /// Direction that it faces (x, y, z), as given.
+        /// Direction that the wall faces (x, y, z), as given.
         normal: (f64, f64, f64),
     }
     /// Sphere that scatters waves, the only one of a scene's `obstacles`.
@@ -199,7 +199,7 @@ bodies! {
     /// >>> scene.obstacles
     /// [Sphere(center=(0.0, 0.0, 0.1), radius=0.02, kind="rigid")]
     Sphere {
-        /// Middle (x, y, z) in m.
+        /// Centre (x, y, z) in m.
         center: (f64, f64, f64),
         /// Radius in m.
         radius: f64,

@@ -43,7 +43,7 @@ impl Gorkov {
         rows(py, &self.hessian.iter().map(diagonal).collect::<Vec<_>>())
     }
 
-    /// Net force (P, 3) in N: force and weight, less buoyancy.
+    /// Net force (P, 3) in N: force plus weight minus buoyancy.
     #[getter]
     fn net<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let net = |force: &[f64; 3]| [0, 1, 2].map(|axis| force[axis] + self.weight[axis]);
@@ -81,7 +81,7 @@ getters! {
     /// Gor'kov potential U (P,) in J.
     potential(self, py) -> Bound<'py, PyArray1<f64>> = give::list(py, self.potential.clone());
 
-    /// Weight less buoyancy (3,) in N.
+    /// Weight minus buoyancy (3,) in N.
     weight(self, py) -> Bound<'py, PyArray1<f64>> = give::list(py, self.weight.to_vec());
 
     /// Effective mass in kg: the sphere's own mass and half the mass of the air that it displaces.
@@ -144,7 +144,7 @@ getters! {
     /// Places (P, 3) in m where the net force is 0; or where an untrapped bead was lost.
     place(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, &self.inner.place);
 
-    /// Whether each is trapped (P,): the net force pulls back from all sides, within a wavelength of the start.
+    /// Whether each bead is trapped (P,): the net force pulls it back from all sides, within a wavelength of the start.
     held(self, py) -> Bound<'py, PyArray1<bool>> = give::list(py, self.inner.held.clone());
 
     /// Stiffness (P, 3) in N/m along the axes, the smallest first: the eigenvalues of Gor'kov's hessian.

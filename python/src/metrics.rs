@@ -62,7 +62,7 @@ impl Hash for Metrics {
 
 #[pymethods]
 impl Metrics {
-    /// Return all six by name.
+    /// Return all six metrics by name.
     fn asdict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
         Core::NAMES.iter().zip(self.values()).try_for_each(|(name, value)| dict.set_item(name, value))?;
@@ -111,7 +111,7 @@ impl BatchMetrics {
 
 #[pymethods]
 impl BatchMetrics {
-    /// Return all six arrays (B,) by name.
+    /// Return all six metrics by name, each an array (B,).
     fn asdict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (dict, rows) = (PyDict::new(py), self.rows());
         for (k, name) in Core::NAMES.iter().enumerate() {

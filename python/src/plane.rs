@@ -158,7 +158,7 @@ getters! {
     /// Samples along each side.
     pixels(self) -> usize = self.inner.pixels;
 
-    /// Middle in m, across and up: (x, y), (x, z) or (y, z).
+    /// Centre in m, across and up: (x, y), (x, z) or (y, z).
     center(self) -> (f64, f64) = (self.inner.center[0], self.inner.center[1]);
 
     /// Samples along x (pixels,) in m, or None for a plane normal to x.

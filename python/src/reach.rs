@@ -30,7 +30,7 @@ impl Reach {
     }
 
     /// The balanced level (M,) in Pa: the pressures that the array can make at all points together, in the ratios of the
-    /// pressures, if they are a focal width apart.
+    /// requested pressures. It assumes points at least a focal width apart.
     #[getter]
     fn level<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         give::list(py, self.level.clone())

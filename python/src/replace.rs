@@ -18,7 +18,7 @@ use crate::signature::read_signature;
 // In this file instead of scene.rs, to keep that file short.
 #[pymethods]
 impl Scene {
-    /// Return the same scene with other parts; what is left out stays, the solver of a scene file too.
+    /// Return a copy of the scene with other parts. Parts that are not given stay, also the solver of a scene file.
     ///
     /// Parameters
     /// ----------

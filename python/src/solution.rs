@@ -201,14 +201,14 @@ getters! {
     /// How the solve ended: "done", "missed" (by more than 1 %), "out_of_steps" or "stopped".
     status(self) -> String = self.inner.status.to_string();
 
-    /// Steps taken.
+    /// Number of steps.
     steps(self) -> usize = self.inner.steps;
 
-    /// Factor for supply or modulation, at most 1: below 1 if the device has
-    /// no amplitude for the drive. The pressures include it, the drives do not.
+    /// Factor, at most 1, by which the device's supply or modulation is to be reduced. It is below 1 if the device cannot
+    /// play amplitudes as small as those of the drive. The pressures include it, the drives do not.
     scale(self) -> f64 = self.inner.scale;
 
-    /// Seconds from the checked scene to the answer.
+    /// Time in s from the checked scene to the solution.
     elapsed(self) -> f64 = self.elapsed;
 
     /// The residual after each step (steps,), or None without a trace.

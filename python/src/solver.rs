@@ -346,13 +346,13 @@ getters! {
     /// Status of the last call with `out`.
     status(self) -> PyResult<String> = self.answer(|solution| solution.status.to_string());
 
-    /// Factor of the drives for supply or modulation; 1 unless the device has no such amplitude.
+    /// Factor for supply or modulation; 1 unless the device cannot play amplitudes as small as those of the drive.
     scale(self) -> PyResult<f64> = self.answer(|solution| solution.scale);
 
     /// Steps of the last call with `out`.
     steps(self) -> PyResult<usize> = self.answer(|solution| solution.steps);
 
-    /// Seconds of the last call.
+    /// Time of the last call in s.
     elapsed(self) -> PyResult<f64> = Ok(self.state()?.elapsed);
 
     /// The solver's name.

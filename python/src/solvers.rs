@@ -18,7 +18,7 @@ use crate::read;
 /// True
 #[pyclass(frozen, get_all, module = "midair")]
 pub(crate) struct OptionInfo {
-    /// Default.
+    /// Default value.
     default: Py<PyAny>,
     /// Description in one line.
     doc: String,
@@ -69,7 +69,7 @@ pub(crate) struct SolverInfo {
     /// Paper and equation.
     #[pyo3(get)]
     source: String,
-    /// Whether it balances by default.
+    /// Whether the solver balances by default.
     #[pyo3(get)]
     balance: bool,
     /// Whether the solver uses the phases of complex pressures, a start and an aim.

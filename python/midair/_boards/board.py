@@ -108,37 +108,37 @@ class Board:
 
     @property
     def lines(self) -> int:
-        """Number of lines: one for all boards, or one each; a frame has one part of equal length for each."""
+        """Number of lines: one for all boards, or one per board. A frame has a part for each line."""
         return self._codec.lines
 
     @property
     def channels(self) -> NDArray[np.int64]:
-        """The channel of each transducer (N,), or (C,) of each of the array's channels."""
+        """Channel on the board of each transducer (N,), or of each channel of the array (C,)."""
         return self._codec.channels
 
     @property
     def off_frame(self) -> bytes:
-        """The frame that plays nothing."""
+        """Frame that turns all transducers off."""
         return self._codec.off_frame
 
     @property
     def silence(self) -> bytes:
-        """The bytes that silence it from any state, in both banks of a board that has two."""
+        """Bytes that silence the board from any state, also both banks of a board with two."""
         return self._codec.silence
 
     @property
     def link(self) -> dict[str, Any]:
-        """Line to the board ("kind": "serial", "fifo" or "udp") and its own behaviour, by name."""
+        """Properties of the link ("kind": "serial", "fifo" or "udp") and of the board itself, by name."""
         return self._codec.link
 
     @property
     def baud(self) -> int | None:
-        """Bits a second of its serial line, ten to a byte; None for another line."""
+        """Bits per second of its serial line (10 bits per byte); None for another link."""
         return self._codec.baud
 
     @property
     def rate(self) -> float:
-        """Frames a second that its line can carry."""
+        """Frames per second that its line can carry."""
         return self._codec.rate
 
     @property

@@ -79,7 +79,7 @@ class Connection:
         self._finalizer = weakref.finalize(self, self._guard.close)
 
     def send(self, drive: ArrayLike | Solution) -> None:
-        """Play a drive until another frame comes; waits while two frames are waiting.
+        """Play a drive until the next frame comes; returns when at most two frames are waiting.
 
         Parameters
         ----------
@@ -176,7 +176,7 @@ class Connection:
         self._call(Kind.UPLOAD, wire.UPLOADED.pack(len(frames), sequence.rate) + b"".join(frames))
 
     def modulate(self, hz: float | ArrayLike | None) -> None:
-        """Modulate the amplitude of all drives, now and later.
+        """Modulate the amplitude of all drives, also of later ones.
 
         Parameters
         ----------
@@ -205,7 +205,7 @@ class Connection:
         self._call(Kind.OFF)
 
     def close(self) -> None:
-        """Turn everything off and release the board. Never raises, never hangs, and may be called again."""
+        """Turn everything off and release the board. Never raises, never hangs, can be called repeatedly."""
         self._finalizer()
 
     def __enter__(self) -> Connection:
@@ -221,7 +221,7 @@ class Connection:
 
     @property
     def emitting(self) -> NDArray[np.complex64]:
-        """Drive (N,) that plays now, without modulation; of an uploaded sequence by the clock; 0 if none."""
+        """Drive (N,) that plays now, without modulation (of a stored sequence, by the clock); 0 if none."""
         frame = b""
         if self._finalizer.alive:
             with suppress(BoardLost):
@@ -243,7 +243,7 @@ class Connection:
 
     @property
     def stats(self) -> Stats:
-        """Counts of frames, of late ones, and of expired holds."""
+        """Counts of frames, late frames and expired holds."""
         if self._finalizer.alive:
             with suppress(BoardLost):
                 self._call(Kind.STATUS)
@@ -344,7 +344,7 @@ def connect(
     hold: float = 60.0,
     limit: Mapping[str, Any] | None = None,
 ) -> Connection:
-    """Connect to a board. In a `with` block the board is off at the end.
+    """Connect to a board. The end of a `with` block turns the board off.
 
     Parameters
     ----------

@@ -28,7 +28,7 @@ from .._support.text import fault, numbers, rows, text
 from .played import Played, one_or_more
 from .xml import Bean, Decoder, Element
 
-#: Defaults of Transducer.java.
+#: Ultraino's defaults (Transducer.java): power in Pa m and width in m.
 POWER = 2.53
 WIDTH = 0.009
 

@@ -70,7 +70,7 @@ class Comparison:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the solvers, with the options given where a solver is there more than once."""
+        """Names of the solvers, with their options if a solver occurs more than once."""
         solvers = [solution.solver for solution in self.solutions]
         names: list[str] = []
         for solver, options in zip(solvers, self._options, strict=True):

@@ -231,7 +231,7 @@ class Exposure:
         return len(self.places)
 
     def cells(self) -> dict[str, list[str]]:
-        """Return the table as text for people; the frame only where there are several."""
+        """Return the table as text; the column `frame` only if some place has a frame other than 0."""
         table = self.to_dict()
         cells = {
             "place": table["place"],
@@ -243,12 +243,12 @@ class Exposure:
 
     @property
     def heading(self) -> str:
-        """Limit in words."""
+        """Name, level and source of the limit, as text."""
         return f'limit "{self.limit.name}", {self.limit.spl:g} dB: {self.limit.source}'
 
     @property
     def sentence(self) -> str:
-        """Loudest place beside the limit, in plain words."""
+        """The loudest place compared with the limit, in one sentence."""
         worst, over = self.worst, self.worst.spl - self.limit.spl
         if not np.isfinite(over):
             return f"{worst.name}: no sound"

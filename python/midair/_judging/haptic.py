@@ -99,7 +99,7 @@ class Haptic:
 
     @property
     def gain(self) -> float:
-        """Gain in dB over the best of the usual techniques, by the measure of its aim."""
+        """Gain in dB over the best of the usual techniques, of the quantity that the aim maximises."""
         reached = self.strength if self.aim == "strong" else self.weakest
         return reached - max(self.standards.values())
 

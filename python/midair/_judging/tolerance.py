@@ -259,7 +259,7 @@ class Tolerance:
         return table
 
     def cells(self) -> dict[str, list[str]]:
-        """Return the table as text for people: the parts that remain."""
+        """Return the table as text: the fractions of level and uniformity that remain."""
         table = {"fault": list(self.rows)}
         table["size"] = [self._size(name) for name in self.rows]
         reported = [row.summary() for row in self.rows.values()]
@@ -306,7 +306,7 @@ class Tolerance:
 
     @property
     def sentence(self) -> str:
-        """What most trials of all faults keep, in plain words."""
+        """Level and uniformity that 95 % of the trials keep, in one sentence."""
         name = TOGETHER if TOGETHER in self.rows else next(iter(self.rows))
         reported = self.rows[name].summary()
         faults = "all faults together" if name == TOGETHER else f"{name} alone"

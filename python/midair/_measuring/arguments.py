@@ -70,7 +70,7 @@ def _not_clipped(received: NDArray[Any], m: int) -> None:
 
 
 def indices_of(value: Any, transducers: int) -> NDArray[np.intp]:
-    """Check the second board's transducers: a slice, indices or a mask."""
+    """Check the second board's transducers (a slice, indices or a mask); return their indices."""
     if value is None:
         return np.zeros(0, np.intp)
     cure = f"give a slice, indices below {transducers} or a mask ({transducers},) of some of the transducers"

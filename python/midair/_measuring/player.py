@@ -247,7 +247,7 @@ class Report:
 
     @property
     def table(self) -> str:
-        """The report as text: a line a fault, then the numbers and the notes."""
+        """The report as text: one line per fault, then the numbers and the notes."""
         width = max([len(fault.kind) for fault in self.faults], default=0)
         many = counted(len(self.faults), "fault") if self.faults else "no fault"
         lines = [f"{self.board}, {len(self.response)} transducers: {many} found"]

@@ -163,14 +163,14 @@ class Felt:
 
     @property
     def rms(self) -> NDArray[np.float64]:
-        """Rms of each band, in `unit`: sqrt(sum of spectrum^2 / 2); 0 where it has no line."""
+        """Rms of each band, in `unit`: sqrt(sum of spectrum^2 / 2); 0 for a band without lines."""
         return np.array([rms(self.frequencies, self.spectrum, band) for band in self.bands])
 
     @property
     def thresholds(self) -> NDArray[np.float64]:
         """Smallest peak displacement of the palm that is felt at each frequency, in m; inf beyond 1 kHz.
 
-        Verrillo 1963 and Bolanowski et al. 1988. `midair.skin` compares displacements with it.
+        From Verrillo 1963 and Bolanowski et al. 1988. `midair.skin` compares displacements with it.
         """
         return threshold(self.frequencies)
 

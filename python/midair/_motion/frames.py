@@ -54,7 +54,7 @@ class Frames:
 
     @property
     def array(self) -> Array:
-        """Transducers."""
+        """Array of the transducers."""
         return self._scene.array
 
     @property
@@ -64,22 +64,22 @@ class Frames:
 
     @property
     def targets(self) -> NDArray[np.float64]:
-        """Targets (T, M) in Pa, 0 where a point is not there."""
+        """Targets (T, M) in Pa, 0 where a point is absent."""
         return self._targets
 
     @property
     def rate(self) -> float:
-        """Frames a second."""
+        """Frames per second."""
         return self._rate
 
     @property
     def closed(self) -> bool:
-        """Whether the first frame follows the last."""
+        """Whether the sequence repeats: its first frame follows its last."""
         return self._closed
 
     @property
     def change(self) -> float | None:
-        """Bound of the phase change in rad a frame of the solve, or None."""
+        """Bound of the phase change with which it was solved, in rad per frame, or None."""
         return self._change
 
     @property
@@ -94,7 +94,7 @@ class Frames:
 
     @property
     def codes(self) -> NDArray[Any] | None:
-        """Codes l (T, N) of the phases 2 pi l/L, uint8 or uint16, or None where drives are complex."""
+        """Codes l (T, N) of the phases 2 pi l/L, uint8 or uint16, or None if drives are complex."""
         return None if self._drives.phases is None else self._drives.kept[:]
 
     @property

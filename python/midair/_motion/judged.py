@@ -31,7 +31,7 @@ SETTLING = np.errstate(under="ignore")
 
 @dataclass(frozen=True)
 class SequenceMetrics:
-    """Quality of a sequence over the points that are there, x_j(t) = |p_j(t)| / target_j(t).
+    """Quality of a sequence over the points that are present, x_j(t) = |p_j(t)| / target_j(t).
 
     Attributes
     ----------
@@ -199,10 +199,10 @@ class JudgedFrames(Frames):
 
     @cached_property
     def changes(self) -> NDArray[np.float64]:
-        """Largest |phase change| (T,) in rad of any transducer to the frame before.
+        """Largest |phase change| (T,) in rad of any transducer from the previous frame.
 
-        Frame 0 is compared with the last one where the sequence is closed, else 0. A transducer whose
-        amplitude is 0 in one of the two frames does not count.
+        For frame 0 the previous frame is the last one if the sequence is closed; otherwise the change is 0. A
+        transducer whose amplitude is 0 in one of the two frames does not count.
         """
         largest = np.empty(len(self))
         for frames in blocks(len(self), len(self.array)):
@@ -227,7 +227,7 @@ class JudgedFrames(Frames):
 
     @cached_property
     def metrics(self) -> SequenceMetrics:
-        """Metrics of the frames at rest; the noise is that of constant drives and tau = 0.2 ms."""
+        """Metrics of the frames at rest; the noise is that of constant drives with tau = 0.2 ms."""
         return self.judge()
 
     @SETTLING
@@ -266,7 +266,7 @@ class JudgedFrames(Frames):
 
     @SETTLING
     def between(self, tau: float, hold: Hold = "hold", substeps: int = 4) -> Between:
-        """Compute the pressures inside the frames.
+        """Compute the pressures during the frames, while the transducers follow their drives.
 
         Parameters
         ----------

@@ -171,7 +171,7 @@ class Sequence(JudgedFrames):
 
     @staticmethod
     def load(path: str | PathLike[str]) -> Sequence:
-        """Read what `save` wrote, to the last bit. A file is never run.
+        """Read a file of `save`; values are equal to the last bit. Never executes a file.
 
         Parameters
         ----------
@@ -274,12 +274,12 @@ class Flight:
 
     @property
     def held(self) -> NDArray[np.bool_]:
-        """Whether each bead (B,) stays to the end."""
+        """Whether each bead (B,) stays trapped to the end."""
         return np.isnan(self.lost)
 
     @property
     def distances(self) -> NDArray[np.float64]:
-        """Distances (T, B) in m of the beads from their points; NaN of one that is lost."""
+        """Distances (T, B) in m of the beads from their points; NaN after a bead is lost."""
         found: NDArray[np.float64] = np.linalg.norm(self.places - self.points, axis=2)
         return found
 

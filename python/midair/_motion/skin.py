@@ -131,7 +131,7 @@ def skin(
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """Motion of the skin, line by line, and its felt strength; from `midair.skin`.
+    """Motion of the skin at each spectral line, and its felt strength; from `midair.skin`.
 
     Attributes
     ----------
@@ -169,9 +169,10 @@ class Skin:
 
     @property
     def strength(self) -> NDArray[np.float64]:
-        """Felt strength at each place (P,): 1 is just felt.
+        """Felt strength at each place (P,): 1 is the threshold.
 
-        The stronger channel, half of the weaker (Hollins and Roy, Somatosens. Motor Res. 13, 1996).
+        It is the stronger channel plus half of the weaker one (Hollins and Roy, Somatosens. Motor Res. 13,
+        1996).
         """
         found: NDArray[np.float64] = np.maximum(self.slow, self.fast) + np.minimum(self.slow, self.fast) / 2
         return found
@@ -189,7 +190,7 @@ class Skin:
         return found
 
     def spectrum(self, place: ArrayLike) -> NDArray[np.float64]:
-        """Return the peak displacement of each line at the place nearest to one.
+        """Return the peak displacement of each spectral line at the place nearest to `place`.
 
         Parameters
         ----------
@@ -209,7 +210,7 @@ class Skin:
         return np.abs(self.displacement[:, self._nearest(place)]).astype(np.float64)
 
     def along(self, places: ArrayLike) -> NDArray[np.float64]:
-        """Return the strength at the places nearest to some.
+        """Return the strength at the places nearest to `places`.
 
         Parameters
         ----------

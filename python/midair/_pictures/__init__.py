@@ -1,1 +1,1 @@
-"""Pictures: fields, answers and their display in notebooks."""
+"""Pictures of fields, solutions and sequences, and their display in notebooks."""

@@ -33,7 +33,7 @@ AWAY = 0.0134
 
 CHUNK = 10
 
-#: Panel, |p|, order, balance.
+#: Each panel: its letter, |p| at the focus, order of the updates, and whether it is balanced.
 PANELS = (
     ("a", 1.0, "random", False),
     ("b", 1.0, "columns", False),

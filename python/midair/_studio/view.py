@@ -47,7 +47,7 @@ def view(what: Scene | Solution) -> View:
 
 
 class View:
-    """Studio in a notebook: the last line of a cell shows it. `midair.view` makes one.
+    """Studio in a notebook, shown as the last line of a cell; from `midair.view`.
 
     Examples
     --------
@@ -78,7 +78,7 @@ class View:
 
     @property
     def scene(self) -> Scene:
-        """Scene that is shown now, its solver method A; setting a scene shows it."""
+        """Scene that is shown now, with method A as its solver. Setting it shows another scene."""
         return shown_scene(self._state()) if self._given is None else self._given
 
     @scene.setter
@@ -91,7 +91,7 @@ class View:
 
     @property
     def points(self) -> NDArray[np.float64]:
-        """Points (M, 3) in m, as they were dragged; setting points shows them."""
+        """Points (M, 3) in m, as they were dragged; can be set."""
         if self._given is not None:
             return self._given.points
         return np.array(self._state()["points"], dtype=float).reshape(-1, 3)
@@ -111,7 +111,7 @@ class View:
 
     @property
     def pressures(self) -> NDArray[np.float64] | None:
-        """Target pressures (M,) in Pa, None for as loud as the array can; setting them shows them."""
+        """Target pressures (M,) in Pa, None for as loud as possible; can be set."""
         if self._given is not None:
             pressures = self._given.pressures
             return None if pressures is None else pressures.real

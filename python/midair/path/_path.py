@@ -248,7 +248,7 @@ class Path:
             For a rate that gives less than two frames, too many at once, or too few for the modulation.
         """
         rate = number("rate", rate, above=0)
-        # The end of an open path is a frame, that of a closed one the first.
+        # The end of an open path is a frame of its own; the end of a closed path is its first frame.
         count = np.rint(self.duration * rate) + (not self.closed)
         if count < 2:
             raise refused(

@@ -167,7 +167,7 @@ class Samples(Piece):
 def from_array(
     points: ArrayLike, *, rate: float, pressures: ArrayLike | None = None, closed: bool = False
 ) -> Path:
-    """Make a path through frames of points, straight between them.
+    """Make a path through frames of points, with linear interpolation between them.
 
     Parameters
     ----------

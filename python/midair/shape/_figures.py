@@ -88,7 +88,7 @@ def circle(
 
 
 def polyline(points: ArrayLike, *, step: float = STEP, closed: bool = False) -> Points:
-    """Return points along straight lines. Steps run on around corners.
+    """Return points along straight lines; a step may lead around a corner.
 
     Parameters
     ----------
