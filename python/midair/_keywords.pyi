@@ -10,69 +10,69 @@ from ._midair import Solution, _Directivity, _Obstacle, _Quantization
 
 class Air(TypedDict, total=False):
     frequency: float | None
-    """Frequency f in Hz; left out 40e3."""
+    """Frequency f in Hz; by default the frequency of the array's board, or 40e3."""
     sound_speed: float | None
-    """Sound speed c in m/s; left out that of the temperature, or 340."""
+    """Sound speed c in m/s; by default that of the given temperature, else of 25 degrees C for a board, or 340."""
     absorption: float | None
-    """Absorption alpha of the amplitude in Np/m; left out that of the air, or 0."""
+    """Absorption alpha of the amplitude in Np/m; by default that of the given air, else of room air for a board, or 0."""
     density: float | None
-    """Density rho in kg/m^3; left out that of the air, or 1.223."""
+    """Density rho in kg/m^3; by default that of the given air, else of room air for a board, or 1.223."""
     temperature: float | None
-    """Temperature of the air in degrees C, in place of sound_speed: c = 331.3 sqrt(1 + T/273.15) m/s, and absorption and density."""
+    """Temperature T of the air in degrees C, instead of the sound speed c = 331.3 sqrt(1 + T/273.15) m/s; also changes absorption and density."""
     humidity: float | None
-    """Relative humidity of the air in percent, for absorption (ISO 9613-1) and density; left out 50, where the air is given at all."""
+    """Relative humidity of the air in percent, for absorption (ISO 9613-1) and density; default 50."""
     air_pressure: float | None
-    """Pressure of the air in Pa, likewise; left out 101325."""
+    """Pressure of the air in Pa, for absorption and density; default 101325."""
 
 class Numbers:
     @property
     def frequency(self) -> float:
-        """Frequency f in Hz; left out 40e3."""
+        """Frequency f in Hz; by default the frequency of the array's board, or 40e3."""
     @property
     def sound_speed(self) -> float:
-        """Sound speed c in m/s; left out that of the temperature, or 340."""
+        """Sound speed c in m/s; by default that of the given temperature, else of 25 degrees C for a board, or 340."""
     @property
     def absorption(self) -> float:
-        """Absorption alpha of the amplitude in Np/m; left out that of the air, or 0."""
+        """Absorption alpha of the amplitude in Np/m; by default that of the given air, else of room air for a board, or 0."""
     @property
     def density(self) -> float:
-        """Density rho in kg/m^3; left out that of the air, or 1.223."""
+        """Density rho in kg/m^3; by default that of the given air, else of room air for a board, or 1.223."""
 
 class Parts(TypedDict, total=False):
     source_pressure: float | None
-    """On-axis pressure times distance at full drive, Pa m; left out 4.386."""
+    """Pressure on the axis times distance, at full drive, in Pa m; by default that of the preset, or 4.386."""
     directivity: _Directivity | None
-    """A name, or a table of one name and its parameter."""
+    """Directivity of a transducer: its name, or a table of the name and the parameter."""
     response: ArrayLike | None
-    """Complex factor [re, im] of each transducer; 0 is dead."""
+    """Complex factor [re, im] of each transducer's pressure; 0 means that it is dead."""
     mask: ArrayLike | None
-    """Mask of each transducer; false is off."""
+    """Whether each transducer is on; false means off."""
     channels: ArrayLike | None
-    """The driven channel of each transducer, where several are wired to one; left out the preset's, or each its own."""
+    """Channel of each transducer, if several share one; by default that of the preset, or one for each transducer."""
     quantization: _Quantization | None
-    """The board's grid; left out the preset's, {} any drive."""
+    """Phases and amplitudes that the board can play; by default those of the preset. {} allows any drive."""
 
 class Keys(Air, Parts, total=False): ...
 
 class Radiating:
     @property
     def source_pressure(self) -> float:
-        """On-axis pressure times distance at full drive, Pa m; left out 4.386."""
+        """Pressure on the axis times distance, at full drive, in Pa m; by default that of the preset, or 4.386."""
     @property
     def directivity(self) -> _Directivity:
-        """A name, or a table of one name and its parameter."""
+        """Directivity of a transducer: its name, or a table of the name and the parameter."""
     @property
     def response(self) -> NDArray[np.complex128] | None:
-        """Complex factor [re, im] of each transducer; 0 is dead."""
+        """Complex factor [re, im] of each transducer's pressure; 0 means that it is dead."""
     @property
     def mask(self) -> NDArray[np.bool_]:
-        """Mask of each transducer; false is off."""
+        """Whether each transducer is on; false means off."""
     @property
     def channels(self) -> NDArray[np.int64] | None:
-        """The driven channel of each transducer, where several are wired to one; left out the preset's, or each its own."""
+        """Channel of each transducer, if several share one; by default that of the preset, or one for each transducer."""
     @property
     def quantization(self) -> dict[str, int | NDArray[np.float64] | None] | None:
-        """The board's grid; left out the preset's, {} any drive."""
+        """Phases and amplitudes that the board can play; by default those of the preset. {} allows any drive."""
 
 class Board(TypedDict, total=False):
     quantization: _Quantization | None

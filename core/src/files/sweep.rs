@@ -8,42 +8,54 @@ use crate::files::node::Node;
 use crate::scene::Key;
 
 const FILE: &[Key] = &[
-    Key::new("seed", "0", "Of all that is random."),
-    Key::new("seeds", "100", "How many trials, or a list of their seeds."),
+    Key::new("seed", "0", "Seed of all random numbers."),
+    Key::new("seeds", "100", "Number of trials, or a list of their seeds."),
     Key::new(
         "scenes",
         r#"["a.toml", "b.json"]"#,
-        "Scene files beside the sweep file, in place of array, medium and points.",
+        "Scene files, relative to the sweep file, instead of array, medium and points.",
     ),
     Key::new(
         "array",
         r#"{"preset": "autd3"}"#,
-        "As in a scene file; several are an axis, as is a list of values of a key.",
+        "As in a scene file. Several arrays are an axis of the sweep; so is a list of values of a key.",
     ),
-    Key::new("medium", r#"{"temperature": 25.0}"#, "As in a scene file; a list of values of a key is an axis."),
+    Key::new(
+        "medium",
+        r#"{"temperature": 25.0}"#,
+        "As in a scene file. A list of values of a key is an axis of the sweep.",
+    ),
     Key::new(
         "points",
         r#"{"count": 8, "x": [-0.08, 0.08], "y": 0.0, "z": 0.15}"#,
-        "Random or fixed points, or as in a scene file.",
+        "Random or fixed points, or points as in a scene file.",
     ),
     Key::new(
         "axes",
         r#"{"medium.temperature": [15.0, 25.0]}"#,
-        "Keys of array, medium or points with dots, and a list of their values.",
+        "Further axes: keys of array, medium or points, written with dots, each with a list of values.",
     ),
-    Key::new("solver", r#"[{"name": "greedy"}]"#, "Methods; a list of values of an option is an axis."),
+    Key::new(
+        "solver",
+        r#"[{"name": "greedy"}]"#,
+        "Methods with their options. A list of values of an option is an axis of the sweep.",
+    ),
 ];
 
 const POINTS: &[Key] = &[
-    Key::new("count", "8", "How many random points; several numbers are an axis."),
-    Key::new("x", "[-0.08, 0.08]", "m: a number, or the two ends of the range that it is drawn from."),
-    Key::new("y", "[-0.06, 0.06]", "m: a number, or the two ends of the range that it is drawn from."),
-    Key::new("z", "[0.1, 0.15]", "m: a number, or the two ends of the range that it is drawn from."),
-    Key::new("positions", "[[0.0, 0.0, 0.15], [0.02, 0.0, 0.15]]", "Fixed points x, y, z in m."),
-    Key::new("pressures", "[500.0, 800.0]", "Pa, one for each fixed point."),
-    Key::new("weights", "[1.0, 2.0]", "One for each fixed point."),
-    Key::new("pressure", "[800.0, 1200.0]", "Pa: a number, or the two ends of a range; left out, the balanced level."),
-    Key::new("shift", "[0.02, 0.0, 0.0]", "dx, dy, dz in m, added to every point."),
+    Key::new("count", "8", "Number of random points; several numbers are an axis of the sweep."),
+    Key::new("x", "[-0.08, 0.08]", "Coordinate x in m: a number, or the range [low, high] of random numbers."),
+    Key::new("y", "[-0.06, 0.06]", "Coordinate y in m: a number, or the range [low, high] of random numbers."),
+    Key::new("z", "[0.1, 0.15]", "Coordinate z in m: a number, or the range [low, high] of random numbers."),
+    Key::new("positions", "[[0.0, 0.0, 0.15], [0.02, 0.0, 0.15]]", "Position x, y, z of each fixed point in m."),
+    Key::new("pressures", "[500.0, 800.0]", "Requested pressure of each fixed point in Pa."),
+    Key::new("weights", "[1.0, 2.0]", "Weight of each fixed point."),
+    Key::new(
+        "pressure",
+        "[800.0, 1200.0]",
+        "Requested pressure in Pa: a number, or the range [low, high] of random numbers; by default the balanced level.",
+    ),
+    Key::new("shift", "[0.02, 0.0, 0.0]", "Displacement dx, dy, dz of all points in m."),
 ];
 
 /// The tables of a sweep file with other keys than a scene file, by path, and their keys.

@@ -11,11 +11,11 @@ numbers! {
     /// "Holographic acoustic elements for manipulation of levitated objects", Nature Communications 6, 8661 (2015). Its sound
     /// speed, 900 m/s, hardly matters: with 1052 m/s, as other authors have, a standing wave traps it 0.1 % more strongly.
     pub struct Particle of "bead" {
-        /// Radius a in m; left out 1e-3.
+        /// Radius a in m; default 1e-3.
         radius = 1e-3, above 0.0, such as 1e-3;
-        /// Density in kg/m^3; left out 29, that of expanded polystyrene.
+        /// Density in kg/m^3; default 29, that of expanded polystyrene.
         density = 29.0, above 0.0, such as 29.0;
-        /// Sound speed in m/s of its material; left out 900.
+        /// Sound speed in the sphere's material in m/s; default 900.
         sound_speed = 900.0, above 0.0, such as 900.0;
     }
     or by {}
@@ -50,7 +50,11 @@ impl Bead {
         Particle::KEYS[0],
         Particle::KEYS[1],
         Particle::KEYS[2],
-        Key::new("gravity", "[0.0, 0.0, -9.81]", "m/s^2 along x, y and z; left out 9.81 down the z axis."),
+        Key::new(
+            "gravity",
+            "[0.0, 0.0, -9.81]",
+            "Gravity along x, y and z in m/s^2; default 9.81 in the direction -z.",
+        ),
     ];
 
     /// Returns the default bead with some of its numbers replaced, by name, and with another gravity if one is given.

@@ -8,23 +8,25 @@ use crate::scene::key::numbers;
 
 numbers! {
     /// A homogeneous medium and the frequency used in it. The default is that of Suzuki et al. 2021: air of 14.5 degrees C
-    /// without absorption, in which the wavelength is 8.5 mm. [`Array::medium`](crate::Array::medium) is the default for an array.
+    /// without absorption, in which the wavelength is 8.5 mm. [`Array::medium`](crate::Array::medium) is the default for an
+    /// array.
     pub struct Medium of "medium" {
-        /// Frequency f in Hz; left out 40e3.
+        /// Frequency f in Hz; by default the frequency of the array's board, or 40e3.
         frequency = 40e3, above 0.0, such as 40e3;
-        /// Sound speed c in m/s; left out that of the temperature, or 340.
+        /// Sound speed c in m/s; by default that of the given temperature, else of 25 degrees C for a board, or 340.
         sound_speed = 340.0, above 0.0, such as 340.0;
-        /// Absorption alpha of the amplitude in Np/m; left out that of the air, or 0.
+        /// Absorption alpha of the amplitude in Np/m; by default that of the given air, else of room air for a board, or 0.
         absorption = 0.0, least 0.0, such as 0.15;
-        /// Density rho in kg/m^3; left out that of the air, or 1.223.
+        /// Density rho in kg/m^3; by default that of the given air, else of room air for a board, or 1.223.
         density = 1.223, above 0.0, such as 1.2;
     }
     or by {
-        /// Temperature of the air in degrees C, in place of sound_speed: c = 331.3 sqrt(1 + T/273.15) m/s, and absorption and density.
+        /// Temperature T of the air in degrees C, instead of the sound speed c = 331.3 sqrt(1 + T/273.15) m/s; also changes
+        /// absorption and density.
         temperature, such as 25.0;
-        /// Relative humidity of the air in percent, for absorption (ISO 9613-1) and density; left out 50, where the air is given at all.
+        /// Relative humidity of the air in percent, for absorption (ISO 9613-1) and density; default 50.
         humidity, such as 50.0;
-        /// Pressure of the air in Pa, likewise; left out 101325.
+        /// Pressure of the air in Pa, for absorption and density; default 101325.
         air_pressure, such as 101325.0;
     }
 }

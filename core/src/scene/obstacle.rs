@@ -33,18 +33,19 @@ obstacles! {
     #[derive(Clone, Debug, PartialEq)]
     #[non_exhaustive]
     pub enum Obstacle {
-        /// A plane without end. Sound is on the array's side; where the array lies in the plane, on that of the normal.
+        /// An infinite plane. Sound is on the array's side of it; if the array lies in the plane, on the side of the normal.
         Wall = "wall" {
-            /// any point of it, x, y, z in m.
+            /// any point x, y, z on it, in m.
             point: [f64; 3], such as "[0.1, 0.0, 0.0]";
-            /// the direction that it faces, of any length; its sense counts only where the array lies in the wall.
+            /// its normal, of any length. Its sign matters only if the array lies in the wall: it then points to the side
+            /// with the sound.
             normal: [f64; 3], such as "[-1.0, 0.0, 0.0]";
         }
         /// A sphere, the only obstacle of its scene.
         Sphere = "sphere" {
-            /// its middle, x, y, z in m.
+            /// its center x, y, z in m.
             center: [f64; 3], such as "[0.0, 0.0, 0.1]";
-            /// in m, up to 12 wavelengths.
+            /// its radius in m, at most 12 wavelengths.
             radius: f64, such as "0.02";
         }
         ---

@@ -86,7 +86,7 @@ macro_rules! parts {
 }
 
 parts! {
-    /// On-axis pressure times distance at full drive, Pa m; left out 4.386.
+    /// Pressure on the axis times distance, at full drive, in Pa m; by default that of the preset, or 4.386.
     source_pressure, such as "4.386": Access::Real(
         |array| array.transducer().source_pressure,
         |array, source_pressure| {
@@ -94,7 +94,7 @@ parts! {
             array.with_transducer(transducer)
         },
     );
-    /// A name, or a table of one name and its parameter.
+    /// Directivity of a transducer: its name, or a table of the name and the parameter.
     directivity, such as r#"{"piston": 4.5e-3}"#: Access::Directivity(
         |array| array.transducer().directivity,
         |array, directivity| {
@@ -102,13 +102,13 @@ parts! {
             array.with_transducer(transducer)
         },
     );
-    /// Complex factor [re, im] of each transducer; 0 is dead.
+    /// Complex factor [re, im] of each transducer's pressure; 0 means that it is dead.
     response, such as "[[1.0, 0.0], [0.5, -0.2]]": Access::Complexes(Array::response, Array::with_response);
-    /// Mask of each transducer; false is off.
+    /// Whether each transducer is on; false means off.
     mask, such as "[true, false]": Access::Flags(Array::mask, Array::with_mask);
-    /// The driven channel of each transducer, where several are wired to one; left out the preset's, or each its own.
+    /// Channel of each transducer, if several share one; by default that of the preset, or one for each transducer.
     channels, such as "[0, 0, 1, 1]": Access::Indices(Array::channels, Array::with_channels);
-    /// The board's grid; left out the preset's, {} any drive.
+    /// Phases and amplitudes that the board can play; by default those of the preset. {} allows any drive.
     quantization, such as r#"{"phases": 256}"#: Access::Quantization(Array::quantization, Array::with_quantization);
 }
 
