@@ -109,12 +109,12 @@ def table(rows: Sequence[Row], bench: str = "bench", only: Sequence[tuple[str, s
     rivals = {rival for rival, _ in only} if only else {rival for rival, *_ in found}
     versions = dict.fromkeys(f"{row['rival']} {row['version']}" for row in rows if row["rival"] in rivals)
     details = (
-        f"{first['date']}, {first['cpu']}, one thread, 2 x 2 AUTD3 boards of point sources, G included;"
-        f" medians of CPU time over {first['rounds']} rounds; midair is `midair.solve` from NumPy arrays."
-        f"{_beside_gspat(found)}"
-        " One forward model judges all answers, on the grid where there is one: means over"
+        f"{first['date']}, {first['cpu']}, one thread, 2 x 2 AUTD3 boards of point sources, with the"
+        f" computation of G; medians of CPU time over {first['rounds']} rounds; midair is `midair.solve` from"
+        f" NumPy arrays.{_beside_gspat(found)}"
+        " One forward model judges all drives, after rounding if there is a grid. The values are means over"
         f" {first['scenes']} scenes. {'; '.join(versions)}."
-        f" [What the numbers include and whom they favour]({bench}/README.md)."
+        f" [What the numbers include]({bench}/README.md)."
     )
     times = "".join(f" M = {m} |" for m in _SIZES)
     answers = "".join(f" answer, M = {m} |" for m in _JUDGED)

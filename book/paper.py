@@ -20,23 +20,26 @@ from midair._support import output
 COLOURS = 128
 WIDTH = 860
 
-HEAD = """# The paper, made anew
+HEAD = """# The paper and its figures
 
 midair grew from one paper: S. Suzuki, M. Fujiwara, Y. Makino, H. Shinoda, "Radiation Pressure Field
 Reconstruction for Ultrasound Midair Haptics by Greedy Algorithm With Brute-Force Search", IEEE Transactions
 on Haptics 14(4), 914-921, 2021 ([doi:10.1109/TOH.2021.3076489](https://doi.org/10.1109/TOH.2021.3076489)).
-This page repeats its experiments with midair and compares {count} statements with the new numbers:
-{outcomes}.
+This page is for readers of that paper. It repeats the experiments with midair and compares {count} statements
+of the paper with the new numbers: {outcomes}.
 
 - **The task.** An array has to make a given sound pressure at several points at once. The paper's greedy
-  search sets one transducer after the other. For each it tries a list of phases and amplitudes and keeps
-  the best.
-- **Accuracy** is the sum of the pressures over the sum of the targets. 100 % is best.
-- **Variation**, sigma, is the spread of the pressures over the points. 0 is best.
-- **The methods** have the settings of the authors' public code, without balancing.
-- **Full drive.** Some methods return amplitudes above 1, which no transducer can play. They are cut to 1
-  (clamp), or all divided by the largest (normalize), or all set to 1 (|q| = 1). Each legend names the
-  rule, because in fig. 3 the rule matters more than the method.
+  search sets one transducer after the other. For each it tries K amplitudes and L phases and keeps the best.
+- **Symbols.** N is the number of transducers, M the number of points, q the drive of a transducer (a complex
+  number) and p a sound pressure.
+- **Accuracy** is the sum of the pressures over the sum of the requested pressures, the targets. 100 % means
+  that the targets are met.
+- **Variation**, sigma, is the spread of the pressures between the points. 0 is best.
+- **The methods** are explained in [how to choose](how-to-choose.md#one-paragraph-each). They have the
+  settings of the authors' public code, without balancing (which raises weak targets before the search).
+- **Full drive.** Some methods return amplitudes above 1, which no transducer can play. One of three rules
+  limits them: reduce amplitudes above 1 to 1 (clamp), divide all by the largest (normalize), or set all to
+  1 (|q| = 1). Each legend names the rule, because in fig. 3 the rule matters more than the method.
 - **Random points** are the same for every method. Intervals contain the mean with 95 % probability.
 
 `make paper` writes this page from the tables in [docs/paper](paper). `midair reproduce all --trials
@@ -64,17 +67,17 @@ WORDS = {
     ),
     "fig4": (
         "Fig. 4: variation",
-        "The same trials. sigma is eq. (13), with 1/M where the paper prints 1/N:",
+        "The trials are those of fig. 3. sigma is eq. (13), with 1/M where the paper prints 1/N:",
     ),
     "fig5": (
         "Fig. 5: time over the number of points",
         "20 x 20 transducers, greedy in fixed order. The table has the median CPU time of a whole"
         " solve, with the times of all threads added. The methods take turns on the same scenes. All are"
-        " midair's own implementations. In ms:",
+        " implemented in midair. In ms:",
     ),
     "fig6": (
         "Fig. 6: time over the number of transducers",
-        "M = 64 random points. Their square grows with the array. In ms:",
+        "M = 64 random points in a square that grows with the array. Median CPU time in ms:",
     ),
     "fig7": (
         "Fig. 7: weak and strong targets, the order of the transducers",
@@ -86,7 +89,7 @@ WORDS = {
     ),
 }
 
-DIFFERENCES = r"""## Where the paper's text and its authors' code differ, or leave something open
+DIFFERENCES = r"""## Differences between the paper's text, its authors' code and this page
 
 | item | paper | authors' code | here |
 | --- | --- | --- | --- |
@@ -94,12 +97,12 @@ DIFFERENCES = r"""## Where the paper's text and its authors' code differ, or lea
 | greedy's objective | squared errors (eq. 7, alg. 1) | absolute errors | `l2`; `l1` as a curve of its own |
 | sigma, eq. (13) | 1/N | 1/M | 1/M |
 | first line of algs. 1 and 2 | the pressures p start at 0 | - | the drives start at 0 |
-| amplitudes (k+1)/K | no "off" | the same | as printed: this makes the background of fig. 7 (a) |
+| amplitudes (k+1)/K | no "off" | no "off" | as printed: this makes the background of fig. 7 (a) |
 | fixed order | columns first, from the corner | x fastest | y fastest: only then is fig. 7 (b) wide in x |
 | random order | a fresh one | unseeded shuffle | a seed for each trial |
 | EVD | gamma = 1 | a row of the eigenvector matrix; q times mean(\|Gq\|/a); clamp | an eigenvector; clamp |
-| SDP+BCD | "as in the original" | moduli of the eigenvector as they are; divided by max \|q\| | the same |
-| LM | phases only | phases of drives and points unknown, \|q\| = 1, 200 steps | the same |
+| SDP+BCD | "as in the original" | moduli of the eigenvector as they are; divided by max \|q\| | as the code |
+| LM | phases only | phases of drives and points unknown, \|q\| = 1, 200 steps | as the code |
 | GS-PAT | 100 iterations | the amplitude enters the back-propagation twice; clamp | once (equal); clamp |
 """
 
