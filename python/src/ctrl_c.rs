@@ -44,7 +44,7 @@ impl Watch {
     /// little.
     const INTERVAL: Duration = Duration::from_millis(50);
 
-    /// Longest time between two calls of the callback.
+    /// Longest time between two calls of the progress callback, also within a long step.
     const PATIENCE: Duration = Duration::from_millis(200);
 
     pub(crate) fn new(progress: Option<Py<PyAny>>) -> Self {

@@ -32,7 +32,7 @@ impl Function {
         }
     }
 
-    /// Returns the place where its exception is stored.
+    /// Returns a shared reference to the exception that the function has raised, if any.
     pub(crate) fn raised(&self) -> Raised {
         self.raised.clone()
     }

@@ -55,7 +55,7 @@ impl Function {
         Ok(Choice { name: self.name.clone(), options, balance: None, aim: None })
     }
 
-    /// Returns the place where its exception is stored.
+    /// Returns a shared reference to the exception that the function has raised, if any.
     pub(crate) fn raised(&self) -> Raised {
         self.raised.clone()
     }

@@ -238,14 +238,14 @@ pub(crate) const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 ///
 /// Notes
 /// -----
-/// U = V [f1 <p^2>/(2 rho c^2) - 3/4 f2 rho <v^2>] after Bruus, Lab on a Chip 12, 1014 (2012). It is for spheres small
-/// beside the wavelength, without viscosity and the push of travelling waves. The field is the real one, without the
-/// scene's signature, in its air and beside its obstacles. Derivatives are exact, in double precision; those of waves
+/// U = V [f1 <p^2>/(2 rho c^2) - 3/4 f2 rho <v^2>] after Bruus, Lab on a Chip 12, 1014 (2012). It is for spheres much
+/// smaller than the wavelength, and neglects viscosity and the force of travelling waves. The field is the real one,
+/// without the scene's signature, in its air and with its obstacles. Derivatives are exact, in double precision; those of waves
 /// that spheres and meshes scatter are exact to 1e-5.
 ///
-/// From a radius of an eighth of the wavelength on, up to three, the sphere is rigid. Its force is that of its series
-/// of waves, which includes the push of travelling waves. It has no potential, which is NaN; `hessian` and `stiffness`
-/// are differences of the force.
+/// From a radius of an eighth of the wavelength on, up to three, the sphere counts as rigid. Its force follows
+/// from a series of spherical waves, which includes the force of travelling waves. It has no potential, which is NaN;
+/// `hessian` and `stiffness` are finite differences of the force.
 ///
 /// Examples
 /// --------
@@ -298,8 +298,8 @@ pub(crate) fn gorkov<'py>(
 /// Notes
 /// -----
 /// The net force, Gor'kov's, weight and buoyancy, is followed to the place where it is 0. Along each axis of the
-/// stiffness there, `basin` and `restoring` say how far and how strongly it pulls back, `frequencies` and
-/// `acceleration` how the bead then moves.
+/// stiffness there, `basin` and `restoring` are range and strength of the restoring force. `frequencies` and
+/// `acceleration` describe the motion of the bead.
 ///
 /// Examples
 /// --------

@@ -30,11 +30,11 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// scene : midair.Scene or midair.Propagation
 ///     The request.
 /// pressures : float or (M,) array_like, optional
-///     Peak pressures in Pa for a matrix; or in place of a scene's own.
+///     Peak pressures in Pa for a matrix; or in place of those of a scene.
 /// weights : (M,) array_like, optional
-///     Weights, likewise.
+///     Weights for a matrix; or in place of those of a scene.
 /// mask : (N,) array_like of bool, optional
-///     Transducers that are on, likewise.
+///     Transducers that are on, for a matrix; or in place of the mask of a scene.
 ///
 /// Returns
 /// -------

@@ -1,4 +1,4 @@
-//! Finds listed names; case, "-" and "_" do not matter.
+//! Finds the names of solvers and presets; case, "-" and "_" do not matter.
 
 use midair::{Error, presets, solvers};
 use pyo3::exceptions::PyTypeError;
@@ -7,13 +7,13 @@ use pyo3::types::PyDict;
 
 use crate::error::refused;
 
-/// Returns the listed name of a solver.
+/// Returns a solver's name as `midair.solvers` lists it.
 #[pyfunction]
 pub(crate) fn solver_name(name: &str) -> PyResult<&'static str> {
     Ok(solvers::find(name).map_err(refused)?.info.name)
 }
 
-/// Returns the listed name of a preset.
+/// Returns a preset's name as `midair.presets` lists it.
 #[pyfunction]
 pub(crate) fn preset_name(name: &str) -> PyResult<&'static str> {
     Ok(presets::find(name).map_err(refused)?.name)

@@ -352,7 +352,7 @@ def connect(
         A board and its place: "autd3" (searched), "autd3:eth0" (a network interface), "autd3:emulator",
         "sonicsurface:/dev/ttyUSB0" (a port), "openmpd:SERIAL" or "openmpd:SERIAL+SERIAL" (FTDI chips).
         Or no device: "sonicsurface:loop" is as slow as its line, "sonicsurface:null" accepts frames at
-        once, "null" is that of an AUTD3, "file:frames.bin" writes the frames.
+        once, "null" does so as an AUTD3, "file:frames.bin" writes the frames to a file.
     array : midair.Array, optional
         The board's transducers, if they differ from its preset.
     board : midair.Board or str, optional

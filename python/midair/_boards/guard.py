@@ -111,7 +111,10 @@ class Guard:
                 self._attempt(0, self._transport.look)
 
     def beat(self, number: int) -> None:
-        """Record that the owner lives. Answer, unless the device blocks the guard. Runs in any thread."""
+        """Record that the owner (the user's program) lives. Answer unless the device blocks the guard.
+
+        May run in any thread.
+        """
         self._beaten = now = time.monotonic()
         if now < self._until:
             self._answer(Kind.DONE, number, b"")

@@ -253,7 +253,7 @@ def _drawn_lots(limits: tuple[Value, Value], value: Lookup) -> float:
 
 
 def _track(keyframes: list[Keyframe], name: str, stops: tuple[str, ...], *, onward: bool) -> Track:
-    """Return a property's track. `onward`: a keyframe that stops without a value ends at the next one."""
+    """Return a property's track; with `onward`, a stop without a value ends at the next keyframe's value."""
     marked = [each for each in keyframes if getattr(each, name) is not None or each.kind in stops]
     begun: list[Stage | None] = []
     for each in marked:

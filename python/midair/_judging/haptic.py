@@ -152,7 +152,7 @@ def haptic(
     change : float, optional
         Bound in rad a frame; by default none.
     closed : bool, optional
-        Whether places go on from the last to the first; a path knows it.
+        Whether the last place is joined to the first; not needed for a path.
     beside : float, optional
         Largest distance in m of foci from the shape, by default half a wave of the skin; 0: on it.
     ears : mapping, optional
@@ -175,10 +175,10 @@ def haptic(
 
     Notes
     -----
-    The four usual techniques are amplitude modulation, lateral modulation, one focus at 7 m/s, and two of
-    them. Beside them a schedule of single foci, 5 laps a second, climbs until no other focus in any frame
-    promises more. With a bound other draw speeds are tried instead. Where none is better, the answer is the
-    best of the usual four. Frequencies are those that whole frames allow.
+    The four usual techniques are amplitude modulation, lateral modulation, and one or two foci at 7 m/s. In
+    addition, an ascent improves a schedule of single foci, 5 laps a second, until no other focus in any frame
+    is predicted to be better. With a bound, other draw speeds are tried instead. If none is better, the
+    result is the best usual technique. Frequencies are rounded to periods of whole frames.
 
     Examples
     --------

@@ -101,8 +101,8 @@ def tolerate(
     Notes
     -----
     Level is the mean of |p|/target, uniformity its min/max, as in `midair.judge`; both are relative to those
-    without faults. Of many transducers in step, a phase error s (rad) leaves exp(-s^2/2) of the level, dead
-    ones 1 - d, reversed ones 1 - 2 d.
+    without faults. For many transducers in phase, a phase error of s rad leaves exp(-s^2/2) of the level, a
+    fraction d of dead ones 1 - d, of reversed ones 1 - 2 d.
 
     Examples
     --------

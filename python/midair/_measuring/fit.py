@@ -17,7 +17,8 @@ FIRST_TRUST, TIGHTER = 0.3, 0.6
 #: A reading this many standard deviations from the model is an outlier: one normal reading in 10^9 is. A
 #: standard deviation below LEAST_SCATTER times the median reading counts as that.
 OUTLYING, LEAST_SCATTER = 6.0, 1e-3
-#: With a larger share of outliers the model must be wrong, and all readings are used; most rounds of removal.
+#: Largest share of outliers: above it the model must be wrong, and all readings are used. Most rounds of
+#: removing outliers.
 MOST_OUTLYING, ROUNDS = 0.2, 8
 #: Most steps. Once the noise has reached its final value, the fit ends when a step reduces the cost by less
 #: than the fraction GAIN and changes no probability of a transducer's state by more than CHANGE.

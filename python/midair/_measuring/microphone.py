@@ -65,8 +65,9 @@ def sound_card(
 
 
 def from_file(path: Path, microphones: int) -> Read:
-    """Return a reader of a .csv file: a row per drive, a column per microphone; |p|, or p as 1.5-2j, in
-    Pa.
+    """Return a reader of a .csv file: one row per drive, one column per microphone, p or |p| in Pa.
+
+    Complex numbers are written as 1.5-2j.
     """
     lines = text(path, content(path)).splitlines()
     rows = [(k, line.split(",")) for k, line in enumerate(lines, 1) if line.strip()]

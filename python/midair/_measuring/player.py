@@ -140,7 +140,7 @@ class Player:
             self.best = (value, kept, pressures)
 
     def deaf(self) -> str | None:
-        """Return a message about places that read 0 or the same in all readings; None without any."""
+        """Return a message about places that read 0 or the same in all readings; None if there are none."""
         same = (self._loudest == self._quietest) & ((self._loudest == 0) | (self._changes >= CHANGES))
         if not same.any():
             return None
@@ -212,7 +212,7 @@ class Report:
     notes : tuple of str
         Other remarks, a sentence each.
     response, response_error : (N,) ndarray
-        Complex responses relative to what the array says; errors of re and im.
+        Complex responses relative to those of the given array; errors of re and im.
     order : (N,) ndarray of int
         Place of the transducer that each channel drives.
     sound_speed, sound_speed_error : float

@@ -59,7 +59,7 @@ def fly(
     sequence : midair.Sequence
         A sequence of traps (signature="trap").
     beads : (B, 3) array_like, optional
-        Places in m at the start; by default where it rests at each point that is there in the first frame.
+        Places in m at the start; by default the places of rest at the points of the first frame.
     speeds : (B, 3) array_like, optional
         Velocities in m/s at the start; by default those of the points if the sequence is closed, else 0.
     duration : float, optional

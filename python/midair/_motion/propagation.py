@@ -80,7 +80,7 @@ def moduli(matrices: NDArray[np.complex64], drives: NDArray[np.complex64]) -> ND
 
 
 class Between(NamedTuple):
-    """Pressures inside the frames: `times` (S,) in s and |p| `pressures` (S, M) in Pa, S = T substeps."""
+    """Pressures between frames: `times` (S,) in s and |p| `pressures` (S, M) in Pa, S = T substeps."""
 
     times: NDArray[np.float64]
     pressures: NDArray[np.float64]

@@ -77,11 +77,11 @@ def skin(
 
     Notes
     -----
-    The skin is an endless membrane (of a mesh, its surface) pushed by the radiation pressure
-    |p|^2/(rho c^2), on a mesh times the squared cosine of the incidence, and by none on its far side. Each
-    line of the sequence's spectrum up to 1 kHz is solved by itself, which is exact: the sheet is linear. The
-    steady push is left out, and so is what pushes beside the hand. A frame lasts until the next one, and
-    its steps are in the spectrum. `docs/touch.md` lists which published orders the model has, and which not.
+    The skin is an infinite membrane, or the surface of a mesh. Its load is the radiation pressure
+    |p|^2/(rho c^2); on a mesh times the squared cosine of the incidence, and 0 on its far side. Each line of
+    the sequence's spectrum up to 1 kHz is solved alone, which is exact, because the membrane is linear. The
+    static load is left out, and so is pressure outside of the hand. A frame lasts until the next one, so the
+    spectrum contains its steps. `docs/touch.md` compares the model with published results.
 
     Examples
     --------

@@ -63,24 +63,24 @@ def sequence(
     tau : float, optional
         Time constant of the transducers' envelopes in s, which `glide` takes into account.
     closed : bool, optional
-        Whether the last frame goes on to the first; by default as in the path. With ahead="all" that step is
-        within the bound, too, which closed=True demands; else `metrics.seam` reports it.
+        Whether the last frame continues to the first; by default as in the path. With ahead="all" this step
+        is within the bound, too, and closed=True requires this; else `metrics.seam` reports it.
     ahead : int or "all", optional
-        0: each frame knows the one before; n: the next n frames, too; "all": tracks over the whole sequence.
+        0: only earlier frames are known; n: also the next n frames; "all": all frames are solved together.
     pressures : float, (M,) or (T, M) array_like, optional
-        Targets in Pa, 0 where a point is not there. By default the path's own, else the balanced level of
+        Targets in Pa, 0 where a point is absent. By default the path's own, else the balanced level of
         the first frame, times modulation and fades.
     aim : {"target", "max"}, optional
         As for `midair.solve`; by default "max" if only points are given.
     progress : callable, optional
         Called with (frames done, frames).
     resume : str or path, optional
-        An .npz file written as the frames are found, in the memory of a block. Stopped and called again with
-        the same arguments the solve goes on, to the same bits.
+        An .npz file, written while frames are solved, so that memory needs only a block. If stopped and
+        called again with the same arguments, the solve continues and gives the same bits.
     **options
-        Of the solver, and the air: frequency, sound_speed, temperature, absorption, density, obstacles.
-        signature="trap" moves traps: pressures left out as stiff as possible for `bead`, each carrying its
-        bead along; else foci are solved for them. Targets and pressures are those of the foci.
+        Options of the solver; for the air frequency, sound_speed, temperature, absorption, density, obstacles.
+        signature="trap" moves traps. Without pressures they are as stiff as possible for `bead`, and each
+        moves its bead along; with pressures, foci are solved. Targets and pressures are those of the foci.
 
     Returns
     -------
@@ -246,15 +246,15 @@ def stream(
     aim: str | None = None,
     **options: Any,
 ) -> Iterator[NDArray[np.complex64]]:
-    """Yield the drive of each of endless frames, as it comes; with `ahead`, this many frames later.
+    """Yield the drive of each frame of an endless stream; with `ahead`, this many frames later.
 
     Parameters
     ----------
     array : midair.Array
         N transducers.
     frames : iterable
-        Of points (M, 3) in m, or of pairs of points and pressures (M,) in Pa. M may change: a point that
-        appears or vanishes at once makes a jolt as large as the bound lets it be.
+        Points (M, 3) in m, or pairs of points and pressures (M,) in Pa. M may change: a point that appears or
+        vanishes suddenly changes the phases by as much as the bound allows.
     solver, rate, change, change_rate, tau, ahead, aim
         As for `midair.sequence`.
     **options

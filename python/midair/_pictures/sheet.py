@@ -75,7 +75,7 @@ STYLES = {
 
 
 def style(name: str) -> AbstractContextManager[object]:
-    """Draw figures as a journal wants them, from now on or within a `with` statement.
+    """Draw figures in the style of a journal, from now on or within a `with` statement.
 
     Parameters
     ----------
