@@ -171,12 +171,12 @@ bodies! {
         /// Direction that the wall faces (x, y, z), as given.
         normal: (f64, f64, f64),
     }
-    /// Sphere that scatters waves, the only one of a scene's `obstacles`.
+    /// Sphere that scatters waves; it must be the only one of a scene's `obstacles`.
     ///
     /// Parameters
     /// ----------
     /// center : (3,) array_like
-    ///     Middle in m.
+    ///     Centre in m.
     /// radius : float
     ///     Radius in m, up to 12 wavelengths.
     /// kind : {"rigid", "soft"}, optional

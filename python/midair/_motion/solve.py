@@ -78,7 +78,7 @@ def sequence(
         An .npz file, written while frames are solved, so that memory needs only a block. If stopped and
         called again with the same arguments, the solve continues and gives the same bits.
     **options
-        Options of the solver; for the air frequency, sound_speed, temperature, absorption, density, obstacles.
+        Options of the solver; of the air frequency, sound_speed, temperature, absorption, density, obstacles.
         signature="trap" moves traps. Without pressures they are as stiff as possible for `bead`, and each
         moves its bead along; with pressures, foci are solved. Targets and pressures are those of the foci.
 
