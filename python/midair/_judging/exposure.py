@@ -21,17 +21,7 @@ from .._support.arguments import number, refused, vector, warn
 
 @dataclass(frozen=True)
 class Limit:
-    """A level that a standard or an author names as a limit.
-
-    Attributes
-    ----------
-    name, source : str
-        Name of the limit, and the document with those for whom it is.
-    spl : float
-        Level of the limit in dB re 20 uPa.
-    band : (float, float)
-        Lowest and highest frequency in Hz that it is meant for.
-    """
+    """A limit: its name, level in dB re 20 uPa, lowest and highest frequency in Hz, and source."""
 
     name: str
     spl: float
@@ -84,8 +74,7 @@ def limit_of(scene: Scene, requested: Any) -> Limit:
 Points: TypeAlias = NDArray[np.float64]
 Levels: TypeAlias = Callable[[Points], NDArray[np.float64]]
 
-#: Samples per wavelength. |p| at a distance d from its maximum P is at least P cos(k d) (Duffin and Schaeffer
-#: 1938), so that the loudest sample is at most 2.2 dB below P.
+#: Samples per wavelength: the loudest is at most 2.2 dB below the maximum (Duffin and Schaeffer 1938).
 FINE = 8
 
 #: Points per block, so that Ctrl-C takes effect between blocks; and most samples of a box.
@@ -399,7 +388,6 @@ def _of_frames(scene: Scene, sequence: Sequence) -> Blocks:
     """Return a function that yields |p| (P, T) of the frames of a sequence."""
     if sequence.array != scene.array:
         raise SceneError("drive is a sequence of another array: give sequence.scene(0) as the scene")
-    # Only the array and the air of the scene matter here.
     bare = scene.replace(pressures=None, weights=None, signature=None)
     drives = sequence.drives
     size = max(WORK // drives.size, 1)
