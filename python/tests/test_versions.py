@@ -21,7 +21,7 @@ REPEATED = {
     "docs/index.md": r"^\| `midair-(\S+)\.crate` ",
     "python/conda/recipe.yaml": r'^  version: "(\S+)"$',
     "docs/citing.md": r"^  version = \{(\S+)\},$",
-    "capi/include/midair.h": r'^// Version of the library, such as "(\S+)"\.',
+    "capi/include/midair.h": r'^// Returns the version of the library, such as "(\S+)"\.',
     "studio/door/Cargo.toml": r'^version = "(\S+)"$',
 }
 
