@@ -113,7 +113,7 @@ pub(crate) fn radii(set: InstructionSet, forces: &[Forces]) -> Vec<Radii> {
 
 #[inline(always)]
 fn enough(forces: &Forces) -> Radii {
-    // For each degree, a bound of its terms one unit from the centre.
+    // For each degree, a bound of the sum of its terms one unit from the centre.
     let mut sums = [0.0_f64; DEGREE + 1];
     let mut first = 0;
     for (degree, sum) in sums.iter_mut().enumerate() {
@@ -273,8 +273,8 @@ fn pull<S: Doubles, const D: usize>(
     sum
 }
 
-/// Returns the monomials up to degree D, and 1 for the others. A degree has those of the degree before times x, then
-/// the last ones of that degree times y, then the very last one times z.
+/// Returns the monomials up to degree D; the later elements are 1. Those of a degree are the monomials of the degree
+/// below times x, then its last ones times y, then its very last one times z.
 #[inline(always)]
 fn monomials<S: Doubles, const D: usize>(one: V<S>, [x, y, z]: [V<S>; 3]) -> [V<S>; TERMS] {
     let mut all = [one; TERMS];

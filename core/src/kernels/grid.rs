@@ -270,7 +270,7 @@ impl Grid {
         for (new, old) in new.iter_mut().zip(q) {
             *new = s.mul(amplitude, *new);
             if self.phases.is_none() || self.amplitudes.is_none() {
-                // A value that was rounded before keeps its bits.
+                // A value that is on the grid already keeps its bits.
                 *new = s.select_less(s.abs(s.sub(*new, old)), s.mul(large, s.splat(SAME)), old, *new);
             }
             *new = s.select_less(zero, large, *new, zero);
@@ -295,7 +295,7 @@ impl Grid {
                 let part = s.splat(some.part);
                 let (re, im) = (s.mul(re, part), s.mul(im, part));
                 let square = s.add(s.mul(re, re), s.mul(im, im));
-                // In most solutions all drives have the same modulus.
+                // If all moduli are `most`, as in most solutions, the amplitude is known.
                 let least = FULL * most;
                 let least = least * least;
                 some.known = (least > f32::MIN_POSITIVE && s.less(square, s.splat(least)) == 0).then_some(common);
@@ -339,10 +339,10 @@ fn round_pairs<S: Simd>(s: S, phases: &Phases, (part, common): (f32, f32), eight
 /// Kernel that rounds 16 drives `q` to the grid.
 struct Rounding<'a> {
     grid: &'a Grid,
-    /// The factor that is applied first, and the expected factor in total.
+    /// The factor by which drives are multiplied before they are rounded, and the expected factor in total.
     part: f32,
     common: f32,
-    /// The amplitude of all drives, where it is known.
+    /// The amplitude of all drives; `None` if they differ.
     known: Option<f32>,
     q: [Lanes; 2],
     /// Bits of the drives that differ from the old ones times `common`.

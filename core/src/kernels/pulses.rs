@@ -18,8 +18,8 @@ use num_complex::{Complex32, Complex64};
 use crate::math;
 use crate::math::sqrtf;
 
-/// Number of edges that are compared: two before a place and two after it. All edges are compared if there are at most
-/// [`FEW`], which may be uneven.
+/// Number of edges that are compared with a place: two before it and two after it. If there are at most [`FEW`] edges,
+/// whose distances may be uneven, all are compared.
 const BESIDE: usize = 4;
 const FEW: usize = 16;
 

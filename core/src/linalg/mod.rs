@@ -53,7 +53,8 @@ impl<'w> Planar<'w> {
     }
 }
 
-/// out = conj(`matrix`) `vector`, for a matrix that [`crate::propagation::gram`] stored conjugated.
+/// out = conj(`matrix`) `vector`, for a matrix that [`Strips::gram`](crate::propagation::Strips::gram) stored
+/// conjugated.
 ///
 /// # Errors
 /// A requested stop.
@@ -110,8 +111,8 @@ pub(crate) struct Hermitian<'w> {
 }
 
 impl<'w> Hermitian<'w> {
-    /// Factors `conj(matrix) + shift I`, with `matrix` from [`crate::propagation::gram`]. Returns `None` if it is not
-    /// positive definite in f32.
+    /// Factors `conj(matrix) + shift I`, with `matrix` from [`Strips::gram`](crate::propagation::Strips::gram). Returns
+    /// `None` if it is not positive definite in f32.
     pub(crate) fn new(
         set: InstructionSet,
         matrix: &Planar,

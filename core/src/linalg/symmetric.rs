@@ -13,7 +13,7 @@ pub(crate) fn eigen(mut a: [[f64; 3]; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
             if a[p][q] == 0.0 {
                 continue;
             }
-            // Of the two rotations that make a_pq 0, this is the smaller.
+            // Two rotations make a_pq 0. This one has the smaller angle.
             let cotangent = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
             let tangent = f64::copysign(1.0, cotangent) / (cotangent.abs() + sqrt(cotangent * cotangent + 1.0));
             let cosine = 1.0 / sqrt(tangent * tangent + 1.0);

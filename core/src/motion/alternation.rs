@@ -28,8 +28,8 @@ const PACES: [f32; 2] = [1.2, 0.5];
 pub(super) struct Wanted {
     /// The weights w_j (T, M); 0 for an absent point.
     weights: Vec<f32>,
-    /// The part of the way to level/|P_j| that a weight goes in a round (T, M). With whole steps two or three points
-    /// would alternate.
+    /// Step size of each weight in a round (T, M), as a part of the way to level/|P_j|. With the whole way two or three
+    /// points would alternate.
     paces: Vec<f32>,
     /// Whether a point was too weak in the last round (T, M).
     weak: Vec<bool>,

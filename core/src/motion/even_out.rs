@@ -19,10 +19,10 @@ const PASSES: usize = 3;
 /// Largest number of rounds over the transducers of a frame.
 const ROUNDS: usize = 30;
 
-/// The rounds of a frame end when one leaves more than this part of the error.
+/// The rounds of a frame end when a round leaves more than this part of the error.
 const KEPT: f32 = 0.99;
 
-/// Changes codes (T, N) that are within the bound, so that they stay within it.
+/// Makes the fields of frames even by changes of codes (T, N). Codes within the bound stay within it.
 pub(super) fn even_out(
     frames: &Frames,
     circle: &Circle,
@@ -67,7 +67,7 @@ pub(super) fn even_out(
     Ok(())
 }
 
-/// Returns the frames before and after a frame, if there are such.
+/// Returns the frames before and after a frame; `None` where there is no such frame.
 fn neighbours(frame: usize, count: usize, closed: bool) -> [Option<usize>; 2] {
     let round = |other: usize| closed.then_some(other);
     let before = frame.checked_sub(1).or(round(count - 1));

@@ -58,7 +58,7 @@ pub(super) fn guess(frames: &Frames, closed: bool, control: &mut Control) -> Res
     Ok(field)
 }
 
-/// Turns the field of a point, more in each frame, so that a lap turns it by `-angle`.
+/// Turns the phase of a point's field by an angle that grows from frame to frame, up to `-angle` after `count` frames.
 fn turn_back(field: &mut [Vec<f32>; 2], (point, points, count): (usize, usize, usize), angle: f64) {
     let [re, im] = field;
     for frame in 0..count {

@@ -54,7 +54,7 @@ pub enum Ends {
     Open,
     /// The first frame follows the last, within the bound.
     Closed,
-    /// The first frame stays as it is, and the others follow it.
+    /// The first frame is given and stays as it is; the other frames follow it within the bound.
     Held,
 }
 
@@ -62,7 +62,7 @@ pub enum Ends {
 pub(super) struct Tracker<'a> {
     circle: &'a Circle,
     set: InstructionSet,
-    /// For each frame and phase, the largest sum of a track that ends there.
+    /// For each frame and phase, the largest sum of gains of a track that ends in this phase.
     best: Vec<f32>,
     memory: Vec<f32>,
 }

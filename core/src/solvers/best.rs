@@ -26,7 +26,7 @@ options! {
     }
 }
 
-/// Starts that are continued to drives: only then is it known how loud a field can be made even.
+/// Number of starts that are continued to drives: only drives show which level an even field can have.
 const FINALISTS: usize = 4;
 
 /// Number of even fields whose level is raised further.

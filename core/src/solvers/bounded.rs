@@ -210,7 +210,7 @@ impl<'w> Barrier<'w> {
         Ok(barrier)
     }
 
-    /// Computes g, the error, and the lower bound of it that g proves.
+    /// Computes g (see the module's head), the error, and the lower bound of the error that g proves.
     fn measure(&mut self) {
         double::times_adjoint(self.set, parts(&self.rows), parts(&self.residual), parts_mut(&mut self.descent));
         self.error = math::sqrt(entries(&self.residual).map(|r| r.norm_sqr()).sum());

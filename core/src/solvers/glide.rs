@@ -67,7 +67,7 @@ const FIRST: u32 = 10;
 /// [`AS_LOUD`].
 const NO_WORSE: f32 = 1.05;
 
-/// Kept codes must also have a level of at least this part of that of new codes.
+/// The last codes are kept only if their level is at least this part of that of the new codes.
 const AS_LOUD: f32 = 1.0 - 2e-4;
 
 /// A frame is done if no point is off the level by more than this part.
@@ -204,7 +204,7 @@ fn begin(last: &mut Last, problem: &Problem, drive: &[Complex32]) -> Result<(), 
     Ok(())
 }
 
-/// A frame that is computed. Its drives are relative to those played last.
+/// A frame while it is computed. Its drives are relative to those played last.
 struct Frame<'w> {
     rows: Rows<'w>,
     wave: Wave<'w>,
@@ -215,7 +215,7 @@ struct Frame<'w> {
     rest: Option<[Buffer<'w, f32>; 2]>,
     /// The part of an envelope that a frame replaces.
     part: f32,
-    /// Whether it is the first frame.
+    /// Whether phases are not bounded, as in the first frame.
     free: bool,
     arc: Arc,
     /// The largest code on the board's grid; infinite where phases are free.

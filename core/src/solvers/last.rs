@@ -16,7 +16,7 @@ pub(crate) fn settled(q: Complex32) -> Complex32 {
 pub struct Last {
     /// Drives (N,) at full amplitude as the solver found them, before they were rounded to a board's grid.
     pub(crate) wave: Vec<Complex32>,
-    /// The drives (N,) that were played. The next frame's phases may differ from them by the bound.
+    /// The drives (N,) that were played. The phases of the next frame may differ from these at most by the bound.
     pub(crate) played: Vec<Complex32>,
     /// The transducers' envelopes (N,) for drives at full amplitude.
     pub(crate) envelope: Vec<Complex32>,

@@ -55,7 +55,7 @@ pub fn solve(
     solve_after(problem, solver, balance, None, work, control)
 }
 
-/// Does the same as [`solve`] for the frame after `last`, if the solver uses it.
+/// Does the same as [`solve`] for the frame that follows `last`, if the solver depends on the last frame.
 pub(crate) fn solve_after(
     problem: &Problem,
     solver: &dyn Solve,
@@ -134,7 +134,8 @@ fn excess(solution: &Solution, factor: f64) -> f64 {
 
 /// Checks a solution; returns an error if no array can play it.
 fn check(solution: &Solution) -> Result<(), Error> {
-    // All drives are compared, so that the loop has no branch; the comparison is false for NaN.
+    // The loop compares all drives instead of ending at the first unfit one: it then has no branch. The comparison is
+    // false for NaN.
     let fine = |fine, q: &Complex32| fine & (q.norm_sqr() <= MOST_POWER);
     if solution.drive.iter().fold(true, fine) {
         return Ok(());

@@ -86,7 +86,7 @@ pub(crate) fn best<S: Simd>(
     let (values, window) = floats.split_at_mut(list(energies.candidates.phases));
     let rounding = energies.rounding();
     let rivals = Rivals { rounding, matters, steep: moments.steepness() };
-    // Both sides of a comparison have a remainder, so each remainder counts twice.
+    // Each of two compared energies has a remainder, so each remainder counts twice.
     let fine = 2.0 * moments.fine_remainder();
     let slack = (2.0 * moments.remainder() + fine + rounding - matters).max(0.0);
     let mut list = List::new((fine + rounding - matters).max(0.0), values, indices);

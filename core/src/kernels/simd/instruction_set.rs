@@ -105,7 +105,7 @@ impl InstructionSet {
         }
     }
 
-    /// Returns whether code for this set must be short, see [`Elementwise::SHORT`].
+    /// Returns whether code for this set must be short, see [`SHORT`](crate::kernels::simd::Elementwise::SHORT).
     #[inline]
     pub(crate) fn is_short(self) -> bool {
         dispatch!(self, s => s.is_short())

@@ -108,7 +108,7 @@ fn the_sweep_of_fast_is_its_formula() {
         for count in LENGTHS {
             let mut matrix = Matrix::new(N, count);
             let lanes = padded(count);
-            // One transducer has no effect.
+            // Transducer 4 has no effect at any point.
             matrix.re[4 * lanes..5 * lanes].fill(0.0);
             matrix.im[4 * lanes..5 * lanes].fill(0.0);
             let mut rng = Rng::new(count as u64);

@@ -50,8 +50,8 @@ fn moduli_of_any_number_of_transducers_add_up() {
                 let moduli = || shots.iter().map(|shot| (wide(shot.source.amplitude), shot.spread(j)));
                 let want: f64 = moduli().map(|(gain, (_, amplitude))| gain * amplitude.abs()).sum();
                 let most: f64 = moduli().map(|(gain, (r, _))| gain / r).sum();
-                // Each term is within 4e-6 of the modulus straight ahead, as in a row; at most 36 terms are added in
-                // f32.
+                // The error of each term is at most 4e-6 of the modulus on the transducer's axis. A sum in f32 has at
+                // most 36 terms.
                 assert!((sum - want).abs() <= 7e-6 * most, "{set}: N = {transducers}, point {j}: {sum} for {want}");
             }
         }
@@ -64,7 +64,7 @@ fn an_interleaved_batch_has_the_bits_of_its_problems() {
         for (pattern, transducers) in [("point", 1), ("t4010a1", 40), ("cos", 700)] {
             let problems: Vec<_> = (0..LANES).map(|k| volley(pattern, transducers, 3 + k % 2)).collect();
             let (shots, sources) = (&problems[0], list(&problems[0]));
-            // A problem of fewer points repeats its last one.
+            // A problem with fewer points than another repeats its last point.
             let mut coordinates = [(); 3].map(|()| vec![0.0; 4 * LANES]);
             for (list, axis) in coordinates.iter_mut().zip(0..) {
                 for (k, x) in list.iter_mut().enumerate() {

@@ -230,7 +230,7 @@ fn of_equal_candidates_the_first_wins() {
             let index = find(&plain(0.0, target), 6, usize::from(amplitudes), true);
             assert_eq!(index, 6 * (usize::from(lower) - 1), "K = {amplitudes}");
         }
-        // A transducer that reaches no point has candidates without any effect.
+        // No candidate has an effect if the transducer reaches no point.
         let mut deaf = plain(3.0, 1.0);
         deaf.gain[0].fill(0.0);
         assert_eq!((find(&deaf, 50, 2, false), find(&deaf, 50, 2, true)), (0, 0));

@@ -257,7 +257,7 @@ fn weights_multiply_the_columns() {
 #[test]
 fn couplings_are_products_of_rows() {
     each(|set, count, _| {
-        // 33 tiles are one more than a run has.
+        // A run of the kernel has 32 tiles: 33 tiles need a second run.
         for transducers in [37, 33 * LANES] {
             let scene = Scene::new(count, transducers, set);
             let mut matrix = [(); 2].map(|()| vec![0.0; count * count]);

@@ -52,7 +52,7 @@ impl<'a> Choice<'a> {
         Self { phases, most, kept: 0.5, rotation: MOST_ROTATION, even: EVEN[0], few: None }
     }
 
-    /// The rule for motion, where code 0 is that of the last frame: few codes change, because each change is audible.
+    /// The rule for motion, where code 0 is the last frame's code: few codes change, because each change is audible.
     pub(crate) fn in_motion(phases: &'a Phases, most: f32) -> Self {
         let step = 1.0 / phases.count();
         let even = (step * step).clamp(EVEN[0], EVEN[1]);
@@ -351,7 +351,7 @@ fn exchange<S: Simd>(
     let along = [s.mul(q[0], cosine), s.mul(q[1], cosine)];
     let across = [s.mul(q[0], sine), s.mul(q[1], sine)];
     let square = s.splat(-2.0 * c);
-    // The part of the change that both steps share, and half of the part whose sign differs.
+    // A step up changes the error by `both` - 2 `odd`, a step down by `both` + 2 `odd`.
     let (mut both, mut odd) = (zero, zero);
     for (block, [[gr], [gi]]) in tiles.columns(tile).enumerate() {
         let [unit, miss, loud] = [&points.unit, &points.miss, &points.loud].map(|list| &list[block / 2]);

@@ -16,7 +16,8 @@ use crate::kernels::vector::root;
 /// Tiles in a run, over which rows are multiplied before the next rows follow: eight planes of them are 16 KB.
 pub(crate) const RUN: usize = 32;
 
-/// Writes the upper half of J J^T, J the rows of a plane over `lanes`, to a matrix of `size` padded rows.
+/// Writes the upper half of J J^T to a matrix of `size` padded rows. The rows of J are those of a plane, each with a
+/// length of `lanes`.
 ///
 /// # Errors
 /// A requested stop, which is checked once every few rows.
@@ -78,7 +79,7 @@ pub(crate) fn couplings(
     matrix: [&mut [f32]; 2],
     control: &mut Control,
 ) -> Result<(), Error> {
-    /// Complex rows that are multiplied by four others.
+    /// Number of complex rows that are multiplied by four other rows at once.
     const PAIR: usize = 2;
     dispatch!(set, s => {
         let [to_re, to_im] = matrix;

@@ -144,7 +144,7 @@ fn points_come_and_go_and_dead_transducers_keep_code_0() {
         targets[3 * frame + 1] = 0.0;
         points[3 * frame + 1] = [f64::NAN; 3];
     }
-    // One frame has no point.
+    // Frame 16 has no point.
     targets[48..51].fill(0.0);
     let codes = solved(&model, &points, &targets, 20, &OPEN);
     assert!(codes.iter().skip(17).step_by(256).all(|&code| code == 0));
@@ -188,7 +188,7 @@ fn a_first_frame_is_kept() {
     assert_eq!(again[..256], start[..256]);
     assert!(largest_step(&again, 256, &how) <= 8);
     check(&judged(&model, &points[30..], &[1.0; 30], &again, 256), 0.97);
-    // A first frame that does not reach these points still bounds the following frames.
+    // A first frame whose field has nothing to do with the points still bounds the following frames.
     start.fill(7);
     let away = ahead(&model, &points[30..], &[1.0; 30], 10, &how, Some(&start), &mut Control::none()).expect("codes");
     assert!(away[..256].iter().all(|&code| code == 7));

@@ -77,7 +77,7 @@ impl CoordinateDescent<'_> {
         let ranges = |i: usize| within(begin[i], self.change, phases, grid);
         let (status, updates) = self.sweep::<T>(problem, &mut drive, &mut points, ranges, steps, work, control);
         collect(&points, &mut field);
-        // A drive that stays was rounded to the device's grid, and the candidates are on it.
+        // All drives are on the device's grid: the first ones were rounded to it, and the candidates are on it.
         Ok(Solution::of_field(problem, drive.into_vec(), &field, status, updates, work, control)?.on_grid())
     }
 

@@ -81,8 +81,8 @@ impl<'w> Dual<'w> {
         Cholesky::new(self.set, matrix, self.size, control)
     }
 
-    /// Returns how many of the first `count` equations depend on earlier ones: the factor leaves less than `part` of
-    /// the diagonal entry.
+    /// Returns how many of the first `count` equations depend on earlier equations. Such an equation has a pivot below
+    /// `part` of its diagonal entry.
     pub(crate) fn dependent(&self, cholesky: &Cholesky, count: usize, part: f32) -> usize {
         let lanes = self.lanes();
         let left = cholesky.pivots(self.size).enumerate().take(count);

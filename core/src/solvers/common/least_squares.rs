@@ -66,13 +66,14 @@ const MOST_FREE: usize = 1500;
 /// Steps by phases and amplitudes end when ten of them lower the error by less than this part of it.
 const FREE_TOLERANCE: f64 = 3e-4;
 
-/// One of this many steps lowers the error of the powers.
+/// Divisor of the number of steps: a fifth of them, from each start, lowers the error of |P|^2. The others, from the
+/// best start, lower the error of |P|.
 const POWER_STEPS: usize = 5;
 
 /// Steps over which progress is measured.
 const SPAN: usize = 10;
 
-/// Error below which a target counts as met: f32 has no digits there.
+/// Error below which a target counts as met: smaller errors are rounding errors of f32.
 const LEAST_ERROR: f64 = 1e-6;
 
 /// Returns the drive of the least squares that descents from several starts reach.
@@ -96,7 +97,8 @@ pub(crate) fn least_squares(
     let mut rng = Rng::new(task.seed);
     let mut follow = |descent: &mut PhaseDescent, requested: RowRequest, most: usize, control: &mut Control| {
         descend(descent, requested, &rows, (most, task.tolerance), |wave| {
-            // A step is reported when the next one begins: the residual of the last one is that of the solution.
+            // A step is reported when the next step begins. The residual of the last step is reported with the
+            // solution.
             let residual = || problem.residual(&requested.received(wave, task.factor));
             let stop = done > task.before && control.step(done, all, residual).is_break();
             done += usize::from(!stop);

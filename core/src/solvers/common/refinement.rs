@@ -13,8 +13,8 @@ use crate::problem::Problem;
 use crate::propagation::field_of;
 use crate::workspace::Workspace;
 
-/// Phases tried for each transducer, around its present one: one lane group. These are all phases of a coarse device,
-/// and on a fine one more than any rounding error needs.
+/// Number of phases tried for each transducer, around its present phase: one lane group. A coarse device has no more
+/// phases; on a fine device a rounding error needs fewer.
 const WIDTH: usize = 16;
 
 /// Largest number of rounds. In trials (N = 400, M = 16 and 64) the fifth lowered sigma by less than 3 %.

@@ -18,14 +18,15 @@ use crate::solvers::even_field::on_grid::FEWEST;
 use crate::solvers::even_field::run::Run;
 use crate::workspace::Buffer;
 
-/// Number of common phases tried, besides the drive as it is.
+/// Number of angles by which the drive is turned before it is rounded. Each turned drive is a start of the search,
+/// besides the rounded drive itself.
 const TURNS: usize = 8;
 
 /// log2 of the values of p, one after another, and the largest number of sweeps over the transducers for each.
 const SHARPNESS: [u32; 3] = [2, 3, 4];
 const SWEEPS: usize = 8;
 
-/// Largest number of codes of a transducer: those of seven phases, and off.
+/// Largest number of codes of a transducer: seven phases, and off.
 const MOST_CODES: usize = 8;
 
 /// Returns the board if it has few phases and all points of the run have a target.

@@ -42,7 +42,7 @@ pub(super) const MOST_ROTATION: f32 = 1.0;
 /// are made silent, and for the error of a step.
 const WITHIN: f32 = 0.3;
 
-/// The least weight that is not treated as 0.
+/// Weights below this count as 0.
 const LEAST_WEIGHT: f32 = 1e-6;
 
 /// The outcome of [`polish`].
@@ -68,7 +68,7 @@ pub(super) struct Manner {
     /// The largest deviation that counts as even, if it is larger than the plan's.
     tolerance: f32,
     most: usize,
-    /// Number of steps in a row that may gain little.
+    /// Largest number of successive steps with little gain.
     patience: usize,
 }
 

@@ -12,7 +12,7 @@ pub(super) struct Leaders<'w> {
     most: usize,
 }
 
-/// Fields whose weakest targets agree within this part count as one field.
+/// Fields count as the same field if the pressures at their weakest targets differ by less than this part.
 const ALIKE: f32 = 1e-5;
 
 impl<'w> Leaders<'w> {

@@ -74,8 +74,8 @@ enum Regime {
     Crowded,
 }
 
-/// Returns the drive that meets the targets or is nearest to them: the even one, unless it misses them and another is
-/// nearer.
+/// Returns the drive that meets the targets or is nearest to them. This is the drive of the even field, unless it
+/// misses the targets and another drive is nearer.
 ///
 /// # Errors
 /// More memory than allowed is needed, or a stop came before the first drive.
@@ -131,7 +131,7 @@ fn even(problem: &Problem, plans: &[Plan], work: &Workspace, control: &mut Contr
     let silence = Silence::of(problem, plans[0].quiet, work, control)?;
     let mut rows = Rows::alike(problem, &silence.points, work, control)?;
     let foci = Foci::of(&mut rows, work, control)?;
-    // A given start is the only one.
+    // A start that the problem gives is the only one: one plan is enough.
     let plans = if problem.has_start() { &plans[plans.len() - 1..] } else { plans };
     let mut run = Run::new(problem, &rows, plans[0], MOST_STEPS, work, control);
     let raised = plans.iter().map(|plan| plan.raised(&rows)).max().unwrap_or(0);
@@ -244,7 +244,7 @@ fn raise<'w>(
         }
     }
     let Some(nearest) = nearest else { return Ok(None) };
-    // No even field was found, or only one that is weaker.
+    // No even field was found, or its level is below the target, which the nearest field meets.
     if wanted && !run.stopped && (!search.even || near && !search.reaches(target)) {
         return Ok(Some(nearest.drive));
     }

@@ -28,7 +28,7 @@ const LIT: usize = 32;
 /// Steps for points of equal targets: their error goes on falling, where that of a picture stops.
 const STEPS_ALIKE: usize = 1500;
 
-/// A board with fewer amplitudes than this plays all transducers at the same one.
+/// A board with fewer amplitudes than this plays all transducers at one common amplitude.
 const AMPLITUDES: usize = 16;
 
 /// An even solution is replaced only by one whose error is at most this part of its error.

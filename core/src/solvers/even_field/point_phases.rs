@@ -28,10 +28,10 @@ const ROUNDS_ALONE: usize = 8;
 /// Up to this number of points the matrix takes less time than the rounds with G.
 const FEW: usize = 16;
 
-/// Starts whose energies agree within this part count as one.
+/// Starts whose energies differ by less than this part count as the same start.
 const ALIKE: f32 = 1e-5;
 
-/// Point phases to start from, the best first.
+/// Sets of point phases from which a search starts, the best first.
 pub(super) struct Starts<'w> {
     /// The number of starts.
     pub(super) count: usize,
@@ -49,7 +49,7 @@ pub(super) struct Foci<'w> {
     powers: Buffer<'w, f32>,
     /// See [`Starts::weights`].
     pub(super) weights: Buffer<'w, f32>,
-    /// The points from the strongest on: an order that does not depend on that of the scene.
+    /// The points in falling order of their power, so that the result does not depend on the order in the scene.
     visits: Buffer<'w, u32>,
 }
 

@@ -47,12 +47,12 @@ pub(super) struct Search<'w> {
     /// |P| of its weakest point with a target; negative before there is a field.
     pub(super) lowest: f32,
     pub(super) trial: Wave<'w>,
-    /// Number of even fields whose level will be raised further, and these fields.
+    /// Number of the best even fields whose level will be raised further.
     raised: usize,
     leaders: Leaders<'w>,
 }
 
-/// One of this many starts is followed to its end. With one of four the level of a letter of 160 points is 2 to 4 %
+/// One of three starts is continued to its end. With one of four, the level of a letter of 160 points is 2 to 4 %
 /// lower.
 const RACERS: usize = 3;
 
@@ -63,7 +63,8 @@ impl<'w> Search<'w> {
         Self { best, even: false, lowest: -1.0, trial, raised, leaders: Leaders::new(raised) }
     }
 
-    /// Keeps the trial if it is better than the best field: an even field before a louder one.
+    /// Keeps the trial as the best field if it is better. An even field is better than an uneven one; of two even
+    /// fields the louder one is better.
     pub(super) fn offer(&mut self, rows: &Rows, even: bool) {
         let lowest = self.trial.lowest(rows);
         if (even, lowest) > (self.even, self.lowest) {
@@ -255,7 +256,7 @@ impl<'w> Search<'w> {
         penalty::raise(run, parts, &mut self.trial)?;
         let level = self.trial.level(rows);
         let even = self.trial.unevenness(rows, level, run.plan.quiet) <= run.plan.tolerance.max(penalty::CLOSE);
-        // An uneven field is better than a faint one.
+        // An uneven field is better than an even field that is much weaker.
         if even && (self.even || self.trial.lowest(rows) >= FAINT * self.lowest) {
             self.offer(rows, true);
         }

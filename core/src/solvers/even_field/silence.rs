@@ -24,13 +24,14 @@ const DEPENDENT: f32 = 0.5;
 /// Quiet points are crowded if more than this part of them depends on others.
 const CROWDED: f32 = 0.2;
 
-/// The part of the transducers' phases that quiet points may use, two each: beyond it the level falls.
+/// Part of the transducers' phases that the equations may use: two for each quiet point and one for each target. With a
+/// larger part the level falls.
 const MOST: f32 = 0.8;
 
-/// Up to this number of quiet points all are made silent, crowded or not.
+/// If there are at most this many quiet points, all are made silent, even if they are crowded.
 const FEW: usize = 8;
 
-/// Returns how many independent quiet points so many transducers can silence besides the targets.
+/// Returns the number of independent quiet points that an array of `transducers` can silence besides its targets.
 pub(crate) fn silenceable(transducers: usize, targets: usize) -> usize {
     ((MOST * transducers as f32 - targets as f32) / 2.0).max(0.0) as usize
 }
@@ -39,9 +40,9 @@ pub(crate) fn silenceable(transducers: usize, targets: usize) -> usize {
 pub(super) struct Silence<'w> {
     /// Indices of the problem's points.
     pub(super) points: Buffer<'w, u32>,
-    /// Whether the array has enough freedom to silence them all.
+    /// Whether the array has enough transducers to silence all these points.
     pub(super) enough: bool,
-    /// Whether many of them depend on others.
+    /// Whether many of these points depend on others.
     pub(super) crowded: bool,
 }
 

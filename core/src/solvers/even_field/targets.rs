@@ -20,7 +20,7 @@ use crate::workspace::Workspace;
 const NEAR: f32 = 0.05;
 
 /// Returns a drive with |q| = 1 near `drive` that meets every target times `factor`, if Gauss-Newton steps find one in
-/// time. The pair is the number of steps done, and in all.
+/// time. For reports, `step` is the number of steps done before and `steps` the number of all steps so far.
 ///
 /// # Errors
 /// More memory than allowed is needed.
@@ -56,7 +56,8 @@ pub(super) struct Nearest {
     pub(super) near: bool,
 }
 
-/// Offers the nearest field to a search, made even if it is near enough. Returns it.
+/// Computes the drive of least error at the targets and returns it. Its field with |q| = 1 is offered to `search`; if
+/// it is nearly even, it is made even first.
 ///
 /// # Errors
 /// More memory than allowed is needed.

@@ -64,7 +64,7 @@ pub(crate) fn even_within<'w>(
             }
         }
         let tries = if newton.direction(rows, wave, Some(&mask), control)? { HALVINGS } else { 0 };
-        // Phases that reach their bound on the way do not finish their part of a step: half of the step may be better.
+        // Some phases reach their bound before the end of the step. A step of half the length may then be better.
         let mut left = 1.0;
         for _ in 0..tries {
             trial.rotate_within(rows, wave, &newton.rotations, arc);

@@ -121,7 +121,7 @@ impl Solve for GreedyBy {
                     chunk.iter_mut().enumerate().for_each(|(j, p)| *p = field[j] + g(j) * Complex32::new(re, im));
                 }
                 self.energy.evaluate(&fields, &request, &mut values)?;
-                // While all pressures are 0 all phases give the same energy, and the first is taken.
+                // While all pressures are 0, all phases give the same energy, so that only phase 0 is tried.
                 let step = if silent { candidates.phases } else { 1 };
                 let best = best(&values, step)?;
                 let [re, im] = candidates.drive(best);
@@ -139,7 +139,7 @@ impl Solve for GreedyBy {
             work.floats.give(buffer);
         }
         let drive = drive.into_vec();
-        // Its steps were reported one by one.
+        // The steps were reported during the search, so the solution reports none.
         Ok(Solution::new(problem, drive, (status, steps), all, work, &mut Control::none())?.on_grid())
     }
 }
