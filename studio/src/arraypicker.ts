@@ -41,7 +41,7 @@ export function createArrayPicker({ engine, studio }: Context, change: (name: st
       const picture = pictures.get(option.value);
       if (picture && !option.contains(picture)) option.prepend(picture);
     }
-    // A new element copies the choice again, now with its picture.
+    // A new element <selectedcontent> copies the chosen option again, now with its picture.
     face.replaceChildren(document.createElement("selectedcontent"));
   }
 

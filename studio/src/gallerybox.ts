@@ -4,7 +4,7 @@ import type { Context } from "./context.ts";
 import { element } from "./dom.ts";
 import { gallery } from "./gallery.ts";
 
-/** Shows the dialog; a chosen scene replaces the state, which undo can restore. */
+/** Shows the dialog; a chosen scene replaces the state. Undo restores the old state. */
 export function showGallery(context: Context): void {
   const { studio, say, language } = context;
   const root = document.querySelector(".studio") ?? document.body;

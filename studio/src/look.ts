@@ -10,7 +10,10 @@ const SLOWED = 2e4;
 /** Returns w t of the slowed wave in rad, below 2 pi, after this many ms. */
 export const turnAt = (milliseconds: number) => 2 * Math.PI * (((FREQUENCY / SLOWED) * milliseconds * 1e-3) % 1);
 
-/** If |p| of the slices exceeds the loudest point by more than this factor, it is not a focus but e.g. near a transducer. */
+/**
+ * The top of the scale is at most this many times the loudest point: a larger |p| is not in a focus but, for example, at a
+ * transducer.
+ */
 const MOST = 1.5;
 
 /**
@@ -31,7 +34,7 @@ export function lookOf(view: View, theme: Theme, turn = 0): Look {
     const { values } = lattice;
     for (let k = 0; k < values.length; k += 2) most = Math.max(most, values[k] ** 2 + values[k + 1] ** 2);
   }
-  // At the points of a trap |p| is small, and their targets are |p| of the field around them.
+  // The points of traps are quiet, so the loudest point does not limit the top of the scale.
   const top = state.signature ? Math.sqrt(most) : Math.max(loudest, Math.min(Math.sqrt(most), MOST * loudest));
   const { quantity, scale } = state;
   return { quantity, scale, top: top || 1, turn, theme };

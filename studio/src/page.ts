@@ -171,8 +171,8 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   let shown: unknown[] = [];
   function place() {
     const { state, results, moving } = studio.view;
-    // While something moves and software renders, the page waits for both solutions. A picture of the first one would be
-    // replaced soon, and cost time.
+    // While something moves and software renders, the page waits for both solutions. A picture with only the first solution
+    // would be replaced soon, and cost time.
     if (moving && painter.slow && results.every((result, slot) => result === shown[slot])) return;
     shown = [...results];
     bar.place();

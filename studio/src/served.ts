@@ -32,8 +32,8 @@ export function createServed(name: string, report: (state: PlayerState, line: st
   }
 
   /**
-   * Sends the server a drive, or silence if it is empty. With the time, the server ignores requests that arrive out of order.
-   * Returns the server's error message, or "".
+   * Sends the server a drive, or silence if it is empty. The time in the address lets the server ignore requests that arrive
+   * out of order. Returns the server's error message, or "".
    */
   async function give(content: Float32Array): Promise<string> {
     const at = (performance.timeOrigin + performance.now()).toFixed(3);

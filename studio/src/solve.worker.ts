@@ -27,7 +27,7 @@ let door: Door;
 let beside: Door;
 /** The scene of a path with its frames, which stay when other scenes are opened. */
 let mover: Door;
-/** The texts of the scenes that the first two have opened. */
+/** The texts of the scenes that `door` and `beside` have open. */
 let text = "";
 let other = "";
 

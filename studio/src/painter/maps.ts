@@ -6,7 +6,7 @@ import type { Look } from "../types.ts";
 /** The range of the decibel scale below its top, in dB. */
 export const RANGE = 30;
 
-/** Returns a table of 256 colours, from `at` at 0 to 1. */
+/** Returns a table of the 256 colours that `at` returns from 0 to 1. */
 const tableOf = (at: (t: number) => number[]) => new Uint8Array(Array.from({ length: 256 }, (_, i) => [...at(i / 255), 255].map(Math.round)).flat());
 
 /** Returns a function of `t` (0 to 1) that interpolates between evenly spaced colours. */

@@ -81,7 +81,7 @@ in vec2 st;
 out vec4 colour;
 void main() { colour = texture(sheet, st); }`;
 
-/** Paints the part of the volume on the side of the plane `through` to which `normal` points, or all of it. */
+/** Paints the volume, or only its part on one side of the plane at `through`: the side to which `normal` points. */
 export type VolumePainter = (
   view: View,
   volume: Volume,
