@@ -39,7 +39,7 @@ pub(crate) unsafe fn give<T>(item: &str, place: *mut *mut T, made: Result<T, Err
     result
 }
 
-/// Returns a text.
+/// Returns a text of the caller as `str`; `item` names it in errors.
 ///
 /// # Safety
 /// `text` is NULL, or ends with NUL.
@@ -69,7 +69,7 @@ pub(crate) unsafe fn list<'a, T>(item: &str, start: *const T, count: usize) -> R
 /// Returns a list as [`list`] does, or `None` for NULL.
 ///
 /// # Safety
-/// As for [`list`].
+/// The conditions of [`list`].
 pub(crate) unsafe fn list_or_none<'a, T>(item: &str, start: *const T, count: usize) -> Result<Option<&'a [T]>, Error> {
     // SAFETY: the caller's guarantees are passed on.
     if start.is_null() { Ok(None) } else { unsafe { list(item, start, count) }.map(Some) }
@@ -78,7 +78,7 @@ pub(crate) unsafe fn list_or_none<'a, T>(item: &str, start: *const T, count: usi
 /// Returns the `count` vectors x, y, z at an address.
 ///
 /// # Safety
-/// As for [`list`], with three times as many entries.
+/// The conditions of [`list`], with three times as many entries.
 pub(crate) unsafe fn vectors<'a>(item: &str, start: *const f64, count: usize) -> Result<&'a [[f64; 3]], Error> {
     // SAFETY: the caller's guarantees are passed on; an array of three numbers has the layout of three numbers.
     unsafe { list(item, start.cast::<[f64; 3]>(), count) }
@@ -87,7 +87,7 @@ pub(crate) unsafe fn vectors<'a>(item: &str, start: *const f64, count: usize) ->
 /// Returns a drive.
 ///
 /// # Safety
-/// As for [`list`].
+/// The conditions of [`list`].
 pub(crate) unsafe fn drive<'a>(start: *const Complex, count: usize) -> Result<&'a [Complex32], Error> {
     // SAFETY: the caller's guarantees are passed on; both types are two consecutive f32.
     unsafe { list("drive", start.cast::<Complex32>(), count) }
@@ -105,7 +105,7 @@ impl Lists<'_> {
     /// Reads the lists of a request.
     ///
     /// # Safety
-    /// As for [`vectors`] and [`list`].
+    /// The conditions of [`vectors`] and [`list`].
     pub(crate) unsafe fn read(
         points: *const f64,
         pressures: *const f64,

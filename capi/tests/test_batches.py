@@ -65,7 +65,7 @@ def test_a_batch_has_the_bits_of_the_package(library: Library, name: str) -> Non
 def test_a_batch_over_threads_has_the_bits_of_the_package(library: Library) -> None:
     array = library.new("array_grid", 12, 10, 0.0105)
     session = library.session(array, "naive")
-    # So many problems that several threads get a part.
+    # There are so many problems that several threads get a part.
     points = np.random.default_rng(6).uniform(-0.03, 0.03, (6000, 2, 3)) + np.array([0, 0, 0.14])
     mine = midair.solve_batch(midair.Array.grid(12, 10, 0.0105), points, solver="naive")
     for threads in (1, 2, 10**9):

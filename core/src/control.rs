@@ -117,7 +117,7 @@ impl<'a> Control<'a> {
         Self { observer: Some(observer), ..Self::default() }
     }
 
-    /// Also stores the residual after every step.
+    /// Makes the control store the residual after every step, too.
     #[must_use]
     pub fn traced(mut self) -> Self {
         self.trace = Some(Vec::new());

@@ -32,7 +32,7 @@ pub enum Error {
         /// The known names, separated by commas.
         known: String,
     },
-    /// A point closer to a transducer than a hundredth of the wavelength, where 1/r has no meaning.
+    /// A point closer to a transducer than a hundredth of the wavelength, where a pressure proportional to 1/r has no meaning.
     #[error(
         "points[{point}] is {distance:.3e} m from transducer {transducer}: move it at least {least:.3e} m (a hundredth of the wavelength) away"
     )]
@@ -59,7 +59,7 @@ pub enum Error {
     InBatch {
         /// Index of the problem.
         index: usize,
-        /// Its error.
+        /// The error of this problem.
         error: Box<Error>,
     },
     /// A frame of a sequence that cannot be solved.
@@ -67,7 +67,7 @@ pub enum Error {
     InFrame {
         /// Index of the frame.
         index: usize,
-        /// Its error.
+        /// The error of this frame.
         error: Box<Error>,
     },
     /// More memory than the limit, or than the machine has.

@@ -3,12 +3,12 @@
 
 # A key of the medium: the coefficient of nonlinearity. The second harmonic is proportional to it.
 after 'pub struct Medium of "medium" {' core/src/scene/medium.rs <<'RUST'
-        /// Coefficient of nonlinearity beta, of the second harmonic; left out 1.2, that of air.
+        /// Coefficient of nonlinearity beta, of the second harmonic; default 1.2, that of air.
         nonlinearity = 1.2, above 0.0, such as 1.2;
 RUST
 swap '        const BETA: f64 = 1.2;' '        // 3 pi beta |p|/(2 rho c^2).' core/src/scene/medium.rs
 swap '* BETA *' '* self.nonlinearity *' core/src/scene/medium.rs
-after '| rho | `density`' docs/conventions.md <<<'| beta | `nonlinearity` of the air, of the second harmonic | - | 1.2 |'
+after '| $`\rho`$ | `density`' docs/conventions.md <<<'| $`\beta`$ | `nonlinearity` of the air, of the second harmonic | - | 1.2 |'
 append core/src/files/tests/write.rs <<'RUST'
 
 #[test]

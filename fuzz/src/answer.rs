@@ -66,7 +66,7 @@ impl Allowed {
         doubts.map(|doubt| if doubt.is_nan() { f64::INFINITY } else { doubt }).fold(NEAR, f64::max)
     }
 
-    /// Checks that every row agrees with eq. (5) in f64, and that its padding is 0.
+    /// Checks that every row agrees with the propagation matrix G in f64, and that its padding is 0.
     pub fn check_rows(&self, propagation: &Propagation) {
         let (points, set) = (propagation.points(), propagation.instruction_set());
         let [mut re, mut im] = [(); 2].map(|()| vec![f32::NAN; propagation.lanes()]);

@@ -1,4 +1,4 @@
-//! Tests every instruction set: rows, fields and solutions agree with eq. (5) in f64, for any number of points.
+//! Tests every instruction set: rows, fields and solutions agree with the propagation matrix in f64, for any number of points.
 
 use crate::{Allowed, Draw, one_line};
 use midair::{Control, Error, InstructionSet, Model, Problem, Setup, Workspace};

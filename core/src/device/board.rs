@@ -213,7 +213,7 @@ impl Board {
         &self.channels
     }
 
-    /// The bytes of a frame, for all lines together.
+    /// The number of bytes of a frame, for all lines together.
     #[must_use]
     pub fn frame_size(&self) -> usize {
         (self.format.size)(self.boards)
@@ -343,7 +343,7 @@ impl Board {
         }
     }
 
-    /// The phase in turns that the bytes correct, for drive `k`.
+    /// The phase in turns that is subtracted from the drive of channel `k`: the delay that its bytes correct.
     fn late(&self, k: usize) -> f64 {
         let (steps, _) = (self.format.late)(self.channels[k]);
         self.corrections[k] + f64::from(steps) / f64::from(self.format.steps.phases)

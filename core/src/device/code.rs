@@ -14,9 +14,9 @@ use crate::math::sqrtf;
 /// Ten times the largest error of a number of steps computed in f32.
 const DOUBT: f32 = 1e-3;
 
-/// Returns the whole number nearest to some steps, up to a few hundred. `quick` is their number in f32, `exact` computes it in
-/// f64. On a processor without doubles the latter takes twenty times as long, so it is only used close to the middle between
-/// two whole numbers.
+/// Returns the whole number nearest to a number of steps, at most a few hundred. `quick` is this number in f32; `exact`
+/// computes it in f64. On a processor without doubles the latter takes twenty times as long, so it is only used close to the
+/// middle between two whole numbers.
 fn nearest(quick: f32, exact: impl FnOnce() -> f64) -> i32 {
     let near = math::floorf(quick + 0.5);
     let beside = (quick - near).abs();

@@ -84,7 +84,7 @@ impl<'a> Item<'a> {
         numbers.map(Cow::into_owned).ok_or_else(|| self.refused(&format!("give {count} numbers")))
     }
 
-    /// A list of numbers.
+    /// Returns the value as a list of numbers.
     pub(super) fn reals(&self) -> Result<Vec<f64>, Fault> {
         let numbers = self.node.reals().ok_or_else(|| self.refused("give a list of numbers"))?;
         Ok(numbers.into_owned())
@@ -177,7 +177,7 @@ impl<'a> Table<'a> {
         self.get(key).map(|item| read(&item)).transpose()
     }
 
-    /// The numbers of those keys that are given, by name.
+    /// The numbers of the given keys among `keys`, each with its name.
     pub(super) fn reals(&self, keys: &[Key]) -> Result<Vec<(&'static str, f64)>, Fault> {
         let given = keys.iter().filter_map(|key| self.get(key.name).map(|item| (key.name, item)));
         given.map(|(name, item)| Ok((name, item.real()?))).collect()

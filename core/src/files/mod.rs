@@ -67,7 +67,7 @@ pub fn read(bytes: &[u8], format: Format) -> Result<Scene, Error> {
 /// Does the same as [`read`] for a document that may name other files; `source` also names the document in errors.
 ///
 /// # Errors
-/// As [`read`], and a file that cannot be read.
+/// The errors of [`read`], and a file that cannot be read.
 pub fn read_from(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Scene, Error> {
     read_drawn(bytes, format, source, &mut drawn::undrawn)
 }
@@ -76,7 +76,7 @@ pub fn read_from(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Sce
 /// files of obstacles.
 ///
 /// # Errors
-/// As [`read_from`], and the errors of `draw`.
+/// The errors of [`read_from`], and the errors of `draw`.
 pub fn read_drawn(bytes: &[u8], format: Format, source: Source<'_>, draw: &mut Draw<'_>) -> Result<Scene, Error> {
     let (text, document) = parse(bytes, format, source)?;
     read::scene(&document, source, draw).map_err(|fault| fault.reported(text, format, source))
@@ -86,7 +86,7 @@ pub fn read_drawn(bytes: &[u8], format: Format, source: Source<'_>, draw: &mut D
 /// `motion.file`; the caller stores the path itself. Returns `None` for a document without `[motion]`.
 ///
 /// # Errors
-/// As [`read_drawn`]; resting points beside `[motion]`, a motion without rate, path or file.
+/// The errors of [`read_drawn`]; resting points beside `[motion]`, a motion without rate, path or file.
 ///
 /// ```
 /// use midair::Request;

@@ -37,7 +37,7 @@ pub enum Beyond {
     Alone {
         /// Index of the point.
         point: usize,
-        /// Its target in Pa.
+        /// The target at this point in Pa.
         target: f64,
         /// The strongest pressure there in Pa.
         alone: f64,

@@ -30,7 +30,7 @@ pub enum Precision {
     /// Single precision, the rows of the solvers: |p| is accurate to 1e-4 of the pressure of all transducers at a point.
     #[default]
     Single,
-    /// Double precision, by eq. (5): a hundred times as slow.
+    /// Double precision: a hundred times as slow.
     Double,
 }
 

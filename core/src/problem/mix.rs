@@ -25,7 +25,7 @@ use crate::workspace::{Buffer, Workspace};
 
 /// The most rounds of choices.
 const ROUNDS: usize = 6;
-/// In later rounds, the errors are checked after so many choices.
+/// In later rounds, the errors are checked after this many choices.
 const CHUNK: usize = 64;
 
 /// The aim is below the level by this part, and errors with this root mean square are small enough.
@@ -44,7 +44,7 @@ const SLACK: f32 = 5e-5;
 /// Moduli that differ by less than this part count as one amplitude.
 pub(crate) const ALIKE: f32 = 1e-5;
 
-/// The root mean square of the additional leak allowed at quiet points, relative to the loudest point.
+/// The root mean square of the additional pressure that a mix may cause at quiet points, relative to the loudest point.
 const QUIET: f32 = 2e-3;
 
 /// Lowers drives of the amplitude `own` to `level` by a mix of two amplitudes, so that no point exceeds its target. Does so

@@ -47,7 +47,7 @@ pub struct Problem {
     /// The propagation matrix G at the points of weight above 0. `None` if all points have such a weight and no row of G is
     /// rescaled.
     selected: Option<Propagation>,
-    /// The same propagation matrix G before rows were rescaled to the range of f32; `None` if none were.
+    /// The propagation matrix G at these points before rows were rescaled to the range of f32; `None` if no row was rescaled.
     plain: Option<Propagation>,
     /// Targets and weights of all points, in Pa.
     targets: Arc<ArrayRequest>,
@@ -75,7 +75,7 @@ impl Problem {
     /// Returns the problem of a scene, whose kernels use this instruction set instead of the machine's best.
     ///
     /// # Errors
-    /// As [`Problem::new`].
+    /// The errors of [`Problem::new`].
     pub fn with_instruction_set(scene: &Scene, set: InstructionSet) -> Result<Self, Error> {
         Self::of_scene(scene, set, &mut Control::none())
     }
@@ -84,7 +84,7 @@ impl Problem {
     /// M).
     ///
     /// # Errors
-    /// The same, and a stop by the caller.
+    /// The errors of [`Problem::new`], and a stop by the caller.
     pub fn of_scene(scene: &Scene, set: InstructionSet, control: &mut Control) -> Result<Self, Error> {
         Self::of_model(&Model::of(scene, set), scene.points(), scene.request(), control)
     }
@@ -92,7 +92,7 @@ impl Problem {
     /// Does the same as [`Problem::of_scene`] for a prepared model and other points.
     ///
     /// # Errors
-    /// The same, and the errors of [`Scene::new`] for points and request.
+    /// The errors of [`Problem::of_scene`], and those of [`Scene::new`] for points and request.
     pub fn of_model(
         model: &Model,
         points: &[[f64; 3]],
@@ -106,7 +106,8 @@ impl Problem {
     /// Returns the problem of any propagation matrix G, computed or given by the user, and the setup of its array.
     ///
     /// # Errors
-    /// As [`Problem::new`] and [`Request::check`]; another number of positions than transducers, a medium out of range.
+    /// The errors of [`Problem::new`] and [`Request::check`]; another number of positions than transducers, a medium out of
+    /// range.
     pub fn with_propagation(
         propagation: Propagation,
         setup: impl Into<Arc<Setup>>,
@@ -118,7 +119,7 @@ impl Problem {
     /// Does the same as [`Problem::with_propagation`], with a control.
     ///
     /// # Errors
-    /// The same, and a stop by the caller.
+    /// The errors of [`Problem::with_propagation`], and a stop by the caller.
     pub fn watched(
         propagation: Propagation,
         setup: impl Into<Arc<Setup>>,
@@ -149,8 +150,8 @@ impl Problem {
     /// stays the same.
     ///
     /// # Errors
-    /// As [`crate::Model::propagation`] and [`Problem::with_propagation`], and points for a propagation matrix G that the user
-    /// gave. After an error the problem is lost.
+    /// The errors of [`crate::Model::propagation`] and [`Problem::with_propagation`], and points for a propagation matrix G
+    /// that the user gave. After an error the problem is lost.
     pub fn renewed(mut self, points: Option<&[[f64; 3]]>, request: &Request) -> Result<Self, Error> {
         self.replace(points, request)?;
         self.measure(&mut Control::none())?;
@@ -222,7 +223,7 @@ impl Problem {
         Ok(())
     }
 
-    /// The same problem with a start, for the methods that use one.
+    /// Returns a copy of this problem with a start, for the methods that use one.
     ///
     /// # Errors
     /// A drive or phases of another length, a value that is not finite, |q| above 1 + 1e-6.
@@ -250,7 +251,7 @@ impl Problem {
         Ok(())
     }
 
-    /// The same problem with another aim, for the methods that use one.
+    /// Returns a copy of this problem with another aim, for the methods that use one.
     #[must_use]
     pub fn with_aim(mut self, aim: Aim) -> Self {
         self.aim = Some(aim);

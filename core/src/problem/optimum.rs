@@ -66,12 +66,12 @@ pub(crate) struct Optimum {
     pub(crate) weights: [f64; MOST],
 }
 
-/// When the search ends.
+/// The limits at which the search ends: the first one that is reached.
 #[derive(Clone, Copy)]
 pub(crate) struct Effort {
-    /// It ends if the bound exceeds the level by no more than this part of it, ...
+    /// The search ends if the bound exceeds the level by no more than this part of the level.
     pub(crate) gap: f64,
-    /// ... or after this many boxes.
+    /// The search ends after this many boxes.
     pub(crate) boxes: usize,
 }
 

@@ -1,7 +1,8 @@
 //! Range: rescales rows of the propagation matrix G that are too weak or too strong for f32, and excessive targets.
 //!
 //! These rows and their targets are multiplied by a power of two, which changes no digit, so the drive that meets the targets
-//! stays the same. In eq. (7) their terms then have a size similar to those of other points, and are not lost in f32.
+//! stays the same. In the sum of squared errors their terms then have a size similar to those of other points, and are not lost
+//! in f32.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -51,7 +52,7 @@ impl Problem {
         self.factor
     }
 
-    /// The same problem with `factor` times the caller's targets.
+    /// Returns a copy of this problem with `factor` times the caller's targets.
     pub(crate) fn rescaled(&self, factor: f64, work: &Workspace) -> Self {
         let mut scaled = work.floats.take(self.propagation().lanes()).into_vec();
         self.targets.scaled(factor, &mut scaled);

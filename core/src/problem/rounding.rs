@@ -95,7 +95,7 @@ impl Solution {
         Ok(mixed.is_some() || !alike || common != 1.0)
     }
 
-    /// Returns `times` the field of the solution's pressures, in units of the reference: one padded row.
+    /// Returns the field of the solution's pressures multiplied by `times`, in units of the reference: one padded row.
     fn field<'w>(&self, times: f64, work: &'w Workspace) -> Planar<'w> {
         let propagation = &self.request.propagation;
         let mut field = Planar::zeros(1, propagation.lanes(), work);

@@ -75,8 +75,8 @@ impl Bodies {
         self.answers[0].len() / padded(self.transducers)
     }
 
-    /// Returns the pressure that each transducer gives at each point by way of the bodies, in Pa: real and imaginary part,
-    /// padded. The transducers' own responses are not included.
+    /// Returns the pressure from each transducer at each point that the bodies scatter, in Pa: real and imaginary part, padded.
+    /// The transducers' own responses are not included.
     pub(crate) fn sent(&self, points: &[[f64; 3]]) -> Vec<[Vec<f32>; 2]> {
         let lanes = padded(self.transducers);
         let mut row = Vec::new();

@@ -72,7 +72,7 @@ impl Boundary {
     /// Returns the boundary of the meshes among these obstacles.
     ///
     /// # Errors
-    /// As [`crate::Scene::with_obstacles`]; obstacles without a mesh.
+    /// The errors of [`crate::Scene::with_obstacles`]; obstacles without a mesh.
     pub fn new(array: &Array, medium: Medium, obstacles: Vec<Obstacle>) -> Result<Self, Error> {
         check_array(array, medium)?;
         let obstacles = Obstacles::new(obstacles, array, medium)?;

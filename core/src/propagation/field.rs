@@ -96,7 +96,7 @@ impl KeptField {
     /// without obstacles.
     ///
     /// # Errors
-    /// As [`field`]; a model with obstacles, which add other waves.
+    /// The errors of [`field`]; a model with obstacles, which add other waves.
     ///
     /// ```
     /// use midair::{Array, Complex32, Control, InstructionSet, KeptField, Medium, Model, Plane};

@@ -55,7 +55,7 @@ pub struct Gorkov {
 /// a series of spherical waves and contains the scattering force. It has no potential: `potential` is NaN, and `hessian`
 /// contains finite differences of the force, -dF.
 ///
-/// The propagation matrix G is eq. (5) itself in double precision, without a scene's signature. Its derivatives are exact, from
+/// The propagation matrix G is computed in double precision, without a scene's signature. Its derivatives are exact, from
 /// Taylor polynomials around each point. Those of the sound scattered by spheres and meshes come from its values on a small
 /// ball, with an error of 1e-5.
 ///
@@ -109,7 +109,7 @@ impl<'a> Trap<'a> {
     /// Checks the drive, the points and the particle, and prepares the field.
     ///
     /// # Errors
-    /// As [`gorkov`].
+    /// The errors of [`gorkov`].
     pub(crate) fn new(
         model: &'a Model,
         drive: &[Complex32],

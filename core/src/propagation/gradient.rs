@@ -3,9 +3,10 @@
 //! This is reverse-mode differentiation, written by hand. A caller has a scalar L and gives its cotangent dL/dvalue at each
 //! point. One forward pass computes the values, one backward pass the derivatives of L by all that the values depend on.
 //!
-//! For a function of the pressure p at its point, w = dL/dRe p + j dL/dIm p goes back through eq. (5) in `kernels::backward`. A
-//! quantity of a particle is a function of the field's Taylor coefficients around the point; their cotangents go back in
-//! `kernels::contraction`. The gradient of an image in a wall is that of the mirrored transducer, mirrored back.
+//! For a function of the pressure p at its point, `kernels::backward` computes the derivatives by drive, transducers, point and
+//! wavenumber from the cotangent of p, w = dL/dRe p + j dL/dIm p. A quantity of a particle is a function of the field's Taylor
+//! coefficients around the point; `kernels::contraction` does the same from their cotangents. The gradient of an image in a
+//! wall is that of the mirrored transducer, mirrored back.
 
 use alloc::format;
 use alloc::vec;
@@ -63,8 +64,8 @@ pub struct Gradient {
 /// Returns the gradients of a quantity at `points` (M, 3) in m, in the field of a drive (N,). The `cotangent` dL/dvalue has
 /// [`Quantity::width`] numbers for each point.
 ///
-/// The field is that of [`crate::gorkov`]: eq. (5) in double precision, with walls and without a signature. All parameters
-/// without a field in [`Gradient`] are constant: source pressure, directivity, responses, absorption.
+/// The field is that of [`crate::gorkov`]: in double precision, with walls and without a signature. All parameters without a
+/// field in [`Gradient`] are constant: source pressure, directivity, responses, absorption.
 ///
 /// # Errors
 /// A drive or cotangent of another length or not finite; no points, one that is not finite, too far away, behind a wall, within
@@ -102,7 +103,7 @@ impl Quantity {
     /// Returns only the values of the quantity, [`Quantity::width`] numbers for each point: the forward pass of [`gradient`].
     ///
     /// # Errors
-    /// As [`gradient`].
+    /// The errors of [`gradient`].
     pub fn value(
         self,
         model: &Model,

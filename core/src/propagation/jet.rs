@@ -40,7 +40,7 @@ pub(crate) const fn place(of: [u8; 3]) -> usize {
 /// The number of pairs of monomials whose product has degree 3 or less.
 const PAIRS: usize = 84;
 
-/// These pairs as indices, each with the index of its product.
+/// The pairs of monomials whose product has degree 3 or less: the index of each factor and of the product.
 const PRODUCTS: [[usize; 3]; PAIRS] = {
     let mut products = [[0; 3]; PAIRS];
     let (mut next, mut i) = (0, 0);

@@ -45,7 +45,7 @@ pub(crate) struct Kept {
     pub(crate) points: Arc<[[f64; 3]]>,
     pub(crate) scattering: Option<Arc<Scattering>>,
     pub(crate) signature: Option<Signature>,
-    /// The bead of its traps.
+    /// The bead for which the signature makes traps.
     pub(crate) bead: Bead,
     /// The channels: the columns of transducers on one channel are summed.
     pub(crate) channels: Option<Channels>,

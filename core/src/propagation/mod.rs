@@ -274,7 +274,7 @@ impl Propagation {
     }
 
     /// Writes row `i` into `re` and `im`, of length [`Propagation::lanes`], with zeros in the padding. The relative error of an
-    /// entry, compared with eq. (5) in f64, is below 2e-4 up to 1 m at 40 kHz and grows with the distance.
+    /// entry, compared with [`Propagation::exact`], is below 2e-4 up to 1 m at 40 kHz and grows with the distance.
     ///
     /// # Panics
     /// If there is no transducer `i` or a slice has another length.
@@ -344,7 +344,7 @@ impl Propagation {
         Ok(())
     }
 
-    /// Returns entry (j, i) in Pa in double precision: eq. (5) itself.
+    /// Returns entry (j, i) of the propagation matrix in Pa, computed in double precision.
     #[must_use]
     pub fn exact(&self, j: usize, i: usize) -> Complex64 {
         match &self.rows {

@@ -44,7 +44,7 @@ impl Model {
     /// Prepares an array in a medium.
     ///
     /// # Errors
-    /// As [`Scene::new`]: a medium out of range, a beam too narrow or a transducer too far away for f32 phases.
+    /// The errors of [`Scene::new`]: a medium out of range, a beam too narrow or a transducer too far away for f32 phases.
     pub fn new(array: &Array, medium: Medium, set: InstructionSet) -> Result<Self, Error> {
         check_array(array, medium)?;
         let (sources, bead) = (Arc::new(Sources::new(array, medium)), Bead::default());
@@ -65,13 +65,13 @@ impl Model {
     /// Returns a copy of this model with these obstacles instead of its own. G and the field are then the direct wave of each
     /// transducer plus the waves that the obstacles reflect or scatter. The walls' part is computed in double precision.
     ///
-    /// One wall is exact: image sources with the directivity and absorption of eq. (5). So are two or three walls at right
-    /// angles. Between two walls that face each other, up to three reflections are computed. A sphere is computed by its wave
-    /// series, with an error of 1e-5 of the largest |p|. A mesh needs the sound on its surface from [`Model::with_sound`];
-    /// without it, G and fields are errors.
+    /// One wall is exact: image sources with the same directivity and absorption as the transducers. So are two or three walls
+    /// at right angles. Between two walls that face each other, up to three reflections are computed. A sphere is computed by
+    /// its wave series, with an error of 1e-5 of the largest |p|. A mesh needs the sound on its surface from
+    /// [`Model::with_sound`]; without it, G and fields are errors.
     ///
     /// # Errors
-    /// As [`Scene::with_obstacles`].
+    /// The errors of [`Scene::with_obstacles`].
     ///
     /// ```
     /// use midair::{Array, InstructionSet, Medium, Model, Obstacle, Surface};
@@ -92,7 +92,7 @@ impl Model {
     /// takes seconds.
     ///
     /// # Errors
-    /// As [`Model::with_obstacles`]; a stop by the caller.
+    /// The errors of [`Model::with_obstacles`]; a stop by the caller.
     pub fn with_obstacles_watched(self, obstacles: &[Obstacle], control: &mut Control) -> Result<Self, Error> {
         let checked = Obstacles::new(obstacles.to_vec(), self.array(), self.medium())?;
         self.scattered(&checked, control)
@@ -170,7 +170,7 @@ impl Model {
     /// its transducers' columns.
     ///
     /// # Errors
-    /// As [`Model::propagation`], and more than 2^20 entries (N, M) with channels.
+    /// The errors of [`Model::propagation`], and more than 2^20 entries (N, M) with channels.
     pub(crate) fn driven(&self, points: &[[f64; 3]]) -> Result<Propagation, Error> {
         self.columns(points, self.array().wiring().cloned())
     }

@@ -2,8 +2,8 @@
 //!
 //! Let a wall contain the point c and have the unit normal n. It reflects the wave of a transducer at x with normal v like a
 //! mirrored transducer at x' = x - 2 ((x - c).n) n with normal v' = v - 2 (v.n) n. The factor is 1 for a rigid wall (dp/dn = 0
-//! on it) and -1 for a soft one (p = 0). So G = G(x) + sum of +-G(x'), where every term is eq. (5) with its directivity and
-//! absorption.
+//! on it) and -1 for a soft one (p = 0). So an element of the propagation matrix is G(x) + sum of +-G(x'). Here G(x) is the
+//! wave of a transducer at x, with its directivity and absorption.
 //!
 //! With several walls, each also mirrors the images of the others. Two or three walls at right angles have 3 or 7 images and
 //! are exact. Two walls that face each other have infinitely many; images of more than [`MOST_REFLECTIONS`] reflections are

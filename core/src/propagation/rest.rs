@@ -55,7 +55,7 @@ pub struct Rest {
 /// basin is measured along straight lines in both directions of each axis, up to a wavelength.
 ///
 /// # Errors
-/// As [`crate::gorkov`]; a gravity that is not finite.
+/// The errors of [`crate::gorkov`]; a gravity that is not finite.
 ///
 /// ```
 /// use midair::{Array, Complex32, Control, InstructionSet, Medium, Model, Particle};

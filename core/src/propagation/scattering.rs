@@ -1,4 +1,4 @@
-//! Scattering: the waves that obstacles add to eq. (5): image sources for walls, responses of spheres and meshes.
+//! Scattering: the waves that obstacles add: image sources for walls, responses of spheres and meshes.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -72,7 +72,7 @@ impl Scattering {
 
     /// How many times longer an entry of the propagation matrix G takes than without obstacles.
     pub(crate) fn cost(&self) -> usize {
-        // A wave or an element takes about a hundredth of the time of eq. (5).
+        // A wave of a sphere or an element of a mesh takes about a hundredth of the time of a transducer's wave.
         1 + self.images.len() + self.bodies.as_ref().map_or(0, |bodies| bodies.len() / 100)
     }
 }

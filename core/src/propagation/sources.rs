@@ -1,4 +1,4 @@
-//! Sources: an array's transducers, prepared for the kernels, and eq. (5) in f64.
+//! Sources: an array's transducers, prepared for the kernels, and their waves in f64 by eq. (5) of Suzuki et al. 2021.
 
 use alloc::vec;
 use alloc::vec::Vec;

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! (P. M. Morse and K. U. Ingard, Theoretical Acoustics, 1968, section 8.2). This works for any directivity; for a point source
-//! it is the classical series. k is the complex wavenumber k + j alpha, with the absorption of eq. (5).
+//! it is the classical series. The wavenumber k is complex: its imaginary part is the absorption of the air in Np/m.
 
 use alloc::vec;
 use alloc::vec::Vec;

@@ -122,7 +122,7 @@ impl Stiffness {
         self.particle.needed(self.medium, velocity, acceleration)
     }
 
-    /// C in the form that the kernels read.
+    /// The matrix C (see the module's head), as real and imaginary parts for the kernels.
     pub(crate) fn planes(&self) -> [&[f32]; 2] {
         self.planes.each_ref().map(|plane| &plane[..])
     }

@@ -136,7 +136,7 @@ impl<'w> Strips<'w> {
     /// Returns conj(G diag(f) G^H), each row padded. Entry l of row k is `conj(sum_i f_i G_ki conj(G_li))`, with `factors` f_i
     /// >= 0, or 1 without factors. Time O(N M^2), memory O(M^2).
     ///
-    /// It is conjugated so that `correlate` with row k gives row k of G G^H times a vector.
+    /// The result is conjugated so that `correlate` with row k gives row k of G G^H times a vector.
     ///
     /// # Errors
     /// More memory than allowed, a stop by the caller.

@@ -1,4 +1,4 @@
-//! Taylor: the waves of an array's transducers, eq. (5), as Taylor polynomials around a point, exact up to degree 3.
+//! Taylor: the waves of an array's transducers as Taylor polynomials around a point, exact up to degree 3.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -63,7 +63,7 @@ impl Taylor {
     }
 }
 
-/// Adds eq. (5) in Pa to `rows`, one row (N,) for each of the points (M, 3).
+/// Adds the propagation matrix in Pa to `rows`: for each of the points (M, 3), one row with the waves of all transducers (N,).
 pub(crate) fn add_exact(sources: &Sources, points: &[[f64; 3]], rows: &mut [Vec<Complex64>]) {
     // All instruction sets give the same bits.
     let Taylor { set, waves, emitters, members } =

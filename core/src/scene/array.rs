@@ -154,8 +154,8 @@ impl Array {
         Ok(self)
     }
 
-    /// The same array with a complex response c_i (N,) of each transducer: its gain and phase offset. A transducer of response
-    /// 0 is dead and gets drive 0. `None` stands for 1 everywhere.
+    /// Returns a copy of this array with a complex response c_i (N,) of each transducer: its gain and phase offset. A
+    /// transducer of response 0 is dead and gets drive 0. `None` stands for 1 everywhere.
     ///
     /// # Errors
     /// Another number of responses than transducers, a value that is not finite.
@@ -177,8 +177,8 @@ impl Array {
         Ok(self)
     }
 
-    /// The same array with some transducers switched off: those whose entry in the mask (N,) is false get drive 0.
-    /// `None` leaves all on.
+    /// Returns a copy of this array with a mask (N,): a transducer whose entry is false is off and gets drive 0. `None` leaves
+    /// all on.
     ///
     /// # Errors
     /// Another number of entries than transducers.
@@ -190,8 +190,8 @@ impl Array {
         Ok(self)
     }
 
-    /// The same array on a device that can play only some phases and amplitudes: every drive is then rounded to these. `None`,
-    /// or a quantization without limits, allows any drive.
+    /// Returns a copy of this array on a device that can play only some phases and amplitudes: every drive is then rounded to
+    /// these. `None`, or a quantization without limits, allows any drive.
     #[must_use]
     pub fn with_quantization(mut self, quantization: Option<Quantization>) -> Self {
         self.quantization = quantization.filter(|quantization| !quantization.is_continuous()).map(Arc::new);
@@ -273,8 +273,8 @@ impl Array {
         self.response.as_ref().map_or(Complex64::ONE, |response| response[i])
     }
 
-    /// The same array with each position and normal mapped, as the image of the array in a mirror; `opposite` reverses the sign
-    /// of all responses.
+    /// Returns a copy of this array with each position and normal mapped, as the image of the array in a mirror; `opposite`
+    /// reverses the sign of all responses.
     pub(crate) fn moved(
         &self,
         place: impl Fn([f64; 3]) -> [f64; 3],
@@ -300,8 +300,8 @@ impl Array {
         self.hardware
     }
 
-    /// The same array, marked as real hardware of this frequency in Hz, or as none. Use it for a subset of a board, or for a
-    /// board with measured positions.
+    /// Returns a copy of this array that is marked as real hardware of this frequency in Hz, or as no hardware. Use it for a
+    /// subset of a board, or for a board with measured positions.
     #[must_use]
     pub fn with_hardware(mut self, hardware: Option<f64>) -> Self {
         self.hardware = hardware;
@@ -323,7 +323,7 @@ impl Array {
     /// ```
     ///
     /// # Errors
-    /// As [`Medium::with`].
+    /// The errors of [`Medium::with`].
     pub fn medium(&self, given: &[(&str, f64)]) -> Result<Medium, Error> {
         let stated = given.iter().find(|(name, _)| *name == "frequency").map(|&(_, f)| f);
         self.hardware.map_or(Ok(Medium::default()), |own| Medium::room(stated.unwrap_or(own)))?.with(given)

@@ -76,7 +76,7 @@ macro_rules! obstacles {
                 $(#[$about])*
                 $name {
                     $( $(#[doc = $doc])+ $field: $type, )+
-                    /// Its acoustic boundary condition.
+                    /// The acoustic boundary condition of the surface.
                     kind: $crate::scene::Surface,
                 },
             )+

@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::exhaustive_structs, reason = "three texts")]
 pub struct Key {
-    /// Its name in scene files, Python and C.
+    /// The key's name in scene files, Python and C.
     pub name: &'static str,
     /// An example of a value, as in JSON.
     pub example: &'static str,

@@ -112,7 +112,7 @@ impl Scene {
         Ok(Self { array, medium, points, request, signature: None, bead, obstacles, solver: None, plane: None })
     }
 
-    /// The same scene with a signature, which turns foci into traps, or without one.
+    /// Returns a copy of this scene with a signature, which turns foci into traps, or without a signature.
     ///
     /// # Errors
     /// Given factors of a modulus other than 1, or of a number that does not fit the transducers (and points).
@@ -122,7 +122,7 @@ impl Scene {
         Ok(self)
     }
 
-    /// The same scene with another bead, for which traps are made.
+    /// Returns a copy of this scene with another bead, for which traps are made.
     ///
     /// # Errors
     /// A radius, density or sound speed that is not above 0, a gravity that is not finite.

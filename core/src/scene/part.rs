@@ -66,7 +66,7 @@ enum Access {
 /// A named part of an array. [`Array::PARTS`] lists all of them.
 #[derive(Debug)]
 pub struct Part {
-    /// Its name in scene files, Python and C.
+    /// The part's name in scene files, Python and C.
     pub name: &'static str,
     access: Access,
 }

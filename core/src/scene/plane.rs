@@ -90,7 +90,7 @@ impl Plane {
     /// Returns a plane at height z of `pixels` x `pixels` samples, at center + linspace(-size/2, size/2, pixels).
     ///
     /// # Errors
-    /// As [`Plane::normal_to`].
+    /// The errors of [`Plane::normal_to`].
     pub fn new(z: f64, size: f64, pixels: usize, center: [f64; 2]) -> Result<Self, Error> {
         Self::normal_to(Axis::Z, z, size, pixels, center)
     }
@@ -174,7 +174,7 @@ impl Plane {
     /// Returns the coordinate along `axis`, given as `z` or as `at`; `None` if neither is given.
     ///
     /// # Errors
-    /// Both are given, or z for an axis other than z.
+    /// If both are given, or z for an axis other than z.
     pub fn place(axis: Axis, z: Option<f64>, at: Option<f64>) -> Result<Option<f64>, Error> {
         match (axis, z, at) {
             (_, Some(_), Some(at)) => Err(Error::invalid("plane.at", at, "z is given too: give one of them")),
@@ -200,7 +200,7 @@ impl Plane {
         inside && (point[self.axis.index()] - self.at).abs() <= 1.001 * NEAR * wavelength
     }
 
-    /// The same plane with all lengths rounded to micrometres, for messages.
+    /// Returns a copy of this plane with all lengths rounded to micrometres, for messages.
     #[must_use]
     pub fn rounded(&self) -> Self {
         let round = |x: f64| libm::round(x * 1e6) / 1e6;

@@ -16,7 +16,8 @@ pub struct Request {
     pub pressures: Option<Vec<f64>>,
     /// Phases of the pressures in rad: the targets are `p_j e^{j phase_j}`. Left out, the phases are free.
     pub phases: Option<Vec<f64>>,
-    /// Weights of the points in eq. (7); left out, all are 1. A point of weight 0 is ignored.
+    /// Weights w_j of the points in the sum of squared errors, sum_j w_j (t_j - |p_j|)^2; left out, all are 1. A point of
+    /// weight 0 is ignored.
     pub weights: Option<Vec<f64>>,
 }
 

@@ -50,12 +50,12 @@ impl Array {
         board.with_live((0..self.len()).map(|i| self.effect(i) != Complex64::ZERO).collect())
     }
 
-    /// The same array with several transducers wired to one channel: `channels` (N,) gives the channel of each transducer, 0 to
-    /// C - 1. Drives keep the shape (N,) and are equal within a channel. `None`, and 0 to N - 1 in order, give each transducer
-    /// its own channel.
+    /// Returns a copy of this array with several transducers wired to one channel: `channels` (N,) gives the channel of each
+    /// transducer, 0 to C - 1. Drives keep the shape (N,) and are equal within a channel. `None`, and 0 to N - 1 in order, give
+    /// each transducer its own channel.
     ///
     /// # Errors
-    /// As [`Channels::new`].
+    /// The errors of [`Channels::new`].
     pub fn with_channels(mut self, channels: Option<Vec<usize>>) -> Result<Self, Error> {
         self.channels = channels.map_or(Ok(None), |channels| Channels::new(channels, self.len()))?;
         Ok(self)

@@ -115,8 +115,8 @@ impl Session {
     /// Solves one request. The solution is available until the next call.
     ///
     /// # Errors
-    /// As [`Model::propagation`], [`Problem::with_propagation`], [`Problem::with_start`] and the errors of the method; points
-    /// for a user's own propagation matrix G.
+    /// The errors of [`Model::propagation`], [`Problem::with_propagation`], [`Problem::with_start`] and the method; points for
+    /// a user's own propagation matrix G.
     pub fn solve(&mut self, ask: &SolveRequest, control: &mut Control) -> Result<&Solution, Error> {
         if self.workers.is_empty() {
             self.workers.push(Worker::default());

@@ -49,7 +49,7 @@ pub trait Solve {
     /// Solves the frame after `last`, if the method uses it.
     ///
     /// # Errors
-    /// As [`Solve::solve`].
+    /// The errors of [`Solve::solve`].
     #[doc(hidden)]
     fn follow(
         &self,

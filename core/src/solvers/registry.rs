@@ -117,7 +117,7 @@ impl Entry {
     /// it.
     ///
     /// # Errors
-    /// As [`Entry::configure`].
+    /// The errors of [`Entry::configure`].
     pub fn configure_for(&self, options: &Options, quantization: Option<&Quantization>) -> Result<Configured, Error> {
         let mut all = quantization.map(self.device).unwrap_or_default();
         all.extend(self.spelled(options)?);

@@ -1,4 +1,4 @@
-//! Compares rows of the propagation matrix G, computed and stored, with eq. (5) in plain f64 loops.
+//! Compares rows of the propagation matrix G, computed and stored, with plain f64 loops over points and transducers.
 
 use midair::solvers::{Greedy, Order};
 use midair::{

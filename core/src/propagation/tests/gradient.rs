@@ -1,4 +1,4 @@
-//! Tests of `gradient` by central differences in double precision. Their p = G q is computed entry by entry with eq. (5).
+//! Tests of `gradient` by central differences in double precision. Their p = G q is summed over the transducers in plain loops.
 
 use super::*;
 use crate::rng::Rng;
@@ -208,7 +208,7 @@ fn gradients_are_central_differences_in_two_hundred_scenes() {
 #[test]
 fn bits_are_those_of_every_instruction_set_and_number_of_threads() {
     let setting = Setting::random(4);
-    // So many points that a second thread is used.
+    // There are so many points that a second thread is used.
     let count = (SPREAD / setting.drive.len() + 1) as u32;
     let points: Vec<[f64; 3]> = (0..count).map(|k| [0.001 * f64::from(k % 61), -0.02, 0.15]).collect();
     let cotangent: Vec<f64> = (0..count).map(|k| f64::from(k % 7) - 2.0).collect();

@@ -35,7 +35,7 @@ pub(crate) enum Taylor {
 /// The parameter of a law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
-    /// Its value if only the law's name is given.
+    /// The parameter's value if only the law's name is given.
     pub default: f64,
     /// Whether the parameter is a length in m, above 0 and at most 1 m. Otherwise it is a number of 0 or above.
     pub length: bool,

@@ -24,7 +24,7 @@ use crate::scene::directivity::law::{Law, Shape, Taylor};
 static LAWS: [&Law; 5] = [&point::LAW, &piston::LAW, &sinc::LAW, &cos::LAW, &t4010a1::LAW];
 
 impl Directivity {
-    /// One directivity of each law, with the law's default parameter.
+    /// Returns one directivity for each law, with the law's default parameter.
     pub fn all() -> impl Iterator<Item = Self> {
         LAWS.iter().map(|law| Self { law, parameter: law.parameter.map_or(0.0, |parameter| parameter.default) })
     }
