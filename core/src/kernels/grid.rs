@@ -23,7 +23,7 @@ use crate::math;
 /// A drive above this modulus is at full power; the difference is rounding.
 const FULL: f32 = 1.0 - 1e-6;
 
-/// Equal parts of 0 to 1; each has a first index into a table of amplitudes.
+/// Number of equal parts of the range 0 to 1. For each part the index of its first amplitude is stored.
 const BUCKETS: usize = 256;
 
 /// Where phase or amplitude is continuous, a drive that rounding changes by less than this part of it keeps its value.

@@ -77,7 +77,8 @@ pub(super) fn against<S: Doubles>(w: C<S>, z: C<S>) -> C<S> {
     [w[0] * z[0] + w[1] * z[1], w[0] * z[1] - w[1] * z[0]]
 }
 
-/// Returns exp(-x) of x >= 0 within 1e-13 of itself; a result below 1e-55 may be any number as small.
+/// Returns exp(-x) of x >= 0 with a relative error of 1e-13. Instead of a result below 1e-55 it may return any number
+/// below 1e-55.
 #[inline(always)]
 pub(super) fn decay<S: Doubles>(s: S, x: V<S>) -> V<S> {
     let most = V::all(s, 128.0);

@@ -128,8 +128,8 @@ impl<'a> Tracker<'a> {
         Ok(())
     }
 
-    /// Computes one frame from another. The sums are relative to the best that ends in the phase `base` there, so that
-    /// they stay small.
+    /// Computes the sums of one frame from those of another. They are relative to the other frame's sum at the phase
+    /// `base`, so that they stay small.
     fn step(&mut self, [re, im]: [&[f32]; 2], from: usize, to: usize, base: usize) {
         let Circle { levels, reach, cos, sin } = self.circle;
         let rows = self.best.get_disjoint_mut([from * levels..(from + 1) * levels, to * levels..(to + 1) * levels]);

@@ -63,8 +63,8 @@ const EVEN: f32 = 1e-5;
 /// Factor of the number of sweeps in the first frame, which has no bound: points at rest then keep its phases.
 const FIRST: u32 = 10;
 
-/// On a board's grid the last codes are kept if their deviation is at most this multiple of the old one; see
-/// [`AS_LOUD`].
+/// On a board's grid the last codes are kept if their deviation is at most this multiple of the one after the last
+/// change of codes; see [`AS_LOUD`].
 const NO_WORSE: f32 = 1.05;
 
 /// The last codes are kept only if their level is at least this part of that of the new codes.
@@ -121,7 +121,7 @@ impl Solve for Glide {
         if let Some(drive) = problem.start_drive() {
             begin(last, problem, drive)?;
         } else if last.played.len() != problem.propagation().transducers() {
-            // Only its phases are used. Its steps are not counted as the frame's.
+            // Only the phases of this drive are used. The steps of its search do not count as steps of the frame.
             let plan = Plan::alone(SWEEPS, f64::from(EVEN), QUIET);
             let first = even_field::solve(problem, &[plan], work, &mut control.part())?;
             if first.status == Status::Stopped {
@@ -333,7 +333,8 @@ impl<'w> Frame<'w> {
             kept = off(trial) <= NO_WORSE * last.unevenness && trial.level(rows) >= AS_LOUD * wave.level(rows);
         }
         if kept {
-            // The result is not stored: at rest the next frame finds the same one, and keeps its codes, too.
+            // The new codes are not stored: if the points do not move, the next frame finds the same result and keeps
+            // its codes, too.
             core::mem::swap(wave, trial);
         } else {
             last.wave.copy_from_slice(&last.played);

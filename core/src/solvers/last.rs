@@ -26,8 +26,8 @@ pub struct Last {
     pub(crate) unevenness: f32,
     /// For traps: places (M, 3) in m, and once they are known velocities in m/s and accelerations in m/s^2.
     pub(crate) motion: Vec<[f64; 3]>,
-    /// Known places (M, 3) of the points in other frames, and a number of frames: places so many frames before the next
-    /// frame, then so many after it.
+    /// Known places of the points in other frames, (2 M, 3), and a number n: the places n frames before the next frame,
+    /// then n frames after it.
     pub(crate) around: (Vec<[f64; 3]>, usize),
 }
 

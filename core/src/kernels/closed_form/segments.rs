@@ -175,7 +175,7 @@ impl<S: Simd, const N: usize> Layout<S> for Segments<'_, N> {
             let both = s.add(a, b);
             return s.add(both, s.swap::<8>(both));
         }
-        // This has one addition less in sequence than sums of sums, in the same tree.
+        // The tree of [`Layout::sum`]: segments k and k + 2 are added first. No swap waits for a sum.
         let quarters = s.swap::<4>(a);
         s.add(s.add(a, s.swap::<8>(a)), s.add(quarters, s.swap::<8>(quarters)))
     }

@@ -16,9 +16,9 @@ pub(crate) const fn table(phases: usize) -> usize {
 pub(crate) struct PhaseRange {
     /// Index of the phase that is searched first.
     pub(crate) from: usize,
-    /// Number of phases after it.
+    /// Number of phases of the range after `from`.
     pub(crate) above: usize,
-    /// Number of phases before it; no phase is counted twice.
+    /// Number of phases of the range before `from`; no phase is counted twice.
     pub(crate) below: usize,
 }
 
@@ -32,8 +32,8 @@ impl PhaseRange {
 
 /// Candidate drives a e^{j phi}, ordered by amplitude, then by phase.
 pub(crate) struct Candidates {
-    /// cos and sin of the phases, then the first ones again up to [`table`] entries. A copy never wins against its
-    /// original.
+    /// cos and sin of the phases, then of the first phases again, up to [`table`] entries. A repeated phase never
+    /// replaces its first entry as the best.
     cos: Vec<f32>,
     sin: Vec<f32>,
     /// cos and sin at the even and at the odd multiples of 1/32 of a turn.

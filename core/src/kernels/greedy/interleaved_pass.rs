@@ -217,8 +217,8 @@ fn add<S: Simd>(s: S, sums: &mut [S::V; THIRD], others: &[S::V; THIRD]) {
     }
 }
 
-/// Returns each problem's best candidate by the moments, and the bits of lanes where no other is as good within the
-/// slack.
+/// Returns each problem's best candidate by the moments, and the bits of the lanes in which no other candidate is as
+/// good within the slack.
 #[inline(always)]
 fn winners<S: Simd>(s: S, m: &[S::V; THIRD], table: &[f32]) -> ([S::V; 2], u32) {
     let mut best = [s.splat(0.0); 2];

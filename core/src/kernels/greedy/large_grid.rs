@@ -108,7 +108,7 @@ pub(crate) fn best<S: Simd>(
 
 /// The arcs between 32 phases at full amplitude.
 struct Arcs<V> {
-    /// The least change at their ends.
+    /// The least change of the energy at the ends of the arcs.
     least: f32,
     /// Index of the arc end near which the energy's change is expected to be least.
     center: usize,

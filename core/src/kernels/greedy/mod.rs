@@ -88,7 +88,8 @@ pub(crate) fn indices(lanes: usize, phases: usize) -> usize {
 }
 
 /// Gives every transducer in order its best candidate, and returns the number of updates. Calls `report` after each
-/// with that number and the points, and ends if it returns false. A transducer without effect keeps its drive of 0.
+/// update with their number and the points. If `report` returns false, the pass ends. A transducer without effect keeps
+/// its drive of 0.
 pub(crate) fn pass<T: Term>(
     set: InstructionSet,
     pass: Pass<'_>,

@@ -57,7 +57,7 @@ pub(crate) const FAR: f32 = 0.25;
 /// and D.
 pub(crate) const PARTS: usize = LANES;
 
-/// Number of moments up to the third order. Then the index of the power, which the remainder follows, and of the
+/// Number of moments up to the third order; then the indices of the power (the remainder has the next index) and of the
 /// energy.
 pub(crate) const THIRD: usize = 12;
 pub(crate) const POWER: usize = 9;

@@ -47,7 +47,7 @@ impl Term for L1 {
     }
 }
 
-/// Squares of smaller numbers are 0 in f32. It is added to |P| + |P + e|, which prevents 0/0.
+/// Squares of smaller numbers are 0 in f32. This constant is added to |P| + |P + e|, so that 0/0 does not occur.
 const SMALLEST: f32 = 1e-20;
 
 /// Returns |P + e| - |P|, the change of the modulus of a pressure P (re, im, modulus) when a wave e is added.

@@ -29,7 +29,7 @@ pub(crate) fn tolerance<S: Simd, T: Term>(s: S, points: Points<'_>) -> f32 {
 /// Difference below which two energies count as equal, relative to the largest term: the rounding of f32.
 pub(crate) const EQUAL: f32 = 1e-7;
 
-/// Returns a bound of the largest term in each of the first `used` lanes; the others contain 0 or such a bound.
+/// Returns a bound of the largest term in each of the first `used` lanes. The other lanes contain 0 or a bound, too.
 #[inline(always)]
 pub(crate) fn largest<S: Simd, T: Term>(s: S, points: Points<'_>, used: usize) -> S::V {
     let mut bound = Bound::<T> { points, most: [0.0; LANES], term: PhantomData };

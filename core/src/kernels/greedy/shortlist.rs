@@ -85,7 +85,8 @@ pub(crate) struct List<'a> {
     pub(crate) least: f32,
     indices: &'a mut [u32],
     values: &'a mut [f32],
-    /// The number of candidates. One more than there is room for means that some were dropped.
+    /// The number of candidates. If it is larger than the list by one, candidates were dropped because the list was
+    /// full.
     pub(crate) count: usize,
 }
 

@@ -60,7 +60,8 @@ impl<P: Ahead> Form for &P {
     fn direct<S: Elementwise>(self, s: S, amplitude: S::V, along: impl FnOnce() -> S::V, inverse: S::V) -> S::V {
         let along = along();
         let directed = s.mul(amplitude, self.directivity(s, along, inverse));
-        // 90 degrees count as ahead. (With the sides swapped the selection would take one more instruction in AVX-512.)
+        // An angle of 90 degrees counts as in front. (With the sides swapped the selection would take one more
+        // instruction in AVX-512.)
         s.select_less(s.splat(-f32::MIN_POSITIVE), along, directed, s.splat(0.0))
     }
 }

@@ -49,7 +49,7 @@ fn a_system_is_solved_at_every_size() {
 #[test]
 fn a_matrix_that_is_not_positive_definite_is_rejected() {
     for set in InstructionSet::all() {
-        // The matrix has 1 on the diagonal, and later one 1 beside it.
+        // The matrix has 1 on the diagonal, and later also one 1 beside the diagonal, with which it is singular.
         let mut matrix = vec![0.0; 20 * padded(20)];
         (0..20).for_each(|k| matrix[k * padded(20) + k] = 1.0);
         assert!(factor(set, &mut matrix.clone(), 20));

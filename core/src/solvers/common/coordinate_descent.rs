@@ -81,9 +81,9 @@ impl CoordinateDescent<'_> {
         Ok(Solution::of_field(problem, drive.into_vec(), &field, status, updates, work, control)?.on_grid())
     }
 
-    /// Sweeps over a drive whose field is in `points`: each transducer takes the best candidate of its range. Of the
-    /// two step counts the first is the number of updates before, the second that of all. Returns the number of updates
-    /// after.
+    /// Sweeps over a drive whose field is in `points`: each transducer takes the best candidate of its range. The two
+    /// step counts are the number of updates done before and the number of all updates. Returns the number of updates
+    /// done afterwards.
     #[allow(clippy::too_many_arguments, reason = "a drive, its field, and the report to a control")]
     pub(crate) fn sweep<T: Term>(
         &self,
@@ -129,9 +129,9 @@ pub(crate) fn moduli(points: &[PointGroup]) -> impl Iterator<Item = f64> + Clone
     pressures.map(|(re, im)| modulus(Complex32::new(re, im)))
 }
 
-/// Returns those of `phases` phases 2 pi l/L that are within `change` rad of the phase of q, the nearest first. For q =
-/// 0 it returns all, and `None` if there are none. They are a part of `grid` phases; a phase on that grid is compared
-/// in whole steps.
+/// Returns the phases 2 pi l/L, L = `phases`, within `change` rad of the phase of q, the nearest first; `None` if there
+/// are none. For q = 0 it returns all phases. The device's grid has `grid` phases, among them these L. If the phase of
+/// q is on this grid, the comparison is in whole steps.
 fn within(q: Complex32, change: f64, phases: usize, grid: usize) -> Option<PhaseRange> {
     if q == Complex32::ZERO {
         return Some(PhaseRange::whole(phases));

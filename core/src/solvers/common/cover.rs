@@ -31,8 +31,8 @@ pub(crate) enum Side {
 const WIDTH: f64 = 1.25;
 
 /// Least distance of the points from the array's middle, relative to its size. Nearer points are among the transducers
-/// and have no cone over them. Between two boards descent from a cone ended at an error of .14, from all in phase at
-/// .0004.
+/// and have no cone over them. Between two boards, descent from a cone ended at an error of .14, descent from drives in
+/// phase at .0004.
 const AMID: f64 = 0.25;
 
 /// Returns the drives of modulus 1 for a focus on one side. Returns `None` if places are not known, transducers share

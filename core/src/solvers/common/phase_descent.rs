@@ -174,7 +174,7 @@ impl<'w> PhaseDescent<'w> {
         }
     }
 
-    /// Takes one step; returns whether there was one that lowers the cost.
+    /// Takes one step that lowers the cost; returns `false` if it finds none.
     pub(crate) fn step(&mut self, cost: &impl Cost, rows: &Rows) -> bool {
         loop {
             let work = self.newton.work;

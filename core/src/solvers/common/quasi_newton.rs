@@ -5,7 +5,8 @@ use crate::workspace::{Buffer, Workspace};
 /// Number of steps stored; in trials 10 to 30 gave the same results.
 const MEMORY: usize = 16;
 
-/// A step is stored if it finds this much curvature, relative to its length and to the change of the gradient.
+/// A step is stored if the curvature along it is at least this, relative to its length and to the change of the
+/// gradient.
 const LEAST_CURVATURE: f64 = 1e-8;
 
 /// The last steps and changes of the gradient, the latest last.
@@ -58,7 +59,8 @@ impl<'w> QuasiNewton<'w> {
         core::mem::take(&mut self.count) > 0
     }
 
-    /// Stores a step and the change of the gradient by it, if it finds enough curvature.
+    /// Stores a step and the change of the gradient by it, if the curvature along the step is at least
+    /// [`LEAST_CURVATURE`].
     pub(crate) fn remember(&mut self, step: &[f32], change: &[f32]) {
         let (curvature, square) = (dot(step, change), dot(change, change));
         if curvature <= LEAST_CURVATURE * (square * dot(step, step)).max(f64::MIN_POSITIVE) {

@@ -24,7 +24,7 @@ const MOST_RAISED: f32 = 1e12;
 pub(crate) struct Rows<'w> {
     /// The index of each row's point in the problem.
     pub(crate) order: Buffer<'w, u32>,
-    /// Number of rows with a target, where these come first.
+    /// Number of rows with a target. These are the first rows, except after [`Rows::new`].
     pub(crate) targeted: usize,
     /// Number of rows of G: the points, then rows of zeros.
     pub(crate) count: usize,

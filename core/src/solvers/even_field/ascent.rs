@@ -39,8 +39,8 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    /// For crowded targets. With a `shrink` of .85 a line of 33 points loses a tenth of the level; .97 gains nothing
-    /// more.
+    /// The pace for crowded targets. With a `shrink` of .85 a line of 33 points loses a tenth of the level; .97 gains
+    /// nothing more.
     pub(super) const LOUD: Self =
         Self { damping: 1.0, shrink: 0.93, least: 1e-5, steps: 160, settled: f32::INFINITY, manner: Manner::crowded };
 
@@ -50,16 +50,16 @@ impl Pace {
     /// The rest of [`Self::LOUD`]. The damping is then .93^40 of the first one.
     pub(super) const REST: Self = Self { damping: 0.0549, steps: 120, ..Self::LOUD };
 
-    /// For crowded quiet points around a few targets: their equations are many and linear. Beside a disc of 172 points
-    /// a least damping of 1e-5 loses 4 % of the level, and one of 1e-3 lets them leak twice as much.
+    /// The pace for crowded quiet points around a few targets: their equations are many and linear. Beside a disc of
+    /// 172 points a least damping of 1e-5 loses 4 % of the level. With 1e-3 the quiet points leak twice as much.
     pub(super) const SILENT: Self =
         Self { damping: 1e-2, shrink: 0.5, least: 1e-4, steps: 22, settled: f32::INFINITY, manner: Manner::silent };
 
-    /// For separate targets whose field is even or nearly even: whole steps.
+    /// The pace for separate targets whose field is even or nearly even: whole steps.
     pub(super) const RISE: Self =
         Self { damping: 1e-6, shrink: 1.0, least: 1e-6, steps: 20, settled: 1e-5, manner: Manner::rising };
 
-    /// For a few separate targets, whose phases still turn while their level hardly rises.
+    /// The pace for a few separate targets, whose phases still turn while their level hardly rises.
     pub(super) const RISE_OF_FEW: Self = Self { steps: 60, settled: 1e-6, ..Self::RISE };
 }
 

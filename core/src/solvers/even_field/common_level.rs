@@ -27,8 +27,8 @@ const CROWDED_DAMPING: f32 = 1e-3;
 /// Among crowded quiet points the targets are even if none is off by more than this part of the level.
 const SILENT: f32 = 1e-4;
 
-/// Number of steps in a row between crowded points that may leave more than half of the squared error; later ones
-/// would, too.
+/// Largest number of successive steps between crowded points that leave more than half of the squared error. If so many
+/// have done it, later steps do it, too.
 const PATIENCE: usize = 6;
 
 /// The Jacobian is used again after a step that leaves less than this part of the squared error, because computing it
@@ -73,12 +73,12 @@ pub(super) struct Manner {
 }
 
 impl Manner {
-    /// For separate points: to a given level, or to that of the shortest step.
+    /// Parameters for separate points: to a given level, or to that of the shortest step.
     pub(super) fn separate(level: Option<f32>) -> Self {
         Self { level, damping: DAMPING, least: 0.0, tolerance: 0.0, most: MOST_STEPS, patience: MOST_STEPS }
     }
 
-    /// For crowded points: to a level. High damping makes the smooth part of the field even first.
+    /// Parameters for crowded points: to a level. High damping makes the smooth part of the field even first.
     pub(super) fn crowded(level: f32, _quiet: f32) -> Self {
         Self {
             level: Some(level),
@@ -90,12 +90,12 @@ impl Manner {
         }
     }
 
-    /// For separate points after an ascent: to the level of the shortest step.
+    /// Parameters for separate points after an ascent: to the level of the shortest step.
     pub(super) fn rising(_level: f32, _quiet: f32) -> Self {
         Self::separate(None)
     }
 
-    /// For crowded quiet points that may leak `quiet` of a level; smaller leaks are ignored.
+    /// Parameters for crowded quiet points that may leak `quiet` of a level; smaller leaks are ignored.
     pub(super) fn silent(level: f32, quiet: f32) -> Self {
         Self {
             level: Some(level),

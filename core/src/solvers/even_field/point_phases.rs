@@ -110,8 +110,8 @@ impl<'w> Starts<'w> {
         Ok(Self { count: 1, weights, phasors: own, echoes: work.floats.take(1) })
     }
 
-    /// Adds one point after another: with G itself, or with the matrix if the points are few enough for it to be
-    /// faster.
+    /// Finds the phases of a single start by adding one point after another: with G itself, or with the matrix if the
+    /// points are few enough for it to be faster.
     fn alone(
         rows: &Rows,
         weights: Buffer<'w, f32>,
@@ -182,7 +182,8 @@ impl<'w> Couplings<'w> {
         shares
     }
 
-    /// Adds one point after another: all others are 0 at first.
+    /// Finds the phases of a single start by adding one point after another. At first v is 0 except at the strongest
+    /// point.
     fn alone(
         &self,
         weights: Buffer<'w, f32>,

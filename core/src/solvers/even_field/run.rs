@@ -65,8 +65,8 @@ impl Plan {
         if rows.unequal() { self.raised.max(1) } else { self.raised }
     }
 
-    /// Returns from how many drives of random phases crowded points are made even; `loud` if another start gave a high
-    /// level.
+    /// Returns the number of drives with random phases from which fields of crowded points are made even; `loud` if
+    /// another start gave a high level.
     pub(super) fn scattered(&self, loud: bool) -> usize {
         match self.raised {
             0 if loud => 0,

@@ -22,7 +22,8 @@ use crate::solvers::even_field::soft_minimum;
 use crate::solvers::even_field::weighted_sweeps::raise;
 use crate::workspace::Workspace;
 
-/// Points are crowded if more than one and this part of them depend on others, and if [`KEPT`] says so, too.
+/// Points are crowded if at least two, and at least this part, of them depend on others, and the condition of [`KEPT`]
+/// holds, too.
 const CROWDED: f32 = 0.2;
 
 /// Points are crowded if the steps to an even field left less than this part of the level. Of separate points a tenth
@@ -78,7 +79,7 @@ impl<'w> Search<'w> {
         self.even && self.lowest >= target * (1.0 - 2.0 * NEARLY)
     }
 
-    /// Returns whether pressures are requested and reached.
+    /// Returns whether pressures are requested and the best field reaches them.
     pub(super) fn finds(&self, run: &Run) -> bool {
         run.problem.aim() == Aim::Target && self.reaches(run.rows.target)
     }

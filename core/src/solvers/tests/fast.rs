@@ -11,7 +11,7 @@ fn every_transducer_has_its_turn() {
     }
 }
 
-/// A problem with a directivity, whose amplitudes are stored, also after moves, in batches and with other lengths.
+/// The amplitudes of a problem with a directivity are stored. The problem also moves and changes its number of points.
 #[test]
 fn a_problem_whose_amplitudes_are_kept_has_the_same_bits() {
     use crate::kernels::InstructionSet;
