@@ -85,6 +85,7 @@ pub use device::link::Link;
 pub use device::quantization::Quantization;
 pub use error::Error;
 pub use kernels::InstructionSet;
+pub use linalg::shifted::Shifted;
 pub use num_complex::{Complex32, Complex64};
 pub use problem::{Beyond, Metrics, Precision, Problem, Reach, Setup, Solution, Status, bound};
 pub use propagation::gorkov::{Gorkov, gorkov};

@@ -337,6 +337,13 @@ class Field:
     plot = _plot
 
 @final
+class Shifted:
+    def __new__(
+        cls, starts: ArrayLike, rows: ArrayLike, values: ArrayLike, shares: ArrayLike
+    ) -> Shifted: ...
+    def solve(self, shifts: ArrayLike, loads: ArrayLike) -> NDArray[np.complex64]: ...
+
+@final
 class Solution:
     @staticmethod
     def load(path: str | PathLike[str]) -> Solution: ...

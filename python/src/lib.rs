@@ -41,6 +41,7 @@ mod ready;
 mod replace;
 mod scene;
 mod setting;
+mod shifted;
 mod signature;
 mod solution;
 mod solve;
@@ -105,6 +106,8 @@ mod _midair {
     use super::reach::Reach;
     #[pymodule_export]
     use super::scene::Scene;
+    #[pymodule_export]
+    use super::shifted::Shifted;
     #[pymodule_export]
     use super::solution::{Solution, about};
     #[pymodule_export]

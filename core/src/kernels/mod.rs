@@ -40,6 +40,8 @@ pub(crate) mod propagate;
 pub(crate) mod pulses;
 pub(crate) mod simd;
 #[forbid(unsafe_code)]
+pub(crate) mod sparse;
+#[forbid(unsafe_code)]
 #[cfg(test)]
 mod tests;
 #[forbid(unsafe_code)]

@@ -4,6 +4,7 @@
 //! so that f32 suffices; `docs/performance/steps.md` has measurements against a library.
 
 pub(crate) mod leading_eigenvector;
+pub(crate) mod shifted;
 pub(crate) mod symmetric;
 
 pub(crate) use leading_eigenvector::leading_eigenvector;

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Mesh, Plane, SceneError
+from .._midair import Mesh, Plane, SceneError, Shifted
 
 #: Integral of K_nu: number of samples, and upper limit, where e^(-z cosh t) is negligible for every |z| from
 #: 1e-5 on.
@@ -86,24 +86,11 @@ class Sheet:
         self, frequencies: NDArray[np.float64], lines: NDArray[np.complex64], mesh: Triangles
     ) -> NDArray[np.complex64]:
         """Return displacements (L, V) in m for pressure lines (L, V) in Pa at the corners of triangles."""
-        from scipy.sparse.linalg import splu
-
-        found, order = np.empty_like(lines), mesh.order
-        stiffness, shares = mesh.stiffness[order][:, order].tocsc(), mesh.shares[order]
-        # SuperLU would sort the indices, which would move the diagonal's entries.
-        stiffness.sort_indices()
-        diagonal = np.flatnonzero(
-            stiffness.indices == np.repeat(np.arange(len(order)), np.diff(stiffness.indptr))
-        )
-        matrix = stiffness.astype(np.complex64)
-        for k, squared in enumerate(self.decay(frequencies) ** 2):
-            matrix.data[diagonal] = stiffness.data[diagonal] + squared * shares
-            # The matrix is symmetric, and the loss keeps all pivots away from 0, so rows need no reordering.
-            factors = splu(
-                matrix, permc_spec="NATURAL", diag_pivot_thresh=0, relax=1, panel_size=1, options=SYMMETRIC
-            )
-            load = (lines[k][order] * shares).astype(np.complex64)
-            found[k, order] = factors.solve(load) / np.complex64(self.tension)
+        order = mesh.order
+        loads = (lines[:, order] * mesh.shares[order]).astype(np.complex64)
+        solved = mesh.systems.solve(self.decay(frequencies) ** 2, loads.ravel())
+        found = np.empty_like(lines)
+        found[:, order] = solved.reshape(lines.shape) / np.complex64(self.tension)
         return found
 
 
@@ -157,6 +144,8 @@ class Triangles:
         (V,) in m^2: a third of the area of the triangles around each corner.
     order
         (V,): order of the corners in which the factors of such matrices are sparse.
+    systems
+        Systems (stiffness + s^2 shares) x = load of the corners in this order, for any s.
     """
 
     def __init__(self, vertices: NDArray[np.float64], faces: NDArray[Any]) -> None:
@@ -187,7 +176,10 @@ class Triangles:
         first = splu(
             (self.stiffness + diags_array(self.shares)).tocsc(), "MMD_AT_PLUS_A", 0, options=SYMMETRIC
         )
-        self.order = np.argsort(first.perm_c)
+        self.order = order = np.argsort(first.perm_c)
+        ordered = self.stiffness[order][:, order].tocsc()
+        ordered.sort_indices()
+        self.systems = Shifted(ordered.indptr, ordered.indices, ordered.data, self.shares[order])
         outward = np.zeros((count, 3))
         np.add.at(outward, faces, cross[:, None])
         self.normals = outward / np.linalg.norm(outward, axis=1, keepdims=True)

@@ -1,0 +1,174 @@
+//! Sparse complex symmetric systems A + s B, B diagonal, for several shifts s at once: a lane is a shift.
+//!
+//! All shifts have the same pattern of non-zero entries, so each entry of the factor L in L D L^T is a vector of lanes, and each
+//! index is read once for all of them. No pivots: it is for matrices whose pivots cannot vanish.
+//!
+//! Source: T. A. Davis, "Direct Methods for Sparse Linear Systems" (SIAM 2006), chapters 4 and 6: elimination tree, left-looking
+//! factorisation.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use crate::control::Control;
+use crate::error::Error;
+use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+
+/// Number of shifts that are solved at once.
+pub(crate) const SHIFTS: usize = 8;
+
+/// Real and imaginary part of a number for each shift.
+pub(crate) type Wide = [[f32; SHIFTS]; 2];
+
+const NONE: usize = usize::MAX;
+
+/// Columns of a lower triangle without its diagonal: the rows of column j are `rows[starts[j]..starts[j + 1]]`, ascending.
+#[derive(Clone, Debug)]
+pub(crate) struct Columns {
+    pub(crate) starts: Vec<usize>,
+    pub(crate) rows: Vec<u32>,
+}
+
+impl Columns {
+    /// The pattern of the factor L of a symmetric matrix with this pattern.
+    pub(crate) fn of_factor(&self) -> Self {
+        let count = self.starts.len() - 1;
+        let (mut starts, mut rows) = (vec![0], Vec::<u32>::new());
+        let mut seen_by = vec![NONE; count];
+        // The columns whose first row is j: their other rows are rows of column j too.
+        let mut children = vec![Vec::new(); count];
+        for j in 0..count {
+            let first = rows.len();
+            seen_by[j] = j;
+            let mut add = |rows: &mut Vec<u32>, row: u32| {
+                if core::mem::replace(&mut seen_by[row as usize], j) != j {
+                    rows.push(row);
+                }
+            };
+            self.rows[self.starts[j]..self.starts[j + 1]].iter().for_each(|&row| add(&mut rows, row));
+            for child in core::mem::take(&mut children[j]) {
+                let [from, to]: [usize; 2] = [starts[child], starts[child + 1]];
+                for k in from..to {
+                    let row = rows[k];
+                    add(&mut rows, row);
+                }
+            }
+            rows[first..].sort_unstable();
+            starts.push(rows.len());
+            if let Some(&parent) = rows.get(first) {
+                children[parent as usize].push(j);
+            }
+        }
+        Self { starts, rows }
+    }
+}
+
+/// c -= a b for each shift.
+#[inline(always)]
+fn subtract_product(c: &mut Wide, a: &Wide, b: &Wide) {
+    for lane in 0..SHIFTS {
+        let [ar, ai, br, bi] = [a[0][lane], a[1][lane], b[0][lane], b[1][lane]];
+        c[0][lane] -= ar * br - ai * bi;
+        c[1][lane] -= ar * bi + ai * br;
+    }
+}
+
+/// a b for each shift.
+#[inline(always)]
+fn product(a: &Wide, b: &Wide) -> Wide {
+    let mut negative = [[0.0; SHIFTS]; 2];
+    subtract_product(&mut negative, a, b);
+    negative.map(|part| part.map(|x| -x))
+}
+
+/// 1/a for each shift.
+#[inline(always)]
+fn inverse(a: &Wide) -> Wide {
+    let mut found = [[0.0; SHIFTS]; 2];
+    for lane in 0..SHIFTS {
+        let square = a[0][lane] * a[0][lane] + a[1][lane] * a[1][lane];
+        found[0][lane] = a[0][lane] / square;
+        found[1][lane] = -a[1][lane] / square;
+    }
+    found
+}
+
+/// A matrix A + s B: the pattern and the values of A's lower triangle, A's diagonal and B's.
+pub(crate) struct Matrix<'a> {
+    pub(crate) columns: &'a Columns,
+    pub(crate) values: &'a [f32],
+    pub(crate) diagonal: &'a [f32],
+    pub(crate) shares: &'a [f32],
+}
+
+/// Replaces b (V,) by the x of (A + s B) x = b, given the pattern of the factor and a place for it, one entry for each row.
+///
+/// # Errors
+/// A requested stop, which is checked once a column.
+pub(crate) fn solve(
+    set: InstructionSet,
+    matrix: &Matrix,
+    (pattern, factor): (&Columns, &mut [Wide]),
+    shifts: &Wide,
+    b: &mut [Wide],
+    control: &mut Control,
+) -> Result<(), Error> {
+    let count = b.len();
+    let none = [[0.0; SHIFTS]; 2];
+    let [mut pivots, mut inverses, mut column] = [(); 3].map(|()| vec![none; count]);
+    // Linked lists: `head[j]` is the first column whose next row is j, `next[k]` the one after column k, `at[k]` its next entry.
+    let (mut head, mut next, mut at) = (vec![NONE; count], vec![NONE; count], vec![0; count]);
+    for j in 0..count {
+        control.pulse()?;
+        dispatch!(set, _s => {
+            column[j] = shifts.map(|part| part.map(|s| s * matrix.shares[j]));
+            column[j][0].iter_mut().for_each(|x| *x += matrix.diagonal[j]);
+            let own = matrix.columns.starts[j]..matrix.columns.starts[j + 1];
+            for (&row, &value) in matrix.columns.rows[own.clone()].iter().zip(&matrix.values[own]) {
+                column[row as usize][0] = [value; SHIFTS];
+            }
+            let mut k = head[j];
+            while k != NONE {
+                let (from, to) = (at[k], pattern.starts[k + 1]);
+                let scaled = product(&factor[from], &pivots[k]);
+                for (&row, entry) in pattern.rows[from..to].iter().zip(&factor[from..to]) {
+                    subtract_product(&mut column[row as usize], entry, &scaled);
+                }
+                let following = next[k];
+                at[k] = from + 1;
+                if at[k] < to {
+                    let row = pattern.rows[at[k]] as usize;
+                    (next[k], head[row]) = (head[row], k);
+                }
+                k = following;
+            }
+            pivots[j] = core::mem::replace(&mut column[j], none);
+            inverses[j] = inverse(&pivots[j]);
+            let own = pattern.starts[j]..pattern.starts[j + 1];
+            for (&row, entry) in pattern.rows[own.clone()].iter().zip(&mut factor[own.clone()]) {
+                *entry = product(&core::mem::replace(&mut column[row as usize], none), &inverses[j]);
+            }
+            if let Some(&row) = pattern.rows[own.clone()].first() {
+                at[j] = own.start;
+                (next[j], head[row as usize]) = (head[row as usize], j);
+            }
+        });
+    }
+    dispatch!(set, _s => {
+        for j in 0..count {
+            let own = pattern.starts[j]..pattern.starts[j + 1];
+            let x = b[j];
+            for (&row, entry) in pattern.rows[own.clone()].iter().zip(&factor[own]) {
+                subtract_product(&mut b[row as usize], entry, &x);
+            }
+        }
+        for j in (0..count).rev() {
+            let own = pattern.starts[j]..pattern.starts[j + 1];
+            let mut x = product(&b[j], &inverses[j]);
+            for (&row, entry) in pattern.rows[own.clone()].iter().zip(&factor[own]) {
+                subtract_product(&mut x, entry, &b[row as usize]);
+            }
+            b[j] = x;
+        }
+    });
+    Ok(())
+}

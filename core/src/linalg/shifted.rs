@@ -1,0 +1,127 @@
+//! Sparse systems (A + s B) x = b with a real symmetric A and a diagonal B, for many complex shifts s.
+
+use alloc::format;
+use alloc::vec;
+use alloc::vec::Vec;
+
+use num_complex::{Complex32, Complex64};
+
+use crate::control::{Control, bytes};
+use crate::error::Error;
+use crate::kernels::InstructionSet;
+use crate::kernels::sparse::{Columns, Matrix, SHIFTS, Wide, solve};
+
+/// Systems (A + s B) x = b, as finite elements make them: A is a stiffness (V, V), B a mass for each corner (V,).
+///
+/// The matrices A + s B are factored as L D L^T without pivots. So no leading block of them may be singular: A is positive
+/// semidefinite, B positive, and s has an imaginary part or is positive.
+#[derive(Clone, Debug)]
+pub struct Shifted {
+    columns: Columns,
+    values: Vec<f32>,
+    diagonal: Vec<f32>,
+    shares: Vec<f32>,
+    factor: Columns,
+}
+
+impl Shifted {
+    /// Reads A by its columns in an order that keeps the factor sparse: the rows of column j, ascending, are
+    /// `rows[starts[j]..starts[j + 1]]`, with `values` beside them. Both triangles may be given; the lower one is read.
+    ///
+    /// # Errors
+    /// Lengths that do not fit, a row that is out of range or not in order, a value that is not finite.
+    pub fn new(starts: &[usize], rows: &[u32], values: &[f64], shares: &[f64]) -> Result<Self, Error> {
+        let count = shares.len();
+        let fits = starts.len() == count + 1 && rows.len() == values.len() && starts.last() == Some(&rows.len());
+        if !fits || !starts.is_sorted() {
+            let found = format!("{} columns and {} entries", starts.len().saturating_sub(1), rows.len());
+            return Err(Error::invalid("starts", found, format!("give {count} columns that contain all entries")));
+        }
+        let mut own = Self {
+            columns: Columns { starts: vec![0], rows: Vec::new() },
+            values: Vec::new(),
+            diagonal: vec![0.0; count],
+            shares: shares.iter().map(|&share| share as f32).collect(),
+            factor: Columns { starts: vec![0], rows: Vec::new() },
+        };
+        for j in 0..count {
+            let column = starts[j]..starts[j + 1];
+            if !rows[column.clone()].is_sorted_by(|a, b| a < b)
+                || rows[column.clone()].iter().any(|&row| row as usize >= count)
+            {
+                return Err(Error::invalid(
+                    format!("column {j}"),
+                    "not sorted",
+                    format!("give rows below {count} in order"),
+                ));
+            }
+            for k in column {
+                let (row, value) = (rows[k] as usize, values[k]);
+                if !value.is_finite() {
+                    return Err(Error::invalid(format!("values[{k}]"), value, "give finite values"));
+                }
+                if row == j {
+                    own.diagonal[j] = value as f32;
+                } else if row > j {
+                    own.columns.rows.push(rows[k]);
+                    own.values.push(value as f32);
+                }
+            }
+            own.columns.starts.push(own.columns.rows.len());
+        }
+        own.factor = own.columns.of_factor();
+        Ok(own)
+    }
+
+    /// Solves one system for each shift: x (L, V) for shifts (L,) and loads b (L, V). Single precision.
+    ///
+    /// Time O(L sum_j n_j^2) for columns of n_j entries in the factor, in groups of 8 shifts; memory 64 bytes for each entry of the factor.
+    ///
+    /// # Errors
+    /// Loads of another length; more memory than allowed; a stop.
+    pub fn solve(
+        &self,
+        set: InstructionSet,
+        shifts: &[Complex64],
+        loads: &[Complex32],
+        control: &mut Control,
+    ) -> Result<Vec<Complex32>, Error> {
+        let count = self.shares.len();
+        if loads.len() != shifts.len() * count {
+            let cure = format!("give {count} for each of the {} shifts", shifts.len());
+            return Err(Error::invalid("loads", format!("{} numbers", loads.len()), cure));
+        }
+        control.room("the factors", [count, self.factor.rows.len()], bytes(8 * SHIFTS, &[self.factor.rows.len()]))?;
+        let matrix =
+            Matrix { columns: &self.columns, values: &self.values, diagonal: &self.diagonal, shares: &self.shares };
+        let mut found = vec![Complex32::default(); loads.len()];
+        let [mut factor, mut wide] = [self.factor.rows.len(), count].map(|length| vec![[[0.0; SHIFTS]; 2]; length]);
+        for (group, some) in shifts.chunks(SHIFTS).enumerate() {
+            let first = group * SHIFTS;
+            // Lanes without a shift repeat the first one, so that no pivot is 0.
+            let shift = |lane: usize| some.get(lane).unwrap_or(&some[0]);
+            let lanes: Wide = [
+                core::array::from_fn(|lane| shift(lane).re as f32),
+                core::array::from_fn(|lane| shift(lane).im as f32),
+            ];
+            for (row, wide) in wide.iter_mut().enumerate() {
+                *wide = [[0.0; SHIFTS]; 2];
+                for lane in 0..some.len() {
+                    let load = loads[(first + lane) * count + row];
+                    (wide[0][lane], wide[1][lane]) = (load.re, load.im);
+                }
+            }
+            solve(set, &matrix, (&self.factor, &mut factor), &lanes, &mut wide, control)?;
+            for (row, wide) in wide.iter().enumerate() {
+                for lane in 0..some.len() {
+                    found[(first + lane) * count + row] = Complex32::new(wide[0][lane], wide[1][lane]);
+                }
+            }
+        }
+        Ok(found)
+    }
+}
+
+#[cfg(test)]
+#[path = "tests/shifted.rs"]
+mod tests;
