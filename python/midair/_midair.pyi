@@ -338,9 +338,7 @@ class Field:
 
 @final
 class Shifted:
-    def __new__(
-        cls, starts: ArrayLike, rows: ArrayLike, values: ArrayLike, shares: ArrayLike
-    ) -> Shifted: ...
+    def __new__(cls, starts: ArrayLike, rows: ArrayLike, values: ArrayLike, shares: ArrayLike) -> Shifted: ...
     def solve(self, shifts: ArrayLike, loads: ArrayLike) -> NDArray[np.complex64]: ...
 
 @final
