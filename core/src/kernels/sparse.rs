@@ -1,10 +1,10 @@
-//! Sparse complex symmetric systems A + s B, B diagonal, for several shifts s at once: a lane is a shift.
+//! Sparse complex symmetric systems (A + s B) x = b with a diagonal B, for several shifts s at once, one in each lane.
 //!
-//! All shifts have the same pattern of non-zero entries, so each entry of the factor L in L D L^T is a vector of lanes, and each
-//! index is read once for all of them. No pivots: it is for matrices whose pivots cannot vanish.
+//! The matrices of all shifts have the same pattern of non-zero entries. Each entry of the factor L in A + s B = L D
+//! L^T is a vector of lanes, and each index is read once for all shifts. There is no pivoting, so no pivot may vanish.
 //!
-//! Source: T. A. Davis, "Direct Methods for Sparse Linear Systems" (SIAM 2006), chapters 4 and 6: elimination tree, left-looking
-//! factorisation.
+//! The method is that of T. A. Davis, "Direct Methods for Sparse Linear Systems" (SIAM 2006), chapters 4 and 6:
+//! elimination tree, left-looking factorisation.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -13,15 +13,16 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 
-/// Number of shifts that are solved at once.
+/// Number of shifts whose systems are solved at once.
 pub(crate) const SHIFTS: usize = 8;
 
-/// Real and imaginary part of a number for each shift.
+/// One complex number for each shift: real and imaginary parts.
 pub(crate) type Wide = [[f32; SHIFTS]; 2];
 
 const NONE: usize = usize::MAX;
 
-/// Columns of a lower triangle without its diagonal: the rows of column j are `rows[starts[j]..starts[j + 1]]`, ascending.
+/// Pattern of a lower triangle without its diagonal: the rows of column j are `rows[starts[j]..starts[j + 1]]`,
+/// ascending.
 #[derive(Clone, Debug)]
 pub(crate) struct Columns {
     pub(crate) starts: Vec<usize>,
@@ -29,12 +30,12 @@ pub(crate) struct Columns {
 }
 
 impl Columns {
-    /// The pattern of the factor L of a symmetric matrix with this pattern.
+    /// Returns the pattern of the factor L of a symmetric matrix with this pattern.
     pub(crate) fn of_factor(&self) -> Self {
         let count = self.starts.len() - 1;
         let (mut starts, mut rows) = (vec![0], Vec::<u32>::new());
         let mut seen_by = vec![NONE; count];
-        // The columns whose first row is j: their other rows are rows of column j too.
+        // For each column j, the columns of L whose first row is j. Their other rows are rows of column j, too.
         let mut children = vec![Vec::new(); count];
         for j in 0..count {
             let first = rows.len();
@@ -72,7 +73,7 @@ fn subtract_product(c: &mut Wide, a: &Wide, b: &Wide) {
     }
 }
 
-/// a b for each shift.
+/// Returns a b for each shift.
 #[inline(always)]
 fn product(a: &Wide, b: &Wide) -> Wide {
     let mut negative = [[0.0; SHIFTS]; 2];
@@ -80,7 +81,7 @@ fn product(a: &Wide, b: &Wide) -> Wide {
     negative.map(|part| part.map(|x| -x))
 }
 
-/// 1/a for each shift.
+/// Returns 1/a for each shift.
 #[inline(always)]
 fn inverse(a: &Wide) -> Wide {
     let mut found = [[0.0; SHIFTS]; 2];
@@ -92,7 +93,7 @@ fn inverse(a: &Wide) -> Wide {
     found
 }
 
-/// A matrix A + s B: the pattern and the values of A's lower triangle, A's diagonal and B's.
+/// A matrix A + s B: the pattern and the `values` of A's lower triangle, A's `diagonal`, and that of B (`shares`).
 pub(crate) struct Matrix<'a> {
     pub(crate) columns: &'a Columns,
     pub(crate) values: &'a [f32],
@@ -100,7 +101,8 @@ pub(crate) struct Matrix<'a> {
     pub(crate) shares: &'a [f32],
 }
 
-/// Replaces b (V,) by the x of (A + s B) x = b, given the pattern of the factor and a place for it, one entry for each row.
+/// Replaces b (V,) by the solution x of (A + s B) x = b. It is given the pattern of the factor L, and memory with one
+/// entry for each entry of L.
 ///
 /// # Errors
 /// A requested stop, which is checked once a column.
@@ -115,7 +117,8 @@ pub(crate) fn solve(
     let count = b.len();
     let none = [[0.0; SHIFTS]; 2];
     let [mut pivots, mut inverses, mut column] = [(); 3].map(|()| vec![none; count]);
-    // Linked lists: `head[j]` is the first column whose next row is j, `next[k]` the one after column k, `at[k]` its next entry.
+    // Linked lists of columns: `head[j]` is the first column whose next row is j, `next[k]` the column after column k
+    // in its list, and `at[k]` the index of the next entry of column k.
     let (mut head, mut next, mut at) = (vec![NONE; count], vec![NONE; count], vec![0; count]);
     for j in 0..count {
         control.pulse()?;

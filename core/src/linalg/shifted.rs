@@ -11,10 +11,11 @@ use crate::error::Error;
 use crate::kernels::InstructionSet;
 use crate::kernels::sparse::{Columns, Matrix, SHIFTS, Wide, solve};
 
-/// Systems (A + s B) x = b, as finite elements make them: A is a stiffness (V, V), B a mass for each corner (V,).
+/// Systems (A + s B) x = b of finite elements: A is a stiffness (V, V), B a diagonal of masses, one for each corner
+/// (V,).
 ///
-/// The matrices A + s B are factored as L D L^T without pivots. So no leading block of them may be singular: A is positive
-/// semidefinite, B positive, and s has an imaginary part or is positive.
+/// Each matrix A + s B is factored as L D L^T without pivoting. This is possible where A is positive semidefinite, all
+/// masses are positive, and s is positive or not real.
 #[derive(Clone, Debug)]
 pub struct Shifted {
     columns: Columns,
@@ -25,8 +26,10 @@ pub struct Shifted {
 }
 
 impl Shifted {
-    /// Reads A by its columns in an order that keeps the factor sparse: the rows of column j, ascending, are
-    /// `rows[starts[j]..starts[j + 1]]`, with `values` beside them. Both triangles may be given; the lower one is read.
+    /// Creates the systems from the columns of A: the rows of column j, ascending, are `rows[starts[j]..starts[j +
+    /// 1]]`, and `values` has an entry for each row. `shares` (V,) is the diagonal of B. Of the entries only the
+    /// diagonal and the lower triangle are used. The caller chooses an order of the corners that keeps the factor
+    /// sparse.
     ///
     /// # Errors
     /// Lengths that do not fit, a row that is out of range or not in order, a value that is not finite.
@@ -73,9 +76,11 @@ impl Shifted {
         Ok(own)
     }
 
-    /// Solves one system for each shift: x (L, V) for shifts (L,) and loads b (L, V). Single precision.
+    /// Solves one system for each shift in single precision: returns x (L, V) for `shifts` (L,) and right sides `loads`
+    /// (L, V).
     ///
-    /// Time O(L sum_j n_j^2) for columns of n_j entries in the factor, in groups of 8 shifts; memory 64 bytes for each entry of the factor.
+    /// The time is O(L sum_j n_j^2), n_j the number of entries in column j of the factor. Groups of 8 shifts need 64
+    /// bytes of memory for each entry of the factor.
     ///
     /// # Errors
     /// Loads of another length; more memory than allowed; a stop.
@@ -98,7 +103,7 @@ impl Shifted {
         let [mut factor, mut wide] = [self.factor.rows.len(), count].map(|length| vec![[[0.0; SHIFTS]; 2]; length]);
         for (group, some) in shifts.chunks(SHIFTS).enumerate() {
             let first = group * SHIFTS;
-            // Lanes without a shift repeat the first one, so that no pivot is 0.
+            // Lanes without a shift repeat the first shift of the group, so that no pivot is 0.
             let shift = |lane: usize| some.get(lane).unwrap_or(&some[0]);
             let lanes: Wide = [
                 core::array::from_fn(|lane| shift(lane).re as f32),

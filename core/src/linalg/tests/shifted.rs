@@ -1,9 +1,10 @@
-//! Tests of sparse systems for many shifts, against dense elimination in double precision.
+//! Tests of `shifted`: sparse systems for many shifts compared with dense elimination in double precision.
 
 use super::*;
 use crate::rng::Rng;
 
-/// The Laplacian of a square lattice with random weights, in the lattice's own order, and its dense form.
+/// Returns the Laplacian of a square lattice with random weights: starts, rows and values of its columns, and the dense
+/// matrix.
 fn lattice(side: usize, rng: &mut Rng) -> (Vec<usize>, Vec<u32>, Vec<f64>, Vec<Vec<f64>>) {
     let count = side * side;
     let mut dense = vec![vec![0.0; count]; count];
@@ -26,7 +27,7 @@ fn lattice(side: usize, rng: &mut Rng) -> (Vec<usize>, Vec<u32>, Vec<f64>, Vec<V
     (starts, rows, values, dense)
 }
 
-/// Gaussian elimination without pivots.
+/// Returns the solution x of a x = b by Gaussian elimination without pivoting.
 fn eliminated(mut a: Vec<Vec<Complex64>>, mut b: Vec<Complex64>) -> Vec<Complex64> {
     let count = b.len();
     for k in 0..count {
@@ -52,7 +53,7 @@ fn each_shift_has_the_solution_of_dense_elimination() {
     let (starts, rows, values, dense) = lattice(9, &mut rng);
     let shares: Vec<f64> = (0..81).map(|_| 0.5 + rng.uniform()).collect();
     let system = Shifted::new(&starts, &rows, &values, &shares).expect("it is a matrix");
-    // More shifts than lanes: waves with losses, of which the last group has one.
+    // There are more shifts than lanes: 17 shifts of waves with losses, so that the last group has a single one.
     let shifts: Vec<Complex64> = (1..=17).map(|k| Complex64::new(-0.02, 0.008) * f64::from(k * k)).collect();
     let loads: Vec<Complex32> =
         (0..17 * 81).map(|_| Complex32::new(rng.uniform() as f32, rng.uniform() as f32)).collect();
@@ -76,13 +77,13 @@ fn each_shift_has_the_solution_of_dense_elimination() {
 }
 
 #[test]
-fn wrong_columns_are_refused_by_name() {
-    let refused = |starts: &[usize], rows: &[u32], values: &[f64]| {
+fn wrong_columns_raise_errors_that_name_them() {
+    let message = |starts: &[usize], rows: &[u32], values: &[f64]| {
         Shifted::new(starts, rows, values, &[1.0; 2]).expect_err("it is wrong").to_string()
     };
-    assert!(refused(&[0, 1], &[0], &[1.0]).starts_with("starts is 1 columns and 1 entries: give 2 columns"));
-    assert!(refused(&[0, 1, 2], &[0, 2], &[1.0; 2]).starts_with("column 1 is not sorted: give rows below 2"));
-    assert!(refused(&[0, 1, 2], &[0, 1], &[1.0, f64::NAN]).starts_with("values[1] is NaN: give finite values"));
+    assert!(message(&[0, 1], &[0], &[1.0]).starts_with("starts is 1 columns and 1 entries: give 2 columns"));
+    assert!(message(&[0, 1, 2], &[0, 2], &[1.0; 2]).starts_with("column 1 is not sorted: give rows below 2"));
+    assert!(message(&[0, 1, 2], &[0, 1], &[1.0, f64::NAN]).starts_with("values[1] is NaN: give finite values"));
     let system = Shifted::new(&[0, 1, 2], &[0, 1], &[1.0; 2], &[1.0; 2]).expect("it is a matrix");
     let few = system.solve(InstructionSet::best(), &[Complex64::i()], &[Complex32::i()], &mut Control::none());
     assert!(
