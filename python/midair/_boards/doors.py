@@ -78,7 +78,7 @@ class Doors:
                 self._serve,
                 "127.0.0.1",
                 port,
-                origins=[None, *origins],  # None admits programs that are no web pages.
+                origins=[None, *origins],  # type: ignore[list-item]  # None: programs that are no web pages
                 process_request=self._admit,
                 max_size=MOST_PATTERN,
                 compression=None,
