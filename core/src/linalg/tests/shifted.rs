@@ -78,12 +78,12 @@ fn each_shift_has_the_solution_of_dense_elimination() {
 
 #[test]
 fn wrong_columns_raise_errors_that_name_them() {
-    let message = |starts: &[usize], rows: &[u32], values: &[f64]| {
+    let refused = |starts: &[usize], rows: &[u32], values: &[f64]| {
         Shifted::new(starts, rows, values, &[1.0; 2]).expect_err("it is wrong").to_string()
     };
-    assert!(message(&[0, 1], &[0], &[1.0]).starts_with("starts is 1 columns and 1 entries: give 2 columns"));
-    assert!(message(&[0, 1, 2], &[0, 2], &[1.0; 2]).starts_with("column 1 is not sorted: give rows below 2"));
-    assert!(message(&[0, 1, 2], &[0, 1], &[1.0, f64::NAN]).starts_with("values[1] is NaN: give finite values"));
+    assert!(refused(&[0, 1], &[0], &[1.0]).starts_with("starts is 1 columns and 1 entries: give 2 columns"));
+    assert!(refused(&[0, 1, 2], &[0, 2], &[1.0; 2]).starts_with("column 1 is not sorted: give rows below 2"));
+    assert!(refused(&[0, 1, 2], &[0, 1], &[1.0, f64::NAN]).starts_with("values[1] is NaN: give finite values"));
     let system = Shifted::new(&[0, 1, 2], &[0, 1], &[1.0; 2], &[1.0; 2]).expect("it is a matrix");
     let few = system.solve(InstructionSet::best(), &[Complex64::i()], &[Complex32::i()], &mut Control::none());
     assert!(
