@@ -62,7 +62,7 @@ impl Threads {
         use core::sync::atomic::Ordering::Relaxed;
         use std::sync::mpsc::{RecvTimeoutError, channel};
         use std::time::Duration;
-        /// Short enough for an immediate reaction to a stop, long enough to cost nothing.
+        /// The time between two checks for a stop: short enough for an immediate reaction, long enough to cost nothing.
         const INTERVAL: Duration = Duration::from_millis(20);
 
         if parts.len() < 2 || self.count() < 2 {

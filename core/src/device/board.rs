@@ -352,7 +352,7 @@ impl Board {
     /// Checks a drive (N,), and returns the drive of each driven channel.
     fn drives<'a>(&self, drive: &'a [Complex32]) -> Result<Cow<'a, [Complex32]>, Error> {
         one_each("drive", drive.len(), "of them", self.len(), "transducers")?;
-        // First in f32, which is faster; only values close to 1 need double precision.
+        // The test in f32 is faster; only values close to 1 need double precision.
         let fits = |q: &Complex32| q.norm_sqr() <= 1.0 || (q.is_finite() && math::modulus(*q) <= 1.0 + SLACK);
         if let Some(i) = drive.iter().position(|q| !fits(q)) {
             let value = format!("{} + {}j", drive[i].re, drive[i].im);

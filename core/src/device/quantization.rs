@@ -27,7 +27,7 @@ const FULL: f64 = 1.0 - 1e-6;
 /// An amplitude that exceeds the target by less than this part is allowed: half of the margin that the aim "target" allows.
 const SLACK: f64 = 5e-5;
 
-/// The part of a pressure that an amplitude below it must reach, in order to be used alone.
+/// The highest amplitude that is not too loud is used, without a scale, if it gives at least this part of the pressure.
 const KEPT: f64 = 0.9;
 
 /// The part of a pressure that may be lost by rounding to an amplitude of the table.

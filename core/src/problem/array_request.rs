@@ -130,7 +130,7 @@ impl ArrayRequest {
                 self.excess = self.excess.max(target / alone);
             }
         }
-        // Divided by the largest load, so that no square overflows or underflows.
+        // The loads are divided by the largest one, so that no square overflows or underflows.
         let pairs = self.active.iter().zip(reach);
         let loads = pairs.map(|(&j, &reach)| self.pascals[j] / (reach * reference)).filter(|load| *load > 0.0);
         let load = loads.clone().fold(0.0, f64::max);
@@ -166,7 +166,7 @@ impl ArrayRequest {
         let heaviest = self.weights.iter().copied().fold(0.0, f64::max);
         let (mut miss, mut all) = (0.0, 0.0);
         for &j in &self.active {
-            // Divided by the largest target, so that no square of a finite number overflows.
+            // Pressures are divided by the largest target, so that no square of a finite number overflows.
             let (weight, target) = (self.weights[j] / heaviest, self.pascals[j] / largest);
             let pressure = Complex64::new(f64::from(pressures[j].re), f64::from(pressures[j].im)) / largest;
             miss += weight * (pressure - target * math::phasor(self.phases[j])).norm_sqr();

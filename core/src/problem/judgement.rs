@@ -57,7 +57,7 @@ impl Problem {
     /// 0. At a quiet point only the leak above `quiet` times the largest target counts.
     pub(crate) fn miss(&self, solution: &Solution, quiet: f64) -> f64 {
         let ArrayRequest { active, pascals, weights, .. } = &*self.targets;
-        // Divided by the largest target, so that no square of a finite number overflows.
+        // Pressures are divided by the largest target, so that no square of a finite number overflows.
         let largest = active.iter().fold(0.0, |most: f64, &j| most.max(pascals[j]));
         let heaviest = active.iter().fold(0.0, |most: f64, &j| most.max(weights[j]));
         let (mut miss, mut all) = (0.0, 0.0);

@@ -74,7 +74,7 @@ impl Metrics {
         let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
         for (pressure, target, weight) in targeted.clone() {
             let x = pressure / target;
-            // Divided by the largest target, so that no square of a finite number overflows.
+            // Pressures are divided by the largest target, so that no square of a finite number overflows.
             let (gap, target) = ((target - pressure) / largest, target / largest);
             count += 1.0;
             reached += pressure / largest;

@@ -28,7 +28,8 @@ const ROUNDS: usize = 6;
 /// In later rounds, the errors are checked after this many choices.
 const CHUNK: usize = 64;
 
-/// The aim is below the level by this part, and errors with this root mean square are small enough.
+/// A mix aims at moduli that are lower than the level by this part. Errors are small enough if their root mean square is at
+/// most this part of the level.
 const NEAR: f32 = 5e-4;
 
 /// Half of the errors that remain after the choices, in units of (step between the amplitudes) times (points per transducer).

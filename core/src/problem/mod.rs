@@ -358,7 +358,6 @@ impl Problem {
 
     /// The factor s that scales the targets to the balanced level: `sum_j (s target_j / p1_j)^2 = 1` with
     /// `p1_j = sum_i |G_ji|`. It is 1 if no pressures were given.
-    /// |G_ji|`. It is 1 if no pressures were given.
     #[must_use]
     pub fn balance(&self) -> f64 {
         self.targets.balance

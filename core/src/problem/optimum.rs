@@ -38,7 +38,8 @@ const CUT: usize = 4;
 /// How often the weights of a box are computed, each time from the previous ones.
 const TRIES: usize = 4;
 
-/// New weights are computed if those at hand cost more than this part of the cost of the box's width.
+/// Better weights are computed if, in the middle of a box, bound and level differ by more than this part of what the width of
+/// the box adds to the bound.
 const WORTH: f64 = 0.1;
 
 /// The shortest step of a phase in rad: near its maximum the level hardly changes.
@@ -123,7 +124,7 @@ struct Torus<'w> {
     products: Buffer<'w, f64>,
     /// Half the width of a box along each phase. The first phase is fixed at 0.
     half: [f64; MOST],
-    /// The least value of d.
+    /// The least value of d_i (see the module's head).
     least: f64,
     best: Optimum,
     /// The highest certificate among the boxes that need no more work.

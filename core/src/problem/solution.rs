@@ -91,8 +91,8 @@ impl Solution {
         Ok(Self { drive, pressures, status, steps, scale, on_grid: false, request })
     }
 
-    /// Returns the solution with this drive; this is the last line of a solver. Given are also the status, the number of the
-    /// last step, and the number of `steps`. Computes the pressures and reports the last step.
+    /// Returns the solution with this drive. A solver calls this at its end, with its status, the number of its last step and
+    /// the number of `steps`. Computes the pressures and reports the last step.
     ///
     /// # Errors
     /// A stop by the caller, unless it was noticed before.

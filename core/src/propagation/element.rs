@@ -26,7 +26,7 @@ const RULE: [[f64; 3]; 2] = [
 /// quarters.
 const NEAR: f64 = 3.5;
 
-/// How often a near element is cut into quarters, at most. Below an eighth of the edge in distance, the rule is inaccurate.
+/// How often a near element is cut into quarters, at most. At distances below an eighth of the edge, the rule is inaccurate.
 const MOST_CUTS: u32 = 3;
 
 /// Nodes and weights of the Gauss rule with 8 nodes on [-1, 1]; each row stands for the nodes x and -x.

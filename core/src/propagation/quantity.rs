@@ -32,7 +32,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Returns the quantity of this name; `particle` is used by those of a particle.
+    /// Returns the quantity of this name; `particle` is used by the quantities of a particle.
     ///
     /// ```
     /// use midair::{Particle, Quantity};
@@ -56,7 +56,7 @@ impl Quantity {
         found.ok_or_else(|| Error::unknown("quantity", name, all.iter().map(|(known, _)| *known)))
     }
 
-    /// How many numbers it has at each point.
+    /// The number of values at each point.
     #[must_use]
     pub fn width(self) -> usize {
         match self {
@@ -108,7 +108,7 @@ impl Quantity {
         }
     }
 
-    /// Returns the cotangents of the coefficients of that pressure, and the derivative of L by the sound speed at constant
+    /// Returns the cotangents of the coefficients of the pressure, and the derivative of L by the sound speed at constant
     /// pressure.
     pub(crate) fn back_felt(
         self,

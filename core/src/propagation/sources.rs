@@ -62,7 +62,7 @@ impl Sources {
         frame
     }
 
-    /// Writes the points into a frame that has their number.
+    /// Writes the points into `frame`, three lists as [`Sources::frame`] returns them, for the same number of points.
     pub(crate) fn write_frame(&self, points: &[[f64; 3]], frame: &mut [Vec<f32>; 3]) {
         for (j, point) in points.iter().enumerate() {
             let position = wavelengths(*point, self.centre, self.medium.wavelength());
@@ -93,12 +93,12 @@ impl Sources {
         1000.0 * self.array.transducer().source_pressure
     }
 
-    /// Eq. (5) in double precision, in Pa, with the transducer's response.
+    /// Returns the pressure in Pa of transducer i at a point, at full drive and with its response, in double precision.
     pub(crate) fn exact(&self, i: usize, point: [f64; 3]) -> Complex64 {
         self.array.effect(i) * self.sent(i, point)
     }
 
-    /// Eq. (5) in double precision, in Pa, without the transducer's response.
+    /// Returns the pressure in Pa of transducer i at a point, at full drive and without its response, in double precision.
     pub(crate) fn sent(&self, i: usize, point: [f64; 3]) -> Complex64 {
         let transducer = self.array.transducer();
         let from = self.array.positions()[i];

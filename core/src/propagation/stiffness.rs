@@ -43,7 +43,7 @@ pub(crate) struct Stiffness {
     /// and imaginary part, in units of the reference.
     planes: [Vec<f32>; 2],
     points: usize,
-    /// F in N/m and S in N, for coefficients in these units.
+    /// F in N/m and S in N, for coefficients in the units of `planes`.
     forms: Forms,
     /// The forces in N on the particle at each point besides the sound: weight less buoyancy, minus the forces of
     /// [`Stiffness::pull_by`].

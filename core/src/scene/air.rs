@@ -80,13 +80,13 @@ impl Medium {
     }
 }
 
-/// The pressure of saturated water vapour in Pa, eq. (B.2) and (B.3).
+/// The pressure of saturated water vapour in Pa, eq. (B.2) and (B.3) of ISO 9613-1.
 fn saturation(kelvin: f64) -> f64 {
     STANDARD * math::pow(10.0, -6.8346 * math::pow(273.16 / kelvin, 1.261) + 4.6151)
 }
 
-/// The absorption alpha in Np/m, eq. (3) to (5). `vapour` is the molar part of water vapour in percent, `pressure` the air
-/// pressure in units of the standard pressure.
+/// The absorption alpha in Np/m, eq. (3) to (5) of ISO 9613-1. `vapour` is the molar part of water vapour in percent,
+/// `pressure` the air pressure in units of the standard pressure.
 fn absorption(frequency: f64, kelvin: f64, vapour: f64, pressure: f64) -> f64 {
     let warmth = kelvin / 293.15;
     let oxygen = pressure * (24.0 + 4.04e4 * vapour * (0.02 + vapour) / (0.391 + vapour));

@@ -49,8 +49,8 @@ pub struct Array {
     mask: Option<Arc<[bool]>>,
     pub(super) channels: Option<Channels>,
     quantization: Option<Arc<Quantization>>,
-    /// The frequency in Hz of an array that is real hardware: its default medium is then real air. Not part of an array's
-    /// value.
+    /// The frequency in Hz of an array that is real hardware: its default medium is then real air. Two arrays that differ only
+    /// in this are equal.
     hardware: Option<f64>,
     origin: Origin,
 }
@@ -71,7 +71,8 @@ impl Array {
         one_each("array.normals", normals.len(), "normals", positions.len(), "positions")?;
         check_finite("array.normals", &normals)?;
         for (i, normal) in normals.iter_mut().enumerate() {
-            // Divided by its largest component first: then the squares of no finite normal overflow or underflow.
+            // The normal is divided by its largest component first, so that the squares of its components neither overflow nor
+            // underflow.
             let largest = normal.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
             if largest == 0.0 {
                 return Err(Error::invalid(
@@ -101,7 +102,7 @@ impl Array {
         })
     }
 
-    /// A flat grid of `nx` x `ny` transducers `pitch` metres apart, centred, x fastest.
+    /// Returns a flat grid of `nx` x `ny` transducers `pitch` metres apart, centred on the origin; x varies fastest.
     ///
     /// # Errors
     /// A count of 0, more than 2^20 transducers, a pitch that is not above 0.
@@ -352,7 +353,7 @@ impl Array {
     }
 }
 
-/// Compares values: the origin, the mark as hardware and a mask that switches nothing off do not count.
+/// Compares two arrays by value. The origin, the mark as hardware and a mask that switches nothing off are ignored.
 impl PartialEq for Array {
     fn eq(&self, other: &Self) -> bool {
         let on = |array: &Self, i: usize| array.mask.as_ref().is_none_or(|mask| mask[i]);

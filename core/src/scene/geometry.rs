@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use crate::error::{Error, one_each};
 use crate::math;
 
-/// `nx` x `ny` positions `pitch` metres apart, centred, x fastest.
+/// Returns `nx` x `ny` positions `pitch` metres apart, centred on the origin; x varies fastest.
 pub(crate) fn lattice([nx, ny]: [usize; 2], pitch: f64) -> Vec<[f64; 3]> {
     let centred = |i: usize, n: usize| (i as f64 - (n as f64 - 1.0) / 2.0) * pitch;
     (0..nx * ny).map(|i| [centred(i % nx, nx), centred(i / nx, ny), 0.0]).collect()

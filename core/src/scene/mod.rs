@@ -61,7 +61,8 @@ use alloc::vec::Vec;
 
 use crate::error::Error;
 
-/// The loud shell around a trap lies within half a wavelength of it: five times the distance at which a plane shows a point.
+/// For a trap, a plane may be this many times as far away as for a focus: half a wavelength, within which the loud shell around
+/// the trap lies.
 const SHELL: f64 = 5.0;
 
 /// An array, a medium, control points and the request at them. Checked when made, and unchanged from then on.

@@ -49,7 +49,7 @@ obstacles! {
             radius: f64, such as "0.02";
         }
         ---
-        /// A body of any shape. Its field is known once the sound on its surface is: see [`crate::Boundary`].
+        /// A body of any shape. Its field can be computed once the sound on its surface is known: see [`crate::Boundary`].
         Mesh(Arc<Mesh>) = "mesh",
     }
 }
@@ -65,7 +65,7 @@ impl Obstacle {
     }
 }
 
-/// The checked obstacles of a scene. No transducer is inside of one or behind a wall.
+/// The checked obstacles of a scene. No transducer is inside an obstacle or behind a wall.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Obstacles {
     given: Arc<[Obstacle]>,

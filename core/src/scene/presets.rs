@@ -59,11 +59,11 @@ impl Preset {
     }
 }
 
-/// The transducer of Suzuki et al. 2021: P0 = 1e-3 Pa m is eq. (5) with lengths in millimetres.
+/// The transducer of Suzuki et al. 2021: their eq. (5), with lengths in millimetres, has the source pressure P0 = 1e-3 Pa m.
 const PAPER: Transducer = Transducer { source_pressure: 1e-3, directivity: Directivity::POINT };
 /// The 10 mm transducer in Ultraino's files.
 const ULTRAINO: Transducer = Transducer { source_pressure: 2.4, directivity: Directivity::sinc(9e-3) };
-/// The Murata MA40S4S at 20 V.
+/// The Murata MA40S4S transducer, driven by 20 V.
 const MURATA: Transducer = Transducer { source_pressure: 3.4, directivity: Directivity::piston(4.5e-3) };
 const HANDYBEAM: Transducer = Transducer { source_pressure: 3.4, directivity: Directivity::cos(3.376) };
 const OPENMPD: &str =
@@ -240,7 +240,8 @@ pub fn find(name: &str) -> Result<&'static Preset, Error> {
     error::find("preset", name, &PRESETS, |preset| preset.name)
 }
 
-/// Boards in rows, x fastest, and the transducers of each row by row, x fastest. The middle of all of them is the origin.
+/// Returns the positions of AUTD3 boards in m: the boards in rows, and the transducers of each board in rows; x varies fastest.
+/// The origin is the middle of all transducers.
 fn autd3(tiles: [usize; 2]) -> Vec<[f64; 3]> {
     const SITES: [usize; 2] = [18, 14];
     const PITCH: f64 = 10.16e-3;

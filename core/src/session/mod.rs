@@ -62,7 +62,7 @@ pub struct Session {
     last: Last,
     /// For each kind of remark, whether it has been made.
     reported: [bool; 8],
-    /// Whether it has searched for a proof that no drive gives all targets together.
+    /// Whether the session has searched for a proof that no drive gives all targets together.
     looked: bool,
     /// The region in which points are plausible; `None` after the first warning about a point outside of it.
     vicinity: Option<Vicinity>,

@@ -11,8 +11,8 @@ use crate::scene::{Array, Medium};
 fn values_on_a_ball_give_the_polynomial_of_a_transducer() {
     let medium = Medium { absorption: 0.2, ..Medium::default() };
     let sources = Sources::new(&Array::new(vec![[0.01, -0.004, 0.0]], None).expect("an array"), medium);
-    // Two distances from the transducer, about a wavelength and a quarter of one. The radius of the ball is an eighth of the
-    // distance.
+    // One point is about a wavelength from the transducer, the other about a quarter of a wavelength. The radius of the ball is
+    // an eighth of the distance.
     for point in [[0.013, 0.002, 0.006], [0.01, -0.003, 0.0019]] {
         let mut wanted = [Jet::ZERO; 2];
         let taylor = Taylor::new(InstructionSet::best(), &sources, |_| Complex64::ONE);

@@ -32,7 +32,7 @@ fn a_bead_rests_where_the_net_force_is_0_and_is_pulled_back_up_to_the_edge() {
     let none = &mut Control::none();
     let rest = rest(&model, &drive, &starts, particle, GRAVITY, none).expect("places");
     assert_eq!(rest.held, [true; 3]);
-    // The second start lies in the basin of the first, the third one in the basin of the next node.
+    // From the second start the particle moves to the same node as from the first, from the third start to the next node.
     assert!(distance(rest.place[0], rest.place[1]) < 1e-8 && rest.place[2][2] > 3.5e-3);
     let weight = particle.weight(model.medium(), GRAVITY);
     let net = |place: [f64; 3]| {

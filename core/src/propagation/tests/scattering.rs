@@ -28,7 +28,7 @@ fn all(propagation: &Propagation, j: usize) -> Vec<Complex64> {
     (0..propagation.transducers()).map(|i| propagation.exact(j, i)).collect()
 }
 
-/// Eq. (5) of a piston with absorption, mirrored at the plane x = `at`, written out.
+/// The pressure of a piston i with absorption, mirrored at the plane x = `at`, as a formula written out.
 fn mirrored(array: &Array, i: usize, at: f64, [x, y, z]: [f64; 3]) -> Complex64 {
     let [a, b, c] = array.positions()[i];
     let ray = [x - (2.0 * at - a), y - b, z - c];

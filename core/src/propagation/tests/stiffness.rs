@@ -43,7 +43,7 @@ fn it_is_the_stiffness_of_gorkov_and_its_slope() {
     for (reported, wanted) in reported.iter().zip(&wanted) {
         assert!((reported - wanted).abs() < 1e-5 * largest, "{reported} {wanted}");
     }
-    // The derivative along another field's coefficients, against a central difference.
+    // Compares the derivative in the direction of another field's coefficients with a central difference.
     let weights = [0.3, -0.2, 0.7, 0.1, 0.9, -0.4];
     let way = traps.field(&drive.iter().rev().copied().collect::<Vec<_>>());
     let shifted = |part: f32| [0, 1].map(|k| c[k].iter().zip(&way[k]).map(|(a, b)| a + part * b).collect());

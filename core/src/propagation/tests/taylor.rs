@@ -29,7 +29,7 @@ fn series(coefficients: [f64; 4], powers: &[Jet; 3]) -> Jet {
     sum
 }
 
-/// Eq. (5) of transducer i around a point in Pa, without its response: real and imaginary part.
+/// The wave of transducer i around a point in Pa, without its response: real and imaginary part.
 fn jet(sources: &Sources, i: usize, point: [f64; 3]) -> [Jet; 2] {
     let transducer = sources.array.transducer();
     let (from, normal) = (sources.array.positions()[i], sources.array.normals()[i]);

@@ -9,7 +9,7 @@ pub(super) static LAW: Law = Law {
     about: "D = cos(theta)^n; HandyBeam's model with n = 3.376",
     value: |exponent, cos_theta, _| math::pow(cos_theta, exponent),
     taylor: Taylor::Each(|n, c, _| {
-        // One power, from which the others follow by division, unless the power or c is too small to divide.
+        // c^n is computed once. The lower powers follow by division, unless c^n or c is too small to divide by.
         let (whole, over) = (math::pow(c, n), [1.0, c, c * c, c * c * c]);
         let power = |m: usize, factor: f64| match factor {
             0.0 => 0.0,
