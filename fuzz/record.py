@@ -39,7 +39,7 @@ def rows(table: str) -> list[Row]:
 
 
 def put(table: str, row: Row, keys: int) -> None:
-    """Write a row in place of the one with the same first `keys` cells, or append it; all or nothing."""
+    """Replace the row with the same first `keys` cells, or append it; an interruption changes nothing."""
     before, inside, after = _parts(table)
     found = rows(table)
     same = [index for index, other in enumerate(found) if other[:keys] == row[:keys]]

@@ -37,14 +37,14 @@ OPTIONS = ["-print_final_stats=1", "-timeout=60", "-rss_limit_mb=4096", "-verbos
 
 @dataclass
 class Had:
-    """How much a target has run with the present code."""
+    """Number of executions and seconds that a target has run with the present code."""
 
     executions: int = 0
     seconds: int = 0
 
     @classmethod
     def of(cls, name: str, code: str) -> Had:
-        """Read it from the record."""
+        """Return the numbers of a target, added up from the record."""
         had = cls()
         for row in record.rows("fuzz"):
             if row[:2] == [name, code]:

@@ -146,7 +146,8 @@ midair_result midair_array_board(const char *kind,
                                  char *message,
                                  size_t message_size);
 
-// Makes a flat grid of nx by ny transducers that radiate to +z. It is centred in z = 0, x fastest, with a pitch in m.
+// Makes a flat grid of nx by ny transducers that radiate to +z, with a pitch in m. It lies in the plane z = 0, centred on the
+// origin; x varies fastest.
 midair_result midair_array_grid(size_t nx,
                                 size_t ny,
                                 double pitch,

@@ -46,7 +46,8 @@ pub unsafe extern "C" fn midair_array_board(
     })
 }
 
-/// Makes a flat grid of nx by ny transducers that radiate to +z. It is centred in z = 0, x fastest, with a pitch in m.
+/// Makes a flat grid of nx by ny transducers that radiate to +z, with a pitch in m. It lies in the plane z = 0, centred on the
+/// origin; x varies fastest.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_array_grid(
     nx: usize,

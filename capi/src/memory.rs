@@ -84,7 +84,7 @@ pub(crate) unsafe fn vectors<'a>(item: &str, start: *const f64, count: usize) ->
     unsafe { list(item, start.cast::<[f64; 3]>(), count) }
 }
 
-/// Returns a drive.
+/// Returns the drive of `count` complex numbers at an address.
 ///
 /// # Safety
 /// The conditions of [`list`].

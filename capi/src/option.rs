@@ -21,7 +21,8 @@ pub(crate) enum Given<'a> {
 #[derive(Clone)]
 pub(crate) struct Setting {
     array: Array,
-    /// The medium of the session's scene, if it was made from one; then the keys set since; then the medium with both.
+    /// Three states of the medium: of the scene from which the session was made, if any; the keys set since then; both
+    /// together.
     before: Option<Medium>,
     given: Vec<(&'static str, f64)>,
     medium: Medium,

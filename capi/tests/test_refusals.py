@@ -59,7 +59,7 @@ def requested(**changed: object) -> Call:
 
 
 REFUSED: dict[str, tuple[Call, str]] = {
-    # Names.
+    # Invalid names.
     "preset": (
         lambda h: ("array_preset", "autd4", 1, 1, h.place),
         'unknown preset "autd4": did you mean autd3?',
@@ -91,7 +91,7 @@ REFUSED: dict[str, tuple[Call, str]] = {
         text("quantization", "non"),
         'unknown board "non": known are ',
     ),
-    # Numbers.
+    # Invalid numbers.
     "pitch": (lambda h: ("array_grid", 8, 8, NAN, h.place), "array.grid.pitch is NaN: give a finite number"),
     "none": (lambda h: ("array_grid", 0, 8, 0.01, h.place), "array.grid.nx is 0: give at least 1 transducer"),
     "huge": (lambda h: ("array_grid", 2**40, 2**40, 0.01, h.place), "array.grid nx * ny is "),
@@ -170,7 +170,7 @@ REFUSED: dict[str, tuple[Call, str]] = {
         lambda h: ("board_encode", h.board, np.full(64, 2, np.complex64), 64, np.zeros(210, np.uint8), 210),
         "drive[0] is 2 + 0j: give finite drives of at most 1",
     ),
-    # NULL, short and misaligned buffers.
+    # Buffers that are NULL, too short or misaligned.
     "array": (
         lambda h: ("session_new", None, "fast", h.place),
         "array is NULL: make one with midair_array_new() or the like",

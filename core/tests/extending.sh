@@ -94,7 +94,7 @@ cargo clippy --quiet "${own[@]}" -- -D warnings
 cargo check --quiet --manifest-path "$copy/Cargo.toml" -p midair-python
 python3 -m py_compile "$copy"/python/tests/{firmware,test_obstacles}.py "$copy"/python/midair/{__init__,_pictures/panel}.py
 
-# The laws for this solver alone.
+# Runs the tests of laws.rs with this solver alone in the registry.
 sed -i '1a #![allow(unused_imports)]
 /^    Entry::of::<[A-Z]/d' "$copy/core/src/solvers/registry.rs"
 cat >"$copy/core/tests/suite/main.rs" <<'RUST'

@@ -35,7 +35,7 @@ const WORDS: [&str; 12] =
 pub struct Draw<'a>(Unstructured<'a>);
 
 impl<'a> Draw<'a> {
-    /// Starts at the first byte.
+    /// Returns a reader at the first byte.
     pub fn new(bytes: &'a [u8]) -> Self {
         Self(Unstructured::new(bytes))
     }
@@ -187,7 +187,7 @@ impl<'a> Draw<'a> {
         self.list(transducers, |draw| Complex32::new(draw.real(0.7) as f32, draw.real(0.7) as f32))
     }
 
-    /// An aim.
+    /// Returns an aim.
     pub fn aim(&mut self) -> Aim {
         self.one(&[Aim::Target, Aim::Max])
     }

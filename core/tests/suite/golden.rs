@@ -214,7 +214,7 @@ fn golden_vectors_come_out_bit_for_bit_under_the_scalar_set() {
         }
         for (name, theirs) in record["metrics"].as_object().expect("a table") {
             let ours = metrics(solution.metrics())[name].as_f64().expect("a number");
-            // The number was written as decimal text.
+            // The tolerance is for a number that was written as decimal text.
             assert!((theirs.as_f64().expect("a number") - ours).abs() < 1e-12, "{}: {name} is {ours}", case.0);
         }
     }

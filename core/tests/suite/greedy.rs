@@ -154,7 +154,8 @@ fn on_small_scenes_the_choices_are_the_oracles() {
             });
         }
     }
-    // Of the 1200 choices, one is so close to a tie. A second scene with other choices would be an error.
+    // One of the 1200 choices is nearly a tie, which rounding may decide differently. A second scene with other choices would
+    // be an error.
     assert!(apart <= 1, "{apart} of 100 scenes have other choices");
 }
 

@@ -184,7 +184,7 @@ fn a_seed_is_another_answer_and_an_index_of_nothing_else() {
         let with = |seed: u64| {
             let mut chosen: Options = [("seed".to_owned(), Value::Integer(seed.into()))].into();
             if has("starts") {
-                // The first two starts do not depend on the seed, and the best of a few starts may be one of these.
+                // With few starts, the best may be one of the first two, which do not depend on the seed.
                 chosen.insert("starts".into(), Value::Integer(16));
             }
             let made = entry.configure(&chosen).expect("a seed");
