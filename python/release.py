@@ -1,8 +1,8 @@
-"""Rehearses a release: builds it into out/release, tests each part in an empty environment, lists the
-uploads.
+"""Rehearses a release: builds it into out/release, tests each part in an empty environment, and prints the
+commands for the upload.
 
-It needs all that `make wheels` and `make npm` need. Environments are made for all interpreters from Python
-3.11 on that uv finds; none of them contains Rust.
+It needs all that `make wheels` and `make npm` need. It makes an environment, without Rust, for each
+interpreter from Python 3.11 on that uv finds.
 """
 
 import hashlib
@@ -28,7 +28,7 @@ BIN = Path(sys.executable).parent
 VERSION = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]["version"]
 PYTHONS = ("3.11", "3.12", "3.13", "3.14")
 THIRD_PARTY = ROOT / "python" / "THIRD-PARTY.md"
-#: Licences that a wheel may bundle: each requires its text or less.
+#: Licences of crates in a wheel that are allowed: none requires more than a copy of its text.
 ALLOWED = {
     "MIT",
     "Apache-2.0",
@@ -39,9 +39,9 @@ ALLOWED = {
     "Zlib",
 }
 ALLOWED |= {"Unicode-3.0", "Unlicense", "CC0-1.0", "BSL-1.0"}
-#: A scene of a board.
+#: A scene file: a board's array and one point.
 BOARD = 'array.preset = "sonicsurface"\n[[points]]\nposition = [0, 0, 0.15]\n'
-#: The largest size of a wheel, in bytes.
+#: The largest allowed size of a wheel, in bytes.
 MOST = 6_000_000
 
 
@@ -94,7 +94,7 @@ def third_party() -> str:
 
 
 def build() -> None:
-    """Builds sdist, wheels, crate and package for Node."""
+    """Builds the source distribution, the wheels, the crate and the package for Node."""
     shutil.rmtree(OUT, ignore_errors=True)
     OUT.mkdir(parents=True)
     say("licences of what is bundled")
@@ -118,7 +118,7 @@ def build() -> None:
 
 @contextmanager
 def empty(python: str) -> Iterator[tuple[Path, dict[str, str]]]:
-    """Makes an environment of one Python with the wheel, in an empty folder and without Rust."""
+    """Makes a temporary environment: one version of Python with the wheel, no Rust, an empty work folder."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         run(BIN / "uv", "venv", "--quiet", "--python", python, folder / "env")
@@ -165,7 +165,7 @@ def try_wheel(python: str) -> None:
 
 
 def fetched(address: str) -> bytes:
-    """Returns a file of a server, as soon as it is served."""
+    """Returns a file from a server that may still be starting: retries for ten seconds."""
     for _ in range(100):
         try:
             with urllib.request.urlopen(address, timeout=5) as answer:
@@ -176,7 +176,7 @@ def fetched(address: str) -> bytes:
 
 
 def try_node() -> None:
-    """Tests the package's example in an empty folder."""
+    """Tests the example of the package for Node in an empty folder."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "package.json").write_text('{"name": "empty", "private": true, "type": "module"}')

@@ -131,7 +131,7 @@ def kind(name: str, option: midair.OptionInfo) -> list[str]:
     words = ", ".join(f'"{word}"' for word in option.words)
     own = f"Literal[{words}]" if words else type(option.default).__name__
     if name == "objective":
-        # `solve` also takes a function.
+        # As its objective, `solve` also accepts a function.
         return [own, "Callable[[NDArray[np.complex64], NDArray[np.float64], NDArray[np.float64]], ArrayLike]"]
     return [own, "Sequence[int]", "NDArray[np.integer]"] if option.list else [own]
 
@@ -149,7 +149,7 @@ class {name}:
 
 
 def bodies() -> str:
-    """Returns the file of obstacles that a few numbers describe, with a class for each kind."""
+    """Returns the stub file of obstacles (one class per kind) that a few numbers describe."""
     kinds = midair._midair.bodies()
     text = '"""Obstacles of a few numbers, from the core. Made by `make stubs`."""\n\n'
     text += "from typing import Final, Literal, TypeAlias, final\n\nfrom numpy.typing import ArrayLike\n\n"
@@ -169,13 +169,13 @@ def bodies() -> str:
 
 
 def getter(name: str, kind: str, owner: type) -> list[str]:
-    """Returns the lines of a property with the docstring that it has at run time."""
+    """Returns the stub of a property: its lines, with the docstring that it has at run time."""
     about = inspect.getdoc(getattr(owner, name))
     return ["    @property", f"    def {name}(self) -> {kind}:", f'        """{about}"""']
 
 
 def air() -> str:
-    """Returns the keywords of the air, and the properties of a scene with its numbers."""
+    """Returns two stubs: the keywords of the air, and a scene's properties that return these numbers."""
     lines = ["class Air(TypedDict, total=False):"]
     for name, (_, about) in midair._midair.scene_keys()["medium"].items():
         lines += [f"    {name}: float | None", f'    """{about}"""']
@@ -185,7 +185,7 @@ def air() -> str:
     return "\n".join(lines) + "\n"
 
 
-#: Types of an array's parts by kind: as a keyword, and as a property.
+#: For each kind of an array's parts: the type of its keyword, and the type of its property.
 KINDS = {
     "real": ("float", "float"),
     "directivity": ("_Directivity", "_Directivity"),
@@ -197,8 +197,8 @@ KINDS = {
 
 
 def parts() -> str:
-    """Returns the keywords of an array's parts, alone and together with those of the air,
-    and its properties.
+    """Returns the stubs of an array's parts: their keywords, alone and together with the air's keywords,
+    and the array's properties.
     """
     kinds = midair._midair.array_parts()
     lines = ["class Parts(TypedDict, total=False):"]
@@ -212,8 +212,8 @@ def parts() -> str:
 
 
 def keywords() -> str:
-    """Returns the file of keywords: for each solver a class of its options,
-    and classes of these with each call's own.
+    """Returns the stub file of keywords: a class of options for each solver,
+    and classes that add the keywords of each call.
     """
     classes: dict[str, list[str]] = {}
     every: dict[str, list[str]] = {}
@@ -236,7 +236,7 @@ def keywords() -> str:
 
 
 def calls() -> str:
-    """Returns the file of calls: overloads for each solver's name, for no name,
+    """Returns the stub file of calls: overloads for each solver's name, for no name,
     and for a name that is not a literal.
     """
     solvers = [(f'Literal["{name}"]', name.title()) for name in midair.solvers()]

@@ -40,15 +40,15 @@ def matrix(quaternion: Floats) -> Floats:
 
 
 def boards(*poses: tuple[list[float], Floats]) -> midair.Array:
-    """Returns the array of boards at these poses: origin of the first transducer in mm, and a quaternion."""
+    """Returns the array of boards at these poses (position of the first transducer in mm, quaternion)."""
     places = [np.array(origin) + SITES @ matrix(rotation).T for origin, rotation in poses]
     normals = [np.tile(matrix(rotation)[:, 2], (249, 1)) for _, rotation in poses]
     return midair.Array(np.concatenate(places) * 1e-3, np.concatenate(normals))
 
 
 def some_poses(count: int) -> list[tuple[list[float], Floats]]:
-    """Poses of one to four boards around the z axis.
-    The second is tilted and turned; one board alone is that one.
+    """Returns poses of one to four boards around the z axis.
+    The second board is tilted and turned; for `count` 1, it is the only one.
     """
     flat, tilted = np.array([1.0, 0, 0, 0]), turned([0.2, 1, 0.1], -25)
     poses = [([-185.0, -145.0, 0.0], flat), ([10.0, -140.0, 2.0], tilted), ([-185.0, 8.0, 0.0], flat)]

@@ -1,6 +1,6 @@
-"""AUTD3 boards that play nothing: they take unit numbers, and acknowledge and store steps in either protocol.
+"""Simulated AUTD3 boards: they accept unit numbers, and store and acknowledge steps (commands to boards).
 
-They reply like the makers' emulators do; `make test-boards` compares midair with those emulators.
+They reply in either protocol as the makers' emulators do. `make test-boards` uses those emulators.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ class Fake:
     def __init__(self, version: int, boards: int, firmware: bytes = bytes([0, 13, 0, 0, 13, 0])) -> None:
         self.versions, self.firmware = [version] * boards, firmware
         self.steps: list[list[bytes]] = [[] for _ in range(boards)]
-        #: Status codes of the next replies, one for each step; and status flags to set besides the usual
-        #: ones.
+        #: `refusals`: status codes of the next replies, one per step. `flags`: bits that each reply's status
+        #: flags have in addition to the usual ones.
         self.refusals: list[int] = []
         self.flags = 0
-        #: For this many steps, the boards acknowledge the previous count, as boards do that dropped a step.
+        #: For this many steps, the boards acknowledge the previous count: the sign that a step was dropped.
         self.skips = 0
         self._unit: list[int | None] = [None] * boards
         self._open = [False] * boards
@@ -122,7 +122,7 @@ def read(frame: bytes) -> tuple[int, int, bytes]:
 
 
 def acts(boards: Any) -> list[Any]:
-    """Returns the acts that golden/autd3 records, in order: calls on a transport of two boards."""
+    """Returns the calls on a transport of two boards that golden/autd3 records, in order."""
     codes = bytes(k * k % 251 for k in range(2 * 498 * 7))
     frames = [codes[k : k + 2 * 498] for k in range(0, len(codes), 2 * 498)]
     return [

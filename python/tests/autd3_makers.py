@@ -1,6 +1,6 @@
 """Translates midair's steps to AUTD3 boards into commands of the makers' package 0.12, for their emulator.
 
-The fields of a step are read from its bytes by the layouts of protocol 3.
+The module reads the fields of a step from its bytes, by the layouts of protocol 3.
 """
 
 import struct

@@ -21,8 +21,9 @@ from midair._boards.transport import open_transport
 #: Number of boards in the tests.
 BOARDS = 2
 
-#: Kinds of datagrams (second byte of a datagram), and the command of a single pattern (second byte of a
-#: step).
+#: Kinds of datagrams, in their second byte: one with a step, and a heartbeat. PATTERN is the command of a
+#: single pattern, in the second byte of a step. PAIRED is the protocol (first byte of a datagram) in which
+#: a pattern's phase and intensity codes alternate.
 FRAME, HEARTBEAT = 0, 7
 PATTERN = 0x16
 #: Lengths in bytes: of a datagram's header, and of all headers before a pattern's codes.
@@ -58,7 +59,7 @@ class Wire:
         self._selector.close()
 
     def steps(self) -> list[list[bytes]]:
-        """Returns the received steps, first board first. (The last board receives first.)"""
+        """Returns each board's received steps, first board first. (A step reaches the last board first.)"""
         return [list(each) for each in reversed(self._steps.values())]
 
     def _socket(self, board: Any) -> socket.socket:
@@ -68,7 +69,7 @@ class Wire:
         return made
 
     def _face(self, board: Any) -> socket.socket:
-        """Returns the socket towards the client that stands for a board, or for all boards."""
+        """Returns the socket that sends the client the replies of a board, or of all boards."""
         if board not in self._towards_client:
             self._towards_client[board] = self._socket(board)
         return self._towards_client[board]
@@ -89,7 +90,7 @@ class Wire:
                     self._towards_boards.sendto(data, key.data)
 
     def _note(self, board: Any, data: bytes) -> None:
-        """Stores a step on its way to a board, and a pattern's codes: all phases, then all intensities."""
+        """Stores a step that goes to a board, and a pattern's codes: all phases, then all intensities."""
         self.heartbeats += data[1] == HEARTBEAT
         if data[1] == FRAME:
             self._steps[board].append(data[HEADER:])

@@ -29,7 +29,7 @@ LIMIT = 1.0
 
 OVER: list[str] = []
 
-#: Times in ms that boards took to be silent, by the test, which names how their program ended.
+#: Times in ms until boards were silent, by the name of the test, which says how their program ended.
 DARK: dict[str, list[float]] = {}
 
 #: Folder of the expected error messages, each of one line, by test file and test.
@@ -94,8 +94,8 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
 
 @pytest.fixture
 def dark(request: pytest.FixtureRequest) -> Callable[..., AbstractContextManager[None]]:
-    """Checks that a board is silent within a time in s after the block;
-    the times are printed at the run's end.
+    """Returns a context manager: it checks that a board is silent within a time in s after the start of its
+    block. The times are printed at the end of the test run.
     """
 
     @contextmanager

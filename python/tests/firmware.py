@@ -255,7 +255,7 @@ class Mega64(Arduino):
 
     @property
     def drive(self) -> Complex:
-        """As the compiled sketch plays: ports A C L B K F H D G J lag by these cycles, and ticks differ."""
+        """Drive of the compiled sketch: ports A C L B K F H D G J lag by `late` periods, and ticks differ."""
         late = np.array([0, 3, 7, 10, 14, 17, 20, 24, 27, 30])[np.array(self.PINS) // 8] / 396
         return harmonic(self.levels()[:, list(self.PINS)], self.TICKS) * np.exp(2j * np.pi * late)
 
@@ -341,9 +341,9 @@ class Kind:
     off
         Returns whether a frame for this many boards is the kind's own command to switch everything off.
     ticks
-        Ticks of a period, or their lengths. 0 for a kind that receives codes instead of pulses.
+        Number of ticks in a period, or their lengths. 0 for a kind that receives codes instead of pulses.
     widths
-        Possible pulse widths in ticks. None means half a period, or no pulse.
+        Possible pulse widths in ticks. None if a pulse can only last half a period, or be left out.
     """
 
     lines: Callable[[int], Sequence[Line]]

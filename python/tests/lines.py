@@ -49,8 +49,8 @@ class Surface:
 
 
 class Line:
-    """A pseudo-terminal with a Surface at its far end. `port` is its name, `times` the arrival times of the
-    bytes.
+    """A pseudo-terminal with a Surface at its far end. `port` is the terminal's name, `times` are the arrival
+    times of the bytes.
 
     `silent_since` is the time since which the surface is silent, infinite while it is not.
     """

@@ -74,7 +74,7 @@ def sdp_parts(G: Complex, t: Real, alpha: float = 1e-3) -> tuple[Complex, Comple
 
 
 def descend(Q: Complex, rng: np.random.Generator, steps: int = 1000, scale: float = 0.9) -> Complex:
-    """Returns X >= 0 with unit diagonal and small tr(Q X), by block coordinate descent from X = 1."""
+    """Returns a semidefinite X with unit diagonal and small tr(Q X), by coordinate descent from X = 1."""
     M = len(Q)
     X = np.eye(M, dtype=complex)
     for i in rng.integers(M, size=steps):
@@ -110,9 +110,10 @@ def sdp(
 
 
 def relaxed(Q: Complex) -> tuple[float, Complex]:
-    """Returns the least Re tr(Q X) over X >= 0 with unit diagonal, and that X, by an interior-point method.
+    """Returns the least Re tr(Q X) over semidefinite X with unit diagonal, and this X, by an interior-point
+    method.
 
-    A Hermitian X = A + jB is >= 0 exactly if the real matrix [[A, -B], [B, A]] of twice the size is.
+    A Hermitian X = A + jB is semidefinite exactly if the real matrix [[A, -B], [B, A]] is semidefinite.
     Clarabel expects the upper triangle of this matrix, by columns, with off-diagonal entries times sqrt 2.
     """
     M = len(Q)

@@ -1,5 +1,5 @@
-"""Simulated arrays that differ from every model, and simulated microphones:
-float64, eq. (5) with a piston's lobe.
+"""Simulated arrays with errors that no model has, and simulated microphones.
+The field is eq. (5) in float64 with the directivity of a piston.
 """
 
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ import midair
 Complex = NDArray[np.complex128]
 Real = NDArray[np.float64]
 
-#: The sound speed that the model assumes and the true one, in m/s.
+#: The sound speed that the model assumes, and the true sound speed, in m/s.
 BELIEVED, TRUE_SPEED = 340.0, 346.1
 
 
@@ -58,19 +58,19 @@ class Rig:
         return np.asarray(4.386 / r * 2 * j1(x) / x * np.exp(1j * number * r) * self.response)
 
     def level(self) -> float:
-        """Returns the balanced level of four foci, in Pa: the reference of the noise in decibels."""
+        """Returns the balanced level of four foci, in Pa. The noise in decibels is relative to this level."""
         return float(np.abs(self.matrix(self.new)).sum(1).mean() / 2)
 
     def read(self, drives: NDArray[np.complexfloating], decibels: float, phased: bool = False) -> Complex:
-        """Returns readings (K, M), with noise this many decibels below the level of the foci."""
+        """Returns the readings (K, M) of K drives, with noise this many decibels below `level`."""
         p = drives @ self.matrix(self.places).T
         sd = self.level() * 10 ** (-decibels / 20)
         noise = sd * self.rng.normal(size=(2, *p.shape))
         return p + (noise[0] + 1j * noise[1]) / np.sqrt(2) if phased else np.abs(np.abs(p) + noise[0])
 
     def kept(self, array: midair.Array, sound_speed: float) -> float:
-        """Returns the level at points without microphones that a model's drive reaches,
-        over that of the true model's.
+        """Returns the mean pressure of a model's drive at points without microphones,
+        relative to the mean pressure of the true model's drive.
         """
         truth = self.matrix(self.new)
         best = midair.solve(midair.Propagation(truth), "uniform").drive

@@ -13,8 +13,8 @@ from scipy.interpolate import PchipInterpolator
 from scipy.special import j1
 
 T4010A1 = (1.0, 1.0, 1.0, 0.8913, 0.7079, 0.5012, 0.3548, 0.2512, 0.1995, 0.1778)
-# A later candidate replaces an earlier one only if its energy is lower by this part of E(0). Rounding then
-# does not decide between candidates that are equal on paper.
+# In the greedy search, a later candidate replaces an earlier one only if its energy is lower by this part of
+# E(0), the energy of the all-zero drive. So rounding never decides between candidates of equal energy.
 TIE = 1e-12
 
 Real = NDArray[np.float64]
@@ -124,8 +124,8 @@ class _Walk:
         self.silent = float(self.w @ np.abs(self.t) ** self.power)
 
     def candidates(self, i: int) -> Complex:
-        """Returns the candidates, amplitudes outer, phases inner.
-        While P is 0 all phases are equal: phase 0 alone.
+        """Returns the candidates: for each amplitude, all phases.
+        While the pressures P are 0, all phases have the same energy, so only phase 0 is returned.
         """
         if not self.G[:, i].any():
             return np.zeros(0, complex)
@@ -161,8 +161,8 @@ def greedy(G: Complex, targets: ArrayLike, *, order: ArrayLike, **search: Any) -
 
 
 def regrets(G: Complex, targets: ArrayLike, drive: ArrayLike, *, order: ArrayLike, **search: Any) -> Real:
-    """Returns, for each step, the energy of this drive less the least of all candidates,
-    over E(0) unless that is 0.
+    """Returns, for each step, the energy of this drive minus the least energy of all candidates,
+    divided by E(0) unless E(0) is 0.
     """
     walk = _Walk(G, targets, **search)
     drive = np.asarray(drive, complex)
@@ -176,8 +176,8 @@ def regrets(G: Complex, targets: ArrayLike, drive: ArrayLike, *, order: ArrayLik
 
 
 def naive(G: Complex, targets: ArrayLike, limit: str = "clamp") -> Complex:
-    """Returns the sum of the single foci's back-propagated drives, limited.
-    A point out of reach adds nothing.
+    """Returns the limited sum of the back-propagated drives of all single foci.
+    A point that no transducer reaches adds nothing.
     """
     power = np.sum(np.abs(G) ** 2, axis=1)
     share = np.divide(np.asarray(targets, float), power, out=np.zeros_like(power), where=power > 0)

@@ -1,7 +1,7 @@
-"""Programs that play and end in various ways; each line "act port hold" of input starts one as a child
-process.
+"""Programs that play and end in various ways. Each input line "act port hold" starts one program as a
+child process.
 
-The output has, for each program, its process number, when it plays and when it has ended.
+The output has each program's process number when it plays, and "ended" when it has ended.
 """
 
 import ctypes
@@ -103,7 +103,7 @@ def play(name, port, hold):
 def main():
     # nohup makes programs ignore SIGHUP.
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
-    # An unbuffered read: the process that reads a line forks the program that the line is for.
+    # Each line is read when it arrives, and this process forks the program for it.
     while line := sys.stdin.readline():
         process = os.fork()
         if process == 0:

@@ -12,8 +12,8 @@ Complex = NDArray[np.complex128]
 
 
 def edges(ticks: int | Ticks) -> Complex:
-    """Returns e^{j phase} of the start of each tick of a period and of its end;
-    `ticks` are a number or lengths.
+    """Returns e^{j phase} at the start of each tick of a period, and at the end of the last tick;
+    `ticks` is the number of ticks or a list of their lengths.
     """
     lengths = np.ones(ticks) if isinstance(ticks, int) else np.array(ticks)
     return np.exp(2j * np.pi * np.r_[0, np.cumsum(lengths)] / lengths.sum())

@@ -39,7 +39,7 @@ LENGTHS = {kind: known.ticks for kind, known in KINDS.items() if known.ticks}
 TICKS = {kind: len(edges(ticks)) - 1 for kind, ticks in LENGTHS.items()}
 WIDTHS = {kind: known.widths for kind, known in KINDS.items() if known.widths}
 
-#: The drive of a half-period pulse that starts with the period; boards of pulses call this phase 0.
+#: By kind: the drive of a half-period pulse that starts with the period. Boards with pulses call it phase 0.
 TURN = {kind: 1j if known.ticks else 1.0 for kind, known in KINDS.items()}
 
 
@@ -50,7 +50,8 @@ def playable(kind: str) -> Complex:
         return np.ravel(amplitudes * np.exp(TURNING * phases[:, None]))
     ticks = TICKS[kind]
     starts, widths = np.meshgrid(np.arange(ticks), np.array(WIDTHS.get(kind, (0, ticks // 2))))
-    # Drives are decoded for equal ticks that lie closest to the real edges; the response has the remainder.
+    # midair decodes a drive as if all ticks were equal and as near as possible to the real edges. The rest of
+    # each delay is in the array's response.
     early = np.unwrap(np.angle(edges(LENGTHS[kind])[:-1])) - 2 * np.pi * np.arange(ticks) / ticks
     return pulses(starts, widths, LENGTHS[kind]) / TURN[kind] * np.exp(-1j * early.mean())
 

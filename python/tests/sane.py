@@ -16,7 +16,7 @@ UNEVEN = 0.3
 
 
 def sane(thing: object, where: str) -> int:
-    """Checks the results that an example made, and returns how many there were."""
+    """Checks the results that an example made, and returns their number."""
     if isinstance(thing, midair.Solution | midair.Batch):
         status = thing.status
         ended = [status] if isinstance(status, str) else status
@@ -55,7 +55,7 @@ def sane(thing: object, where: str) -> int:
 
 
 def columns(table: Mapping[str, object], where: str) -> int:
-    """Checks the columns of a table of metrics, by name, and returns how many numbers there were."""
+    """Checks the columns of a table of metrics, by name, and returns the number of checked values."""
     within = {"accuracy": (LEAST, MOST), "level": (LEAST, MOST), "sigma": (0, UNEVEN)}
     found = {name: np.asarray(table[name], float) for name in within.keys() & table.keys()}
     for name, values in found.items():
@@ -81,7 +81,7 @@ def printed(text: str) -> dict[str, list[float]]:
 
 
 def written(paths: Iterable[Path]) -> int:
-    """Checks the numbers in the files that a command wrote, and returns how many there were."""
+    """Checks the numbers in the files that a command wrote, and returns the number of checked values."""
     count = 0
     for path in paths:
         if path.suffix == ".npz":

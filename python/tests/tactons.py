@@ -1,4 +1,4 @@
-"""Tactons of our own in the format of Adaptics Designer, and the curves that midair should make of each."""
+"""Tactons (patterns for the skin) in the format of Adaptics Designer, and the curve expected from each."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 Values = Mapping[str, float]
 Curve = NDArray[np.float64]
 
-#: Computes the expected curve from the pattern's own time and the time since the start, both in ms, and the
-#: parameters: (4, T), which are x, y, z in mm and the intensity.
+#: A function that returns the expected curve (4, T): x, y, z in mm, and the intensity. Its arguments are the
+#: time within the pattern and the time since the start, both in ms, and the parameters.
 Expected = Callable[[Curve, Curve, Values], Curve]
 
 
@@ -104,8 +104,8 @@ def pattern(
 class Case:
     """A pattern, the values of its parameters, and the curve that it should give.
 
-    loop : ms after which it begins again; None for no loop
-    end : ms at which it stops; None if it does not
+    loop : time in ms after which the pattern begins again; None for no loop
+    end : time in ms at which the pattern stops; None if it does not stop
     """
 
     name: str

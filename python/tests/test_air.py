@@ -62,7 +62,7 @@ def test_what_is_left_out_is_usual_and_what_is_given_stays() -> None:
     assert scene(temperature=25).medium == usual.medium
     given = scene(temperature=25, absorption=0, density=1.2)
     assert (given.sound_speed, given.absorption, given.density) == (usual.sound_speed, 0, 1.2)
-    # Without a temperature, the temperature is the one of the sound speed, which stays the same to the bit.
+    # Without a temperature, midair derives it from the sound speed, and keeps the sound speed to the bit.
     damp = scene(sound_speed=usual.sound_speed, humidity=50)
     assert damp.sound_speed == usual.sound_speed
     assert damp.absorption == pytest.approx(usual.absorption, rel=1e-12)

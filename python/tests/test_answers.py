@@ -1,6 +1,6 @@
 """Solutions of unusual but valid requests, from every solver.
 
-More such scenes are in the core's tests; here are only those that the core does not test.
+This module has only those scenes that the core's own tests do not have.
 """
 
 import warnings

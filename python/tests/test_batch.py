@@ -119,7 +119,7 @@ def test_progress_and_stop() -> None:
     done = stopped.status.count("done")
     assert 0 < done < 60 * B
     assert not stopped.drives[done:].any()
-    # A problem that was not begun has the all-zero drive, and its status reports it.
+    # A problem that was not started has the all-zero drive and the status "stopped".
     silent = {"accuracy": 0, "sigma": 0, "uniformity": 0, "level": 0, "residual": 1, "leak": 0}
     assert stopped[-1].metrics.asdict() == silent
     assert {name: part[-1] for name, part in stopped.metrics.asdict().items()} == silent

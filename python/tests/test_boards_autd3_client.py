@@ -70,7 +70,7 @@ def of_the_makers(address: str) -> None:
     asyncio.run(send())
 
 
-#: Times in us for intensity and phase: three ultrasound periods, and those of the default silencer.
+#: Times in us in which intensity and phase change: three ultrasound periods, and the silencer's defaults.
 TIMES = [[autd3.Duration.from_micros(us) for us in pair] for pair in ((75, 75), (250, 1000))]
 
 

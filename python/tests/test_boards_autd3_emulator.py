@@ -172,7 +172,7 @@ def test_modulation_multiplies_the_pressure(hz: float) -> None:
     assert (pulses[-1] == 256).all()
     amplitude = np.sin(math.pi * pulses[:samples, 0] / 512)
     spectrum = np.fft.rfft(amplitude) / samples
-    # Four periods of 0.5 (1 + sin), each value of ten samples, in 8 bits.
+    # The record has four periods of 0.5 (1 + sin); each value has 8 bits and lasts ten samples.
     assert abs(spectrum[0]) == pytest.approx(0.5, abs=5e-3)
     assert 2 * abs(spectrum[4]) == pytest.approx(0.5, abs=5e-3)
     assert np.abs(np.delete(spectrum[1:8], 3)).max() < 5e-3

@@ -46,8 +46,8 @@ def test_boards_get_the_recorded_steps(fake: Fake) -> None:
             each.clear()
 
 
-#: For each act: the frames that play, the ultrasound periods of each frame, the modulation, the silencer's
-#: steps.
+#: All codes of the seven frames. EXPECTED has, for each act: the frames that play, the number of ultrasound
+#: periods of each frame, the modulation, and the silencer's steps.
 CODES = bytes(k * k % 251 for k in range(7 * BOARDS * SIZE))
 SLOW = 65535
 SINE = np.floor(127.5 * (1 + np.sin(2 * np.pi * np.arange(80) * 3 / 80)) + 0.5).astype(np.uint8).tobytes()

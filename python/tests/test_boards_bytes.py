@@ -372,7 +372,7 @@ def test_frames_that_are_cut_or_too_long_are_refused(case: tuple[str, int]) -> N
 
 # Pressure at a focus
 
-#: Focus by kind, near or off centre, so that the conjugate drive misses it; else (0.03, 0.02, 0.12).
+#: Place of the focus in m for some kinds, near the board or off its axis: there the conjugate drive is weak.
 FOCI = {"nano": (0.054, -0.021, 0.041), "nano16": (-0.024, -0.035, 0.097), "openmpd": (0.02, -0.01, 0.1)}
 
 
@@ -393,8 +393,8 @@ def test_a_focus_keeps_its_pressure_and_its_sign(case: tuple[str, int]) -> None:
         own = playable(kind)
         nearest = np.abs(paths @ own[[np.abs(own - q).argmin() for q in wanted]])
     assert got == pytest.approx(nearest, rel=0.01 if kind == "homies" else 1e-5)
-    # Rounding errors within a step lose sinc(1/L) on average: 1.6 % for 10 phases, 0.6 % for 16, 0.2 % for
-    # 32. Half of a MEGA64's pulses are a tick shorter, a factor cos(pi/10), and shifted by half a step.
+    # Rounding to L phases lowers the pressure to sinc(1/L) on average: by 1.6 % for L = 10, 0.6 % for 16,
+    # 0.2 % for 32. Half of a MEGA64's pulses are a tick shorter, a factor cos(pi/10), and shifted by half a step.
     short = np.sinc(0.5 / phases) * (1 + np.cos(np.pi / phases)) / 2
     assert got > (0.99 if phases > 10 else 0.99 * short) * ideal
     assert np.abs(paths @ played(board, rig, wanted.conj())) < 0.3 * ideal

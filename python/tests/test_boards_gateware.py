@@ -13,9 +13,9 @@ import pytest
 import midair
 from rigs import TURN, of_kind
 
-#: Recorded before the encoder corrected for delays: PAIR is the part of a focus that remained between a pair
-#: of boards, QUIET the loudest of three quiet points over the focus. PERIOD is the period of a MEGA64 in
-#: cycles of 16 MHz.
+#: Recorded before the encoder corrected for delays. PAIR: the pressure at a focus between two boards,
+#: relative to the corrected one. QUIET: the highest pressure at three quiet points, relative to the focus.
+#: PERIOD: the period of a MEGA64 in cycles of 16 MHz.
 PAIR, QUIET, PERIOD = 0.078, 0.018, 396
 
 
@@ -45,7 +45,7 @@ def test_two_sonicsurfaces_make_the_focus_that_is_reported(place) -> None:
     pins = emitted(board, solution.drive, "sonicsurface")
     (got,) = pressures(board, scene, pins)
     assert got == pytest.approx(abs(solution.pressures[0]), rel=1e-3)
-    # The pins' output if the bytes had no corrections.
+    # Add the delays that the encoder has corrected for.
     late = np.where(np.arange(512) < 256, 1, np.exp(1j * np.deg2rad(187.65)))
     (silent,) = pressures(board, scene, pins * late)
     assert silent / got == pytest.approx(PAIR, abs=0.01)

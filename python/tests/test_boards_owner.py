@@ -22,7 +22,8 @@ from midair._boards import process
 from test_boards_guard import ended, programs, started  # noqa: F401, a fixture among them
 
 TRIALS = 20 if os.environ.get("MIDAIR_SLOW") else 1
-#: Times in s until the board is off: /proc shows a stopped process, a hanging one only misses heartbeats.
+#: Longest times in s until the board is off. A stopped process is seen in /proc; a process that hangs is
+#: noticed only when its heartbeats are missing.
 STOPPED, MISSED = 0.25, 1.0
 if not Path("/proc/self/stat").exists():
     STOPPED = MISSED

@@ -70,7 +70,7 @@ def test_owner_and_guard_at_once(programs, line, owner_by, guard_by, dark, _):  
     guard = guard_of(owner)
     try:
         with dark(line, ALLOWED):
-            # The owner first: if it is stopped while it turns the device off, it keeps the port.
+            # The owner is first: if it were stopped while it turns the board off, the port would stay open.
             os.kill(owner, owner_by)
             os.kill(guard, guard_by)
     finally:

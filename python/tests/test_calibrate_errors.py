@@ -22,8 +22,8 @@ def rig(seed: int, decibels: float, dead: int, off: float) -> dict[str, Any]:
     """Returns a board with gain errors of 10 % and phase errors of 20 degrees, and readings of four
     microphones.
 
-    The microphones are misplaced by `off`. The model is written here: p = sum of 4.386/r e^{jkr} x q, with
-    noise `decibels` below the level of four foci.
+    The microphones are misplaced by `off`. The readings are |sum of 4.386/r e^{jkr} x q|, with x the response
+    and q the drive of a transducer. The noise is `decibels` below the level of four foci.
     """
     random = np.random.default_rng(seed)
     places, speed = board(), random.uniform(335, 351)

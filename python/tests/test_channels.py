@@ -20,7 +20,7 @@ def levitating(board: midair.Board, height: float) -> midair.Solution:
 def test_a_tinylev_holds_and_moves_a_bead_by_the_phase_between_its_caps(kind: str) -> None:
     board = midair.Board(kind, midair.Array.preset("tinylev"))
     phases = board.limits["phases"]
-    # A step of one cap's phase moves the node by half of that part of the wavelength.
+    # A step of 1/phases of a turn in one cap's phase moves the node by 1/phases of half a wavelength.
     scene = midair.Scene(board.array, [[0, 0, 0]])
     step = scene.wavelength / 2 / phases
     for height in (0.0, 1.1e-3, -0.8e-3):

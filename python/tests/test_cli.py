@@ -299,7 +299,7 @@ def test_images_count_the_scale_in_and_show_the_quantity_requested(
 def test_compare_has_a_line_and_a_panel_for_each_solver(run: Run) -> None:
     status, out, err = run("compare", "scene.toml", "--image", "sheet.png")
     assert (status, files()) == (0, {"scene.toml", "sheet.png"})
-    # So few transducers cannot reach the targets: the methods that try to report a miss.
+    # So few transducers cannot reach the targets: methods that aim at the targets report a miss.
     assert err
     assert all("missed by" in line for line in err.splitlines())
     rows = out.strip().splitlines()[2:-3]

@@ -24,15 +24,9 @@ PRESSURES = np.array([4500j, -3500, 2500 + 2500j])
 
 
 def least_error(G: Complex, p: Complex, weights: NDArray[np.float64]) -> float:
-    """Returns the least
+    """Returns the least value of norm(W^(1/2) (G q - p)) / norm(W^(1/2) p) over all drives with |q_i| <= 1.
 
-    W^(1/2) (G q - p)
-
-    /
-
-    W^(1/2) p
-
-    over |q_i| <= 1, by a second-order cone program.
+    W is the diagonal matrix of the weights. The solution is by a second-order cone program.
     """
     root = np.sqrt(weights)
     scale = np.linalg.norm(root * p)
@@ -109,7 +103,7 @@ def test_what_can_be_had_is_had_with_its_phases() -> None:
     np.testing.assert_allclose(solution.pressures, PRESSURES, atol=0.5)
     assert solution.complex_error < 1e-4
     assert solution.metrics.accuracy == pytest.approx(1, abs=1e-4)
-    # A board rounds each drive, which costs up to some thousandths.
+    # Rounding to the board's phases causes an error of up to some thousandths.
     board = midair.solve(scene, "bounded", quantization={"phases": 256})
     assert 1e-5 < board.complex_error < 0.02
 
@@ -147,7 +141,7 @@ def test_a_scene_keeps_complex_pressures(tmp_path: Path) -> None:
         scene.save(path)
         assert midair.Scene.load(path) == scene
     assert pickle.loads(pickle.dumps(scene)) == scene
-    # Parts that are not replaced stay, the phases too.
+    # Parts that are not replaced stay the same, also the phases of the pressures.
     assert scene.replace(weights=None).replace(weights=[1, 2, 3]) == scene
     assert scene.replace(pressures=None).pressures is None
     with pytest.raises(midair.SceneError, match="pressures is kept from 3 points"):

@@ -94,8 +94,8 @@ def test_progress_is_reported_every_step(solver: str) -> None:
     assert steps >= len(reported) == solution.steps
     assert {tuple(map(type, step)) for step in reported} == {(int, int, float)}
     assert np.array_equal([residual for _, _, residual in reported], solution.trace)
-    # The last step's residual comes from an f32 field kept during the search, the solution's from a new
-    # field.
+    # The last step's residual comes from an f32 field that the search updates. The solution's residual comes
+    # from a field that is computed anew.
     assert reported[-1][2] == pytest.approx(solution.metrics.residual, abs=1e-5)
     assert same_bits(midair.solve(scene, solver).drive, solution.drive)
 

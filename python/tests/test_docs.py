@@ -73,7 +73,7 @@ def test_commands_run(page: Path, tmp_path: Path) -> None:
         name = "sweep.toml" if "[[solver]]" in block else "scene.toml"
         if not (tmp_path / name).exists():
             (tmp_path / name).write_text(block)
-    # As in a clone of the repository.
+    # Some commands read files in docs/, as they would in a clone of the repository.
     (tmp_path / "docs").symlink_to(ROOT / "docs")
     lines = [line for block in blocks(page, "console") for line in block.splitlines()]
     commands = [line.partition("  #")[0] for line in lines if line.startswith("midair ")]

@@ -26,7 +26,7 @@ SECTIONS = [
     "Examples",
 ]
 
-#: Functions that take arguments and never raise; classes that only functions make.
+#: Names without a section Raises: functions that never raise, and classes that only midair makes.
 REFUSE_NOTHING = {"Sequence.each_change", "grad.Gradient", "Connection", "View"}
 
 #: Compiled functions that return nothing; compiled functions have no annotations.

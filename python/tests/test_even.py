@@ -22,7 +22,7 @@ def test_pressures_mean_as_loud_as_requested_and_none_mean_as_loud_as_can_be(sol
     requested, loud = midair.solve(weak, solver), midair.solve(weak, solver, aim="max")
     assert requested.options["aim"] == "target"
     assert ratios(requested) == pytest.approx(np.ones(3), abs=1e-4)
-    # The same field, scaled down by one factor.
+    # The two drives differ only by a factor, and so do their fields.
     assert loud.metrics.sigma < 1e-5
     assert np.abs(loud.drive) == pytest.approx(np.ones(400), abs=1e-5)
     assert requested.drive * loud.metrics.level == pytest.approx(loud.drive, abs=1e-4)

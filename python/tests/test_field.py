@@ -75,7 +75,7 @@ def test_planes_left_out_go_through_the_points() -> None:
     plane = midair.field(on_the_axis, np.ones(64)).plane
     assert (plane.axis, plane.at, plane.z, plane.pixels) == ("y", 0, None, 200)
     assert (plane.size, *plane.center) == pytest.approx((0.04 + 4 * 8.5e-3, 0, 0.12))
-    # At two heights: one panel for each, of the same size, the one with more points first.
+    # Points at two heights have one panel per height, of the same size; the panel with more points is first.
     field = midair.field(small(points=[[0, 0.01, 0.1], [0.03, 0, 0.15], [0, 0, 0.15]]), np.ones(64))
     assert [panel.plane.z for panel in field.panels] == [0.15, 0.1]
     assert [panel.shown.tolist() for panel in field.panels] == [[False, True, True], [True, False, False]]

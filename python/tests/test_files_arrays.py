@@ -148,7 +148,8 @@ def simulation(transducers: list[str]) -> str:
 
 def test_ultraino_is_turned_upright_and_ordered(tmp_path: Path) -> None:
     places = [(0.01 * k, 0.002 * k, -0.03 * k) for k in range(5)]
-    # A rotation about x by 90 degrees moves +y to +z; its length is not 1, because files have seven digits.
+    # A rotation about x by 90 degrees moves +y to +z. Files have only seven digits, so the length of a
+    # quaternion may differ from 1.
     half = np.sqrt(0.5) * 1.0001
     turns = [(1, 0, 0, 0), (half, half, 0, 0), (0, 1, 0, 0), (half, 0, 0, half), (1, 0, 0, 0)]
     theirs = [(0, 1, 0), (0, 0, 1), (0, -1, 0), (-1, 0, 0), (0, 1, 0)]
@@ -175,8 +176,8 @@ def test_ultraino_defaults_and_mixed_powers(tmp_path: Path) -> None:
 
 
 def test_setters_wrapped_around_other_objects(tmp_path: Path) -> None:
-    """Checks that an object inside the call that sets its own x is read:
-    XMLEncoder writes objects at first use.
+    """Checks that midair reads an object that is written inside the call that sets its x:
+    Java's XMLEncoder writes an object where it is first used.
     """
     transform = '<void id="M" property="transform"><void id="V" property="translation"/></void>'
     inner = f'<void class="acousticfield3d.simulation.Transducer" id="T">{transform}</void><void idref="M"/>'

@@ -37,8 +37,8 @@ def moving() -> midair.Sequence:
 
 
 def acoustools_places() -> list[tuple[float, float, bool]]:
-    """Returns AcousTools' order of transducers:
-    x, y in mm, and whether one is on the top board, which faces down.
+    """Returns the transducers in AcousTools' order: x and y in mm,
+    and whether the transducer is on the top board, which faces down.
     """
     side = [-78.75 + 10.5 * k for k in range(16)]
     return [(x, y, top) for top in (True, False) for x in side for y in side]
@@ -82,7 +82,7 @@ def test_holo_holds_32_steps_of_phase_and_amplitude(transducers: int, tmp_path: 
         found = by_place(decoded, acoustools_places()) if transducers == 512 else np.array(decoded)
         assert np.abs(np.abs(found) - np.abs(drive)).max() <= 1 / 64 + 1e-6
         turned = np.angle(found * drive.conj())[(np.abs(found) > 0) & (np.abs(drive) > 0)]
-        # The decoder has 3.1415 for pi, as AcousTools does: a phase is off by up to 3e-5 of itself.
+        # The decoder has 3.1415 for pi, as AcousTools does: phases have relative errors of up to 3e-5.
         assert np.abs(turned).max() <= PI / 32 + 2e-4
     back = midair.read(path)
     assert isinstance(back, np.ndarray)

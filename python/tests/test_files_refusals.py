@@ -37,7 +37,7 @@ def handybeam(*rows: str) -> bytes:
 
 
 def zeros(count: int, wbits: int = 31) -> bytes:
-    """Returns megabytes of zeros, compressed to a thousandth of their size."""
+    """Returns `count` megabytes of zeros, compressed to a thousandth of their size."""
     packer = zlib.compressobj(9, wbits=wbits)
     return b"".join(packer.compress(bytes(1 << 20)) for _ in range(count)) + packer.flush()
 

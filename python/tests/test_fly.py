@@ -50,8 +50,8 @@ def drag(speed: Real) -> Real:
 def integrated(
     sequence: midair.Sequence, times: Real, place: Real, speed: Real, tau: float, steps: int
 ) -> Real:
-    """Integrates by Runge-Kutta and returns places (T, 3) at times;
-    the sound approaches each drive with tau.
+    """Returns a bead's places (T, 3) at `times`, by a Runge-Kutta integration from `place` and `speed`.
+    The field approaches the field of each new drive with the time constant tau.
     """
     drives = sequence.drives.astype(complex)
     count, rate = len(drives), sequence.rate
@@ -75,7 +75,7 @@ def integrated(
         h = (end - start) / steps
         for k in range(steps):
             t = start + k * h
-            # The last stage is just before the end of a step, so that it uses the same frame.
+            # The fourth stage is just before the end of the step, so that all stages use the same frame.
             a = pull(t, place, speed)
             b = pull(t + h / 2, place + h / 2 * speed, speed + h / 2 * a)
             c = pull(t + h / 2, place + h / 2 * speed + h * h / 4 * a, speed + h / 2 * b)

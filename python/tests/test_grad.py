@@ -1,5 +1,5 @@
 """`midair.grad`: shapes, conventions, arguments, error messages.
-The core's tests compare it with differences.
+The core's tests compare the gradients with finite differences.
 """
 
 import re

@@ -45,7 +45,7 @@ def foci(rate: float, frames: int) -> tuple[Foci, Any, midair.Plane]:
 
 
 def scores(found: Foci, schedule: Any) -> Any:
-    """Returns the strength of the fast receptors along the curve, by a plain sum over the spectral lines."""
+    """Returns the strength for the skin's fast receptors along the curve: a plain sum over spectral lines."""
     moved = 0
     total = np.zeros(found.answers.shape[1])
     for k, answer in enumerate(found.answers):

@@ -22,7 +22,7 @@ def points(count: int, size: int) -> Any:
     return RNG.uniform(-0.04, 0.04, (count, size, 3)) + np.array([0, 0, 0.12])
 
 
-# 35 problems fill groups of SIMD lanes with a remainder; 21 points fill the lanes; then a single problem.
+# Sizes at which the SIMD lanes are full and partly empty: 35 problems, 21 points, and a single problem.
 @pytest.mark.parametrize(("count", "size"), [(35, 4), (5, 21), (1, 2), (16, 16)])
 @pytest.mark.parametrize("given", ["pressures", "weights", "nothing"])
 def test_a_table_is_each_drive_judged_alone_and_exact(count: int, size: int, given: str) -> None:
@@ -69,7 +69,7 @@ def test_many_drives_of_one_scene_of_a_matrix_and_behind_a_wall() -> None:
         assert own.leak[k] == midair.judge(scene, q[k]).leak
         assert of_wall.level[k] == midair.judge(walled, q[k]).level
         assert of_matrix.sigma[k] == midair.judge(matrix, q[k], pressures=[300, 0, 200]).sigma
-    # Drives of any dtype and memory order.
+    # Drives of any dtype and memory order give the same results.
     assert midair.judge(scene, q.astype(complex)) == own == midair.judge(scene, np.asfortranarray(q))
     assert midair.judge(scene, q.tolist()) == own
     assert midair.judge(scene, q, pressures=150).level[3] == midair.judge(scene, q[3], pressures=150).level

@@ -1,4 +1,4 @@
-"""Files for resuming: damaged ones are made again, one process uses a folder, other files are not touched."""
+"""Files for resuming: a damaged file is made again, only one process uses a folder, other files are safe."""
 
 import subprocess
 import sys
@@ -208,7 +208,7 @@ def test_kept_sound_of_a_mesh_with_a_flipped_bit_is_none(
     ):
         file.write_bytes(spoilt)
         assert cache.load(b"content", (40, 30)) is None
-    # The file of another mesh.
+    # A file with the content for one mesh is not read for another mesh.
     cache.path(b"other")[0].write_bytes(content)
     assert cache.load(b"other", (40, 30)) is None
     (tmp_path / "notes.npz").write_text("mine")

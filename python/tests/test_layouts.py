@@ -40,7 +40,8 @@ def solver(points: Any = POINTS, solver: str = "fast", **beside: Any) -> np.ndar
     return call(points, **beside).drive
 
 
-#: Functions that take an array: a call that returns what was read, and the array.
+#: For each argument that is an array: a function that passes the array and returns what midair read,
+#: and an array to pass.
 ARGUMENTS: dict[str, tuple[Callable[[Any], Any], np.ndarray]] = {
     "positions": (lambda a: midair.Array(a).positions, GRID.positions),
     "normals": (lambda a: midair.Array(GRID.positions[:3], a).normals, POINTS),

@@ -81,7 +81,7 @@ def test_sdp_is_the_reference_in_the_mean(count: int, moduli: str) -> None:
     def ours(where: midair.Scene, seed: int) -> midair.Solution:
         return midair.solve(where, "sdp", moduli=moduli, seed=seed)
 
-    # The two differ in the random order of columns, so means of 40 scenes are compared.
+    # midair and the reference use different random orders of the columns, so means of 40 scenes are compared.
     mine, yours = means(count, range(40), ours, theirs)
     assert mine == pytest.approx(yours, abs=0.03)
 
@@ -116,8 +116,8 @@ def test_lm_is_the_reference_in_the_mean(count: int, trials: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [4, 16])
 def test_lm_is_no_worse_than_scipy(count: int) -> None:
-    """Compares costs from the same drives after the same number of steps;
-    SciPy evaluates once per step, too.
+    """Compares the costs of midair and SciPy after the same number of steps from the same start.
+    Both evaluate the cost once per step.
     """
     costs = []
     for seed in range(6):
@@ -211,7 +211,9 @@ def test_going_on_from_an_answer_makes_it_no_worse(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["lm", "wgs", "gspat"])
 def test_moving_points_follow_from_frame_to_frame(name: str, record_property) -> None:
-    """Solves 200 frames of four points that move 0.5 mm per frame on circles, each started from the last."""
+    """Solves 200 frames of four points that move 0.5 mm per frame on circles.
+    Each solve starts from the drive of the frame before.
+    """
     middles = np.array([[-0.03, 0.03], [0.035, 0.02], [-0.02, -0.035], [0.03, -0.03]])
     radius = 0.015
     warm, cold, turns, last = [], [], [], None

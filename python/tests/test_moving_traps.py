@@ -40,7 +40,7 @@ def test_traps_that_stand_still_keep_their_codes() -> None:
 
 def test_the_first_frame_of_a_closed_sequence_carries_its_bead_as_the_others_do() -> None:
     array = midair.Array.preset("openmpd_pair", quantization={})
-    # A lap has 625 frames exactly.
+    # With these numbers, a lap has exactly 625 frames.
     radius, frequency = 0.01, 16
     speed = 2 * np.pi * frequency * radius
     ring = midair.path.circle([0, 0, 0], radius, frequency=frequency)
@@ -51,7 +51,7 @@ def test_the_first_frame_of_a_closed_sequence_carries_its_bead_as_the_others_do(
         bead = Bead(moved.scene(t))
         inwards = -place[0] / np.linalg.norm(place[0])
         pulled = speed**2 / radius * bead.mass
-        # The force also overcomes the drag, which is at right angles along the path.
+        # A second part of the force overcomes the drag. It acts along the path, at right angles to this part.
         assert felt.net[0] @ inwards == pytest.approx(pulled, rel=0.02)
         along = np.cross([0, 0, 1.0], -inwards)
         drag = np.linalg.norm(bead.needed(np.array([[speed, 0, 0]]), np.zeros((1, 3))))
@@ -94,7 +94,7 @@ def test_each_point_may_have_its_own_signature() -> None:
         np.testing.assert_allclose(scene.propagation()[j], alone, atol=1e-3)
     solution = midair.solve(scene)
     np.testing.assert_allclose(abs(solution.pressures), scene.pressures, rtol=1e-3)
-    # The focus exists in the real field, too; the traps are quiet there.
+    # In the real field, without the signatures' phases, the focus is as loud, and the traps are quiet.
     real = abs(solution.field(points).pressure)
     assert real[1] == pytest.approx(1500, rel=1e-3)
     assert (real[[0, 2]] < 0.5 * scene.pressures[[0, 2]]).all()

@@ -44,7 +44,8 @@ def test_each_choice_is_the_best_of_its_turn() -> None:
     requested = scene(9)
     solution = midair.solve(requested, "greedy", objective=noted, seed=9)
     assert len(turns) == 400
-    # The phases of the next candidates are a full circle, so their mean is the field that this turn chose.
+    # The next candidates' phases are spread over a full circle, so the mean of their fields is the field
+    # that this turn has chosen.
     for (pressures, costs), (later, _) in pairwise(turns):
         chosen = np.abs(pressures - later.mean(axis=0)).max(axis=1).argmin()
         assert costs[chosen] <= costs.min() + 1e-6 * costs.max()

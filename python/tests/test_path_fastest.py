@@ -44,7 +44,7 @@ def test_on_a_circle_the_speed_is_where_the_pull_inwards_and_the_drag_are_all_th
     speed = speeds[np.searchsorted(taken, margin * most)]
     assert path.closed
     assert abs(2 * np.pi * radius / speed / path.duration - 1) < 0.03
-    # The path is the bead's: `sequence` adds the force for its acceleration.
+    # The path is the motion of the bead, not of the trap: `sequence` adds the force for its acceleration.
     apart = np.linalg.norm(path.at(np.linspace(0, 1, 50))[:, 0], axis=1) - radius
     assert abs(apart).max() < 0.02 * radius
 
@@ -55,7 +55,7 @@ def test_from_rest_to_rest_half_of_the_way_is_gaining_and_half_losing_speed() ->
     line = np.linspace(-0.5, 0.5, 5)[:, None] * [way, 0, 0]
     path = midair.path.fastest(line, BOARDS, closed=False, margin=margin)
     without_drag = 2 * np.sqrt(way * bead.mass / (margin * most))
-    # Drag costs some time, and the force must change slowly, which takes some steps at both ends.
+    # The drag makes the motion slower. The force must change slowly, which takes some steps at both ends.
     assert not path.closed
     assert 1.0 < path.duration / without_drag < 1.25
     ends = path.at([0.0, path.duration])[:, 0]
@@ -80,7 +80,7 @@ def test_a_bead_in_a_flight_of_our_own_stays_on_the_curve_too() -> None:
     boards = midair.Array(positions, normals, source_pressure=2.3)
     path = midair.path.fastest(clover(), boards, margin=0.3)
     sequence = midair.sequence(boards, path, rate=10e3, signature="trap", change=np.pi / 4)
-    # Three laps, begun at the path's own speed.
+    # The bead makes three laps, and starts with the speed of the path.
     points = np.concatenate([sequence.points] * 3)
     drives = np.concatenate([sequence.drives] * 3)
     speed = (points[1] - points[-1]) * 10e3 / 2

@@ -78,7 +78,7 @@ def test_a_slip_is_reported_each_object_once(tmp_path: Path) -> None:
     (odd,) = scenes
     path = tmp_path / "odd.toml"
     odd.save(path)
-    # A new scene warns again; the use of a scene does not.
+    # Making another scene warns again; using a scene does not.
     assert len(received(lambda: midair.Scene.load(path))) == 1
     assert len(received(lambda: midair.Scene.parse(path.read_text()))) == 1
     midair.solve(odd, "naive")

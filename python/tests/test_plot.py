@@ -150,7 +150,7 @@ def test_pictures_count_the_scale_in_and_tell_it() -> None:
     plotted = midair.plot(solution).figure
     for figure in (plotted, solution.plot()):
         assert f"targets 16 Pa, {reported}" in titles(figure)
-        # The brightest pixels match the table's pressures, up to what 200 pixels miss of a focus.
+        # The brightest pixel has the highest pressure of the table, or less if the focus is between pixels.
         assert images(figure)[0].max() == pytest.approx(np.abs(solution.pressures).max(), rel=0.05)
     sheet = table.plot()
     assert f"naive, scale {solution.scale:.3g}" in titles(sheet)

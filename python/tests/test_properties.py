@@ -100,5 +100,5 @@ def test_permuting_the_points_permutes_what_naive_gives_them(random) -> None:
     array = midair.Array.grid(6, 6, pitch=0.01)
     scenes = [midair.Scene(array, places) for places in (np.array(points), np.array(points)[order])]
     pressures = [midair.solve(scene, "naive").pressures for scene in scenes]
-    # Sums of five f32 numbers in another order.
+    # The tolerance is for sums of five f32 numbers in different orders.
     assert np.abs(pressures[1] - pressures[0][order]).max() <= 1e-5 * np.abs(pressures[0]).max()

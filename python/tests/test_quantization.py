@@ -40,7 +40,7 @@ def test_pressures_and_metrics_are_those_of_the_rounded_drive() -> None:
     scene = midair.Scene(board(quantization={"phases": 4}), POINTS)
     solution = midair.solve(scene, "wgs")
     field = scene.propagation() @ solution.drive
-    # complex64 sums over 144 transducers.
+    # The tolerance is for complex64 sums over 144 transducers.
     assert np.abs(field - solution.pressures).max() < 1e-4 * np.abs(field).max()
     judged = midair.judge(scene, solution.drive)
     assert judged.sigma == pytest.approx(solution.metrics.sigma, abs=1e-4)

@@ -15,10 +15,10 @@ from scenes import POINTS, exact, small
 
 
 def relaxation(G: np.ndarray, targets: np.ndarray) -> float:
-    """Returns the bound by a conic solver: sqrt(min sum_i d_i) with diag(d) >= sum_m w_m a_m a_m^H, sum w =
-    1, w >= 0.
+    """Returns the bound by a conic solver: the square root of the least sum of d_i over all d and w
+    with diag(d) >= sum_m w_m a_m a_m^H, sum w = 1 and w >= 0.
 
-    The a_m are the rows of G over their targets, conjugated.
+    a_m is the conjugate of row m of G, divided by the target of point m.
     """
     M, N = G.shape
     columns, rows = np.tril_indices(2 * N)  # the upper triangle, column by column

@@ -117,7 +117,7 @@ def test_pressures_and_weights_are_refused_by_name(bad: str) -> None:
         given = {item: value}
         word = f"points[{int(bad != 'infinite')}].{item[:-1]}" if bad in [*NOT_FINITE, "negative"] else item
         refused(lambda given=given: scene(points=TWO, **given), word)
-        # Also for a matrix.
+        # A matrix in place of a scene is checked in the same way.
         refused(lambda given=given: midair.solve(matrix, **given), word)
         judged = {"pressures": 1, **given}
         refused(lambda judged=judged: midair.judge(matrix, np.ones(3), **judged), word)
@@ -299,7 +299,7 @@ def test_point_on_a_transducer_names_both_and_their_distance() -> None:
     for call in (lambda: midair.solve(on), on.propagation, lambda: midair.judge(on, np.ones(16))):
         text = refused(call, "points[1]", "transducer 10", "8.5")
         assert "6.000e-5 m" in text
-    # The smallest distance that is allowed.
+    # At slightly more than the smallest allowed distance there is only a warning.
     with pytest.warns(
         midair.SceneWarning, match="8.6e-5 m from transducer 10: nearer than a quarter of the wavelength"
     ):

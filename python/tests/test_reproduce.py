@@ -29,7 +29,7 @@ HANG = 60
 
 @pytest.fixture(autouse=True)
 def few(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Sets sizes of problems that take seconds."""
+    """Replaces the sizes of the paper's problems by small ones, so that a test takes seconds."""
     monkeypatch.setattr(scenes, "COUNTS", (2, 4))
     monkeypatch.setattr(scenes, "MANY", (2, 64, 80, 96))
     monkeypatch.setattr(scenes, "SIDES", (12, 14, 16))
@@ -170,7 +170,7 @@ def test_the_scenes_are_the_papers() -> None:
     assert scenes.reach(20) == pytest.approx(2.36066, abs=5e-6)
     assert scenes.reach(36) == pytest.approx(6.40341, abs=5e-6)
     smiley = midair.Scene.load(Path(__file__).parents[2] / "docs" / "scenes" / "smiley.toml")
-    # The file has micrometres.
+    # The file's positions are rounded to micrometres.
     assert np.abs(np.array(scenes.smiley()) - smiley.points).max() < 1e-6
     assert len(panels()) >= 6
 
@@ -178,7 +178,7 @@ def test_the_scenes_are_the_papers() -> None:
 def test_a_slope_is_found_with_its_error() -> None:
     x = np.array([1.0, 2.0, 4.0, 8.0])
     assert timing.slope(x, 3 * x**1.5) == pytest.approx((1.5, 0.0), abs=1e-12)
-    # By hand: the powers of 2 differ from the line of slope 0.9 by 0.1, -0.3, 0.3, -0.1.
+    # Computed by hand: the exponents of 2 differ from the line of slope 0.9 by 0.1, -0.3, 0.3, -0.1.
     found, error = timing.slope(x, 2.0 ** np.array([0.0, 0.5, 2.0, 2.5]))
     assert found == pytest.approx(0.9)
     assert error == pytest.approx(np.sqrt(0.2 / 2 / 5), rel=1e-9)

@@ -40,7 +40,6 @@ def test_a_path_is_even_within_the_bound(board, ring):
     # The board's phases change by whole codes.
     steps = found.changes * 256 / (2 * np.pi)
     np.testing.assert_allclose(steps, steps.round(), atol=1e-3)
-    # The same bound in rad/s.
     other = midair.sequence(board, frames, rate=RATE, change_rate=np.pi / 16 * RATE)
     assert np.array_equal(found.drives, other.drives)
 
@@ -378,7 +377,7 @@ def test_numbers_below_the_least_are_no_error():
 
 @pytest.mark.parametrize(("points", "most"), [(1, 1.0), (4, 1.5), (8, 1.5)])
 def test_glide_keeps_codes_of_few_phases(points: int, most: float) -> None:
-    """Checks that few codes change (each change is audible): about as few as after rounding free phases."""
+    """Checks that about as few codes change (a change is audible) as after rounding free phases."""
     t, turn = np.arange(200)[:, None] / 10e3, 2 * np.pi * np.arange(points) / points
     x, y = (0.02 * of(2 * np.pi * 6 * t + turn) for of in (np.cos, np.sin))
     path = np.stack([x, y, np.full_like(x, 0.2)], -1)

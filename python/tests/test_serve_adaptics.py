@@ -1,4 +1,4 @@
-"""The protocol of Adaptics Engine: five tactons of our own against their curves,
+"""The protocol of Adaptics Engine: the tactons of tactons.py against their expected curves,
 and messages that are rejected.
 """
 
@@ -117,8 +117,8 @@ def test_a_tacton_is_played_on_a_board(case: tactons.Case, doors: Doors) -> None
 
 
 def test_parameters_jumps_and_transforms() -> None:
-    """Checks that definitions limit their parameters' values,
-    and that a matrix moves places but not the brush.
+    """Checks that a parameter's definition limits its value, and that a transformation matrix moves the
+    keyframes' positions but does not change the curve drawn around them.
     """
     circle = ("circle", {"radius": "size", "am_freq": 0})
     given = tactons.pattern(

@@ -116,7 +116,7 @@ def test_triangles_move_as_the_plane_does() -> None:
     plane = SHEET.on_plane(frequencies, push[None], step)[0]
     mesh = Triangles(vertices, faces)
     moved = SHEET.on_mesh(frequencies, push.reshape(1, -1), mesh)
-    # The rims of the triangles reflect waves, so only the inner part is compared.
+    # The rim of the mesh reflects waves, so only the inner part is compared.
     inner = (slice(10, -10), slice(10, -10))
     apart = np.abs(moved.reshape(count, count) - plane)[inner]
     assert apart.max() < 0.02 * np.abs(plane).max()
@@ -177,7 +177,7 @@ def test_the_strongest_speed_is_5_to_8_m_a_second_and_goes_with_the_wave() -> No
 
 
 def full(sequence: midair.Sequence, **skin: Any) -> float:
-    """Returns the mean strength on the ring."""
+    """Returns the mean strength of a sequence on the ring."""
     return float(midair.skin(sequence, AROUND, **skin).along(ring(0.03, 24)[:, 0]).mean())
 
 

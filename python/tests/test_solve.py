@@ -9,7 +9,8 @@ import midair
 import oracle
 from scenes import GAIN, POINTS, exact, numbers, same_bits, small, usable
 
-#: Allowed energy above the best candidate, relative to E(0), for a step of greedy: f32 energy differences.
+#: A step of greedy may choose a candidate whose energy is this much above the least energy, relative to E(0),
+#: the energy of the all-zero drive: energy differences are in f32.
 REGRET = 1e-6
 
 #: A solver with one step per transducer, and one with one step per iteration.

@@ -1,5 +1,5 @@
 """`midair.streaming`: the force against plain NumPy, its direction against the exact gradient,
-the least force.
+and a map against single points.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def test_force_and_direction_are_those_of_numpy() -> None:
 
 
 def test_the_published_size_of_the_force() -> None:
-    # 5 kPa and 0.15 Np/m give 26.5 N/m^3.
+    # A pressure of 5 kPa and an absorption of 0.15 Np/m give 26.5 N/m^3.
     scene = midair.Scene(midair.Array([[0, 0, 0]], source_pressure=50), [[0, 0, 0.1]])
     found = midair.streaming(scene, [1], [[0, 0, 0.01]])
     assert found.force[0] == pytest.approx(0.15 * 5000**2 / (1.223 * 340**2), rel=1e-4)

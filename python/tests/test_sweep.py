@@ -55,7 +55,7 @@ def test_a_row_is_what_solve_gives_for_its_scene() -> None:
             drive = solution.drive
             assert np.array_equal(drive, group["drive"][index, : len(array)])
             assert solution.metrics.accuracy == table["accuracy"][index]
-        # The two precisions agree up to f32 rounding of 400 terms.
+        # Accuracies in double and single precision agree up to f32 rounding of 400 terms.
         assert midair.judge(scene, drive).accuracy == pytest.approx(table["accuracy"][index], abs=1e-4)
         assert not group["drive"][index, len(array) :].any()
         assert np.isnan(group["points"][index, count:]).all()

@@ -191,7 +191,7 @@ def test_a_drive_is_played_as_it_is() -> None:
             np.testing.assert_array_equal(same[name].uniformity, table[name].uniformity)
         assert same.solution == (solution if isinstance(drive, midair.Solution) else None)
         assert "trials a row" in same.plot().get_suptitle()
-    # A drive that no solver gives for a board of two phases, at the scene's own pressures.
+    # `half` is a drive that a board of two phases cannot play: it is used without rounding.
     rounded = SCENE.replace(
         array=midair.Array.grid(16, 16, 10e-3, quantization={"phases": 2}), pressures=[1, 2, 3]
     )

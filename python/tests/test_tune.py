@@ -28,7 +28,9 @@ class Reader:
         return np.abs(np.abs(self.matrix @ drive) + self.sd * self.rng.normal(size=len(self.matrix)))
 
     def level(self, drive: Any) -> tuple[float, float]:
-        """Returns the mean pressure over that of the best drive for the true model, and min/max."""
+        """Returns two ratios: a drive's mean pressure to the mean of the best drive for the true model,
+        and the lowest to the highest pressure.
+        """
         best = np.abs(self.matrix @ midair.solve(midair.Propagation(self.matrix), "uniform").drive).mean()
         p = np.abs(self.matrix @ drive)
         return float(p.mean() / best), float(p.min() / p.max())
