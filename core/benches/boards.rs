@@ -56,7 +56,7 @@ struct Method {
 const FAST: Method = Method { label: "fast", name: "fast", options: &[] };
 const UNIFORM: Method = Method { label: "uniform", name: "uniform", options: &[] };
 
-/// Greedy with this many phases at full amplitude: the same search for any board.
+/// Returns greedy with fixed options, so that it makes the same search for any board.
 const fn greedy(label: &'static str, options: &'static [(&'static str, i128)]) -> Method {
     Method { label, name: "greedy", options }
 }

@@ -178,7 +178,7 @@ impl<'a> Control<'a> {
         self.beat()
     }
 
-    /// Passes a pulse on.
+    /// Passes a pulse on to the observer.
     #[inline(never)]
     fn beat(&mut self) -> Result<(), Error> {
         self.received = self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
@@ -214,8 +214,8 @@ impl<'a> Control<'a> {
         }
     }
 
-    /// Calls `run` for every part, on all threads. This thread waits for a stop. Returns the error of the first part that has
-    /// one.
+    /// Calls `run` for every part, on all threads. Meanwhile the calling thread waits for a stop. Returns the error
+    /// of the first part that has one.
     pub(crate) fn each<T: Send>(
         &mut self,
         parts: Vec<T>,

@@ -16,7 +16,7 @@ const LINE: usize = 16;
 #[derive(Debug, Default)]
 pub struct Pool<T> {
     free: RefCell<Vec<Vec<T>>>,
-    /// How many buffers were allocated: as many may come back.
+    /// The number of buffers allocated so far; all of them may be returned to the pool.
     made: Cell<usize>,
 }
 
@@ -52,7 +52,7 @@ impl<T> Pool<T> {
 
     fn fitting(&self, len: usize) -> Vec<T> {
         if len == 0 {
-            // An empty list takes no buffer, which others could use.
+            // An empty list needs no memory, so all unused buffers remain available.
             return Vec::new();
         }
         let mut free = self.free.borrow_mut();

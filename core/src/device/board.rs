@@ -327,7 +327,7 @@ impl Board {
         frame
     }
 
-    /// Bytes that switch the boards off from any state. For boards with two banks, both are off.
+    /// Returns bytes that switch the boards off from any state. If a board has two banks, both banks are then off.
     #[must_use]
     pub fn silence(&self) -> Vec<u8> {
         (self.format.silence)(self.boards, &self.off_frame())

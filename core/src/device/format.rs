@@ -66,13 +66,14 @@ pub(crate) enum Layout {
     Grid(usize, usize, f64),
 }
 
-/// Two off frames: the first completes a frame that was cut off, the second is complete. Both banks of a board with two are
-/// then off.
+/// Returns two off frames: the first completes a frame that was cut off, the second is complete. If a board has two
+/// banks, both banks are then off.
 pub(crate) fn twice(_: usize, off: &[u8]) -> Vec<u8> {
     off.repeat(2)
 }
 
-/// Three off frames, for boards that continue a frame where it was cut off: the completed frame is then not a valid one.
+/// Returns three off frames, for boards that continue a frame that was cut off. With the first off frame that frame
+/// is complete, but it is not valid.
 pub(crate) fn thrice(_: usize, off: &[u8]) -> Vec<u8> {
     off.repeat(3)
 }

@@ -103,7 +103,8 @@ impl<'a> Columns<'a> {
     fn named(&self, cells: &[&str]) -> Result<Chosen<'a>, String> {
         let places =
             |name: &str| (0..cells.len()).filter(|&at| cells[at].eq_ignore_ascii_case(name)).collect::<Vec<_>>();
-        // The longest list of names that has a name of its own, not in a shorter list, among the cells.
+        // Whether the first row contains a name that no shorter list of names has. Lists are tried from the longest
+        // down.
         let begun = |names: &&&[&str]| {
             names.last().is_some()
                 && names.iter().any(|name| {

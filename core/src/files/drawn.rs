@@ -17,19 +17,22 @@ use crate::scene::Request;
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::exhaustive_enums, reason = "what the tables of a scene file stand for")]
 pub enum Drawing {
-    /// Of `shape` and `image`: points (M, 3) in m and their targets. Of `motion`: the points of the first frame.
+    /// The points (M, 3) in m and the targets of a table `shape` or `image`; or the points of the first frame of a
+    /// `motion`.
     Points(Vec<[f64; 3]>, Request),
-    /// Of `obstacles`: vertices (V, 3) in m and faces (F, 3).
+    /// The mesh of a table of `obstacles`: vertices (V, 3) in m and faces (F, 3).
     Mesh(Vec<[f64; 3]>, Vec<[u32; 3]>),
 }
 
-/// A function that draws a table. Its arguments are the name of the table, `shape` (of texts and drawings), `image`,
-/// `obstacles` or `motion.path`, and the table's keys as TOML; or `motion.file` and the name of the file.
+/// A function that draws a table. Its first argument is the table's name: `shape` (of texts and drawings), `image`,
+/// `obstacles` or `motion.path`. Its second argument contains the table's keys as TOML. For a motion from a file, the
+/// arguments are `motion.file` and the name of the file.
 ///
-/// An error is one line, `radius is -0.03: give a number above 0`. If it begins with a key, the place of that key is added.
+/// An error is one line, such as `radius is -0.03: give a number above 0`. If it begins with a key, the place of that
+/// key in the document is added.
 pub type Draw<'a> = dyn FnMut(&str, &str) -> Result<Drawing, String> + 'a;
 
-/// The tables with points, in the order in which their points follow those of `points`.
+/// The tables with points. Their points follow those of `points` in this order.
 const NAMES: [&str; 2] = ["shape", "image"];
 
 /// The points of one table, and the table's path in the document.

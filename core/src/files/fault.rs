@@ -63,8 +63,8 @@ impl Fault {
     }
 }
 
-/// Returns the path in the document for an item of the core's errors: `phases` is an option of the solver, `pressures` are
-/// those of the points.
+/// Returns the path in the document for the item that an error of the core names. For `phases` it is the solver's
+/// option, for `pressures` the pressure of a point.
 fn in_document(text: &str, format: Format, item: &str) -> Option<String> {
     let item = match item {
         "pressures" => "points[0].pressure",

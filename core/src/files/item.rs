@@ -121,7 +121,7 @@ impl<'a> Item<'a> {
         numbers.iter().map(|&number| index(number).ok_or_else(|| self.refused(cure))).collect()
     }
 
-    /// Reads every value of a list; `cure` is the cure in the error if this is none.
+    /// Reads every value of a list; `cure` is the cure in the error if the value is not a list.
     pub(super) fn each<T>(&self, read: impl Fn(&Item<'a>) -> Result<T, Fault>, cure: &str) -> Result<Vec<T>, Fault> {
         let list = match self.node {
             Node::List(list) if list.is_empty() || self.node.reals().is_none() => list,

@@ -193,7 +193,7 @@ pub fn write(scene: &Scene, format: Format, provenance: &Provenance) -> Result<S
     let document = tables::document(scene, provenance)?;
     let mut text = String::new();
     match format {
-        // It cannot fail: only a null in a list does, and a scene has none.
+        // This never fails, because only a null in a list is an error, and a scene contains no null.
         Format::Toml => write::toml("", &document, &mut text).unwrap_or_default(),
         Format::Json => write::json(&document, "\n", &mut text),
     }

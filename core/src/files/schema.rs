@@ -377,7 +377,8 @@ fn rows(pattern: &str) -> impl Iterator<Item = &'static Key> + Clone + use<> {
     TABLES.iter().filter(move |(path, _)| is(path, &pattern)).flat_map(|(_, rows)| *rows)
 }
 
-/// Whether the path of a table in the schema fits a pattern. `shape[]` also fits a single `shape`, and `array` one of several.
+/// Whether the path of a table in the schema fits a pattern. A list of tables and a single table fit each other:
+/// `shape[]` and `shape`.
 fn is(path: &str, pattern: &str) -> bool {
     path.trim_end_matches("[]") == pattern.trim_end_matches("[]")
 }

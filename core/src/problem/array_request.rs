@@ -14,11 +14,13 @@ use crate::problem::setup::Setup;
 use crate::propagation::Propagation;
 use crate::scene::Request;
 
-/// Targets outside of this range, in units of the reference pressure, are near the limits of f32 and have a wrong unit.
+/// The range of targets, in units of the reference pressure. Targets outside of it are near the limits of f32, and
+/// probably in a wrong unit.
 const MOST_TARGET: f64 = 1e15;
 const LEAST_TARGET: f64 = 1e-30;
 
-/// A point is not reached if all transducers together give less than this in Pa: quotients by it would overflow.
+/// The least pressure in Pa of all transducers together at a point. If it is lower, the point is not reached: a
+/// division by it would overflow.
 const LEAST_REACH: f64 = 1e-200;
 
 /// The targets and weights of a request at all points of an array.

@@ -12,9 +12,9 @@ use crate::problem::Problem;
 use crate::problem::upper_bound::{FEW_POINTS, rough_bound};
 use crate::scene::Aim;
 
-/// The part of the targets below which a bound counts as a mistake. The balanced level of Suzuki et al. 2021, p1/sqrt(M),
-/// exceeds the true limit by 14 % on average, and by a quarter in some scenes of few points. A request that exceeds it by more
-/// is a mistake.
+/// A request is reported as a mistake if the bound on its level is below this part of its targets. The balanced level
+/// of Suzuki et al. 2021, p1/sqrt(M), exceeds the true limit by 14 % on average, and by a quarter in some scenes of
+/// few points. It is not reported.
 const EVERYDAY: f64 = 0.75;
 
 /// The pressures that an array can give at the points of a problem.
@@ -94,10 +94,10 @@ impl Problem {
         Ok(Reach { alone, level: self.targets_in_pascals().iter().map(level).collect() })
     }
 
-    /// Returns a proof that the request is impossible, if there is one, for [`Aim::Target`]. Either a target exceeds the
-    /// pressure of all transducers at its point, or no drive gives more than three quarters of all targets at once. The second
-    /// is proven by the quick form of [`crate::bound()`], for up to 64 points. It finds targets from about 1.4 times the
-    /// balanced level at a few points, from 2 to 2.5 times at 64.
+    /// Returns a proof that the request is impossible, if there is one, for [`Aim::Target`]. Either a target exceeds
+    /// the pressure of all transducers at its point, or no drive gives more than three quarters of all targets at
+    /// once. For up to 64 points, the quick form of [`crate::bound()`] proves the latter. It detects targets of at
+    /// least about 1.4 times the balanced level at a few points, and of 2 to 2.5 times at 64 points.
     ///
     /// # Errors
     /// A stop by the caller.

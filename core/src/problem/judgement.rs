@@ -16,8 +16,8 @@ use crate::propagation::field_of;
 use crate::scene::{Aim, words};
 use crate::workspace::Workspace;
 
-/// Quiet points are reported if their leak exceeds the allowed leak by this factor. A solver checks only some points of a crowd
-/// of quiet ones; between these the leak is up to three times as large.
+/// Quiet points are reported if their leak exceeds the allowed leak by this factor. A solver checks only some points
+/// of a crowd of quiet points. Between the checked points, the leak is up to three times as large.
 const LOUD: f64 = 4.0;
 
 /// Targets count as missed from this relative error on.

@@ -53,7 +53,8 @@ macro_rules! define {
 }
 metrics!(define);
 
-/// Computed in double precision without allocating memory: the points are read more than once instead.
+/// The metrics are computed in double precision without allocating memory; instead, the points are read more than
+/// once.
 ///
 /// Each item of `points` is (|p|, target, weight) in any one unit.
 ///

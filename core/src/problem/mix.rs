@@ -32,8 +32,9 @@ const CHUNK: usize = 64;
 /// most this part of the level.
 const NEAR: f32 = 5e-4;
 
-/// Half of the errors that remain after the choices, in units of (step between the amplitudes) times (points per transducer).
-/// For 64 points and 996 transducers they are 0.012 to 0.02 of a step.
+/// A low estimate of the errors that remain after the choices, in units of (step between the amplitudes) times
+/// (points per transducer). For 64 points and 996 transducers it is 0.01 of a step; the errors are 0.012 to 0.02 of a
+/// step.
 const LEFT: f32 = 0.15;
 
 /// With at least this many transducers for each point, amplitudes are drawn at random first.
@@ -89,7 +90,8 @@ pub(crate) fn mix<'w>(
     let near = (NEAR * level).max(1.5 * left);
     let mut aim = level * (1.0 - NEAR) - 2.0 * left;
     let mut parts = work.floats.take(drive.len());
-    // With few points, a random draw is accurate enough or nearly so. With more points, the transducers choose anyway.
+    // With few points, a random draw is accurate enough or nearly so. With more points it is omitted, because the
+    // transducers choose anyway.
     let drawn = drive.len() >= DRAWN * count;
     let mut met = false;
     if drawn {

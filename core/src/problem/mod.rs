@@ -53,13 +53,13 @@ pub struct Problem {
     targets: Arc<ArrayRequest>,
     start: Option<Arc<Start>>,
     pub(crate) aim: Option<Aim>,
-    /// The factor that this problem's targets have relative to the caller's: 1 except for the balanced problem.
+    /// The ratio of this problem's targets to the caller's targets: 1 except for the balanced problem.
     factor: f64,
     /// Targets of the points of weight above 0, in units of the reference, padded with zeros.
     scaled: Vec<f32>,
     /// p1_j, the sum of |G_ji| over all transducers, for the points of weight above 0, in units of the reference.
     pub(crate) reach: Vec<f64>,
-    /// The amplitudes of the propagation matrix G from the computation of these sums, if they are stored.
+    /// The amplitudes of the propagation matrix G that were computed for `reach`, if they are stored.
     amplitudes: Amplitudes,
 }
 

@@ -38,8 +38,8 @@ const CUT: usize = 4;
 /// How often the weights of a box are computed, each time from the previous ones.
 const TRIES: usize = 4;
 
-/// Better weights are computed if, in the middle of a box, bound and level differ by more than this part of what the width of
-/// the box adds to the bound.
+/// Better weights are computed for a box if, in its middle, the bound exceeds the level by more than this part of the
+/// amount that the box's width adds to the bound.
 const WORTH: f64 = 0.1;
 
 /// The shortest step of a phase in rad: near its maximum the level hardly changes.
@@ -117,7 +117,7 @@ fn terms(points: usize) -> impl Iterator<Item = [usize; 3]> {
     (0..points).map(|j| [j, j, 0]).chain(pairs)
 }
 
-/// The boxes of phases in the search; phases live on a torus.
+/// The boxes of phases in the search. The space of phases is a torus, because phases are periodic.
 struct Torus<'w> {
     set: InstructionSet,
     points: usize,
@@ -208,7 +208,7 @@ impl Torus<'_> {
             for (factor, [j, k, part]) in factors.iter_mut().zip(terms(points)) {
                 let both = weights[j] * weights[k];
                 *factor = match part {
-                    // |x|^2 in the middle, with a term for its range over the box.
+                    // |x|^2 in the middle, plus a term for its variation over the box.
                     0 if j == k => both * (1.0 + self.half[j] * self.half[j] / 3.0),
                     0 => 2.0 * both * turned(j, k).re,
                     _ => -2.0 * both * turned(j, k).im,

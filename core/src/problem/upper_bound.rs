@@ -50,7 +50,7 @@ const CHECK: usize = 20;
 /// The search ends if the certificate exceeds the relaxation's own level by less than this part.
 const NEAR: f64 = 3e-4;
 
-/// When the search over the phases of few points ends: half a second at 1000 transducers.
+/// The limits of the search over the phases of few points. The search takes up to half a second at 1000 transducers.
 const EFFORT: Effort = Effort { gap: 5e-5, boxes: 20_000 };
 
 type Lanes = [Complex64; RANK];
@@ -154,8 +154,8 @@ struct Rows {
 }
 
 impl Rows {
-    /// Returns the rows for at most `most` points, evenly chosen in their order. A bound for some of the points is a bound for
-    /// all, because their level is not lower.
+    /// Returns the rows for at most `most` points, evenly chosen in their order. A bound for some of the points is a
+    /// bound for all, because the level of some points is at least the level of all.
     fn new(problem: &Problem, most: usize, control: &mut Control) -> Result<Self, Error> {
         let (propagation, mut targeted) = (&problem.targets.propagation, problem.targeted());
         let all = targeted.len();

@@ -1,8 +1,8 @@
 //! Bodies: the part of the propagation matrix G that spheres and meshes add.
 //!
-//! It is the product H S. H (M, K) contains the K waves, or surface elements, of the bodies at each of M points. S (K, N)
-//! contains the response of each wave or element to each of N transducers. S is computed once; a point that moves needs only
-//! its own row of H anew.
+//! It is the product H S. H (M, K) contains the K waves, or surface elements, of the bodies at each of M points. S
+//! (K, N) contains the response of each wave or element to each of N transducers. S is computed once. If a point
+//! moves, only its own row of H is computed again.
 
 use alloc::sync::Arc;
 use alloc::vec;
@@ -75,8 +75,8 @@ impl Bodies {
         self.answers[0].len() / padded(self.transducers)
     }
 
-    /// Returns the pressure from each transducer at each point that the bodies scatter, in Pa: real and imaginary part, padded.
-    /// The transducers' own responses are not included.
+    /// Returns the scattered pressure of each transducer at each point, in Pa: real and imaginary part, padded. The
+    /// transducers' own responses are not included.
     pub(crate) fn sent(&self, points: &[[f64; 3]]) -> Vec<[Vec<f32>; 2]> {
         let lanes = padded(self.transducers);
         let mut row = Vec::new();

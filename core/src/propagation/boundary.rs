@@ -7,12 +7,13 @@
 //! p(x) = p_i(x) + sum_rigid u int dg/dn_y dS - sum_soft k u int g dS
 //! ```
 //!
-//! The E equations for the E unknowns are this one at the middle of each element, plus j/k times its derivative along the
-//! element's normal. Together the two have no spurious resonances of the inside (A. J. Burton and G. F. Miller, Proc. R. Soc. A
-//! 323, 201, 1971).
+//! There are E equations for the E unknowns, one for the middle of each element. Each is the equation above plus j/k
+//! times its derivative along the element's normal. The sum has no spurious resonances of the inside (A. J. Burton
+//! and G. F. Miller, Proc. R. Soc. A 323, 201, 1971).
 //!
-//! At its own middle the integral of an element is hypersingular. It is known in closed form except for one integral over the
-//! angle. A six-point rule computes all other integrals; near elements are first cut into quarters.
+//! The integral over an element is hypersingular at the element's own middle. It is known in closed form except for
+//! one integral over the angle. A six-point rule computes all other integrals; near elements are first cut into
+//! quarters.
 
 use alloc::format;
 use alloc::vec;

@@ -9,8 +9,8 @@ use crate::control::{Control, bytes};
 use crate::error::Error;
 use crate::propagation::Propagation;
 
-/// How many entries of the propagation matrix G are computed together. The memory of later points is not touched before their
-/// turn.
+/// The number of entries of the propagation matrix G that are computed together. The memory of a block is not touched
+/// before the block is computed.
 const ENTRIES_A_BLOCK: usize = 1 << 18;
 
 impl Propagation {

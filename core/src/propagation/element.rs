@@ -22,8 +22,8 @@ const RULE: [[f64; 3]; 2] = [
     [0.091_576_213_509_771, 0.816_847_572_980_459, 0.109_951_743_655_322],
 ];
 
-/// An element is near a place if the distance is below this many times its reach, about two edges. It is then cut into
-/// quarters.
+/// An element is near a place if their distance is below this many times the element's reach, the distance from its
+/// middle to its farthest corner. A near element is cut into quarters.
 const NEAR: f64 = 3.5;
 
 /// How often a near element is cut into quarters, at most. At distances below an eighth of the edge, the rule is inaccurate.
@@ -79,8 +79,8 @@ pub(crate) struct Element {
     pub(crate) kind: Surface,
 }
 
-/// A place. For the equation at the middle of an element it also has the normal there and the factor of the derivative along
-/// it.
+/// A place. If it is the middle of an element, the normal there and the factor of the derivative along the normal
+/// follow.
 pub(crate) type Place = ([f64; 3], Option<([f64; 3], Complex64)>);
 
 impl Element {

@@ -34,7 +34,7 @@ use crate::scene::{Medium, Obstacle, check_places};
 /// result does not depend on the threads.
 const BLOCK: usize = 32;
 
-/// How many such sums of each thread wait to be added.
+/// The most sums of blocks that wait to be added, for each thread.
 const WAITING: usize = 4;
 
 /// From this many pairs of a transducer and a point on, a second thread saves more time than its start takes.

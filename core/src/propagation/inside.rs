@@ -1,8 +1,8 @@
 //! Inside: finds meshes that cannot be solved, by their geometry and by the sound that a solution leaves inside.
 //!
-//! A place inside one body has the winding number 1, because the solid angles of all its triangles add up to 4 pi. The number
-//! is 2 where two bodies overlap, and 0 outside. It is computed slightly below the middle of each element. A plate that is too
-//! thin for its elements is not inside at that depth.
+//! A place inside one body has the winding number 1, because the solid angles of all its triangles add up to 4 pi.
+//! The number is 2 where two bodies overlap, and 0 outside. It is computed slightly below the middle of each element.
+//! If a plate is too thin for its elements, that place is already outside of the plate.
 
 use alloc::format;
 use alloc::vec::Vec;
@@ -23,7 +23,7 @@ use crate::scene::mesh::Triangle;
 /// wrong by 12 % at 0.06, and at 0.03 the plate is transparent.
 const DEPTH: f64 = 0.12;
 
-/// How many elements are tested for sound inside, at most.
+/// The most elements that are tested for sound inside.
 const LOOKS: usize = 64;
 
 impl Boundary {

@@ -129,7 +129,8 @@ impl Jet {
         self.0.iter().zip(&other.0).map(|(own, other)| own * other).sum()
     }
 
-    /// Returns the cotangent of one factor, for the cotangent of a product (`self`) and its other factor.
+    /// Returns the cotangent of one factor of a product, from the cotangent of the product (`self`) and the other
+    /// factor.
     pub(crate) fn back_times(&self, other: &Self) -> Self {
         let mut back = Self::ZERO;
         for [i, j, at] in PRODUCTS {
@@ -138,7 +139,7 @@ impl Jet {
         back
     }
 
-    /// Returns the cotangent of a function, for the cotangent of its derivative along an axis (`self`).
+    /// Returns the cotangent of a function, from the cotangent of the function's derivative along an axis (`self`).
     pub(crate) fn back_derivative(&self, axis: usize) -> Self {
         let mut back = Self::ZERO;
         for (own, exponents) in back.0.iter_mut().zip(&EXPONENTS) {

@@ -17,19 +17,19 @@ use crate::propagation::stiffness::Stiffness;
 use crate::propagation::taylor::add_exact;
 use crate::scene::{Bead, Signature};
 
-/// The most entries of a stored propagation matrix G: it takes a tenth of a second and a few MB. If each entry is the sum of
-/// more than eight waves, the limit is lower in proportion.
+/// The most entries of a stored propagation matrix G. Computing so many takes a tenth of a second and a few MB. If
+/// each entry is the sum of more than eight waves, the limit is lower in proportion.
 const MOST_ENTRIES: usize = 1 << 20;
 
 /// The propagation matrix G column by column, or the error that prevents it.
 pub(crate) type Matrix = Result<Arc<[Complex64]>, Error>;
 
-/// The points and the entries of an earlier propagation matrix G with the same other parameters. Columns of points that have
-/// not moved are copied from it. Empty if there is none.
+/// The points and the entries of an earlier propagation matrix G that differs only in the points. Columns of points
+/// that have not moved are copied from it. Both lists are empty if there is no earlier matrix.
 pub(crate) type Known<'a> = (&'a [[f64; 3]], &'a [Complex64]);
 
-/// The functions that compute from a [`Kept`], as function pointers, so that a program without obstacles and signatures is not
-/// linked with them.
+/// The functions that compute the results of a [`Kept`], as function pointers. A program without obstacles and
+/// signatures is then not linked with them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Make {
     /// Computes the propagation matrix G, by [`Kept::matrix`].
@@ -114,9 +114,9 @@ impl Kept {
         })
     }
 
-    /// Computes the columns of the propagation matrix G. Each entry is the sum of `waves` waves; `why` explains in the error
-    /// why G is stored. `add` gets the indices and positions of the points that are not known, and adds to a row of zeros for
-    /// each.
+    /// Computes the columns of the propagation matrix G. Each entry is the sum of `waves` waves; `why` explains in
+    /// the error why G is stored. `add` gets the indices and positions of the points that are not known, and one row
+    /// of zeros for each, to which it adds the waves.
     fn columns(
         &self,
         (waves, why): (usize, &str),

@@ -8,9 +8,9 @@
 //! p(x) = sum_l (2l + 1)/(4 pi) j_l(kr)/j_l(ka) int p(a s) P_l(s . x/r) ds,   j_l(kr) = (kr)^l/(2l + 1)!! (1 - (kr)^2/(4l + 6) + ...)
 //! ```
 //!
-//! The integral over the directions s is a Gauss rule in the height with equal steps in azimuth, exact to degree 11.
-//! Derivatives up to the third need the orders l up to 3, which the rule separates from all other orders below 9. r^l P_l(s .
-//! x/r) is a polynomial in x.
+//! The integral over the directions s is computed by a Gauss rule in the height and equal steps in azimuth, exact to
+//! degree 11. Derivatives up to the third need the orders l up to 3. The rule separates these orders from all others
+//! below 9. r^l P_l(s . x/r) is a polynomial in x.
 
 use alloc::vec::Vec;
 use core::f64::consts::{PI, TAU};
@@ -46,8 +46,8 @@ impl Local {
         Self((0..HEIGHTS * steps).map(place).collect())
     }
 
-    /// Returns the places on a ball that is clear of bodies; `clear` is the distance in m to the nearest body. Returns `None`
-    /// if that is less than a hundredth of the wavelength.
+    /// Returns the places on a ball that is clear of bodies; `clear` is the distance in m to the nearest body.
+    /// Returns `None` if this distance is less than a hundredth of the wavelength.
     pub(crate) fn beside(medium: Medium, clear: f64) -> Option<Self> {
         let ball = || Self::new(medium.complex_wavenumber(), 0.125 * clear.min(medium.wavelength()));
         (clear >= LEAST_CLEARANCE * medium.wavelength()).then(ball)

@@ -137,8 +137,9 @@ impl Model {
         Self { signature, make: kept.then_some(Kept::MAKE), ..self }
     }
 
-    /// Returns a copy of this model for a method that computes the rows of the propagation matrix G one by one, or for another
-    /// method. Results do not depend on it. For rows, intermediate values of the sums of |G| are stored and used again.
+    /// Returns a copy of this model that states whether the method computes the rows of the propagation matrix G one
+    /// by one. If it does, intermediate values of the sums of |G| are stored and used again. Results do not depend on
+    /// it.
     #[doc(hidden)]
     #[must_use]
     pub fn for_rows(self, rows_follow: bool) -> Self {

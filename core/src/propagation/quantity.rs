@@ -84,7 +84,8 @@ impl Quantity {
         }
     }
 
-    /// Returns dL/dRe p + j dL/dIm p, and the derivative of L by the sound speed at constant p.
+    /// Returns dL/dRe p + j dL/dIm p for a scalar L with this `cotangent` dL/dvalue, and the derivative of L by the
+    /// sound speed at constant p.
     pub(crate) fn back(self, medium: Medium, p: Complex64, value: &[f64], cotangent: &[f64]) -> ([f64; 2], f64) {
         let along = |factor: f64| [factor * p.re, factor * p.im];
         match self {
@@ -108,8 +109,8 @@ impl Quantity {
         }
     }
 
-    /// Returns the cotangents of the coefficients of the pressure, and the derivative of L by the sound speed at constant
-    /// pressure.
+    /// Returns the cotangents of the coefficients of the pressure for a scalar L, and the derivative of L by the
+    /// sound speed at constant pressure.
     pub(crate) fn back_felt(
         self,
         (medium, particle): (Medium, Particle),
@@ -128,7 +129,8 @@ impl Quantity {
     }
 }
 
-/// Returns the weights for the backward pass, for the cotangents of a pressure's coefficients (real and imaginary part).
+/// Returns the weights for the backward pass, from the cotangents of a pressure's coefficients (real and imaginary
+/// part).
 pub(crate) fn weights([re, im]: &[Jet; 2]) -> Weights {
     let mut weights = Weights::default();
     for (term, (re, im)) in re.coefficients().iter().zip(im.coefficients()).enumerate() {
@@ -146,7 +148,8 @@ pub(crate) fn weights([re, im]: &[Jet; 2]) -> Weights {
         weights.grown.push(weight(own, 1.0 + own.iter().map(|&n| f64::from(n)).sum::<f64>()));
         for axis in 0..3 {
             weights.slopes[axis].push(raised(own, axis, 1.0));
-            // Terms x dF/dy - y dF/dx, for each pair of axes in cyclic order.
+            // The derivative by a rotation about the axis: x dF/dy - y dF/dx for the axis z, and in cyclic order for
+            // x and y.
             let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
             for (from, to, sign) in [(next, last, 1.0), (last, next, -1.0)] {
                 if own[from] > 0 {

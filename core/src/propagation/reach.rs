@@ -11,8 +11,8 @@ use crate::math;
 use crate::propagation::sources::Sources;
 use crate::propagation::{Propagation, Rows};
 
-/// The square, in square wavelengths, of slightly more than a hundredth of a wavelength. Distances below it in f32 are checked
-/// again in f64.
+/// The square of slightly more than a hundredth of a wavelength, in square wavelengths. Squared distances in f32
+/// below it are checked again in f64.
 pub(crate) const NEAR: f32 = 1.01e-4;
 
 /// The most amplitudes that are stored: 1 MiB, which stays in the second-level cache until the rows are computed.

@@ -13,8 +13,8 @@ use crate::scene::{Array, Medium, check_places, distance};
 /// An array in a medium, prepared to compute rows of the propagation matrix G. Positions are in wavelengths, relative to the
 /// array's middle.
 ///
-/// A distance in wavelengths *is* a phase in turns. So the f32 rows need no multiplication between distance and phase, and lose
-/// no digits to one.
+/// A distance in wavelengths *is* a phase in turns. The f32 rows therefore need no multiplication, and no rounding,
+/// to get the phase from the distance.
 #[derive(Clone, Debug)]
 pub(crate) struct Sources {
     pub(crate) array: Array,

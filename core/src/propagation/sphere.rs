@@ -115,7 +115,7 @@ impl Sphere {
         Ok((0..self.waves()).flat_map(|wave| each.iter().map(move |answers| answers[wave])).collect())
     }
 
-    /// The amplitudes (K,) for one transducer.
+    /// Returns the amplitudes (K,) in Pa of the scattered waves for one transducer.
     fn answers_to(
         &self,
         sources: &Sources,
@@ -263,7 +263,8 @@ impl Rules {
         sum
     }
 
-    /// The parts of a function at one height with cos(m phi) and with sin(m phi), for each m, from its coefficients.
+    /// Returns, for each m, the factors of cos(m phi) and of sin(m phi) in a function of the direction at one height.
+    /// `shares` are the function's coefficients in Y_k.
     fn along(&self, h: usize, shares: &[Complex64]) -> Vec<[Complex64; 2]> {
         let count = self.heights.len();
         let part = |m: usize, k: &dyn Fn(usize) -> usize| {
@@ -288,9 +289,9 @@ fn at(n: usize, m: usize) -> usize {
     n * (n + 1) / 2 + m
 }
 
-/// Factors in the recurrence of normalised Legendre functions (NIST's Digital Library of Mathematical Functions, 14.10.3 and
-/// 14.30.1). At n = m the first is sqrt((2m + 1)/2m), and the second is unused. At m = 1 it also contains the sqrt(2) of real
-/// harmonics with m > 0.
+/// Factors in the recurrence of normalised Legendre functions (NIST's Digital Library of Mathematical Functions,
+/// 14.10.3 and 14.30.1). At n = m the first factor is sqrt((2m + 1)/2m), and the second is unused. At n = m = 1 the
+/// first factor is multiplied by sqrt(2), which all real harmonics with m > 0 have.
 fn factors(order: usize) -> Vec<[f64; 2]> {
     let mut factors = Vec::with_capacity((order + 1) * (order + 2) / 2);
     for n in 0..=order {
@@ -308,8 +309,8 @@ fn factors(order: usize) -> Vec<[f64; 2]> {
     factors
 }
 
-/// Spherical Hankel functions h_n(z) of the first kind for the orders 0 to `order`. The recurrence runs upwards, where they
-/// grow.
+/// Spherical Hankel functions h_n(z) of the first kind for the orders 0 to `order`. The recurrence runs towards
+/// higher orders. It is stable, because the functions grow in this direction.
 fn hankel(z: Complex64, order: usize) -> Vec<Complex64> {
     let wave = math::phasor(z.re) * math::exp(-z.im);
     let first = Complex64::new(wave.im, -wave.re) / z;

@@ -31,7 +31,8 @@ use crate::scene::{Bead, Medium, Particle};
 /// The entries (a, b) of the symmetric matrix H.
 const ENTRIES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]];
 
-/// The least stiffness along an axis in a division, as a part of the largest stiffness.
+/// [`Stiffness::balance`] divides by the stiffness along each axis, or by this part of the largest stiffness if it is
+/// less.
 const LEAST_STIFFNESS: f64 = 1e-3;
 
 /// The matrices F for each of [`ENTRIES`], followed by S for each axis.

@@ -54,7 +54,8 @@ impl<'w> Strips<'w> {
         Self { propagation, order: work.counting(count), planes, strip, made: false, work }
     }
 
-    /// Calls `pass` for each strip. The range is that of its transducers, and also of its lanes in padded lists.
+    /// Calls `pass` for each strip, with the range of the strip's transducers. The same range applies to the lanes of
+    /// padded lists.
     fn each(
         &mut self,
         control: &mut Control,

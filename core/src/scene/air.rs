@@ -45,8 +45,8 @@ impl Medium {
             return Err(Error::invalid("medium.air_pressure", format!("{air_pressure:?}"), cure));
         }
         let kelvin = temperature + ZERO;
-        // In hot air the formula for saturated vapour would exceed the air pressure: the partial pressure of vapour is at most
-        // that.
+        // In hot air the formula for saturated vapour would exceed the air pressure. The partial pressure of vapour
+        // is therefore limited to the air pressure.
         let vapour = (humidity / 100.0 * saturation(kelvin)).min(air_pressure);
         let density = (air_pressure - vapour) / (287.05 * kelvin) + vapour / (461.5 * kelvin);
         let absorption = absorption(frequency, kelvin, 100.0 * vapour / air_pressure, air_pressure / STANDARD);

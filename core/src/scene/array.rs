@@ -49,8 +49,8 @@ pub struct Array {
     mask: Option<Arc<[bool]>>,
     pub(super) channels: Option<Channels>,
     quantization: Option<Arc<Quantization>>,
-    /// The frequency in Hz of an array that is real hardware: its default medium is then real air. Two arrays that differ only
-    /// in this are equal.
+    /// The frequency in Hz of an array that is real hardware: its default medium is then real air. Comparisons of
+    /// arrays ignore it.
     hardware: Option<f64>,
     origin: Origin,
 }
@@ -274,8 +274,8 @@ impl Array {
         self.response.as_ref().map_or(Complex64::ONE, |response| response[i])
     }
 
-    /// Returns a copy of this array with each position and normal mapped, as the image of the array in a mirror; `opposite`
-    /// reverses the sign of all responses.
+    /// Returns a copy of this array whose positions are mapped by `place` and whose normals are mapped by
+    /// `direction`, as a mirror does; `opposite` reverses the sign of all responses.
     pub(crate) fn moved(
         &self,
         place: impl Fn([f64; 3]) -> [f64; 3],

@@ -52,10 +52,11 @@ impl<const N: usize> Numbers for [f64; N] {
     }
 }
 
-/// Declares the enum of obstacles: first the kinds that a few numbers describe, with unit and example of each parameter, then
-/// the kinds that wrap one value.
+/// Declares the enum of obstacles: first the kinds that a few numbers describe, with unit and example of each
+/// parameter, then the kinds that wrap one value.
 ///
-/// The enum gets `BODIES`, a [`Body`] for each kind of the first sort, `PARTS`, all their parameters as keys, and `noun`.
+/// The enum gets `BODIES`, a [`Body`] for each kind that numbers describe; `PARTS`, the parameters of these kinds as
+/// keys; and `noun`.
 macro_rules! obstacles {
     (
         $(#[$meta:meta])*
@@ -109,7 +110,7 @@ macro_rules! obstacles {
                 },
             )+];
 
-            /// The parameters of all these kinds, in the same order.
+            /// The parameters of the kinds in [`Self::BODIES`], in the same order.
             pub const PARTS: &[$crate::scene::Key] = &[$($(
                 $crate::scene::Key::new(stringify!($field), $example, concat!("Of a ", $noun, ":", $($doc),+)),
             )+)+];

@@ -17,8 +17,8 @@ pub(crate) fn check_array(array: &Array, medium: Medium) -> Result<(), Error> {
     medium.check()?;
     array.transducer().directivity.check_beam(medium.wavenumber())?;
     let check = |places: &[[f64; 3]]| check_places(array.centre(), medium, "array.positions", "", places);
-    // No point of a box is farther from its middle than the corners. Only if a corner is too far are all positions checked, so
-    // that the error names one.
+    // No point of a box is farther from its middle than the corners. All positions are checked only if a corner is
+    // too far away, so that the error can name one of them.
     let corners = [0, 1].map(|end| array.bounds().map(|bound| bound[end]));
     check(&corners).or_else(|_| check(array.positions()))
 }

@@ -31,7 +31,7 @@ numbers! {
     }
 }
 
-/// The keys that describe the air; the fields follow from them.
+/// The keys that describe the air; the fields of [`Medium`] are computed from these keys.
 const AIR: [&str; 3] = ["temperature", "humidity", "air_pressure"];
 
 impl Medium {

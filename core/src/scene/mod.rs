@@ -61,8 +61,8 @@ use alloc::vec::Vec;
 
 use crate::error::Error;
 
-/// For a trap, a plane may be this many times as far away as for a focus: half a wavelength, within which the loud shell around
-/// the trap lies.
+/// A picture shows a trap if the plane is at most this many times as far away as it may be for a focus. That is half
+/// a wavelength: the loud shell around the trap is within this distance.
 const SHELL: f64 = 5.0;
 
 /// An array, a medium, control points and the request at them. Checked when made, and unchanged from then on.

@@ -24,8 +24,8 @@ const LARGEST_SPHERE: f64 = 12.0;
 /// The most boundary elements of all meshes of a scene: their matrix then takes 7 GB.
 const MOST_ELEMENTS: f64 = 30_000.0;
 
-/// The least distance between a body and a transducer, in wavelengths. A transducer is computed as a point source, which is
-/// wrong for reflections between nearer ones.
+/// The least distance between a body and a transducer, in wavelengths. A transducer is computed as a point source.
+/// This is wrong for the waves that a nearer body reflects.
 const CLEAR: f64 = 0.25;
 
 obstacles! {

@@ -28,7 +28,7 @@ pub enum PartKind {
     Flags,
     /// A whole number of 0 or above for each transducer.
     Indices,
-    /// A quantization: the phases and amplitudes that a board can play. One that names neither allows any drive.
+    /// A quantization: the phases and amplitudes that a board can play. If both are left out, any drive is allowed.
     Quantization,
 }
 

@@ -15,10 +15,11 @@ const NEAR: f64 = 0.1;
 /// How many wavelengths around the points a plane shows, if its size is not given.
 const MARGIN: f64 = 2.0;
 
-/// The side of a plane through a trap, in wavelengths: it shows the shell around the trap and the next one.
+/// The side of a plane through a trap, in wavelengths: the picture shows the loud shell around the trap and the next
+/// shell.
 const TRAP: f64 = 2.5;
 
-/// The most planes for foci, and the most traps for which planes are made; further ones are left out.
+/// The most planes for foci, and the most traps for which planes are made; further planes and traps are left out.
 const MOST_PLANES: usize = 4;
 
 /// Pixels along each side of a plane whose size is not given.
@@ -156,7 +157,8 @@ impl Plane {
         let center = [middle(across), middle(up)];
         let mut places: Vec<f64> = points.iter().map(|point| point[axis.index()]).collect();
         places.sort_unstable_by(f64::total_cmp);
-        // Each plane takes the lowest point left and all points above it that lie near enough to the middle between them.
+        // Each plane takes the lowest remaining point and the points up to 2 NEAR above it; it lies halfway between
+        // the lowest and the highest of them.
         let mut layers: Vec<_> = Vec::new();
         let mut rest = &places[..];
         while let Some(&low) = rest.first() {

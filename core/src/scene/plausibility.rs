@@ -40,8 +40,8 @@ const SPACING: RangeInclusive<f64> = 0.05..=5.0;
 /// The largest plausible array or picture in m.
 const LARGEST: f64 = 10.0;
 
-/// The largest plausible distance in m between a point and the array; a larger array raises it to its own size. At 40 kHz the
-/// air has absorbed half of the pressure there.
+/// The largest plausible distance in m between a point and the array. For a larger array the limit is the array's
+/// size. At this distance the air has absorbed half of the pressure at 40 kHz.
 const FARTHEST: f64 = 5.0;
 
 /// A value that is computed but is probably a mistake.
@@ -162,7 +162,8 @@ fn of_speed(speed: f64, celsius: f64) -> (String, String) {
     (value, format!("air has 293 to 366 m/s, at -60 to 60 degrees C: {cure}"))
 }
 
-/// Returns whether the wavelength is plausible; distances cannot be judged by a doubtful one.
+/// Returns whether the wavelength is plausible. Distances are judged in wavelengths, so they are not judged if it is
+/// not.
 fn is_sure(medium: Medium) -> bool {
     FREQUENCY.contains(&medium.frequency) && TEMPERATURE.contains(&medium.temperature())
 }

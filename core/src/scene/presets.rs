@@ -263,7 +263,8 @@ fn autd3(tiles: [usize; 2]) -> Vec<[f64; 3]> {
     positions
 }
 
-/// Returns a board below z = 0 and the same board above it, turned about y to face the first. Each keeps its own order.
+/// Returns a board below z = 0 and the same board above it, turned about y to face the first. Each board keeps the
+/// order of its transducers.
 fn facing(board: &[[f64; 3]], gap: f64) -> Vec<[f64; 3]> {
     let below = board.iter().map(|&[x, y, _]| [x, y, -0.5 * gap]);
     below.chain(board.iter().map(|&[x, y, _]| [-x, y, 0.5 * gap])).collect()
@@ -294,7 +295,8 @@ fn levitator(rings: [(u32, f64, f64); 3]) -> Vec<[f64; 3]> {
 /// The height in m of the focus of Ultraino's bowl; the bowl's radius is 72.7 mm.
 const BOWL_FOCUS: f64 = 55.5e-3;
 
-/// Rings from the rim to the middle, in the order of Ultraino's file. Each ring begins at +y, the third half a step later.
+/// Returns rings from the rim to the middle, in the order of Ultraino's file. Each ring begins at +y, the third half
+/// a step later.
 fn bowl() -> Vec<[f64; 3]> {
     const RINGS: [(u32, f64, f64, f64); 5] = [
         (28, 56.75e-3, 10.14e-3, 0.0),

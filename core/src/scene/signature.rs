@@ -42,8 +42,8 @@ pub enum Signature {
     /// side gives at least half the pressure of the stronger one, it is a standing wave with a node at the point: phase pi for
     /// the side above. Otherwise it is [`Signature::Vortex`], whose least stiffness is the best of the known ones.
     Trap,
-    /// A twin trap: phase pi for the half of the array at x below the point's (at y, for an array along x). The two halves
-    /// cancel in a plane through the point.
+    /// A twin trap: phase pi for the half of the array whose x is below the x of the point (whose y, for an array
+    /// along x). The two halves cancel in a plane through the point.
     Twin,
     /// A vortex: the phase of each transducer is its azimuth around the array's axis through the point.
     Vortex,

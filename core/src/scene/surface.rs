@@ -2,7 +2,7 @@
 
 use crate::scene::value::words;
 
-/// Distances in m below this are taken as 0 beside the surface of an obstacle.
+/// A place counts as on the surface of an obstacle if its distance from the surface is below this, in m.
 pub(crate) const ON: f64 = 1e-9;
 
 /// The acoustic boundary condition of a surface.

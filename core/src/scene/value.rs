@@ -55,7 +55,7 @@ pub trait OptionValue: Sized {
     fn show(&self) -> Value;
 }
 
-/// Returns the value as an integer of type `T`; `None` if it is none or out of range.
+/// Returns the value as an integer of type `T`; `None` if it is not an integer or out of range.
 fn integer<T: TryFrom<i128>>(value: &Value) -> Option<T> {
     if let Value::Integer(number) = value { T::try_from(*number).ok() } else { None }
 }
@@ -115,7 +115,7 @@ pub fn spell<T: Copy + PartialEq>(value: T, words: &[(&'static str, T)]) -> Valu
     Value::Text(found.map_or_else(String::new, |(word, _)| (*word).to_string()))
 }
 
-/// Makes an enum the type of an option whose values are words.
+/// Makes an enum the type of an option: each of its values is given by a word.
 macro_rules! words {
     ($type:ty: $($word:literal = $value:expr),+) => {
         impl $crate::scene::OptionValue for $type {

@@ -24,8 +24,9 @@ struct Judged<'a> {
 }
 
 impl Session {
-    /// Returns the metrics of `count` drives (B, N). `ask` writes the points and the request of a drive, given its index; all
-    /// have `points` points. Each result has the same bits as [`crate::Problem::judge`], whatever the number of threads.
+    /// Returns the metrics of `count` drives (B, N). `ask` writes the points and the request of a drive, given its
+    /// index; every request has `points` points. Each result has the same bits as [`crate::Problem::judge`], whatever
+    /// the number of threads.
     ///
     /// `control` is called after every few drives, with the mean residual so far. After a stop, the metrics of the remaining
     /// drives are NaN.

@@ -142,8 +142,8 @@ impl Session {
     /// request over that of an earlier one. The drive of the problem is written into its row of `drives` (B, N). Each result
     /// has the same bits as that of [`Session::solve`], whatever the number of threads.
     ///
-    /// The memory is that of the output, and a workspace and 16 problems for each thread. More problems allocate nothing if all
-    /// weights are above 0 and `ask` reuses the lists of the request.
+    /// The call needs memory for the output, and for a workspace and 16 problems in each thread. More problems need
+    /// no more memory if all weights are above 0 and `ask` reuses the lists of the request.
     ///
     /// `control` is called after every few problems, with the mean residual so far. After a stop, the remaining problems have a
     /// drive of 0 and the status [`crate::Status::Stopped`].
@@ -231,8 +231,8 @@ impl Session {
         Ok((transducers, threads, LANES * (STRETCH / (LANES * transducers * points)).max(1)))
     }
 
-    /// Returns the warnings about the last solution, each kind once in a session. Only the first search for a proof of
-    /// [`Problem::beyond`] takes time.
+    /// Returns the warnings about the last solution, each kind once in a session. The search for a proof of
+    /// [`Problem::beyond`] takes time and is made only once.
     pub fn remarks(&mut self) -> impl Iterator<Item = Remark> + use<> {
         let (Some(problem), Some(solution)) = (self.problem(), self.solution()) else {
             return [None; 8].into_iter().flatten();
@@ -267,8 +267,8 @@ impl Session {
         far.into_iter().chain(contrary).collect()
     }
 
-    /// Does the same as [`Session::doubts`] for all points (B, M, 3) of a batch, with `each` = M; only points far beyond the
-    /// array or behind it.
+    /// Does the same as [`Session::doubts`] for all points (B, M, 3) of a batch, with `each` = M. It reports only
+    /// points far beyond the array or behind it.
     pub fn batch_doubts(&mut self, points: &[[f64; 3]], each: usize) -> Vec<Doubt> {
         let far = self.far(points, |k| format!("problems[{}].points[{}].position", k / each, k % each));
         far.into_iter().collect()

@@ -181,8 +181,9 @@ impl Worker {
         refused
     }
 
-    /// Reads up to 16 problems, from `first` of the batch on. Returns how many come before the first one with an error, and the
-    /// error with its index. A problem before it can still fail later; then that is the first error.
+    /// Reads up to 16 problems, from `first` of the batch on. Returns the number of problems before the first one
+    /// with an error, and this error with its index. If an earlier problem fails when it is solved, its error counts
+    /// as the first.
     pub(super) fn prepare(
         &mut self,
         first: usize,

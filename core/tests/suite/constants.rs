@@ -77,7 +77,7 @@ fn the_papers_arrays_are_centred_grids_in_the_papers_unit() {
         let array = preset(name);
         let grid = Array::grid(side, side, 10e-3).expect("a grid");
         assert_eq!(sites(&array), sites(&grid));
-        // The order is x fastest, from the corner with the lowest x and y.
+        // Transducers are ordered with x fastest, from the corner with the lowest x and y.
         let (first, second) = (array.positions()[0], array.positions()[1]);
         assert!(first[0] < second[0] && first[1].to_bits() == second[1].to_bits());
         assert!(array.in_paper_unit() && !grid.in_paper_unit());

@@ -79,7 +79,8 @@ fn many_points_get_their_targets_where_the_array_can() {
 #[test]
 #[ignore = "slow"]
 fn a_target_above_free_steps_level_is_met_at_its_own() {
-    // The shortest path to an even field of 256 points ends at 1.11 p1/sqrt(M), but 1.15 p1/sqrt(M) can be reached too.
+    // Without targets, the steps to an even field of 256 points end at the level 1.11 p1/sqrt(M), although 1.15
+    // p1/sqrt(M) can be reached.
     let pressures = vec![1.15 * P1 / 16.0; 256];
     let problem = problem(&scene(array(), random_points(256, 0.1, 0), Some(pressures)));
     assert!(solved(&max(problem.clone()), &Uniform::default()).metrics().level > 0.99);

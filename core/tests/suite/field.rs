@@ -222,7 +222,7 @@ fn a_plane_shows_what_lies_in_its_square_and_a_tenth_of_the_wavelength_around_it
 fn a_point_has_the_same_bits_in_any_company() {
     let scene = real();
     let drive = random_drive(scene.array().len(), 2);
-    // More points than one chunk of a thread, and more than one step of the control.
+    // There are more points than in one chunk of a thread, and than in one step of the control.
     let points = random_points(8_500, 0.1, 2);
     let all = field(&scene, &drive, &points);
     for part in [0..1, 0..255, 255..257, 200..713, 8_000..8_500] {

@@ -220,8 +220,8 @@ fn golden_vectors_come_out_bit_for_bit_under_the_scalar_set() {
     }
 }
 
-/// simd128 gives the same bits as the scalar instruction set, because that is compiled to plain loops with simd128
-/// instructions.
+/// The instruction sets simd128 and scalar give the same bits, because the scalar code is compiled to plain loops
+/// with simd128 instructions.
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 #[test]
 fn every_method_has_the_bits_of_the_scalar_set() {

@@ -96,7 +96,7 @@ fn every_exchange_is_the_best_within_its_bound_at_every_instruction_set() {
     }
 }
 
-/// Four AUTD3 boards (N = 996) with 256 phases and these amplitudes.
+/// Returns a problem for four AUTD3 boards (N = 996) with 256 phases and these amplitudes.
 fn boards(amplitudes: &[f64], points: &[[f64; 3]], pressures: Option<Vec<f64>>) -> Problem {
     let quantization = Quantization::new(Some(256), Some(amplitudes.to_vec())).expect("quantization");
     let array = Array::preset("autd3", [2, 2]).expect("boards").with_quantization(Some(quantization));

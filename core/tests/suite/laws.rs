@@ -310,7 +310,8 @@ fn phases_of_the_targets_change_the_answers_of_those_who_use_them() {
             assert_eq!(free.drive, given.drive, "{name}");
             continue;
         }
-        // Free phases are 0. A common phase added to all targets turns the whole drive.
+        // Targets without phases are solved as targets of phase 0. A common phase added to all targets rotates all
+        // drives by this phase.
         assert_eq!(free.drive, zero.drive, "{name}");
         assert!(free.drive != given.drive, "{name}");
         let errors = [&given, &later].map(|solution| solution.complex_error().expect("phases"));

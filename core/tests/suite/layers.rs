@@ -98,7 +98,7 @@ fn expanded(text: &str) -> Vec<String> {
 /// Returns the modules that a file uses in `use crate::...` lines and other paths: for each, the longest part that is a file.
 fn used(text: &str, files: &Files) -> BTreeSet<String> {
     let code: String = text.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n");
-    // The core may also be called `midair::`.
+    // The path of a module may begin with `midair::` instead of `crate::`.
     let code = if files.contains_key("kernels") { code.replace("midair::", "crate::") } else { code };
     let paths = code.split("crate::").skip(1).flat_map(expanded).filter_map(|path| {
         let parts: Vec<&str> = path.split("::").collect();

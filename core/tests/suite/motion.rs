@@ -129,7 +129,8 @@ fn points_at_rest_leave_every_code_where_it_is() {
     let drives = followed(&mut session(&array(Some(256)), Glide::default()), &points);
     let frames: Vec<&[Complex32]> = drives.chunks(SIDE * SIDE).collect();
     assert!(frames[20..].windows(2).all(|pair| pair[0] == pair[1]));
-    // Many points whose level rises slowly. The phases stay those of the first frame that was loud enough.
+    // With many points, the level that the search finds rises slowly from frame to frame. The phases remain those of
+    // the first frame whose level was high enough.
     let many: Vec<[f64; 3]> = (0..4).flat_map(|t| circles(4)[t * COUNT..][..COUNT].to_vec()).collect();
     let spread = |j: usize, [x, y, z]: [f64; 3]| [x + 0.02 * (j / COUNT) as f64 - 0.03, y + 0.015 * (j % 5) as f64, z];
     let many: Vec<[f64; 3]> = many.iter().enumerate().map(|(j, &point)| spread(j, point)).collect();

@@ -166,6 +166,6 @@ fn two_phases_have_louder_weakest_points_and_some_transducers_off() {
     }
 }
 
-/// Number of points, largest target over the smallest, seed, level.
+/// For each scene: the number of points, the largest target over the smallest, the seed, and the level.
 const KEPT: [(usize, f64, u64, f64); 5] =
     [(4, 1.0, 1, 0.9521), (8, 10.0, 2, 0.9666), (12, 1.0, 3, 0.9693), (24, 10.0, 4, 0.9961), (24, 1.0, 5, 1.0193)];

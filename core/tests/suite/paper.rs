@@ -79,8 +79,8 @@ fn random(seed: u64) -> Greedy {
     Greedy { seed, ..Greedy::default() }
 }
 
-/// Whether the width is that of the whole array's focus: a slit of its aperture (NA 0.77) is above half over 1.2 lambda/(2 NA)
-/// = 6.7 mm.
+/// Whether the width is that of a focus with the whole array. The focus of a slit with this aperture (NA 0.77)
+/// exceeds half its maximum over a width of 1.2 lambda/(2 NA) = 6.7 mm.
 fn is_ideal(width: f64) -> bool {
     (6.0e-3..7.0e-3).contains(&width)
 }
@@ -95,17 +95,17 @@ fn a_strong_focus_is_ideal_in_any_order() {
 
 #[test]
 fn a_weak_focus_is_smeared_along_x_by_the_fixed_order() {
-    // The first columns already give |p| = 1. The waves of the rest come alternately from both sides and keep |P| constant.
-    // Their order depends on near-ties of the symmetric scene: the width is 42 mm here, 38 mm in f64, and about 40 mm in the
-    // paper's figure.
+    // The first columns already give |p| = 1. The waves of the remaining columns come alternately from both sides and
+    // keep |P| constant. Their order depends on near-ties of the symmetric scene: the width is 42 mm here, 38 mm in
+    // f64, and about 40 mm in the paper's figure.
     let widths = [0, 1].map(|axis| width(axis, &columns(), 1.0, false));
     assert!((0.035..0.045).contains(&widths[0]) && widths[1] < 0.02, "{widths:?}");
 }
 
 #[test]
 fn a_weak_focus_is_narrow_in_four_random_orders_of_five() {
-    // In the remaining orders the waves of the rest form side lobes, and in one order of ten a side lobe exceeds half the
-    // maximum.
+    // In the other orders, the transducers after those that reach the target form side lobes. In one order of ten a
+    // side lobe exceeds half the maximum.
     let narrow = |seed: &u64| [0, 1].into_iter().all(|axis| width(axis, &random(*seed), 1.0, false) < 0.015);
     let count = (0..20).filter(narrow).count();
     assert!(count >= 16, "{count} of 20");

@@ -152,7 +152,8 @@ fn a_bad_problem_is_named_and_a_stop_keeps_what_is_done() {
     assert!(batch.pressures[done * M..].iter().all(|p| p.norm() == 0.0));
 }
 
-/// Returns a model of a 7 x 5 array, so that the last group of lanes is not full, with or without other properties.
+/// Returns a model of a 7 x 5 array, so that the last group of lanes is not full. If `full`, it has responses, a
+/// directivity and absorption.
 fn small(full: bool, set: InstructionSet) -> Model {
     let array = Array::grid(7, 5, 10e-3).expect("a grid");
     if !full {

@@ -94,7 +94,7 @@ fn a_session_and_points_without_weight_keep_the_signature() {
     assert_eq!(expected.scene().as_ref(), Some(&whole));
     let model = Model::of(&whole, InstructionSet::best());
     let mut session = Session::new(model, std::sync::Arc::new(Uniform::default()) as std::sync::Arc<_>, true);
-    // Calls with other points and other numbers of points come in between.
+    // Other points and other numbers of points do not change the result of a later call.
     for count in [1, 3, 2, 3] {
         let ask = SolveRequest { points: points[..count].to_vec(), ..SolveRequest::default() };
         let solution = session.solve(&ask, &mut Control::none()).expect("a drive");

@@ -39,8 +39,8 @@ pub(crate) const FORMAT: Format = Format {
     silence: twice,
 };
 
-/// Avoids the two bytes that begin and end a word: a receiver that has lost a byte would mistake them. The neighbouring phase
-/// step is played instead.
+/// Replaces the two phases whose bytes begin or end a word, because a receiver that has lost a byte would mistake
+/// them for the begin or the end. The neighbouring phase step is played instead.
 fn spared(phase: u16) -> u8 {
     match phase as u8 {
         SUFFIX => SUFFIX - 1,

@@ -61,8 +61,8 @@ const MEGA64_HZ: f64 = 16e6 / PERIOD;
 /// Cycles from the first port to each port, in the order of [`PINS`]: the ports are written one after another.
 const PORTS_LATE: [f64; 10] = [0.0, 3.0, 7.0, 10.0, 14.0, 17.0, 20.0, 24.0, 27.0, 30.0];
 
-/// The durations that repeat one pattern of one period: 1 and 0, two bits in each byte, the most significant first. The last
-/// byte ends them.
+/// How long the pattern of a period is repeated: the durations 1 and 0, two bits in each byte, the most significant
+/// bits first. The last byte marks the end.
 const DURATIONS: [u8; 9] = [0x30, 0x30, 0x30, 0x70, 0x30, 0x30, 0x30, 0x30, 0x10];
 
 /// The pin of each channel of a MEGA64: 8 times the index of its port in A C L B K F H D G J, plus its bit in the port.

@@ -25,7 +25,8 @@ struct Setting {
 }
 
 impl Setting {
-    /// Returns the random scene number `seed`. Directivities, absorption and the number of walls (0 to 2) take turns.
+    /// Returns the random scene number `seed`. The seed also selects the directivity, the absorption and the number
+    /// of walls (0 to 2).
     fn random(seed: usize) -> Self {
         let mut rng = Rng::new(seed as u64);
         let mut uniform = move || 2.0 * rng.uniform() - 1.0;
@@ -90,7 +91,8 @@ impl Setting {
         sum
     }
 
-    /// L from `gorkov`. That takes drives in single precision, so the drives are given as the array's responses.
+    /// L from `gorkov`. This function takes drives in single precision, so the drives are given as the array's
+    /// responses.
     fn felt(&self, quantity: Quantity, particle: Particle, cotangent: &[f64]) -> f64 {
         let count = self.drive.len();
         let mut array = self.model().array().clone();

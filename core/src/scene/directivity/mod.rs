@@ -134,7 +134,7 @@ impl Directivity {
         let Taylor::InSine { scale, order, factor } = &self.law.taylor else { return None };
         let (scale, order, factor) = (scale(self.parameter, k), *order, 2.0 * factor / k);
         let square = scale * scale;
-        // k dD/dk = 2 y dD/dy.
+        // The derivative is k dD/dk = 2 y dD/dy, where y = x^2 and x = `scale` sin(theta).
         let each = move |c: f64| {
             let c = c.min(1.0);
             let of = |y: f64| {
@@ -150,7 +150,7 @@ impl Directivity {
         })
     }
 
-    /// Whether the transducer radiates nothing at this angle: behind its baffle.
+    /// Whether the transducer radiates nothing at this angle, because the angle is behind its baffle.
     fn silent(&self, cos_theta: f64) -> bool {
         cos_theta < 0.0 && !matches!(self.law.shape, Shape::Omnidirectional)
     }

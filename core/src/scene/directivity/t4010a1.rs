@@ -14,7 +14,7 @@ pub(super) static LAW: Law = Law {
     parameter: None,
     about: "the Nicera T4010A1 as measured every 10 degrees (the AUTD3's transducer), by monotone cubics (PCHIP)",
     value: |_, cos_theta, _| pchip(&MEASURED, math::acos(cos_theta.min(1.0)).to_degrees() / 10.0)[0],
-    // The derivatives of this law: the second one jumps at every tenth degree, where the cubics meet.
+    // The derivatives of D. The second derivative jumps at every tenth degree, where two cubics meet.
     taylor: Taylor::Each(|_, c, _| {
         let theta = math::acos(c);
         let [d, d1, d2, d3] = pchip(&MEASURED, theta.to_degrees() / 10.0);

@@ -61,7 +61,8 @@ fn focus() -> Result<bool, Error> {
     let problem = Problem::new(&scene)?;
     let solution =
         midair::solve(&problem, &Greedy::default(), false, &mut Workspace::new(), &mut Control::none())?;
-    // For a single point, the balanced level is p1. Rounding to 16 phases loses half a percent: its factor is sinc(1/16).
+    // For a single point, the balanced level is p1. Rounding to 16 phases multiplies the pressure by sinc(1/16), a
+    // loss of half a percent.
     let p1_is_right = (problem.targets_in_pascals()[0] - 2.36066).abs() < 1e-5;
     let accuracy = solution.metrics().accuracy;
     Ok(p1_is_right && accuracy > 0.985 && accuracy < 1.0)
