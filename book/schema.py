@@ -14,7 +14,7 @@ from midair._midair import directivities, scene_keys, sweep_keys
 ROOT = Path(__file__).parents[1]
 
 #: The directivities that have a name, each with its formula.
-DIRECTIVITIES = {name: about for name, (_, about, _) in directivities().items()}
+DIRECTIVITIES = {name: about for name, (_, _, about) in directivities().items()}
 #: Values for the fuzzing dictionary: names, extreme numbers, booleans, null.
 VALUES = ['"autd3"', '"paper20"', "[1, 2]", '"max"', '"full"', '"all"', "true", "null"]
 VALUES += ["inf", "nan", "-0.0", "1e308", "9223372036854775808"]
