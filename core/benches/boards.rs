@@ -1,5 +1,5 @@
-//! Compares boards with quantization to unlimited drives, and real transducers to point sources: ratios from one run, also at
-//! the few points of a hand.
+//! Compares boards with quantization to unlimited drives, and real transducers to point sources: ratios from one run, also for
+//! the few points on a hand.
 //!
 //! `cargo bench -p midair --features parallel --bench boards`. Measures session calls with moving points and batches of 1024,
 //! on one thread, N = 996. Results are checked first; then all variants alternate, and their medians are compared.

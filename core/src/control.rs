@@ -203,7 +203,7 @@ impl<'a> Control<'a> {
         self.threads.count()
     }
 
-    /// Returns the control for a part of the work, which passes pulses on, but no steps.
+    /// Returns the control for a part of the work, which passes pulses to the observer, but no steps.
     pub(crate) fn part(&mut self) -> Control<'_> {
         Control {
             observer: self.observer.as_mut().map(|observer| &mut **observer as &mut dyn Observe),

@@ -45,7 +45,7 @@ pub(crate) fn phase(z: Complex32) -> f64 {
 
 /// z/|z| for z = re + j im; 1 if z is 0.
 pub(crate) fn unit(re: f32, im: f32) -> (f32, f32) {
-    /// Squares below LEAST lose digits: such numbers are multiplied by UP first.
+    /// If the square of a number is below LEAST, digits are lost: such a number is multiplied by UP first.
     const LEAST: f32 = 1e-30;
     const UP: f32 = (1_u64 << 60) as f32;
     let square = re * re + im * im;

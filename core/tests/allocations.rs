@@ -43,8 +43,8 @@ fn problem(seed: u64, pressure: Option<f64>, quantization: Option<&Quantization>
 
 #[test]
 fn the_second_solve_of_a_size_allocates_nothing() {
-    // The cases: without pressures, and with pressures far below the balanced level. With and without balancing, these go
-    // through different code in `solve`.
+    // The cases: without pressures, and with pressures far below the balanced level. `solve` has different code with and
+    // without balancing.
     let board = Quantization::new(Some(32), Some(vec![0.0, 0.25, 1.0])).expect("quantization");
     for (pressure, balance, quantization) in [
         (None, false, None),

@@ -44,8 +44,8 @@ pub struct Board {
     boards: usize,
     /// The pulses that the board can make; `None` if it makes no pulses.
     pulses: Option<Pulses>,
-    /// Which transducers one channel drives; `None` if each has its own. The lists below have one entry for each driven
-    /// channel.
+    /// Which transducers one channel drives; `None` if each transducer has its own channel. The lists below have one entry for
+    /// each driven channel.
     wiring: Option<Channels>,
     /// For each channel of the boards, the index of its drive; `None` if the channel is unused.
     driven: Vec<Option<usize>>,
@@ -138,7 +138,7 @@ impl Board {
     }
 
     /// Returns the boards with transducers (N,) that are always off where `live` is false. A channel is off if all its
-    /// transducers are.
+    /// transducers are off.
     ///
     /// # Errors
     /// Another number of entries.

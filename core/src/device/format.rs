@@ -72,8 +72,8 @@ pub(crate) fn twice(_: usize, off: &[u8]) -> Vec<u8> {
     off.repeat(2)
 }
 
-/// Returns three off frames, for boards that continue a frame that was cut off. With the first off frame that frame
-/// is complete, but it is not valid.
+/// Returns three off frames, for boards that continue a frame that was cut off. The first off frame completes that frame, which
+/// is then not valid.
 pub(crate) fn thrice(_: usize, off: &[u8]) -> Vec<u8> {
     off.repeat(3)
 }

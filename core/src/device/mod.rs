@@ -1,4 +1,4 @@
-//! Boards: what they can play and their bytes. Sockets and ports are elsewhere.
+//! Boards: the drives that they can play, and their bytes. Sockets and ports are elsewhere.
 
 pub(crate) mod board;
 mod boards;

@@ -17,7 +17,7 @@ pub(super) struct Item<'a> {
     pub(super) node: &'a Node,
 }
 
-/// A table in a document. All its keys are known ones.
+/// A table in a document. All its keys have been checked to be known.
 pub(super) struct Table<'a> {
     path: String,
     pub(super) entries: &'a [(String, Node)],
@@ -52,7 +52,7 @@ impl<'a> Item<'a> {
         self.node.real().ok_or_else(|| self.refused("give a number"))
     }
 
-    /// A whole number. One beyond i64 becomes the largest i64, which range checks reject later.
+    /// Returns a whole number. A number beyond i64 becomes the largest i64, which range checks reject later.
     pub(super) fn integer(&self) -> Result<i64, Fault> {
         match *self.node {
             Node::Integer(value) => Ok(value),

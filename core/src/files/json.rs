@@ -41,7 +41,7 @@ pub(super) fn read(text: &str) -> Result<Node, Flaw> {
     })
 }
 
-/// Follows `steps` into a text that has been parsed, as far as they lead.
+/// Follows the keys and indices `steps` into a text that has been parsed. Stops at the first one that does not exist.
 pub(super) fn find(text: &str, steps: &[Step<'_>]) -> Place {
     let start = text.len() - text.trim_start().len();
     let (mut place, mut rest) = (Place { value: start, key: start, steps: 0 }, text);

@@ -54,7 +54,7 @@ pub(super) fn at(
     Ok(scene)
 }
 
-/// The position of a point; and its pressure, phase and weight, if given.
+/// The position of a point; and its pressure, phase and weight, each if given.
 type Point = ([f64; 3], [Option<f64>; 3]);
 
 fn point(item: &Item<'_>) -> Result<Point, Fault> {
@@ -86,7 +86,7 @@ fn request(points: &[Point], owners: &[(usize, String)]) -> Result<Request, Faul
         let cure = format!("{given} of {} points have one: give every point a pressure, or none", points.len());
         return Err(Error::invalid(format!("{item}.pressure"), "left out", cure).into());
     }
-    // If one point has the number, the others get the default.
+    // If one point has the number (a pressure, phase or weight), the other points get the default.
     let list = |key: usize, default: f64| {
         let any = points.iter().any(|(_, numbers)| numbers[key].is_some());
         any.then(|| points.iter().map(|(_, numbers)| numbers[key].unwrap_or(default)).collect())

@@ -325,8 +325,8 @@ pub(super) fn renamed(table: &str, key: &str) -> Option<&'static str> {
     FORMER.iter().find(|(at, former, _)| is(at, &pattern(table)) && *former == key).map(|(.., now)| *now)
 }
 
-/// All tables of a scene file: path and keys. A list of tables has a path such as `points[]`; a table may occur more than once,
-/// with other keys.
+/// All tables of a scene file: path and keys. A list of tables has a path such as `points[]`. The same path may occur more than
+/// once, each time with other keys.
 pub fn tables() -> impl Iterator<Item = (&'static str, &'static [Key])> {
     TABLES.iter().copied()
 }

@@ -9,7 +9,8 @@ use crate::files::node::Node;
 use crate::files::schema;
 use crate::files::source::{Format, Source};
 
-/// The most keys of a table, far more than any table has. Each key is compared with all others, which must stay fast.
+/// The most keys of a table, far more than any table needs. Each key is compared with all others of its table; the limit keeps
+/// this fast.
 const MOST_KEYS: usize = 256;
 
 /// A syntax error, and its offset in the text if known.

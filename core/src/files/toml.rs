@@ -12,7 +12,7 @@ use crate::files::node::Node;
 use crate::files::step::{Place, Step};
 use crate::files::syntax::Flaw;
 
-/// Whole numbers from here on are rejected as too large.
+/// Whole numbers from 1e38 on are rejected as too large.
 const MOST: f64 = 1e38;
 
 /// Parses a text.
@@ -21,7 +21,7 @@ pub(super) fn read(text: &str) -> Result<Node, Flaw> {
     table(root.into_inner())
 }
 
-/// Follows `steps` into a text that has been parsed, as far as they lead.
+/// Follows the keys and indices `steps` into a text that has been parsed. Stops at the first one that does not exist.
 pub(super) fn find(text: &str, steps: &[Step<'_>]) -> Place {
     let mut place = Place { value: 0, key: 0, steps: 0 };
     let Ok(root) = DeTable::parse(text) else { return place };

@@ -19,8 +19,8 @@ use crate::scene::Request;
 const MOST_TARGET: f64 = 1e15;
 const LEAST_TARGET: f64 = 1e-30;
 
-/// The least pressure in Pa of all transducers together at a point. If it is lower, the point is not reached: a
-/// division by it would overflow.
+/// The least pressure in Pa of all transducers together at a point. A point with a lower pressure counts as not reached: a
+/// division by this pressure would overflow.
 const LEAST_REACH: f64 = 1e-200;
 
 /// The targets and weights of a request at all points of an array.
@@ -132,7 +132,7 @@ impl ArrayRequest {
                 self.excess = self.excess.max(target / alone);
             }
         }
-        // The loads are divided by the largest one, so that no square overflows or underflows.
+        // The loads (target over reach) are divided by the largest load, so that no square overflows or underflows.
         let pairs = self.active.iter().zip(reach);
         let loads = pairs.map(|(&j, &reach)| self.pascals[j] / (reach * reference)).filter(|load| *load > 0.0);
         let load = loads.clone().fold(0.0, f64::max);

@@ -12,9 +12,9 @@ use crate::problem::Problem;
 use crate::problem::upper_bound::{FEW_POINTS, rough_bound};
 use crate::scene::Aim;
 
-/// A request is reported as a mistake if the bound on its level is below this part of its targets. The balanced level
-/// of Suzuki et al. 2021, p1/sqrt(M), exceeds the true limit by 14 % on average, and by a quarter in some scenes of
-/// few points. It is not reported.
+/// A request is reported as a mistake if the bound on its level is below this part of its targets. A request for the balanced
+/// level of Suzuki et al. 2021, p1/sqrt(M), is not reported: it exceeds the true limit by 14 % on average, and by a quarter in
+/// some scenes of few points.
 const EVERYDAY: f64 = 0.75;
 
 /// The pressures that an array can give at the points of a problem.
@@ -24,8 +24,8 @@ pub struct Reach {
     /// The highest pressure at each point alone (M,) in Pa: `sum_i |G_ji|`.
     pub alone: Vec<f64>,
     /// The balanced level (M,) in Pa: the pressures, in the ratios of the targets, that the array can give at all points
-    /// together if they are at least a focal width apart. They are s target_j with `sum_j (s target_j/alone_j)^2 = 1`. Closer
-    /// points can have more.
+    /// together if they are at least a focal width apart. They are s target_j with `sum_j (s target_j/alone_j)^2 = 1`. At
+    /// points that are closer together, higher pressures are possible.
     pub level: Vec<f64>,
 }
 

@@ -199,7 +199,7 @@ impl Problem {
     pub(crate) fn sum_moduli(&mut self, control: &mut Control) -> Result<(), Error> {
         let propagation = self.selected.as_ref().unwrap_or(&self.targets.propagation);
         propagation.reach(&mut self.reach, Some(&mut self.amplitudes), control).map_err(|error| match error {
-            // The error names a point among the selected ones; callers know it by its index among all.
+            // The error names a point by its index among the selected points; callers know the index among all points.
             Error::TooNear { point, transducer, distance, least } => {
                 Error::TooNear { point: self.targets.active[point], transducer, distance, least }
             }

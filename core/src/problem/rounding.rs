@@ -34,8 +34,8 @@ impl Solution {
         Some(Self::with_pressures(request, core::mem::take(drive), &field, status, steps, work))
     }
 
-    /// Marks all drives as ones that the board can play. An exception are boards with ticks of unequal length, whose pulses are
-    /// still rounded at the end.
+    /// Marks all drives as drives that the board can play. Boards with ticks of unequal length are an exception: their pulses
+    /// are still rounded at the end.
     pub(crate) fn on_grid(self) -> Self {
         let on_grid = self.request.setup.quantization.as_deref().is_none_or(|board| board.uneven().is_none());
         Self { on_grid, ..self }
@@ -65,7 +65,8 @@ impl Solution {
         let of_one = self.request.given && least > largest * (1.0 - ALIKE);
         let largest = f64::from(largest) / factor;
         let scale = quantization.scale(largest);
-        // If drives are lowered, pulses of equal ticks are rounded to the phases that are possible at every amplitude.
+        // Pulses of equal ticks include all phases and amplitudes of the grid. If full drives are lowered, they are rounded to
+        // the grid below, because its phases are possible at every amplitude.
         let lowered = self.on_grid || of_one && quantization.between(largest).is_some();
         if let Some(pulses) = if lowered { quantization.uneven() } else { quantization.pulses() } {
             let stayed = pulses.round((factor * scale) as f32, &mut self.drive);

@@ -1,8 +1,8 @@
 //! Local: derivatives of the sound at a point without sources nearby, from the pressure on a small ball around it.
 //!
-//! Inside a ball without sources, sound of wavenumber k is a sum of regular spherical waves. By the addition theorem of
-//! spherical harmonics (NIST's Digital Library of Mathematical Functions, 14.30.9), the values on the radius a give the
-//! pressure at x, at the distance r from the middle:
+//! Inside a ball without sources, sound of wavenumber k is a sum of regular spherical waves. The addition theorem of spherical
+//! harmonics (NIST's Digital Library of Mathematical Functions, 14.30.9) gives the pressure at a point x, at the distance r
+//! from the middle, from the pressures p(a s) on the sphere of radius a in the directions s:
 //!
 //! ```text
 //! p(x) = sum_l (2l + 1)/(4 pi) j_l(kr)/j_l(ka) int p(a s) P_l(s . x/r) ds,   j_l(kr) = (kr)^l/(2l + 1)!! (1 - (kr)^2/(4l + 6) + ...)

@@ -29,8 +29,8 @@ const CUT: f64 = 10.0;
 /// The most orders above k a that a transducer close to the surface may add.
 const MOST_EXTRA: f64 = 90.0;
 
-/// The step along the radius for numerical derivatives, in wavelengths. The errors by its square and by rounding are both below
-/// 1e-7.
+/// The step along the radius for numerical derivatives, in wavelengths. The truncation error, proportional to the square of the
+/// step, and the rounding error are both below 1e-7.
 const STEP: f64 = 1e-4;
 
 /// A sphere in a medium, prepared for an array.

@@ -31,8 +31,7 @@ use crate::scene::{Bead, Medium, Particle};
 /// The entries (a, b) of the symmetric matrix H.
 const ENTRIES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]];
 
-/// [`Stiffness::balance`] divides by the stiffness along each axis, or by this part of the largest stiffness if it is
-/// less.
+/// [`Stiffness::balance`] divides by the stiffness along each axis, but by at least this part of the largest stiffness.
 const LEAST_STIFFNESS: f64 = 1e-3;
 
 /// The matrices F for each of [`ENTRIES`], followed by S for each axis.

@@ -309,9 +309,9 @@ impl Array {
         self
     }
 
-    /// The medium of a scene on this array, for some given values of [`Medium::KEYS`]. It begins as [`Medium::room`] on
-    /// hardware, at the given frequency or the board's, else as [`Medium::default`]. Then [`Medium::with`] applies the given
-    /// values.
+    /// The medium of a scene on this array, for some given values of [`Medium::KEYS`]. For real hardware it is based on
+    /// [`Medium::room`] at the given frequency, or at the board's; otherwise on [`Medium::default`]. Then [`Medium::with`]
+    /// applies the given values.
     ///
     /// ```
     /// use midair::{Array, Medium};

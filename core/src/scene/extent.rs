@@ -7,9 +7,9 @@ use crate::scene::array::Array;
 use crate::scene::geometry::vector;
 use crate::scene::medium::Medium;
 
-/// The largest distance from the array's middle in wavelengths, 279 m at 40 kHz. There phases in f32 are wrong by 0.004 rad on
-/// average and by at most 0.02 rad, and moduli by 6e-5. A focus loses 1.4e-5 of its pressure. These errors grow with the
-/// distance, the last with its square.
+/// The largest distance from the array's middle in wavelengths, 279 m at 40 kHz. At this distance, phases in f32 are wrong by
+/// 0.004 rad on average and by at most 0.02 rad, and moduli by 6e-5. A focus loses 1.4e-5 of its pressure. The errors grow with
+/// the distance, the loss of pressure with its square.
 const MOST_WAVELENGTHS: f64 = (1 << 15) as f64;
 
 /// Checks a medium, and whether an array can be computed in it.

@@ -61,11 +61,12 @@ use alloc::vec::Vec;
 
 use crate::error::Error;
 
-/// A picture shows a trap if the plane is at most this many times as far away as it may be for a focus. That is half
-/// a wavelength: the loud shell around the trap is within this distance.
+/// The factor between the allowed distances of a trap and of a focus from the plane of a picture. For a trap the allowed
+/// distance is then half a wavelength, which contains the loud shell around the trap.
 const SHELL: f64 = 5.0;
 
-/// An array, a medium, control points and the request at them. Checked when made, and unchanged from then on.
+/// An array, a medium, control points and the request at them. A scene is checked when it is made, and never changes
+/// afterwards.
 ///
 /// ```
 /// use midair::{Array, Medium, Request, Scene};

@@ -110,8 +110,9 @@ impl Plane {
     }
 
     /// Returns planes that show `points` and at least two wavelengths around them. If the points lie in a plane normal to z, y
-    /// or x, this is the only one. Otherwise the normal is the axis along which the points have the fewest different places,
-    /// with one plane for each place, at most four. Planes with the most points come first; they differ only in their place.
+    /// or x, only that plane is returned. Otherwise the normal is the axis along which the points have the fewest different
+    /// places, with one plane for each place, at most four. Planes with the most points come first. The planes differ only in
+    /// their coordinate along the normal.
     #[must_use]
     pub fn around(points: &[[f64; 3]], wavelength: f64) -> Vec<Self> {
         let layers = |axis| Self::layers(axis, points, wavelength);
@@ -157,8 +158,8 @@ impl Plane {
         let center = [middle(across), middle(up)];
         let mut places: Vec<f64> = points.iter().map(|point| point[axis.index()]).collect();
         places.sort_unstable_by(f64::total_cmp);
-        // Each plane takes the lowest remaining point and the points up to 2 NEAR above it; it lies halfway between
-        // the lowest and the highest of them.
+        // Each plane shows the lowest remaining point and the points up to 2 NEAR above it. The plane lies halfway between the
+        // lowest and the highest of these points.
         let mut layers: Vec<_> = Vec::new();
         let mut rest = &places[..];
         while let Some(&low) = rest.first() {

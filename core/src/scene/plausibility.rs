@@ -162,8 +162,7 @@ fn of_speed(speed: f64, celsius: f64) -> (String, String) {
     (value, format!("air has 293 to 366 m/s, at -60 to 60 degrees C: {cure}"))
 }
 
-/// Returns whether the wavelength is plausible. Distances are judged in wavelengths, so they are not judged if it is
-/// not.
+/// Returns whether the wavelength is plausible. With a doubtful wavelength, distances between transducers cannot be judged.
 fn is_sure(medium: Medium) -> bool {
     FREQUENCY.contains(&medium.frequency) && TEMPERATURE.contains(&medium.temperature())
 }

@@ -29,8 +29,8 @@ pub struct Preset {
     pub tiles: bool,
     /// Source pressure and directivity of the transducers.
     pub transducer: Transducer,
-    /// The kind of board that plays any drive of this array, if there is one. The array has its quantization, and transducers
-    /// in the same order as [`Board::new`](crate::Board::new).
+    /// The kind of board that plays any drive of this array, if there is one. The array then has the quantization of this kind,
+    /// and its transducers are in the order of [`Board::new`](crate::Board::new).
     pub board: Option<&'static str>,
     /// How many consecutive transducers share one channel.
     pub together: usize,

@@ -30,8 +30,8 @@ impl Array {
         }
     }
 
-    /// Returns boards of this kind for the array. Each transducer has a channel, or the channels are those of the array. Masked
-    /// and dead transducers are off, and so is a channel with no other transducers.
+    /// Returns boards of this kind for the array. Each transducer has its own channel, unless the array has channels. Masked
+    /// and dead transducers are off. A channel is off if all its transducers are off.
     ///
     /// # Errors
     /// An unknown name, more transducers or channels than the boards have.

@@ -48,7 +48,7 @@ impl Batch {
     }
 }
 
-/// Returns the warnings, one line for each kind: in how many problems it occurs, and the worst problem.
+/// Returns the warnings, one line for each kind of warning, with the number of problems and the worst problem.
 fn remarks(outcomes: &[Outcome]) -> Vec<String> {
     let worst = |badness: fn(&Outcome) -> f64| {
         let bad = outcomes.iter().map(badness).enumerate().filter(|(_, badness)| *badness > 1.0);

@@ -139,8 +139,8 @@ impl Session {
     }
 
     /// Solves B = `count` requests of M = `points` points each. `ask` is called with the index of a problem and writes its
-    /// request over that of an earlier one. The drive of the problem is written into its row of `drives` (B, N). Each result
-    /// has the same bits as that of [`Session::solve`], whatever the number of threads.
+    /// request, over the request of an earlier problem. The drive of the problem is written into its row of `drives` (B, N).
+    /// Each result has the same bits as that of [`Session::solve`], whatever the number of threads.
     ///
     /// The call needs memory for the output, and for a workspace and 16 problems in each thread. More problems need
     /// no more memory if all weights are above 0 and `ask` reuses the lists of the request.
@@ -258,8 +258,8 @@ impl Session {
     }
 
     /// Returns probable mistakes in the points of a request. A point far beyond the array or behind it is reported once in a
-    /// session; different pressures at one place only for the first request. The check takes one comparison for each
-    /// coordinate.
+    /// session. Different pressures at one place are reported only for the first request. The check takes one comparison for
+    /// each coordinate.
     pub fn doubts(&mut self, ask: &SolveRequest) -> Vec<Doubt> {
         let far = self.far(&ask.points, |j| format!("points[{j}].position"));
         let first = !core::mem::replace(&mut self.compared, true);

@@ -167,7 +167,7 @@ fn an_answer_is_no_worse_than_its_start() {
         let again = requested.with_start(Start::Drive(first.drive.clone())).expect("a drive");
         for solver in [&Uniform::default() as &dyn Solve, &Best::default()] {
             let again = solved(&again, solver).metrics();
-            // The sweeps may improve the level, and rounding may lower it slightly.
+            // The sweeps may raise the level, and rounding may lower it slightly.
             assert!(again.level >= first.metrics().level * (1.0 - 1e-5) && again.sigma <= 1e-5, "{again:?}");
         }
     }

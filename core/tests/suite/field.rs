@@ -199,7 +199,7 @@ fn a_body_that_no_plane_through_the_points_cuts_has_an_upright_one() {
     for place in [[0.03, -0.02, 0.18], [-0.03, -0.02, 0.18], [0.01, -0.02, 0.08]] {
         assert!(body.shows(place, scene.medium().wavelength()), "{place:?}");
     }
-    // The plane through the points already shows the sphere if it cuts it.
+    // If the plane through the points already cuts the sphere, no second plane is made.
     assert_eq!(with(0.195).len(), 1);
 }
 
@@ -222,7 +222,7 @@ fn a_plane_shows_what_lies_in_its_square_and_a_tenth_of_the_wavelength_around_it
 fn a_point_has_the_same_bits_in_any_company() {
     let scene = real();
     let drive = random_drive(scene.array().len(), 2);
-    // There are more points than in one chunk of a thread, and than in one step of the control.
+    // There are more points than a thread computes together, and more than the control counts as one step.
     let points = random_points(8_500, 0.1, 2);
     let all = field(&scene, &drive, &points);
     for part in [0..1, 0..255, 255..257, 200..713, 8_000..8_500] {

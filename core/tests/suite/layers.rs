@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The modules of `core/src`, the lowest layer first. A module may use itself and those before it.
+/// The modules of `core/src`, the lowest layer first. A module may use itself and the modules before it.
 const CORE: &[&str] = &[
     "error",
     "threads",
@@ -113,7 +113,7 @@ fn uses(files: &Files) -> Uses<'_> {
     files.iter().map(|(module, text)| (module.as_str(), used(text, files))).collect()
 }
 
-/// Returns the uses of a module by one in a lower layer.
+/// Returns each use of a module by a module of a lower layer.
 fn upward(files: &Files, layers: &[&str]) -> Vec<String> {
     let layer = |module: &str| {
         let top = module.split("::").next().unwrap_or_default();

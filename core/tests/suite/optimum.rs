@@ -34,7 +34,7 @@ fn dual(rows: &[Vec<Complex64>], phases: &[f64]) -> f64 {
     least(&|a| least(&|b| sum([a, (1.0 - a) * b, (1.0 - a) * (1.0 - b)])))
 }
 
-/// The highest level over all phases: tries a grid, then halves the steps around its best point.
+/// The highest level over all phases: tries a grid of phases, then halves the steps around the best point of the grid.
 fn optimum(rows: &[Vec<Complex64>]) -> f64 {
     let points = rows[0].len();
     let steps = if points == 2 { 96 } else { 20 };

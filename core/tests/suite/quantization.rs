@@ -143,8 +143,7 @@ fn balancing_reduces_by_the_table_and_below_it_by_the_scale() {
         assert!((solution.scale - part).abs() < 1e-6 && solution.amplitude(7) > 0.999, "{}", solution.scale);
         same(solution.metrics());
     }
-    // In the first case the table contains the amplitude; in the second case, the smallest amplitude of the table is
-    // larger.
+    // In the first case the table contains the required amplitude `part`; in the second case, its smallest amplitude is larger.
     let within = at(0.2, Some(quantization(65_536, &[0.0, 0.1, part, 1.0])));
     assert!(within.scale == 1.0 && (within.amplitude(7) - part).abs() < 1e-6);
     same(within.metrics());

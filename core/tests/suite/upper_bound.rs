@@ -116,8 +116,8 @@ fn only_what_provably_cannot_be_had_is_beyond_reach() {
     assert!(point == 1 && target == 5.0 && alone < 2.4, "{point} {target} {alone}");
     let text = Beyond::Alone { point, target, alone }.to_string();
     assert!(text.starts_with("points[1].pressure is 5.000 Pa, beyond reach: ") && !text.contains('\n'), "{text}");
-    // Two points at one place can both have nearly the pressure that one of them alone can have. This is far above
-    // the balanced level, and no mistake.
+    // Points at one place can all have nearly the pressure that one of them alone can have. This is far above the balanced
+    // level, and no mistake.
     assert_eq!(beyond(&[points[0], points[0], points[0]], vec![1.7; 3]), None);
     // Without pressures, the targets are the highest level of the array.
     assert_eq!(

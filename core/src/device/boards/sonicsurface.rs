@@ -40,9 +40,9 @@ pub(crate) const FORMAT: Format = Format {
 };
 
 /// The delay of each channel. The multiplexer samples every eighth channel one tick late. The secondary's counter restarts at
-/// half a period of the primary's, after a filter. With a filter of five taps, as in the secondary's diagram, it is 186.3
-/// degrees late; with eight, as in the primary's, 189.0 degrees. The published binary does not show which it has. The value
-/// here is the mean: 17 steps less 0.32.
+/// half a period of the primary's, after a filter. If this filter has five taps, as in the secondary's diagram, the delay is
+/// 186.3 degrees; if it has eight, as in the primary's diagram, 189.0 degrees. The published binary does not show how many it
+/// has. The value here is the mean: 17 steps less 0.32 steps.
 fn late(channel: usize) -> (u16, f64) {
     let (steps, rest) = if channel < CHANNELS { (0, 0.0) } else { (17, -0.32 / 32.0) };
     (steps + u16::from(channel % 8 == 3), rest)
