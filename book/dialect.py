@@ -13,7 +13,8 @@ ROOT = Path(__file__).parents[1]
 MOST = 19
 #: Files generated from texts that are counted where they are written.
 GENERATED = {"docs/map.md", "docs/scene.schema.json", "docs/sweep.schema.json", "capi/include/midair.h"}
-#: Names in programs (an attribute of midair.Rest, the ends of a track), and "held out" of data sets.
+#: Uses of the words that do not count: public names (an attribute of midair.Rest, the ends of a track), and
+#: the term "held out" for data sets.
 PUBLIC = r"held[ _-]out|\.held\b|\bheld(?=: |\()|::Held\b|\bHeld,"
 TEXTS = (
     ".c", ".cpp", ".cs", ".h", ".hpp", ".md", ".mjs", ".py", ".pyi", ".rs", ".sh", ".toml", ".ts", ".vhd",

@@ -26,7 +26,7 @@ class Docstrings(griffe.Extension):
         """Handles every name that the compiled core exports."""
         self.pkg, self.loader = pkg, loader
         for name in compiled.__all__:
-            # A function that the stubs have only as overloads is not a member of them.
+            # A function that has only overloads in the stubs is not a member of the stub module.
             thing, found = getattr(compiled, name), pkg["_midair"].members.get(name)
             stubs = pkg[found.target_path.split(".")[1]] if found and found.is_alias else pkg["_midair"]
             if name not in stubs.members:

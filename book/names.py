@@ -25,7 +25,7 @@ def members(owner: type) -> Iterator[str]:
 
 
 def names() -> Iterator[str]:
-    """Yields all public names, as the website's anchors end."""
+    """Yields all public names, each as the end of its anchor on the website."""
     for name in midair.__all__:
         thing = getattr(midair, name)
         inner = [getattr(thing, one) for one in thing.__all__] if isinstance(thing, ModuleType) else [thing]

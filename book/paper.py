@@ -1,4 +1,7 @@
-"""Writes docs/paper.md from tables of `midair reproduce`, `make paper`: python book/paper.py OUT DOCS."""
+"""Writes docs/paper.md from the tables of `midair reproduce`, for `make paper`.
+
+python book/paper.py OUT DOCS
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,7 @@ from midair._reproduce import FIGURES, fig2, tables, timing
 from midair._reproduce.tables import Outcome
 from midair._support import output
 
-#: Number of colours and width in pixels of the page's pictures, so that the repository stays small.
+#: The number of colours and the width in pixels of the page's pictures: small, to keep the repository small.
 COLOURS = 128
 WIDTH = 860
 

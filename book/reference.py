@@ -105,8 +105,8 @@ pressure of a transducer on its axis times the distance. [Boards](../boards.md) 
 
 
 def entry(name: str) -> str:
-    """Returns the directive for a public name at its definition:
-    `midair.skin` is also the name of a module.
+    """Returns the mkdocstrings directive for a public name. It names the place of the definition, because a
+    name such as `midair.skin` is also that of a module.
     """
     thing = inspect.unwrap(getattr(midair, name))
     home = getattr(thing, "__module__", None) or "midair"
@@ -158,7 +158,7 @@ def row(*cells: object) -> str:
 
 
 def methods() -> str:
-    """Returns the page of all methods with their options, which are the same everywhere."""
+    """Returns the page of all methods with their options."""
     text = METHODS
     for name, about in midair.solvers().items():
         uses = {

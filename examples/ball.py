@@ -1,7 +1,7 @@
 """A hard ball in the way: foci in its shadow, solved without the ball and with it.
 
-Both drives are played beside the ball, which takes a sixth of the foci. A solve that includes the scattered
-waves recovers half of that. `midair.Sphere` computes these waves exactly, by their series.
+Both drives are played beside the ball. The ball weakens the foci by a sixth; a solve that includes the
+scattered waves recovers half of this. `midair.Sphere` computes these waves exactly, by their series.
 """
 
 from pathlib import Path

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 import midair
 
 FREQUENCY = 40e3
-#: Duration of a reading, and of the time after a change of drive before the sound is steady, in s.
+#: The duration of a reading, and the waiting time after a change of drive until the sound is steady, in s.
 LISTEN, SETTLE = 10e-3, 5e-3
 
 

@@ -14,12 +14,12 @@ Row = list[str]
 
 
 def today() -> str:
-    """Return the date in the form of the tables."""
+    """Returns the date in the form of the tables."""
     return datetime.date.today().isoformat()
 
 
 def code(*folders: str) -> str:
-    """Return the state of some folders: git's short names of their trees, with a plus for changed ones."""
+    """Returns the state of some folders: git's short names of their trees, with a plus for changed ones."""
     names = []
     for folder in folders:
         name = _git("rev-parse", "--short=8", f"HEAD:{folder}")
@@ -33,13 +33,15 @@ def _git(*arguments: str) -> str:
 
 
 def rows(table: str) -> list[Row]:
-    """Return the rows of a table, which is found by its markers."""
+    """Returns the rows of a table, which is found by its markers."""
     _, inside, _ = _parts(table)
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in inside.splitlines()[2:]]
 
 
 def put(table: str, row: Row, keys: int) -> None:
-    """Replace the row with the same first `keys` cells, or append it; an interruption changes nothing."""
+    """Replaces the row whose first `keys` cells are the same, or appends the row.
+    The file is never left incomplete.
+    """
     before, inside, after = _parts(table)
     found = rows(table)
     same = [index for index, other in enumerate(found) if other[:keys] == row[:keys]]

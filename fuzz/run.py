@@ -1,8 +1,7 @@
-"""Guided fuzzing of every target in turns of some minutes, each recorded in docs/reliability.md.
+"""Guided fuzzing of every target in turns of some minutes; each turn is recorded in docs/reliability.md.
 
-A target is finished after so many seconds or executions with the present code, in this run and earlier ones.
-An interrupted run continues later.
-
+A target is finished when it has run for the requested number of seconds or executions with the present code.
+Earlier runs with this code count, too, so an interrupted run can be continued later.
 """
 
 from __future__ import annotations
@@ -37,14 +36,14 @@ OPTIONS = ["-print_final_stats=1", "-timeout=60", "-rss_limit_mb=4096", "-verbos
 
 @dataclass
 class Had:
-    """Number of executions and seconds that a target has run with the present code."""
+    """The number of executions and the seconds that a target has run with the present code."""
 
     executions: int = 0
     seconds: int = 0
 
     @classmethod
     def of(cls, name: str, code: str) -> Had:
-        """Return the numbers of a target, added up from the record."""
+        """Returns the numbers of a target, added up from the record."""
         had = cls()
         for row in record.rows("fuzz"):
             if row[:2] == [name, code]:
@@ -58,7 +57,7 @@ def _number(text: str) -> int:
 
 
 def seeds(name: str) -> list[Path]:
-    """Return the folders with the first inputs of a target, which are in the repository."""
+    """Returns the folders with the first inputs of a target, which are in the repository."""
     folders = [FUZZ / "corpus" / name]
     if name == "scene":
         golden = WORK / "golden"
@@ -72,7 +71,7 @@ def seeds(name: str) -> list[Path]:
 
 
 def command(name: str, seconds: int, executions: int) -> list[str]:
-    """Return a target's program with libFuzzer's options, limited in seconds and executions."""
+    """Returns a target's program with libFuzzer's options, limited in seconds and executions."""
     corpus = WORK / "corpus" / name
     found = WORK / "found" / name
     for folder in (corpus, found):
@@ -90,7 +89,7 @@ def command(name: str, seconds: int, executions: int) -> list[str]:
 
 
 def environment(name: str) -> dict[str, str]:
-    """Return a target's environment. For Python, it preloads libFuzzer, which coverage counters need."""
+    """Returns a target's environment. For Python, it preloads libFuzzer, which coverage counters need."""
     if name in RUST:
         return dict(os.environ)
     (library,) = (FUZZ / ".venv").glob("lib/python*/site-packages/ubsan_with_fuzzer.so")
@@ -98,7 +97,7 @@ def environment(name: str) -> dict[str, str]:
 
 
 def slice_of(name: str, code: str, seconds: int, executions: int) -> bool:
-    """Run one turn and record it. Return whether it found no error."""
+    """Runs one turn and records it. Returns whether it found no error."""
     begun = time.monotonic()
     log = WORK / f"{name}.log"
     with log.open("wb") as file:
@@ -115,7 +114,7 @@ def slice_of(name: str, code: str, seconds: int, executions: int) -> bool:
 
 
 def note(name: str, code: str, log: Path, seconds: float, status: int) -> None:
-    """Record the turn that has ended, added to what the target did on this day with this code."""
+    """Records the turn that has ended, added to what the target did on this day with this code."""
     text = log.read_text(errors="replace")
     executed = re.findall(r"number_of_executed_units: (\d+)|^#(\d+)", text, re.M)
     executions = max((int(number) for pair in executed for number in pair if number), default=0)
@@ -138,7 +137,7 @@ def note(name: str, code: str, log: Path, seconds: float, status: int) -> None:
 
 
 def what(text: str) -> str:
-    """Return in a few words why libFuzzer ended, with the name of the input."""
+    """Returns in a few words why libFuzzer ended, with the name of the input."""
     ends = (r"panicked at .*\n(.*)", r"Uncaught Python exception: ===\n(.*)", r"ERROR: (.*)")
     words = next((found[1] for end in ends if (found := re.search(end, text))), "ended without a word")
     kept = re.findall(r"Test unit written to \S*/(\w+-\w{8})", text)
@@ -147,7 +146,7 @@ def what(text: str) -> str:
 
 
 def build(sanitizer: str, folder: Path) -> None:
-    """Build the Rust targets with debug assertions and overflow checks, without tracing comparisons."""
+    """Builds the Rust targets with debug assertions and overflow checks, without tracing comparisons."""
     path = f"{FUZZ / '.tools' / 'bin'}{os.pathsep}{os.environ['PATH']}"
     command = ["cargo", "+nightly", "fuzz", "build", f"--sanitizer={sanitizer}", f"--target-dir={folder}"]
     command += ["--no-trace-compares"]
@@ -155,7 +154,7 @@ def build(sanitizer: str, folder: Path) -> None:
 
 
 def install() -> None:
-    """Install the package for Atheris; its extension counts code coverage and checks for overflow."""
+    """Installs the package for Atheris; its extension counts code coverage and checks for overflow."""
     passes = ["level=3", "inline-8bit-counters", "pc-table", "trace-compares"]
     flags = ["-Cpasses=sancov-module", *(f"-Cllvm-args=-sanitizer-coverage-{option}" for option in passes)]
     wheels = WORK / "wheels"
@@ -178,7 +177,7 @@ def main() -> int:
     requested = parser.parse_args()
     names = requested.targets or [*RUST, *PYTHON]
     WORK.mkdir(exist_ok=True)
-    # The state of the code that is built now; it may change during the run.
+    # Records the state of the code before the build, because the code may change during the run.
     codes = {name: record.code("core/src", *([] if name in RUST else ["python"])) for name in names}
     if any(name in RUST for name in names):
         build("none", FUZZ / "target")

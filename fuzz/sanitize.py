@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import record
 from run import FUZZ, RUST, TARGET, WORK, build, seeds
 
-#: A check that takes longer than this is stopped and counts as an error, in seconds.
+#: The largest duration of a check in seconds: a longer check is stopped and counts as an error.
 MOST = 3600
 
 FEATURES = ["-p", "midair", "--features", "scene-file,parallel"]
@@ -29,13 +29,13 @@ class Check:
 
 
 def tests(sanitizer: str, *chosen: str) -> list[str]:
-    """Return the command for the core's tests, compiled with a sanitizer as the standard library is."""
+    """Returns the command for the core's tests, compiled with a sanitizer as the standard library is."""
     watched = [f"--target={TARGET}", "-Zbuild-std", f"--target-dir={FUZZ / 'target' / sanitizer}"]
     return ["cargo", "+nightly", "test", *FEATURES, *watched, *chosen]
 
 
 def replay(target: str) -> Check:
-    """Return the check that runs all inputs of a target once."""
+    """Returns the check that runs all inputs of a target once."""
     program = FUZZ / "target" / "replay" / TARGET / "release" / target
     folders = [WORK / "corpus" / target, WORK / "found" / target, *seeds(target)]
     there = [str(folder) for folder in folders if folder.is_dir()]
@@ -48,7 +48,7 @@ SHORT = ("phasor::", "tests::cholesky", "tests::double::a_matrix", "tests::simd"
 
 
 def miri(name: str, flags: str) -> Check:
-    """Return the check that runs some of the kernels' tests in Miri."""
+    """Returns the check that runs some of the kernels' tests in Miri."""
     chosen = ["--lib", "--", *(f"kernels::{module}" for module in SHORT)]
     folder = f"--target-dir={FUZZ / 'target' / 'miri'}"
     # Miri does not support the assembly that libm uses for square roots.
@@ -59,7 +59,7 @@ def miri(name: str, flags: str) -> Check:
 
 
 def checks() -> dict[str, list[Check]]:
-    """Return the checks, by the word that selects them on the command line."""
+    """Returns the checks, by the word that selects them on the command line."""
     address = {"RUSTFLAGS": "-Zsanitizer=address", "ASAN_OPTIONS": "detect_leaks=1"}
     thread = {"RUSTFLAGS": "-Zsanitizer=thread", "RAYON_NUM_THREADS": "4"}
     core, suite = tests("address", "--lib"), tests("address", "--test", "suite")
@@ -76,7 +76,7 @@ def checks() -> dict[str, list[Check]]:
 
 
 def run(check: Check) -> bool:
-    """Run one check and record it. Return whether it found no error."""
+    """Runs one check and records it. Returns whether it found no error."""
     print(f"{check.name}: {' '.join(check.command)}", flush=True)
     begun = time.monotonic()
     log = WORK / f"{re.sub('[^a-z0-9]+', '-', check.name.lower()).strip('-')}.log"
@@ -101,7 +101,7 @@ def run(check: Check) -> bool:
 
 
 def what(text: str, status: int) -> str:
-    """Return in a few words why a check ended."""
+    """Returns in a few words why a check ended."""
     if status == -1:
         return f"broken off after {MOST} s"
     ends = (r"\w+Sanitizer: .*", r"Undefined Behavior: .*", r"test result: FAILED.*", r"error.*")

@@ -28,8 +28,8 @@ def main() -> None:
 
 
 def record(firmware: str) -> None:
-    """Lets devices of a firmware play, and records the steps that they receive and their state after each
-    act.
+    """Makes the calls of `autd3_fake.acts` to emulated devices of a firmware. After each call, records the
+    steps that the devices have received, and their state.
     """
     from autd3_emulators import Built
     from autd3_fake import acts

@@ -1,5 +1,5 @@
-"""Runs the makers' own gateware with midair's bytes, compares its pins with midair's report, and records
-both.
+"""Simulates the makers' own gateware with midair's bytes, compares the output of its pins with the drive that
+midair reports, and records bytes and output.
 
 python gateware/run.py [FOLDER]
 
@@ -88,7 +88,7 @@ def simulated(folder: Path, frame: Path, *generics: str) -> Pins:
     return np.concatenate(pins)
 
 
-#: The makers' blocks, in order of dependency.
+#: The makers' VHDL files, in order of dependency.
 SONICSURFACE = ["RSSFilter_1", "Counter", "UARTReader", "Distribute", "PulseExpander", "LatchBuffer"]
 SONICSURFACE += ["PhaseLine", "Mux8", "AllChannels"]
 OPENMPD = ["RSSFilter", "Counter", "CommandReader", "PhaseCalibration", "PinMapping", "CalibrationAndMapping"]
@@ -100,8 +100,8 @@ def sources(folder: Path, blocks: list[str]) -> list[str]:
 
 
 def sonicsurface(makers: Path, folder: Path) -> Play:
-    """Prepares both boards: COUNT[7] of the primary resets the secondary.
-    Filters are as in the makers' diagrams.
+    """Compiles a test bench of both boards, in which COUNT[7] of the primary resets the secondary.
+    The filters' lengths are those of the makers' diagrams.
     """
     for library in ("primary", "secondary"):
         source = makers / "SonicSurface" / "Firmware" / f"FPGA {library}" / "src"
@@ -178,7 +178,7 @@ def tactile(makers: Path, folder: Path) -> None:
     assert table, "the makers' table of polarities"
     codes = np.frombuffer(frame, np.uint8)[1:257] + np.array(table[1].split(","), int)
     ticks = np.arange(17.0)
-    # For each channel, a period in the middle of those in which its pulse has the common length.
+    # For each channel, take the middle one of the periods in which its pulse has the most common length.
     length = np.median(bits.sum(axis=1)[bits.any(axis=1)])
     whole = [np.flatnonzero(sums == length) for sums in bits.sum(axis=1).T]
     pins = np.array([harmonic(ticks, bits[k[len(k) // 2], :, [c]].T, 16)[0] for c, k in enumerate(whole)])
@@ -238,7 +238,9 @@ def main() -> int:
 
 
 def record(case: Case, play: Play, folder: Path) -> None:
-    """Plays the board's drives, prints the difference of its pins from midair's report, and records both."""
+    """Plays the board's drives, prints the difference between the pins' output and the drive that midair
+    reports, and records bytes and output.
+    """
     board = midair.Board(case.board)
     frames = []
     for name, drive in drives(board).items():

@@ -30,7 +30,7 @@ export interface Midair {
   open(scene: SceneFile, reading?: Reading): Scene;
 }
 
-/** The bytes of the module, or its address; by default the file beside this one. */
+/** The WebAssembly module: its bytes, or its address. */
 export type Source = BufferSource | URL | string;
 
 async function bytes(source: Source): Promise<BufferSource> {
@@ -45,7 +45,7 @@ async function bytes(source: Source): Promise<BufferSource> {
   return response.arrayBuffer();
 }
 
-/** Loads the module. Call this once per page or program. */
+/** Loads the module, by default the file midair.wasm beside this one. Call this once per page or program. */
 export async function load(source: Source = new URL(/* @vite-ignore */ "./midair.wasm", import.meta.url)): Promise<Midair> {
   const module = await compile(await bytes(source));
   return {

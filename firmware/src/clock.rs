@@ -23,7 +23,7 @@ impl Clock {
         Self(register)
     }
 
-    /// Returns the time in 1/256 of a tick, so that it counts through all of u32.
+    /// Returns the time in 1/256 of a tick. So the 24 bits of the counter become 32 bits, and the time overflows as a u32 does.
     #[must_use]
     pub fn now(&self) -> u32 {
         let _ = &self.0;

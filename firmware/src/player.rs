@@ -39,7 +39,7 @@ pub struct Player<S> {
 ///
 /// # Errors
 ///
-/// If the name is neither.
+/// If the name is neither that of a preset nor a number.
 pub fn array(name: &str) -> Result<Array, Error> {
     match name.parse::<usize>() {
         Ok(count) => {

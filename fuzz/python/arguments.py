@@ -9,7 +9,7 @@ import numpy as np
 from guided import REFUSALS, Data, fuzz, midair, refused
 from values import laid_out, numbers, odd
 
-#: Options and arguments whose cost in time or memory is proportional to their value, with the limits here.
+#: Options and arguments whose cost in time or memory grows with their value, each with its largest value.
 COSTS = {"steps": 20, "starts": 4, "sweeps": 4, "phases": 300}
 COSTS |= {"pixels": 30, "threads": 4, "nx": 20, "ny": 20, "tiles": 2}
 
@@ -23,7 +23,7 @@ ABOVE = np.array([0.0, 0.0, 0.25])
 
 
 def cheap(name: str, value: Any) -> Any:
-    """Return the value, limited if it would cost more work than a test may take."""
+    """Returns the value, or the limit in COSTS if the value is larger."""
     most = COSTS.get(name)
     if most is None:
         return value
@@ -34,7 +34,7 @@ def cheap(name: str, value: Any) -> Any:
 
 
 def keywords(data: Data, *names: str) -> dict[str, Any]:
-    """Return some of these arguments, each with an arbitrary value."""
+    """Returns some of these arguments, each with an arbitrary value."""
     chosen = [name for name in names if data.ConsumeIntInRange(0, 3) == 3]
     return {name: cheap(name, odd(data)) for name in chosen}
 
@@ -44,14 +44,14 @@ TRANSDUCER = ("source_pressure", "directivity", "response", "mask", "quantizatio
 
 
 def points(data: Data) -> Any:
-    """Return points, mostly valid ones."""
+    """Returns points, mostly valid ones."""
     if data.ConsumeIntInRange(0, 3) == 0:
         return odd(data)
     return laid_out(data, numbers(data, data.ConsumeIntInRange(1, 4), 3) + ABOVE)
 
 
 def method(data: Data) -> tuple[Any, dict[str, Any]]:
-    """Return a solver and some of its options."""
+    """Returns a solver and some of its options."""
     if data.ConsumeIntInRange(0, 7) == 0:
         return odd(data), keywords(data, "steps", "phases", "order", "limit")
     name = data.PickValueInList(list(midair.solvers()))
@@ -111,7 +111,7 @@ def matrix(data: Data) -> None:
 
 
 def layouts(data: Data) -> None:
-    """Check that results do not depend on how points, pressures and weights are stored in memory."""
+    """Checks that results do not depend on how points, pressures and weights are stored in memory."""
     where, requested = numbers(data, 3, 3) + ABOVE, abs(numbers(data, 3)) + 1.0
     plain = midair.solve(midair.Scene(ARRAY, where, requested, weights=requested), "fast")
     lying = [laid_out(data, array) for array in (where, requested, requested)]

@@ -34,46 +34,46 @@ class Data:
         self._left = content
 
     def remaining_bytes(self) -> int:
-        """Return how many bytes are left."""
+        """Returns how many bytes are left."""
         return len(self._left)
 
     def ConsumeBytes(self, count: int) -> bytes:
-        """Return the next `count` bytes, or fewer at the end."""
+        """Returns the next `count` bytes, or fewer at the end."""
         found, self._left = self._left[: max(count, 0)], self._left[max(count, 0) :]
         return found
 
     def ConsumeInt(self, count: int) -> int:
-        """Return a signed whole number of `count` bytes."""
+        """Returns a signed whole number of `count` bytes."""
         return int.from_bytes(self.ConsumeBytes(count), "little", signed=True)
 
     def ConsumeIntInRange(self, low: int, high: int) -> int:
-        """Return a whole number between the bounds; the lower one if no bytes are left."""
+        """Returns a whole number between the bounds; the lower one if no bytes are left."""
         size = ((high - low).bit_length() + 7) // 8
         return low + int.from_bytes(self.ConsumeBytes(size), "little") % (high - low + 1)
 
     def ConsumeBool(self) -> bool:
-        """Return true or false."""
+        """Returns true or false."""
         return bool(self.ConsumeIntInRange(0, 1))
 
     def ConsumeFloat(self) -> float:
-        """Return any number, including infinite ones and NaN."""
+        """Returns any number, including infinite ones and NaN."""
         import struct
 
         return float(struct.unpack("<d", self.ConsumeBytes(8).ljust(8, b"\0"))[0])
 
     def PickValueInList(self, values: Sequence[Any]) -> Any:
-        """Return one of the values."""
+        """Returns one of the values."""
         return values[self.ConsumeIntInRange(0, len(values) - 1)]
 
 
 def folder() -> Path:
-    """Return a folder for this process only, in memory if possible."""
+    """Returns a folder for this process only, in memory if possible."""
     memory = Path("/dev/shm")
     return Path(tempfile.mkdtemp(dir=memory if memory.is_dir() else None))
 
 
 def spoilt(data: Data, content: bytes) -> bytes:
-    """Return the contents of a file with some bytes removed, inserted or changed."""
+    """Returns the contents of a file with some bytes removed, inserted or changed."""
     found = bytearray(content)
     for _ in range(data.ConsumeIntInRange(1, 4)):
         at = data.ConsumeIntInRange(0, len(found))
@@ -83,7 +83,7 @@ def spoilt(data: Data, content: bytes) -> bytes:
 
 
 def refused(error: Exception) -> None:
-    """Check that an error message is one line, neither empty nor very long."""
+    """Checks that an error message is one line, neither empty nor very long."""
     text = str(error)
     assert text.strip(), repr(error)
     assert "\n" not in text, text
@@ -91,7 +91,7 @@ def refused(error: Exception) -> None:
 
 
 def fuzz(test: Callable[[bytes], None]) -> None:
-    """Run libFuzzer with the options of the command line; with "replay", run the stored inputs."""
+    """Runs libFuzzer with the options of the command line; with "replay", runs the stored inputs."""
     warnings.simplefilter("ignore")
     if sys.argv[1:] == ["replay"]:
         test(b"")

@@ -13,7 +13,7 @@ FILE = folder() / "picture.png"
 
 
 def made() -> list[bytes]:
-    """Return a small picture in each format and mode that can be read."""
+    """Returns a small picture in each format and mode that can be read."""
     found = []
     pixels = np.random.default_rng(0).integers(0, 256, (7, 5, 4), np.uint8)
     for kind in ("PNG", "JPEG", "GIF", "BMP", "WEBP", "TIFF", "PPM"):

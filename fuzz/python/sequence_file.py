@@ -13,7 +13,7 @@ FILE = folder() / "q.npz"
 
 
 def made() -> list[bytes]:
-    """Return files of a sequence of drives and of one of codes, each uncompressed and compressed."""
+    """Returns files of a sequence of drives and of one of codes, each uncompressed and compressed."""
     found = []
     for given in (
         {"drives": np.exp(1j * np.arange(54.0).reshape(6, 9))},
@@ -32,7 +32,7 @@ KEPT = made()
 
 def test(content: bytes) -> None:
     data = Data(content)
-    # Test the code for files that are too large for memory, or that for smaller ones.
+    # Arrays larger than LARGE stay in the file: the test uses the code for large or that for small files.
     files.LARGE = data.PickValueInList((0, 1 << 28))
     spoil = data.ConsumeIntInRange(0, 3)
     FILE.write_bytes(spoilt(data, data.PickValueInList(KEPT)) if spoil else content[2:])

@@ -39,7 +39,7 @@ SCALARS = [np.float64(0.5), np.float32(2), np.int64(3), np.uint8(4), np.complex6
 
 
 def odd(data: Data, depth: int = 3) -> Any:
-    """Return an arbitrary object."""
+    """Returns an arbitrary object."""
     kind = data.ConsumeIntInRange(0, 13)
     if kind <= 1:
         return data.ConsumeFloat()
@@ -69,14 +69,14 @@ def odd(data: Data, depth: int = 3) -> Any:
 
 
 def endless() -> list[Any]:
-    """Return a list that contains itself."""
+    """Returns a list that contains itself."""
     items: list[Any] = [0.0]
     items.append(items)
     return items
 
 
 def deep(levels: int) -> list[Any]:
-    """Return a list that is nested `levels` times."""
+    """Returns a list that is nested `levels` times."""
     items: list[Any] = [0.0]
     for _ in range(levels):
         items = [items]
@@ -84,14 +84,14 @@ def deep(levels: int) -> list[Any]:
 
 
 def numbers(data: Data, *shape: int, scale: float = 1.0) -> NDArray[np.float64]:
-    """Return multiples of a power of two, which have exact values in f32 and in every byte order."""
+    """Returns multiples of a power of two, which have exact values in f32 and in every byte order."""
     count = int(np.prod(shape))
     values = [data.ConsumeIntInRange(-128, 127) / 1024 for _ in range(count)]
     return scale * np.array(values).reshape(shape)
 
 
 def laid_out(data: Data, array: NDArray[Any]) -> Any:
-    """Return the same numbers in another memory layout."""
+    """Returns the same numbers in another memory layout."""
     way = data.ConsumeIntInRange(0, 11)
     if way == 1:
         return np.asfortranarray(array)

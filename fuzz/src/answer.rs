@@ -28,8 +28,8 @@ pub struct Allowed(Vec<Vec<f64>>);
 
 impl Allowed {
     /// Returns the allowed errors of a computed propagation matrix G. They are relative to the pressure on the axis, because
-    /// directivities have zeros. Near the baffle, where the directivity jumps, the whole value is allowed. The error of a phase
-    /// in f32 grows with the distance, about ten roundings of a turn.
+    /// directivities have zeros. Near the plane of a transducer, where its directivity jumps to 0, the error may be as large as
+    /// that pressure. The allowed phase error grows with the distance, which f32 rounds in wavelengths.
     pub fn of(array: &Array, medium: Medium, points: &[[f64; 3]]) -> Self {
         let origin = array.positions()[0];
         let places = array.positions().iter().chain(points);
@@ -111,7 +111,7 @@ impl Allowed {
         assert_eq!(drive.len(), propagation.transducers(), "{name}");
         assert!(drive.iter().all(|q| q.norm() <= 1.0 + 1e-6), "{name}: {drive:?}");
         if let Some(quantization) = problem.quantization() {
-            // Rounding a phase again that is not on a grid may change its last bit.
+            // The tolerance is for the last bits of a phase, which may change when it is rounded again.
             let off = drive.iter().find(|q| (quantization.nearest(**q) - **q).norm() > 1e-6);
             assert!(off.is_none(), "{name}: {off:?} is not on the grid of the board");
         }

@@ -60,12 +60,12 @@ impl<'a> Draw<'a> {
         self.flag().then(|| draw(self))
     }
 
-    /// Returns one of a list.
+    /// Returns one entry of a list.
     pub fn one<T: Copy>(&mut self, list: &[T]) -> T {
         list[self.whole(0, list.len() - 1)]
     }
 
-    /// Returns a number of the order of `scale`; one in fifty is odd.
+    /// Returns a number of the order of `scale`; one number in fifty is from `ODD` or arbitrary.
     pub fn real(&mut self, scale: f64) -> f64 {
         match self.byte() {
             255 => f64::from_bits(self.0.arbitrary().unwrap_or(0)),
@@ -182,7 +182,7 @@ impl<'a> Draw<'a> {
         }
     }
 
-    /// Returns a drive; |q| <= 1 except for odd numbers.
+    /// Returns a drive with |q| <= 1, except for some unusual numbers.
     pub fn drive(&mut self, transducers: usize) -> Vec<Complex32> {
         self.list(transducers, |draw| Complex32::new(draw.real(0.7) as f32, draw.real(0.7) as f32))
     }

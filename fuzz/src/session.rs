@@ -51,7 +51,7 @@ fn run(draw: &mut Draw) -> Result<(), Error> {
     Ok(())
 }
 
-/// Solves requests of the same size several times, so that they fill groups of lanes and a part of one.
+/// Solves a batch of many requests of the same size, so that some groups of SIMD lanes are full and one is not.
 fn batch(model: &Model, asks: &[SolveRequest], solver: &Solver, balance: bool) {
     let (count, size, transducers) = (asks.len() * 7, asks[0].points.len(), model.array().len());
     let mut drives = vec![Complex32::ZERO; count * transducers];

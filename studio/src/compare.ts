@@ -28,7 +28,7 @@ export interface Compare {
 
 const SLOTS: Slot[] = [0, 1];
 
-/** Makes these elements. */
+/** Makes the elements of the comparison. */
 export function createCompare(context: Context): Compare {
   const { studio, say, plain, engine } = context;
   const state = () => studio.view.state;

@@ -11,7 +11,7 @@ export function box(contours: Contour[]): [number, number][] {
   return [0, 1].map((axis) => [most(axis, -1), most(axis, 1)]);
 }
 
-/** Returns the contours scaled along x and y, with the middle of their box at a place, in its horizontal plane; m. */
+/** Returns the contours in m, scaled along x and y, in the horizontal plane at a place, with the middle of their box there. */
 export function placed(contours: Contour[], scale: [number, number], at: Vec3): Contour[] {
   const middle = box(contours).map(([least, most]) => (least + most) / 2);
   const moved = (vertex: Vec3, axis: number) => (vertex[axis] - middle[axis]) * scale[axis] + at[axis];

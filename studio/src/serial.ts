@@ -31,7 +31,7 @@ export interface Player {
 
 /** Time in ms for which a restarted Arduino listens to its boot loader. */
 const RESTART = 2000;
-/** A write that takes this much longer than its bytes and those before need, in ms, means that the port is stalled. */
+/** The port counts as stalled if a write takes this many ms longer than the line needs for all bytes so far. */
 const STALLED = 1000;
 /** The next frame is sent at most this long, in ms, before the last one has left the line. */
 const MOST_AHEAD = 25;
@@ -78,7 +78,7 @@ export async function connect(
   let closing = false;
   let waiting: Float32Array | null = null;
   let pump: Promise<void> | null = null;
-  /** Each off increases this number; a drive from before the last off is not played. */
+  /** The number of calls of `off`: a drive that was given before the last call is not played. */
   let era = 0;
   /** The time at which the line has sent all its bytes, and the duration of the last write on the line, in ms. */
   let free = 0;

@@ -46,8 +46,8 @@ const KEYS: Record<string, Vec3> = {
 export const MANY = 16;
 
 /**
- * A drag: the point under the pointer and all dragged points, their places and the pointer's at its start, and whether it moves
- * them off the slice.
+ * A drag: the point under the pointer and all dragged points; where points and pointer were at its start; and whether it moves
+ * the points off the slice.
  */
 interface Grip {
   index: number;

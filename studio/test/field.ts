@@ -14,7 +14,7 @@ export function square(side: number): Float32Array {
   return positions;
 }
 
-/** Returns a drive of full amplitudes with the conjugate phases of the waves from the points, summed. */
+/** Returns a drive of full amplitude: its phases are those of the sum of the conjugate waves of all points. */
 export function focused(positions: Float32Array, points: Vec3[]): Float32Array {
   const drive = new Float32Array((positions.length / 3) * 2);
   for (let i = 0; i < positions.length / 3; i++) {

@@ -25,7 +25,7 @@ beforeAll(async () => {
 const run = (name: keyof typeof checks): Promise<number | boolean> =>
   page.evaluate(async (name: string) => (window as unknown as { checks: Record<string, () => number> }).checks[name](), name);
 
-// A map's colour is a byte; some cards also round the place between two entries to a byte.
+// The tolerance: colours are bytes, and some graphics cards also round the position between two entries of a map to a byte.
 test.each(["webgl", "flat"] as const)("%s: slices are colour(look, sample)", async (name) => {
   expect(await run(name)).toBeLessThanOrEqual(8);
 });

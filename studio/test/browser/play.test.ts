@@ -8,8 +8,8 @@ import { built, point, ready, serve, visit } from "./site.ts";
 const open = shared();
 
 /**
- * Replaces the browser's serial port. Its bytes are stored longer than the page exists. With `led`, another page opens this
- * address meanwhile.
+ * Replaces the browser's serial port. The bytes sent to it stay stored when the page is left. With `led`, another page opens
+ * this address while the user chooses a port.
  */
 async function withPort(page: Page, led = "") {
   await page.evaluate((led) => {
@@ -23,7 +23,7 @@ async function withPort(page: Page, led = "") {
     };
     const requestPort = async () => {
       if (led) location.hash = led;
-      // The event of the new address comes while the person chooses a port.
+      // The event of the new address comes while the user chooses a port.
       await new Promise((done) => setTimeout(done, 300));
       return port;
     };
