@@ -89,18 +89,18 @@ class Rig:
         return float(self.best * 10 ** (-decibels / 20))
 
     def read(self, drives: Any, decibels: float, phased: bool) -> Any:
-        """Returns readings (K, M)."""
+        """Returns readings (K, M) of drives (K, N), with noise."""
         p = drives @ self.matrix(self.places).T
         parts = self.noise(decibels) * self.rng.normal(size=(2, *p.shape))
         return p + (parts[0] + 1j * parts[1]) / np.sqrt(2) if phased else np.abs(np.abs(p) + parts[0])
 
     def kept(self, drive: Any) -> tuple[float, float]:
-        """Returns the level at the new points, relative to a solve with the true model, and min/max."""
+        """Returns mean |p| at the new points, relative to a solve with the true model, and min/max of |p|."""
         p = np.abs(self.truth @ drive)
         return float(p.mean() / self.best), float(p.min() / p.max())
 
     def solved(self, array: midair.Array, speed: float) -> tuple[float, float]:
-        """Returns the same quantities for a drive solved for this array."""
+        """Returns what `kept` returns, for a drive that is solved with this array and sound speed."""
         return self.kept(midair.solve(midair.Scene(array, self.new, sound_speed=speed), "uniform").drive)
 
 

@@ -59,8 +59,8 @@ def moduli(
 def row(
     array: midair.Array, count: int, speed: float, parts: int, tau: float
 ) -> tuple[float, float, float, float, float]:
-    """Returns the worst change over its bound, uniformity at rest and in motion, least and mean level,
-    over all kinds.
+    """Returns results over all kinds of paths: the largest phase change relative to its bound, the least
+    uniformity at rest and in motion, and the least and the mean level.
     """
     change = np.pi / parts
     ratios, even, moving, levels = [], [], [], []
@@ -81,7 +81,7 @@ def row(
 
 
 def foreseen(array: midair.Array, count: int, speed: float, parts: int) -> tuple[list[float], list[float]]:
-    """Returns mean level and least uniformity over all kinds, for each number of frames known in advance."""
+    """Returns mean level and least uniformity of all kinds of paths, for each number of frames in AHEAD."""
     levels, even = np.empty((len(AHEAD), len(KINDS))), np.empty((len(AHEAD), len(KINDS)))
     for index, kind in enumerate(KINDS):
         points = paths(kind, count, speed, 7 + index)

@@ -140,7 +140,7 @@ def start(stack: ExitStack) -> list[Worker]:
 
 
 def keep(rows: list[record.Row]) -> None:
-    """Writes the record, and the pages' tables if the program to which they relate all times took part."""
+    """Writes the record; also the pages' tables, if the run includes the program to which they refer."""
     path = BENCH / "records" / f"{rows[0]['date']}.csv"
     record.write(path, rows)
     print(f"wrote {path.relative_to(BENCH.parent)}")

@@ -23,7 +23,7 @@ SHORT = tuple(
     + [("autd3-rs", method) for method in (GREEDY, "gspat", "naive")]
     + [("textbook f64", GREEDY)]
 )
-#: The form of a call in the tables, by program: NumPy in and out, where a program has it.
+#: The form of call that the tables show for each program: from and to NumPy arrays, if the program has it.
 _FORMS = {"midair": "solve", "autd3": "full", "autd3-rs": "full", "acoustools": "full"}
 _SIZES, _JUDGED = (1, 4, 8, 16, 64), (16, 64)
 _COUNT = "996"

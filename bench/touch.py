@@ -1,4 +1,4 @@
-"""Four common techniques on the skin, by `midair.skin`: docs/touch.png, and their strength; `midair.haptic`.
+"""Draws docs/touch.png: four common tactile techniques, by `midair.skin`; compares `midair.haptic` with them.
 
 `make touch` runs it, and prints the tables of docs/touch.md. The measured cost needs
 OPENBLAS_NUM_THREADS=1, because waiting threads count as CPU time.
@@ -76,15 +76,18 @@ def bound(answers: NDArray[np.complex64]) -> float:
     return float(np.sqrt(np.diag(total).max()))
 
 
-#: Of `on_circle`: angular orders in the constraints, time lags in frames, and angles in the constraints.
+#: Sizes of the linear program in `on_circle`: angular orders, time lags in frames, and angles.
 ORDERS, LAGS, ANGLES = 14, 60, 61
 
-#: The finest detail of a focus 20 cm from four AUTD3 boards, in 1/m: 2 k times the sine of half its angle.
+#: Largest spatial frequency of the radiation pressure of a focus 20 cm from four AUTD3 boards, in rad/m: 2 k
+#: times the sine of half the angle of the focus's cone.
 FINEST = 1150.0
 
 
 def on_circle(radius: float, speed: float, rate: float = 4e3) -> float:
-    """Returns an upper bound in dB of the gain of any order of foci on a circle over a steady motion in m/s.
+    """Returns an upper bound in dB of the gain by jumping between foci on a circle, in the best order.
+
+    The gain is relative to a focus that moves steadily at `speed` m/s.
 
     Let C(a, l) be the probability of a focus at an angle a from that of l frames ago, and S_m(f) >= 0 its
     spectral lines: sum_f S_m(f) = 1, and S_0 is at 0 Hz alone. The mean square on the circle is the sum over

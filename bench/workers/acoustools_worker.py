@@ -1,6 +1,6 @@
 """Times AcousTools on one thread: "call" reuses its tensors, "full" converts from NumPy arrays and back.
 
-It uses its defaults: 200 steps, |q| = 1. It reads the argument -cpu by itself. A board at z = 0 without
+AcousTools has its defaults: 200 steps, |q| = 1. It reads the argument -cpu itself. A board at z = 0 without
 normals gets normals of 0, which makes its piston model a point source, as in all other programs here.
 """
 

@@ -116,7 +116,7 @@ def load(name: str) -> Any:
 
 
 def guide() -> None:
-    """Add hints about keywords to all public classes that are loaded, also by functions that return them."""
+    """Add hints about keywords to all public classes whose modules are loaded, even if not by their names."""
     package = sys.modules["midair"]
     for home, names in HOMES.items():
         loaded = vars(sys.modules.get(f"midair.{home}", package))

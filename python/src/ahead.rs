@@ -18,9 +18,9 @@ type Argument<'a, 'py> = &'a Bound<'py, PyAny>;
 
 /// Returns the codes (T, N), uint16, of a whole sequence.
 ///
-/// `scene` gives array and air. `points` (T, M, 3) are in m, `targets` (T, M) in Pa, 0 where a point is absent. No phase of
-/// `phases` changes by more than `change` rad from frame to frame; if `closed`, also from the last frame to the first. The
-/// first frame of `start` (T, N) is kept. `progress` is called with (step, steps, residual).
+/// `scene` gives array and air. `points` (T, M, 3) are in m, `targets` (T, M) in Pa, 0 where a point is absent. A code is one
+/// of `phases` phases. No phase changes by more than `change` rad from frame to frame; if `closed`, also from the last frame
+/// to the first. The first frame of `start` (T, N) is kept. `progress` is called with (step, steps, residual).
 #[pyfunction]
 #[pyo3(signature = (scene, points, targets, *, change, phases, closed, rounds, start=None, progress=None))]
 #[allow(clippy::too_many_arguments, reason = "Python's keywords")]

@@ -115,7 +115,7 @@ macro_rules! bodies {
         /// Names of the classes.
         pub(crate) const NAMES: &[&str] = &[$( stringify!($name) ),+];
 
-        /// Returns the obstacle of a Python object, or None if it is of no class of these.
+        /// Returns the obstacle of a Python object, or None if the object is of another class.
         pub(crate) fn read_body(item: &Bound<'_, PyAny>) -> Option<Obstacle> {
             $( if let Ok(body) = item.cast::<$name>() {
                 let $name { $( $part, )+ kind } = body.get();
@@ -152,7 +152,7 @@ bodies! {
     /// Raises
     /// ------
     /// SceneError
-    ///     For a place that is no place or another kind; for a normal of no length when a scene takes it.
+    ///     For a wrong point, normal or kind; and for a normal of length 0, when a scene takes the wall.
     ///
     /// See Also
     /// --------
@@ -185,7 +185,7 @@ bodies! {
     /// Raises
     /// ------
     /// SceneError
-    ///     For a center that is no place or another kind; for its size, and points inside, when a scene takes it.
+    ///     For a wrong center, radius or kind; and for points inside the sphere, when a scene takes it.
     ///
     /// Notes
     /// -----

@@ -143,7 +143,7 @@ getters! {
     /// Frames per second that its line can carry.
     rate(self) -> f64 = self.board.rate();
 
-    /// Highest frames per second at which it emits as much as with a constant frame.
+    /// Highest number of frames per second at which it emits as much as with a constant frame.
     steady_rate(self) -> f64 = self.board.steady_rate();
 
     /// Phases and amplitudes of the board, in the form of `Array.quantization`.

@@ -109,7 +109,7 @@ impl Field {
 
     /// Field in each plane that is necessary to show the scene's points, at most four, and its bodies.
     ///
-    /// Itself comes first, and alone if its plane was given. Traps have two planes each, of four at most.
+    /// This field comes first, and is the only one if its plane was given. Each trap has two planes.
     #[getter]
     fn panels(&self, py: Python<'_>) -> Vec<Self> {
         let panel = |picture: &Picture| Self {
@@ -192,7 +192,7 @@ getters! {
 /// scene : midair.Scene or midair.Solution
 ///     A solution alone gives its scene and its drive: `midair.field(solution, plane)`, or `solution.field(plane)`.
 /// drive : (N,) array_like or midair.Solution, optional
-///     A complex drive, or a solution, whose scale counts.
+///     A complex drive, or a solution, whose scale is applied.
 /// plane : midair.Plane or (P, 3) array_like, optional
 ///     A plane, or points in m. By default the scene's own plane, else one through its points: normal to z, y or x, and
 ///     several if they do not lie in one (`panels`).

@@ -211,7 +211,7 @@ pub(crate) const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 /// scene : midair.Scene or midair.Solution
 ///     A solution alone gives its scene and its drive: `midair.gorkov(solution, points)`, or `solution.gorkov(points)`.
 /// drive : (N,) array_like or midair.Solution, optional
-///     A complex drive, or a solution, whose scale counts.
+///     A complex drive, or a solution, whose scale is applied.
 /// points : (P, 3) array_like, optional
 ///     Points in m; by default the scene's.
 /// radius : float, optional
@@ -233,8 +233,8 @@ pub(crate) const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 /// ------
 /// SceneError
 ///     For a drive or points of another shape or not finite, a sphere's value that is not above 0 or a radius above
-///     three wavelengths. For a point inside an obstacle or within a hundredth of a wavelength of a sphere or mesh, or
-///     a large sphere that reaches so far.
+///     three wavelengths. For a point inside an obstacle or within a hundredth of a wavelength of a sphere or mesh. For
+///     a large sphere whose surface is that near.
 ///
 /// Notes
 /// -----
@@ -342,7 +342,7 @@ impl Solution {
     /// Returns
     /// -------
     /// midair.Gorkov
-    ///     At each point.
+    ///     Results at each point.
     ///
     /// Raises
     /// ------
@@ -370,7 +370,7 @@ impl Solution {
     /// Returns
     /// -------
     /// midair.Rest
-    ///     Of each sphere.
+    ///     Results for each sphere.
     ///
     /// Raises
     /// ------

@@ -80,8 +80,8 @@ pub(crate) fn bound(
 /// scene : midair.Scene, midair.Propagation, midair.Solution or midair.Array
 ///     A solution alone gives its scene and its drive; an array goes with `points`.
 /// drive : (N,) or (B, N) array_like, or midair.Solution, optional
-///     A drive, or a solution, whose scale counts. Of B drives: at a scene's own points, at `points`, or for a matrix's
-///     B targets.
+///     A drive, or a solution, whose scale is applied. B drives are judged at a scene's own points, at `points`, or for
+///     a matrix's B targets.
 /// points : (B, M, 3) array_like, optional
 ///     Points in m of many drives.
 /// pressures, weights, mask : array_like, optional
@@ -94,7 +94,7 @@ pub(crate) fn bound(
 /// Returns
 /// -------
 /// midair.Metrics or midair.BatchMetrics
-///     Of one drive, or of B drives.
+///     Metrics of one drive, or of B drives.
 ///
 /// Raises
 /// ------
@@ -263,7 +263,7 @@ impl<'py> Drives<'py> {
     }
 }
 
-/// Returns the scene of a solution with the other arguments instead of its own.
+/// Returns the scene of a solution, with the values in `beside` instead of its own.
 fn answered(solution: &Bound<'_, Solution>, beside: Beside<'_, '_>) -> PyResult<Subject> {
     let py = solution.py();
     if let Some(scene) = solution.get().scene()? {

@@ -37,7 +37,7 @@ use crate::toolbox;
 ///
 /// Notes
 /// -----
-/// The sound on its surface is solved by boundary elements, once for an array, by the extra midair[mesh].
+/// The sound on its surface is solved by boundary elements, once for each array. This needs the extra midair[mesh].
 ///
 /// Examples
 /// --------
@@ -79,9 +79,9 @@ impl Mesh {
     /// path : str or path
     ///     File to read.
     /// scale : float, optional
-    ///     Metres of its unit, 1e-3 of a file in millimetres.
+    ///     Length of the file's unit in m: 1e-3 for millimetres.
     /// offset : (3,) array_like, optional
-    ///     Added after that, in m.
+    ///     Vector in m that is added after scaling.
     /// kind : {"rigid", "soft"}, optional
     ///     Boundary condition, as for `Mesh`.
     ///

@@ -14,7 +14,7 @@ pub(crate) fn borrowed<'py, D: Dimension>(
     shape: &[usize],
 ) -> PyResult<PyReadwriteArray<'py, Complex32, D>> {
     let contiguous = if shape.len() > 1 { "C-contiguous " } else { "" };
-    // The error's text is made only when needed: this runs for every frame of a moving hand.
+    // The error's text is made only when needed, because this function runs for every frame of a stream.
     let refusal = |value: &str| {
         let cure = format!("give a writable {contiguous}complex64 array {}", reported(shape));
         invalid("out", value, &cure)

@@ -26,7 +26,7 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// pixels : int, optional
 ///     Samples along each side.
 /// center : (float, float), optional
-///     Middle in m, across and up: (x, y), of axis "y" (x, z), of axis "x" (y, z).
+///     Middle in m, across and up: (x, y) for axis "z", (x, z) for "y", (y, z) for "x".
 /// axis : {"z", "y", "x"}, optional
 ///     Axis that the plane is normal to.
 /// at : float, optional
@@ -146,13 +146,13 @@ getters! {
     /// The normal axis: "x", "y" or "z".
     axis(self) -> String = self.inner.axis.to_string();
 
-    /// Place along that axis in m.
+    /// Place of the plane along its normal axis in m.
     at(self) -> f64 = self.inner.at;
 
     /// Height in m, or None for a plane normal to x or y.
     z(self) -> Option<f64> = (self.inner.axis == Axis::Z).then_some(self.inner.at);
 
-    /// Side in m.
+    /// Side of the square in m.
     size(self) -> f64 = self.inner.size;
 
     /// Samples along each side.

@@ -132,7 +132,7 @@ pub(crate) fn batch_of_numbers(item: &str, value: &Bound<'_, PyAny>, size: [usiz
     for_each(item, numbers(item, value, REAL, &cure)?, size, &cure)
 }
 
-/// Reads pressures (B, M) of a batch in the same way; complex ones have phases.
+/// Reads pressures (B, M) of a batch; (M,) apply to every problem, a single number to every point; complex ones have phases.
 pub(crate) fn batch_of_pressures(value: &Bound<'_, PyAny>, size: [usize; 2]) -> PyResult<Request> {
     let item = "pressures";
     let cure = format!("give one real or complex number, {} of them, or an array {}", size[1], reported(&size));

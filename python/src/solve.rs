@@ -43,7 +43,7 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// trace : bool, optional
 ///     Whether the residuals, eq. (7) relative to silence, are stored: sum w (target - |p|)^2 / sum w target^2.
 /// **options
-///     Of the solver; `solvers()` lists them with their sources. greedy's objective may be a function:
+///     Options of the solver; `solvers()` lists them. The option objective of greedy may be a function:
 ///     objective(pressures, targets, weights) gets the pressures (K, M) in Pa of each of K candidates, and returns the
 ///     cost of each (K,); greedy takes the lowest, one transducer after another.
 ///

@@ -251,8 +251,8 @@ impl Solver {
 
     /// Solve T frames one after another.
     ///
-    /// `glide` continues from its last frame, from call to call; a solver with a start gets the last drive of this
-    /// call.
+    /// `glide` continues from the last frame, also that of an earlier call. Other solvers that use a start begin with the
+    /// drive of the frame before, within this call.
     ///
     /// Parameters
     /// ----------
@@ -261,8 +261,8 @@ impl Solver {
     /// pressures : (T, M) array_like, optional
     ///     Peak pressures in Pa, 0 where a point is absent; by default all points have the balanced level.
     /// margin : int, optional
-    ///     Frames before the first and after the last in `points`, which then is (T + 2 margin, M, 3). They give traps the
-    ///     acceleration of points.
+    ///     Number of additional frames in `points` before the first and after the last: `points` is (T + 2 margin, M, 3).
+    ///     The acceleration of traps is computed from them.
     ///
     /// Returns
     /// -------
@@ -305,7 +305,7 @@ impl Solver {
         give::table(py, drives, [frames, transducers])
     }
 
-    /// Delete the last frame: the next one is solved as the first.
+    /// Delete the last frame, so that the next frame is solved like the first one.
     fn reset(&self) -> PyResult<()> {
         self.state()?.session.last().clear();
         Ok(())

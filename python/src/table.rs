@@ -39,7 +39,7 @@ pub(crate) fn drive_to_csv(drive: &Bound<'_, PyAny>, positions: Option<&Bound<'_
     Ok(midair::files::write_drive(positions.as_deref(), &read::drive("drive", drive)?))
 }
 
-/// Reads the drive (N,) in such a CSV; `name` is the file's name in errors.
+/// Reads the drive (N,) in a CSV of `drive_to_csv`; `name` is the file's name in errors.
 #[pyfunction]
 pub(crate) fn drive_from_csv<'py>(
     py: Python<'py>,

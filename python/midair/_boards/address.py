@@ -20,8 +20,8 @@ from .layout import autd3_boards
 #: Kinds of boards that an address can name.
 KINDS = Codec.kinds()
 
-#: Python packages that each kind of link needs: name to install, name to import, and the extra of midair that
-#: has it.
+#: Python package that each kind of link needs: its name to install, its name to import, and the extra of
+#: midair that installs it.
 NEEDS = {
     "serial": ("pyserial", "serial", "serial"),
     "fifo": ("pyftdi", "pyftdi", "ftdi"),
@@ -30,7 +30,7 @@ NEEDS = {
 #: Suffix of the names of presets that contain two boards, as in "sonicsurface_pair".
 PAIR = "_pair"
 
-#: Kind of board that "null" and "file:" addresses simulate, since they name none.
+#: Kind of board that the addresses "null" and "file:PATH" simulate, since they name no board.
 DEFAULT = "autd3"
 
 
@@ -129,8 +129,8 @@ def _places(address: Address, board: Board) -> list[tuple[str, int]]:
     """Return (serial number of the chip, interface) of each line. A chip may have both lines of a pair."""
     serials = address.where.split("+")
     if serials[0] and len(serials) == 1 and board.link["one_chip"]:
-        # The first FPGA of such a board is connected to the chip's channel B, which USB numbers as interface
-        # 2.
+        # One chip serves the FPGAs of both lines. The first FPGA is connected to the chip's channel B, which
+        # USB numbers as interface 2.
         return [(serials[0], 2 - line) for line in range(board.lines)]
     if len(serials) != board.lines or not all(serials):
         raise refused("address", f"{address.board}:{address.where}", f"give {board.lines} serial numbers")
@@ -172,7 +172,7 @@ class Port:
     description : str
         The operating system's name of the port.
     maker, serial_number : str or None
-        Maker and serial number of its USB adapter; None where there is none.
+        Maker and serial number of its USB adapter; None if unknown.
     could_be : str
         Boards with such an adapter, by its USB numbers and its name; "" if unknown.
 

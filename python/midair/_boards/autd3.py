@@ -17,10 +17,10 @@ from .errors import BoardError, BoardLost
 MOST_BOARDS = 128
 EMULATOR = "autd3:emulator"
 
-#: A step that is not acknowledged within this time, in s, is sent again, so a lost datagram costs one retry.
+#: Time in s in which boards must acknowledge a step, and how often it is then sent again at most.
 ACKNOWLEDGED = 0.02
 RETRIES = 5
-#: A loss turns the boards off; the "off" step is sent this often, because some boards may not answer.
+#: When a board is lost, the step that turns all boards off is sent twice, because a datagram may get lost.
 TWICE = 2
 #: Time in s between two keep-alive datagrams. Boards that do not answer for LOST s count as lost and mute
 #: themselves.
@@ -216,7 +216,7 @@ class Autd3Transport:
         self._play(steps, divider, bank, before)
 
     def modulate(self, wave: float | bytes | None) -> None:
-        """Multiply the pressure of all frames from now on by a sine from 0 to 1 (Hz) or codes; None: by 1."""
+        """Modulate all later frames, too: by a sine at a frequency in Hz, by codes 0 to 255; None ends it."""
         steps = commands.modulation(wave)
         with self._lock:
             for step in steps:
@@ -242,7 +242,7 @@ class Autd3Transport:
         self._link.close()
 
     def _play(self, steps: Sequence[Step], divider: int, bank: int, before: int) -> None:
-        """Send the steps of frames of `divider` ultrasound periods each, after a fast enough silencer."""
+        """Set the silencer for frames that last `divider` ultrasound periods each; send the frames' steps."""
 
         def wanted() -> bool:
             return self._silenced == before

@@ -106,7 +106,7 @@ class Chain:
         self.protocol = PROTOCOLS[self._version]
 
     def send(self, kind: Kind, contents: Mapping[int, bytes]) -> None:
-        """Send a datagram to each board, by its number. The last board in the chain gets its own first."""
+        """Send each board its content, given by board number. The last board in the chain is served first."""
         self._next()
         for unit in sorted(contents, reverse=True):
             self._write(self._places[unit], kind, contents[unit])
@@ -257,7 +257,7 @@ class Chain:
     def _request(
         self, place: _Place, kind: Kind, content: bytes = b"", most: int | None = None
     ) -> list[tuple[_Place, bytes]]:
-        """Send a request; return (address of the sender, answer) of the answers, at most `most`."""
+        """Send a request; return at most `most` answers as pairs (address of the sender, content)."""
         self._next()
         self._write(place, kind, content)
         return list(islice(self._answers(kind, RESPONSE), most))

@@ -22,7 +22,8 @@ TRANSDUCERS = 249
 CODES = 2 * TRANSDUCERS
 #: Ultrasound periods per second; the unit of time in the board's sequences.
 ULTRASOUND = 40_000
-#: Least and largest number of frames ("patterns") in a bank, and of ultrasound periods that one frame lasts.
+#: Least and largest number of frames ("patterns") in a bank; least and largest duration of a frame in
+#: ultrasound periods; numbers of the two banks.
 PATTERNS = (2, 1024)
 DIVIDERS = (1, 65535)
 BANKS = (0, 1)
@@ -193,7 +194,10 @@ def modulation(wave: float | bytes | None) -> list[Step]:
 
 
 def silencer(divider: int) -> Step:
-    """Return the step that sets how slowly phases and intensities change: at most a frame or the default."""
+    """Return the step that sets the silencer, so that drives change within a frame of `divider` periods.
+
+    Its default times are used if they are shorter.
+    """
     steps = min(INTENSITY_STEPS, divider), min(PHASE_STEPS, divider)
     return Step(Command.SILENCER, [_SILENCER.pack(0, 0, RATE_STEPS, RATE_STEPS, *steps)])
 
@@ -226,7 +230,7 @@ def _paired(codes: bytes) -> bytes:
 
 
 def _sine(hz: float) -> bytes:
-    """Return codes round(127.5 (1 + sin)) of the shortest buffer that contains whole periods of `hz`."""
+    """Return codes round(127.5 (1 + sin)) of the shortest buffer with a whole number of periods of `hz`."""
     highest = SAMPLING / SAMPLES_A_PERIOD
     lowest = SAMPLING / SAMPLES
     if not lowest <= hz <= highest:

@@ -239,7 +239,7 @@ def _from_files(
 
 
 def _on_board(array: Array, codec: Codec) -> Array:
-    """Return the array with the board's quantization, response and frequency where it has none of its own."""
+    """Return the array; quantization, response and frequency that it lacks are those of the board."""
     own: dict[str, Any] = {"quantization": dict(codec.quantization), "response": codec.response}
     missing = {
         name: value for name, value in own.items() if value is not None and getattr(array, name) is None

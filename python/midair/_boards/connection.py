@@ -221,7 +221,7 @@ class Connection:
 
     @property
     def emitting(self) -> NDArray[np.complex64]:
-        """Drive (N,) that plays now, without modulation (of a stored sequence, by the clock); 0 if none."""
+        """Drive (N,) that plays now, before modulation; 0 if none. Computed from the time for an upload."""
         frame = b""
         if self._finalizer.alive:
             with suppress(BoardLost):
@@ -253,7 +253,7 @@ class Connection:
         return f"<midair.Connection to {self.board.name} at {self._place}: {self.state}>"
 
     def _call(self, kind: Kind, content: bytes = b"") -> None:
-        """Send a request to the guard and store the status that it returns; an error turns off."""
+        """Send a request to the guard and store the status that it returns; an error turns the board off."""
         requested = self._guard.ask(kind, content)
         try:
             self._note(requested)
@@ -302,7 +302,7 @@ class Connection:
     def _stream(
         self, drives: Iterator[ArrayLike | Solution], period: float, late: Late | None, ahead: int
     ) -> None:
-        """Send frames to the guard, which waits until each is due; if `late` is None, it plays at once."""
+        """Send frames to the guard, which plays each when it is due, or at once if `late` is None."""
         patience = PATIENCE + ahead * period
         under_way: deque[Future[bytes]] = deque()
         due = math.inf

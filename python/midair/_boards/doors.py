@@ -164,7 +164,7 @@ class Doors:
         return connection.respond(HTTPStatus.FORBIDDEN, "the token that midair serve printed is missing\n")
 
     def _accept(self) -> None:
-        """Serve WebSocket clients. Their threads start from this one and inherit its priority."""
+        """Serve WebSocket clients. Their threads start from this thread and inherit its priority."""
         before_what_computes()
         self._server.serve_forever()
 

@@ -92,7 +92,7 @@ class FifoTransport:
                 self._chips[one].write_data(content[k * self._part : (k + 1) * self._part])
             # pyftdi and libusb raise errors of many kinds.
             except Exception as error:
-                # The other boards still receive their parts: these may turn them off.
+                # Go on with the other boards: their parts of `content` may turn them off.
                 failed = _failed(self._places[one][0], error)
         if failed is not None:
             raise failed

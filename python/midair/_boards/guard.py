@@ -175,7 +175,7 @@ class Guard:
             self._answer(Kind.DONE, number, self.status())
 
     def _fail(self, number: int, error: BoardError) -> None:
-        """Answer that a call failed, and all earlier calls that still wait; turn everything off."""
+        """Answer a failed call, and all calls whose frames still wait, with an error; turn everything off."""
         reported = _reported(error)
         for message in self._more():
             if message[0] == Kind.PLAY:
@@ -229,7 +229,7 @@ class Guard:
                 self._answer(Kind.DONE, each.number, self.status())
 
     def _now(self) -> bytes:
-        """Return the frame that plays now; of an uploaded sequence, the one that the elapsed time gives."""
+        """Return the frame that plays now, empty if none does. Computed from the time for an upload."""
         if not self._playing:
             return b""
         begin, rate = self._uploaded

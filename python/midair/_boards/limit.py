@@ -105,7 +105,7 @@ def timed(drives: Iterator[ArrayLike | Solution]) -> Iterator[tuple[float, Array
 
 
 def refuse_elsewhere(board: Board, array: Array) -> None:
-    """Raise BoardError if the transducers of an array are not where the board's are."""
+    """Raise BoardError if an array's transducers are not at the places of the board's transducers."""
     mine, theirs = board.array.positions, array.positions
     if len(mine) != len(theirs):
         found = f"{len(theirs)} transducers, {board.name} has {len(mine)}"
@@ -149,7 +149,7 @@ def check_rate(rate: float, board: Board, late: Late) -> None:
 
 
 def warn_of_seam(sequence: Sequence) -> None:
-    """Warn if the phases jump, where the sequence starts again, by more than its bound."""
+    """Warn if a phase changes by more than the sequence's bound from the last frame to the first."""
     drives = [sequence.drive(frame) for frame in (0, len(sequence) - 1)]
     jump = float(np.abs(np.angle(drives[0] * drives[1].conj())).max())
     bound = 0.0 if sequence.change is None else sequence.change

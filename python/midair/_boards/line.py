@@ -129,7 +129,7 @@ class LineTransport(ABC):
                 count += 2 * int(late / (2 * half))
 
     def _steady(self) -> None:
-        """Stop swapping; raise the error that the swaps had met, if any."""
+        """Stop the swaps of the two banks; raise the error, if any, that occurred during a swap."""
         self._swinging.set()
         if self._failed is not None:
             failed, self._failed = self._failed, None

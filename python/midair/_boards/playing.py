@@ -105,7 +105,7 @@ class Frame(NamedTuple):
 
 @dataclass
 class Wanted:
-    """What to play: a function that returns the frame at a time in s since the start, or None at the end.
+    """Frames to play: a function that returns the frame at a time in s since the start, or None at the end.
 
     constant : whether all frames are the same
     change : largest change of a phase in rad per frame, used if `Live` has no bound of its own
@@ -117,7 +117,7 @@ class Wanted:
 
 
 class Live:
-    """Plays the newest points on a board, and turns it off without signs of life from the sender."""
+    """Plays the newest points on a board; turns the board off if the sender sends no sign of life."""
 
     def __init__(
         self, connection: Connection, rate: float | None = None, change: float | None = None

@@ -32,7 +32,7 @@ class NullTransport:
 
 
 class FileTransport(NullTransport):
-    """Writes frames to a file, one after another. The first and the last frame are off.
+    """Writes frames to a file, one after another. The first and the last frame turn everything off.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ class FileTransport(NullTransport):
         self._last = frame
 
     def silence(self) -> None:
-        """Write the frame that is off, unless the last frame in the file is."""
+        """Write the frame that turns everything off, unless it is already the last frame in the file."""
         if self._last != self._off:
             self.play(self._off)
 

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from .._midair import SceneError
 from .._support.arguments import json_object, number, refused, word
 
-#: Revisions of the format that this module reads; they do not differ in what it uses.
+#: Revisions of the format that this module reads. The parts that it uses are equal in all of them.
 REVISIONS = ("0.1.0-alpha.3", "0.1.0-alpha.2", "0.0.10-alpha.1")
 
 #: Largest depth of a formula, and most keyframes of a pattern.
@@ -174,7 +174,7 @@ class Tacton:
         return value
 
     def _jumped(self, last: float, now: float, value: Lookup) -> float:
-        """Return the target of the first jump whose condition holds, of keyframes since `last`; or `now`."""
+        """Return the target time of the first jump since `last` whose condition holds, else `now`."""
         for keyframe in self._jumping:
             if last < keyframe.time <= now:
                 for name, holds, limit, to in keyframe.jumps:

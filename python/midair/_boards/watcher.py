@@ -25,7 +25,7 @@ from typing import Any
 from .transport import open_transport
 from .wire import BEATS
 
-#: States in /proc of dead processes that still have an entry, of stopped ones and of traced ones.
+#: Letters in /proc for the state of a process: dead (but still listed), stopped, stopped by a debugger.
 DEAD, STOPPED, TRACED = "ZX", "T", "t"
 
 #: Links whose boards continue to play without a connection. AUTD3 boards mute themselves; the others are no
@@ -33,7 +33,7 @@ DEAD, STOPPED, TRACED = "ZX", "T", "t"
 WATCHED = ("serial", "fifo")
 
 #: A guard that sends no beat for this time, in s, is killed. The owner has the same time to turn the device
-#: off. It is longer than the time in which owner and guard detect missing beats.
+#: off. This time is longer than the one in which owner and guard detect missing beats.
 SILENT = 1.5
 
 #: Number of attempts to open a port that another process still uses, and the pause in s between them.
@@ -64,7 +64,7 @@ def is_stopped(process: int) -> bool:
 
 
 class Stops:
-    """Detects that a process is stopped: at two checks one after the other."""
+    """Detects a stopped process. It counts as stopped only if two consecutive checks find it stopped."""
 
     def __init__(self, process: int) -> None:
         self._process = process
@@ -116,7 +116,7 @@ class Watch:
 
 
 def _forked() -> int:
-    """Fork the watcher, as no child of the guard, and return the guard's end of the pipe."""
+    """Fork the watcher twice, so that it is no child of the guard; return the guard's end of the pipe."""
     guard, owner = os.getpid(), os.getppid()
     theirs, ours = os.pipe()
     if child := os.fork():

@@ -42,7 +42,7 @@ LATE = "a frame of the stream is {:.3g} ms late: give a lower rate"
 
 
 class Late(IntEnum):
-    """Treatment of a late frame: wait for it, skip it if the next one is due, or raise an error."""
+    """Treatment of a late frame: play it late (WAIT), skip it if the next frame is due, or raise an error."""
 
     WAIT = 0
     SKIP = 1

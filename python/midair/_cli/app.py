@@ -17,8 +17,8 @@ from .._support import text
 from .._support.ctrl_c import Terminated, leave, terminable
 from .progress import FAULT, INTERRUPTED, REFUSED, UNREAD, abandon, fault, one_line, prepare, tell
 
-#: Each command: the module with its function NAME_command, which is imported when used, and its line in the
-#: list.
+#: For each command, by name: the module that contains its function NAME_command (imported at first use), and
+#: its line in the list of commands.
 COMMANDS = {
     "new": ("new", "Write a commented scene file to begin with."),
     "solve": ("solve", "Find a drive for a scene, judge it, write what is requested."),

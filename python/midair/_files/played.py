@@ -81,7 +81,7 @@ class Played:
 def played(drives: Any, board: Board | None) -> Played:
     """Return the drives of a Solution, a Sequence, or numbers (N,) or (T, N).
 
-    The board may give the array.
+    Drives without an array of their own get the board's array.
     """
     array = None if board is None else board.array
     if isinstance(drives, Solution):

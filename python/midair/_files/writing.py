@@ -139,7 +139,7 @@ def _write(file: File, layout: str, drives: Played, board: Board | None) -> None
 
 
 def _drive(path: File, drives: Played) -> None:
-    """Write one drive, a row index,x,y,z,amplitude,phase per transducer; x, y, z only of a known array."""
+    """Write one drive: a row index,x,y,z,amplitude,phase per transducer; no x,y,z if the array is unknown."""
     if drives.frames != 1:
         cure = 'give layout="acoustools" or "ultraino", or a name that ends in .npz'
         raise SceneError(f"{drives.frames} frames: this .csv holds one drive, {cure}")

@@ -76,7 +76,7 @@ def parse(path: str | PathLike[str], content: bytes) -> Element:
 
 NUMBERS = ("byte", "short", "int", "long", "float", "double")
 
-#: Java's classes of numbers. Other elements may refer to such an element.
+#: Java's number classes. An element of such a class has a number that other elements may refer to.
 BOXES = tuple(f"java.lang.{name}" for name in ("Byte", "Short", "Integer", "Long", "Float", "Double"))
 
 

@@ -82,7 +82,7 @@ class Comparison:
 
     @property
     def gaps(self) -> list[float] | None:
-        """Distance of each solution's weakest point from the bound, relative to it; None without one."""
+        """Distance of each solution's weakest point from the bound, relative to it. None without a bound."""
         return (
             None if self.bound is None else [self._gap(solution, self.bound) for solution in self.solutions]
         )
@@ -329,8 +329,8 @@ def _above_zero(given: ArrayLike | None, count: int) -> NDArray[np.bool_]:
     """Return (M,) bool: pressures or weights above 0. Invalid values are left for `solve` to reject."""
     try:
         given = np.asarray(1.0 if given is None else given)
-        # Of complex pressures the moduli count. A negative number must not count as one, so that `solve`
-        # rejects it.
+        # Complex pressures count by their moduli. Negative real numbers do not count here; `solve` rejects
+        # them.
         sizes = np.abs(given) if np.iscomplexobj(given) else given.astype(float)
         return np.broadcast_to(sizes, count) > 0
     except (TypeError, ValueError):

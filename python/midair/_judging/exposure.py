@@ -74,7 +74,7 @@ def limit_of(scene: Scene, requested: Any) -> Limit:
 Points: TypeAlias = NDArray[np.float64]
 Levels: TypeAlias = Callable[[Points], NDArray[np.float64]]
 
-#: Samples per wavelength: the loudest is at most 2.2 dB below the maximum (Duffin and Schaeffer 1938).
+#: Samples per wavelength: the loudest sample is at most 2.2 dB below the maximum (Duffin and Schaeffer 1938).
 FINE = 8
 
 #: Points per block, so that Ctrl-C takes effect between blocks; and most samples of a box.
@@ -267,7 +267,7 @@ def exposure(
         A solution or a sequence gives its scene and its drive: then `places` comes second, or
         `solution.exposure(places)`.
     drive : (N,) array_like, midair.Solution or midair.Sequence, optional
-        The drive that plays. For a sequence, each place reports its loudest frame, at rest.
+        The drive that plays. For a sequence, each place reports its loudest frame, taken as constant.
     places : mapping
         Places by name: a position (3,) in m, a box as two corners (2, 3), or a `midair.Ear` (a box).
         Positions are lambda/100 at least from every transducer, boxes lambda.
@@ -290,8 +290,8 @@ def exposure(
     -----
     SPL = 20 log10(|p|/sqrt(2)/20 uPa) of a steady wave. A box is sampled every eighth of a wavelength and
     searched about its loudest samples. The air is free: a head or a wall, which reflects, adds up to 6 dB.
-    A limit is a level of its source; it does not say what a person can bear. A place behind every
-    transducer has a SceneWarning.
+    A limit is the level that its source states, not a promise of safety. A place behind every
+    transducer gives a SceneWarning.
 
     Examples
     --------
@@ -357,7 +357,7 @@ def _boxes(places: Any) -> dict[str, tuple[Points, Points]]:
 
 
 def _keep_off(scene: Scene, name: str, low: Points, high: Points) -> None:
-    """Reject a box that touches a transducer, where |p| would be largest, and a position too near to one."""
+    """Reject a box that touches a transducer, where |p| is largest, and a position near to a transducer."""
     positions = scene.array.positions
     away = np.linalg.norm(positions - positions.clip(low, high), axis=1)
     nearest = int(away.argmin())

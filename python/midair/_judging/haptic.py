@@ -24,10 +24,10 @@ from .schedule import Foci
 #: Places of a focus along the shape: their distance in m, and their largest number.
 STEP, MOST = 2e-3, 200
 
-#: Places of the skin per side of its square, and the margin in m between shape and edge.
+#: The skin is a square grid of points: their number per side, and the margin in m between shape and edge.
 COARSE, MARGIN = 33, 0.015
 
-#: Laps per second of a schedule. The fast tactile channel integrates over this time (0.2 s, Verrillo 1965).
+#: Laps per second of a schedule: the fast tactile channel integrates over a lap, 0.2 s (Verrillo 1965).
 LAPS = 5.0
 
 #: Initial schedules of the ascent: jumps per period, their frequency in Hz, the length in m they cover.
@@ -46,7 +46,7 @@ class Technique:
     name
         Name for the report.
     ways
-        (T, M): fraction of the shape's length, 0 to 1.
+        (T, M): place of each focus as a fraction of the shape's length, 0 to 1.
     amplitudes
         (T,): amplitude of the drive.
     """
@@ -65,7 +65,7 @@ class Haptic:
     sequence : midair.Sequence
         The drives, frame after frame.
     skin : midair.Skin
-        Motion of the skin under it.
+        Motion of the skin under the sequence.
     technique : str
         The chosen technique.
     aim : str
@@ -73,8 +73,8 @@ class Haptic:
     strength, weakest : float
         Strength in dB above the threshold: the mean along the shape, and at its weakest place.
     standards : dict of str to float
-        Of the four usual techniques by name, at the same array, rate and bound: the strength, or with the
-        aim "even" the weakest.
+        The four usual techniques, by name, with the same array, rate and bound: their `strength`, or their
+        `weakest` if the aim is "even".
     exposure : midair.Exposure or None
         Levels at the ears, if any were given.
 
@@ -156,10 +156,10 @@ def haptic(
     beside : float, optional
         Largest distance in m of foci from the shape, by default half a wave of the skin; 0: on it.
     ears : mapping, optional
-        Places, as `midair.exposure` takes them, that must not be louder than a limit. The level is lowered,
-        of a board with amplitudes.
+        Places, as `midair.exposure` takes them, that must not be louder than a limit. Otherwise the level is
+        lowered, which needs a board with amplitudes.
     limit : str or float, optional
-        The limit there, as `midair.exposure` takes it.
+        The limit at the ears, as `midair.exposure` takes it.
     **model
         Properties of the skin: `speed`, `loss`, `mass` and `reach`, as for `midair.skin`.
 

@@ -1,8 +1,8 @@
 """Schedule: chooses which focus plays in which frame, so that a curve on the skin feels strongest.
 
 It suffices to consider one focus at full drive at a time, or none. The strength is a convex function of the
-radiation pressures, and those of several foci together lie between those of single foci. A convex function is
-largest at the corners of its domain.
+radiation pressures, and the pressures of several foci together lie between those of single foci. A convex
+function is largest at the corners of its domain.
 
 Let D_xf be the displacement at place x and frequency line f, and u_x the weight of the place. Without the
 slow tactile channel the strength is s = sum_x u_x |D_x|. It is never below its tangent at another schedule,

@@ -78,7 +78,7 @@ class Streaming:
     force : (pixels, pixels) or (P,) ndarray
         alpha |p|^2/(rho c^2) in N/m^3, in a plane or at points.
     direction : (..., 3) ndarray
-        Unit vectors of the active intensity, along which it pushes; 0 where there is none.
+        Unit vectors of the active intensity, along which the force acts; 0 where the intensity is 0.
     absorption : float
         The absorption alpha used, in Np/m.
     field : midair.Field

@@ -37,7 +37,7 @@ def sizes(**requested: float) -> dict[str, float]:
 
 
 def faulty(scene: Scene, faults: Mapping[str, float], seed: int, trial: int) -> Scene:
-    """Return the scene with the faults of a trial. Each fault is the same with or without the others."""
+    """Return the scene with the faults of a trial. Each fault has random numbers of its own."""
     for index, (name, fault) in enumerate(FAULTS.items()):
         if name in faults:
             random = np.random.default_rng([seed, trial, index])
@@ -221,7 +221,7 @@ class Tolerance:
     faults : mapping of str to float
         Sizes of the faults by name, those above 0.
     rows : mapping of str to midair.Kept
-        By fault, and "together" where there are several: what its trials keep.
+        For each fault, and "together" for all of them if there are several: the results of its trials.
     status : str
         "done", or "stopped" if there are fewer trials than requested.
 

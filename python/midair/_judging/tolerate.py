@@ -16,8 +16,8 @@ from .._support.kept import Arrays
 from .._sweep.engine import Job, Settings, Stopped, go_on, run
 from .tolerance import TOGETHER, Kept, Tolerance, faulty, sizes
 
-#: Most trials. Their means and quantiles have a statistical error of a thousandth of the spread; they take
-#: hours.
+#: Largest number of trials. They take hours, and means and quantiles then have a statistical error of only a
+#: thousandth of the spread.
 MOST_TRIALS = 1_000_000
 
 #: Trials per job: few, so that a stop loses little work.
@@ -58,7 +58,7 @@ def tolerate(
     drive : (N,) array_like or midair.Solution, optional
         Played as it is and not solved; targets are the scene's, as in `midair.judge`.
     phase : float, optional
-        Error of each transducer, standard deviation in degrees.
+        Error of each transducer's phase, standard deviation in degrees.
     gain : float, optional
         Error of each transducer's amplitude, standard deviation relative to 1; none is below 0.
     dead, reversed : float, optional

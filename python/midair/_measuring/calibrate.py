@@ -31,7 +31,7 @@ def calibration_drives(
     array : midair.Array or midair.Scene
         N transducers; masked ones stay off.
     readings_per_transducer : float, optional
-        K times the microphones over N; 4 of |p| or 2 complex ones are plenty.
+        K times the number of microphones over N; 4 readings of |p|, or 2 complex ones, are enough.
     microphones : int, optional
         Number of microphones.
     seed : int, optional
@@ -85,8 +85,8 @@ REVERSED = np.radians(115)
 FACTOR = 2.0
 #: Readings whose residual exceeds this fraction of their rms are probably of another array.
 UNEXPLAINED = 0.35
-#: Largest prior, relative to the mean modulus: it already gives no information, a wider one only loses
-#: digits.
+#: Largest standard deviation of the prior, relative to the mean modulus. Such a prior already contains no
+#: information; a wider one only increases rounding errors.
 MOST_PRIOR = 10
 #: Largest number of outlying readings that a warning names.
 NAMED = 3

@@ -120,7 +120,7 @@ def diagnose(
             response=own * turned[boards],
         )
         with warnings.catch_warnings():
-            # The diagnosis reports itself what the calibration would warn of.
+            # The diagnosis itself reports the problems that the calibration would warn of.
             warnings.simplefilter("ignore", SceneWarning)
             found = calibrate(
                 scene.replace(array=array, sound_speed=speed),
@@ -238,8 +238,8 @@ def _look(
 def _delays(sums: Complex, readings: Real | Complex) -> Complex:
     """Return factors v (B,) with which the boards' pressures (K, B) add up to the readings (K,).
 
-    Moduli: |sum v_b a_b|^2 is linear in the products v_b conj(v_c). v is the leading eigenvector of the
-    matrix of these products. The first factor is positive.
+    If the readings are moduli: |sum v_b a_b|^2 is linear in the products v_b conj(v_c), and v is the leading
+    eigenvector of the matrix of these products. The first factor is positive.
     """
     count = sums.shape[1]
     if np.iscomplexobj(readings):

@@ -21,7 +21,8 @@ from .player import Fault, Report
 PLENTY, LEAST = 4.0, 2.2
 #: Time in s until the sound is steady after a new frame, and time in s of a reading.
 SETTLE, LISTEN = 5e-3, 10e-3
-#: Gain relative to the board's usual one below which a transducer is weak (by SURELY deviations) or dead.
+#: A transducer is weak if its gain, relative to the board's usual gain, is below WEAK, and below 1 by SURELY
+#: standard deviations. It is dead below DEAD.
 WEAK, DEAD, SURELY = 0.75, 0.15, 4.0
 #: Phase errors in degrees above which a transducer is faulty, and above which it is reversed.
 ODD, REVERSED = 50.0, 130.0

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from .._support.ctrl_c import interruptibly
 from .model import AIR, CLOCK, LOUDNESS, SPEED, Belief, Complex, Model, Real
 
-#: Assumed noise at the start, relative to the readings' rms; largest change of it per step, as a factor.
-#: Without this the fit ends in a local minimum where noise is small and readings are few.
+#: Assumed noise at the start, relative to the readings' rms; largest change of this noise per step, as a
+#: factor. Without it the fit ends in a local minimum if the noise is small and readings are few.
 FIRST_TRUST, TIGHTER = 0.3, 0.6
-#: A reading this many standard deviations from the model is an outlier: one normal reading in 10^9 is. A
-#: standard deviation below LEAST_SCATTER times the median reading counts as that.
+#: A reading more than OUTLYING standard deviations from the model is an outlier. This happens to one normally
+#: distributed reading in 10^9. The standard deviation is at least LEAST_SCATTER times the median reading.
 OUTLYING, LEAST_SCATTER = 6.0, 1e-3
 #: Largest share of outliers: above it the model must be wrong, and all readings are used. Most rounds of
 #: removing outliers.
@@ -193,8 +193,8 @@ def _start(
 ) -> Real:
     """Return the initial state: the best sound speed for the readings, and their loudness.
 
-    Sound speeds within three standard deviations are compared. For a wrong one, the wave's phase over a large
-    array is wrong by more than half a period, and the steps would not converge.
+    Sound speeds within three standard deviations are compared. With a wrong sound speed, the wave's phase
+    over a large array is wrong by more than half a period, and the steps would not converge.
     """
     phased = np.iscomplexobj(readings)
     reach = 3 * model.spread[SPEED]
@@ -224,8 +224,8 @@ def _normal(
 ) -> tuple[Real, Real]:
     """Return J^T J and J^T r for the residuals r, where J are the derivatives by the unknowns.
 
-    For a modulus, d|p|/dx_i = conj(p)/|p| G_i q_i (re and -im), and the same with the derivatives of G by the
-    state, summed over i. |p| includes the noise.
+    The derivatives of a modulus |p| by re and im of response i are the real part and minus the imaginary part
+    of conj(p)/|p| G_i q_i. The derivatives by the state use those of G, summed over i. |p| includes noise.
     """
     matrix = model.matrix(here.state)
     slopes = model.slopes(here.state, matrix) * here.responses

@@ -17,8 +17,8 @@ Complex = NDArray[np.complex128]
 
 #: Range of sound speeds that a fit may find, in m/s: -60 to 60 degrees C (docs/conventions.md).
 AIR = (293.0, 366.0)
-#: Prior standard deviations of the directivity's parameter: of a cosine's exponent; of a length, relative to
-#: it. "point" counts as a cosine with exponent 0.
+#: Prior standard deviation of the directivity's parameter: of the exponent of a cosine (0 for "point"); or of
+#: the size of a piston or strip, relative to this size.
 EXPONENT, WIDTH = 2.0, 0.3
 #: Prior standard deviation of the clock's phase in rad and of log(loudness): so wide that both are unknown.
 UNKNOWN = 10.0
@@ -47,11 +47,11 @@ SPEED, NUMBER, CLOCK, LOUDNESS, PLACES = range(5)
 class Priors:
     """Prior standard deviations. A value of 0 fixes the quantity."""
 
-    #: Of the sound speed, in m/s.
+    #: Standard deviation of the sound speed, in m/s.
     sound_speed: float
-    #: Of each coordinate of a microphone, in m; None if the fit estimates it.
+    #: Standard deviation of each coordinate of a microphone, in m; None if the fit estimates it.
     microphones: float | None
-    #: Of the second board's position in m, and of its rotation in rad.
+    #: Standard deviations of the second board's position in m and of its rotation in rad.
     pose: tuple[float, float]
 
 
@@ -59,9 +59,9 @@ class Model:
     """Pressures at microphones as a function of a state vector.
 
     The state contains, in this order: sound speed, the directivity's parameter, the phase of the readings'
-    clock, log of their loudness, places (M, 3) of the microphones, displacement (3,) in m and rotation (3,)
-    in rad about its centre of the second board. `second` are the indices of this board's transducers, none if
-    all poses are known.
+    clock, log of their loudness, places (M, 3) of the microphones, the second board's displacement (3,) in m
+    and its rotation (3,) in rad about its centre. `second` are the indices of this board's transducers, none
+    if all poses are known.
     """
 
     def __init__(
@@ -255,7 +255,10 @@ class Belief:
         return float(np.abs(self.chances - before).max())
 
     def scale(self, responses: Complex) -> float:
-        """Return the divisor of responses (N,) with which they are nearest to the prior, in spreads."""
+        """Return the divisor of responses (N,) that minimises their distance from the prior.
+
+        Distances are in units of the prior's standard deviations.
+        """
         n = len(responses)
         mean = self._centre[0] + self.mean[:n]
         parts = np.array([responses.real, responses.imag]) / self.spread[: 2 * n].reshape(2, n)
@@ -269,6 +272,10 @@ class Belief:
 
 
 def _learnt(last: Real, squares: Real, count: float, more: float, off: float) -> Real:
-    """Return standard deviations from K squares (..., K) of `count` numbers and `more` prior ones, `off`."""
+    """Return the updated standard deviations, over-relaxed from the `last` ones.
+
+    The estimate uses the sums over K of `squares` (..., K), which contain `count` observed numbers. It also
+    counts `more` imagined numbers with the standard deviation `off`.
+    """
     then = (squares.sum(axis=-1).reshape(last.shape) + more * off**2) / (count + more)
     return np.asarray(last * np.clip((np.sqrt(then) / last) ** OVER_RELAXED, 1 / FACTOR, FACTOR))

@@ -67,7 +67,7 @@ Indices = NDArray[np.intp]
 Drive = NDArray[np.complex64]
 Read = Callable[[Drive], Any]
 
-#: A microphone that reads the same after this many changes of the drive does not measure it.
+#: If a microphone reads the same value after this many changes of the drive, it does not measure the sound.
 CHANGES = 2
 
 
@@ -201,7 +201,7 @@ class Fault:
 
 @dataclass(frozen=True, eq=False)
 class Report:
-    """Faults that `midair.doctor` found, and the numbers that it found them in.
+    """Faults that `midair.doctor` found, and the measured numbers on which they are based.
 
     Attributes
     ----------

@@ -106,7 +106,7 @@ class Calibration:
     Attributes
     ----------
     response : (N,) ndarray of complex
-        Relative to `source_pressure`, in phase with the array's own on the whole; 0 of dead ones.
+        Responses relative to `source_pressure`, 0 if dead; their common phase is that of the array's own.
     response_error : (N,) ndarray
         Error of the real and of the imaginary part of each response.
     dead, reversed : ndarray of int

@@ -14,8 +14,8 @@ from .._midair import Array, Scene, SceneError, SceneWarning, Solution, solve, s
 from .._support.arguments import callback, flag, refused, warn, whole, word
 from .player import Complex, Drive, Ended, Indices, Player, Read, Real, Status, Tuning, Unreadable
 
-#: SPSA: initial step (rad per unit of value) and perturbation (rad), and the exponents by which they fall
-#: (Spall 1998, IEEE TAES 34, 817).
+#: SPSA (Spall 1998, IEEE TAES 34, 817): initial step (rad per unit of value) and perturbation (rad), the
+#: exponents by which they fall, and the delay of the step's fall as a fraction of all iterations.
 STEP, NUDGE = 4.0, 0.4
 STEP_FALLS, NUDGE_FALLS, DELAY = 0.602, 0.101, 0.1
 
@@ -68,7 +68,8 @@ def greedy(player: Player, drive: Complex, order: Indices, phases: int, tries: b
 
 #: Exponent of the correction: the part of a deviation, in logarithms, that one step corrects.
 POWER = 0.7
-#: Lower limit of x_j relative to the mean, since a silent place would otherwise get an unlimited target.
+#: Lower limit of a place's x_j = |p_j| / target_j, relative to the mean. Without it a silent place would get
+#: an unlimited target.
 QUIETEST = 0.1
 
 

@@ -38,7 +38,10 @@ class Envelope:
     hold: Hold
 
     def inside(self, substeps: int) -> Iterator[tuple[slice, slice, NDArray[np.complex64]]]:
-        """Yield blocks (frames, sub-steps, y): radiation (frames, sub-steps, N) at (t + k/substeps)/rate."""
+        """Yield (frames, sub-steps, y), block by block, with the radiation y (frames, sub-steps, N).
+
+        The time of sub-step k of frame t is (t + k/substeps)/rate.
+        """
         times = np.arange(substeps) / (substeps * self.rate)
         decays = self._decays(times)
         before = self._before()

@@ -27,7 +27,7 @@ from .frames import AIR
 from .propagation import pressures
 from .request import Request
 
-#: Number of phases for a board that has any phase.
+#: Number of phases that is used for a board that can play any phase.
 PHASES = 256
 
 #: Time in s, to each side, over which the acceleration of points is averaged. A bead oscillates much more
@@ -175,7 +175,7 @@ class Horizon:
     ) -> None:
         self._tracks = tracks
         self._coming = frames
-        # `islice` accepts no larger number; no list is as long.
+        # `islice` accepts no larger number, and no list is that long.
         self._ahead = min(ahead, sys.maxsize >> 1)
         # `_frames`: the frame returned last and those read after it. `_codes`: codes of the first of them.
         # `_decided`: how many of these codes are final.
@@ -295,7 +295,7 @@ class Found(Protocol):
 
 
 class Followed:
-    """Solves each frame from the last one. `exact` is True for glide, which plays the board's phases."""
+    """Solves each frame from the last one. `exact` is True for glide, whose phases are those of the board."""
 
     def __init__(self, requested: Request, solver: Solver, exact: bool) -> None:
         self.board: dict[str, Any] | None = requested.options.get("quantization")

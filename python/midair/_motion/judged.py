@@ -44,7 +44,7 @@ class SequenceMetrics:
     seam : float or None
         Largest change from the last frame to the first, in rad; None where the sequence is open.
     dip : float
-        Least over time and points of x_j over its mean over time.
+        Least x_j of any point at any time, relative to the mean over time of this point's x_j.
     noise : float
         dB re full amplitude modulation at 200 Hz of the same array; -200 for silence.
 
@@ -143,7 +143,7 @@ class JudgedFrames(Frames):
         return self._drives[frame]
 
     def scene(self, frame: int) -> Scene:
-        """Return a frame's points that are there and their targets, as a scene.
+        """Return the points that are present in a frame, and their targets, as a scene.
 
         Parameters
         ----------
@@ -153,7 +153,7 @@ class JudgedFrames(Frames):
         Returns
         -------
         midair.Scene
-            The scene; with all points where none is there.
+            The scene; with all points if none is present.
 
         Raises
         ------
@@ -274,10 +274,10 @@ class JudgedFrames(Frames):
             Time constant in s of the transducers, y' = (q - y)/tau; 0 for none. By a bandwidth B at -6 dB,
             tau = sqrt(3)/(pi B).
         hold : {"hold", "linear"}, optional
-            "hold": the board keeps each drive for its frame. "linear": it goes on to the next frame's
-            amplitude and, the shorter way round, phase in equal steps, as AUTD3's Silencer does.
+            "hold": the board keeps each drive for its frame. "linear": during a frame, amplitude and phase
+            (the shorter way round) go to those of the next frame in equal steps, as with AUTD3's Silencer.
         substeps : int, optional
-            Times a frame, at (t + k/substeps)/rate.
+            Number of times per frame: (t + k/substeps)/rate in frame t, k = 0 to substeps - 1.
 
         Returns
         -------
@@ -344,7 +344,8 @@ class JudgedFrames(Frames):
 
     def _pushes(self, places: NDArray[np.float64], tau: float) -> Iterator[tuple[slice, NDArray[np.float32]]]:
         """Yield (frames, |p|^2/(rho c^2) (frames, K) in Pa) at places (K, 3), at each frame's start."""
-        # A hand is in the real field, without the signature, by which traps are solved like foci.
+        # A signature is a phase factor with which traps are solved like foci. The hand is in the real field,
+        # without this factor.
         gains = rows(self._scene.replace(signature=None), places, name="place").T
         root = np.float32(1 / np.sqrt(self._scene.density * self._scene.sound_speed**2))
         for frames, _, y in self._envelope(tau, "hold").inside(1):
@@ -355,7 +356,9 @@ class JudgedFrames(Frames):
     def _push_lines(
         self, places: NDArray[np.float64], tau: float
     ) -> tuple[NDArray[np.float64], NDArray[np.complex64]]:
-        """Return lines (L,) in Hz, 0 < f <= 1 kHz, and complex amplitudes (1 + L, P) in Pa, the mean first.
+        """Return the frequencies (L,) of spectral lines up to 1 kHz, and amplitudes (1 + L, P) in Pa.
+
+        The amplitudes are complex; the mean (0 Hz) comes first.
 
         Each frame is constant, so line h of T frames is harmonic h of the samples times sinc(h / T).
         """

@@ -54,8 +54,8 @@ def sequence(
     path : midair.path.Path or (T, M, 3) array_like
         A path, or points in m, a frame a row.
     solver : str, optional
-        "glide" keeps the bound. Others start from the last drive where they use a start, and keep the bound
-        if they have an option `change`.
+        "glide" keeps the bound. Other solvers begin with the last frame's drive if they use a start drive,
+        and keep the bound if they have an option `change`.
     rate : float
         Frames a second.
     change, change_rate : float, optional
@@ -78,9 +78,9 @@ def sequence(
         An .npz file, written while frames are solved, so that memory needs only a block. If stopped and
         called again with the same arguments, the solve continues and gives the same bits.
     **options
-        Options of the solver; of the air frequency, sound_speed, temperature, absorption, density, obstacles.
-        signature="trap" moves traps. Without pressures they are as stiff as possible for `bead`, and each
-        moves its bead along; with pressures, foci are solved. Targets and pressures are those of the foci.
+        Options of the solver; the air: frequency, sound_speed, temperature, absorption, density, obstacles.
+        signature="trap" moves traps. Without pressures the traps are as stiff as possible for `bead`; with
+        pressures they are solved like foci, and targets and pressures are those of these foci.
 
     Returns
     -------

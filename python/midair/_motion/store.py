@@ -28,7 +28,7 @@ from .sequence import Sequence
 #: Suffix of the name of the folder.
 ENDING = ".resume"
 
-#: Name of the file that identifies the request, and prefix of the names of the solver's state.
+#: Name of the file that identifies the request; prefix of the names of arrays that store the solver's state.
 REQUEST, STATE = "request", "state."
 
 #: Names of files that this module writes.

@@ -102,8 +102,8 @@ def colours(
         return Colours(quantity, -pi, pi, 1.0, "phase of p / rad", "neither")
     if vmax is None:
         loudest = max(map(loud, fields)) if loudest is None else loudest
-        # Across a trap |p| is almost 0. The lower limit of the top prevents a scale that would show only
-        # rounding errors.
+        # In a plane through a trap |p| may be almost 0. The top of the scale has a lower limit; otherwise the
+        # picture would show only rounding errors.
         top = _of_pressure(
             fields[0], max([loudest, *(DARK * at_points(field) for field in fields)]), quantity
         )

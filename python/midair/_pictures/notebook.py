@@ -21,13 +21,13 @@ from .colours import loud, table
 #: Longer side of a picture in SVG units.
 SIDE = 1000
 
-#: Most points, and most corners of paths, in a picture; of more, every second, third, ... is drawn.
+#: Most points, and most corners of paths, in a picture. If there are more, every second, third, ... is drawn.
 MOST_POINTS, MOST_CORNERS = 200, 400
 
 #: Most dots for transducers in a picture; of more transducers, one in each square of SQUARE units is drawn.
 MOST_DOTS, SQUARE = 1500, 25
 
-#: Colours that are visible on light and on dark pages.
+#: Colours of points and of quiet points, visible on light and on dark pages.
 POINT, QUIET = "#e0662e", "#3b8fd4"
 
 #: Radius of a ring in units for up to LARGE points; more points have smaller rings with the same total area.

@@ -28,7 +28,7 @@ ARROWS, ACROSS = 0.6, 9
 #: Edge colour of the points' marks.
 POINT = "deepskyblue"
 
-#: Line styles of rigid and soft surfaces.
+#: Lines of obstacles: styles of rigid and soft surfaces, colour, and width in points.
 STYLES = {"rigid": "-", "soft": "--"}
 COLOUR = "orange"
 WIDTH = 1.5

@@ -63,8 +63,8 @@ def plot(
     Parameters
     ----------
     what : midair.Field, midair.Solution, or anything with a method `plot`
-        A `midair.Sequence` or a table of `midair.compare` is drawn by its own method, with those of these
-        arguments that it takes.
+        A `midair.Sequence` or a table of `midair.compare` is drawn by its own method `plot`, with the
+        arguments that this method accepts.
     ax : matplotlib.axes.Axes, optional
         The axes to draw in; by default matplotlib's present ones.
     plane : midair.Plane, optional
@@ -82,7 +82,7 @@ def plot(
     Returns
     -------
     matplotlib.axes.Axes or matplotlib.figure.Figure
-        The (first) axes; the figure of what has a method `plot`.
+        The (first) axes; the figure if `what` has a method `plot`.
 
     Raises
     ------
@@ -239,8 +239,8 @@ def contact_sheet(
 def common_top(rows: Sequence[Sequence[Field]]) -> float:
     """Return |p| at the top of the common scale, in Pa.
 
-    It is the loudest panel's, unless that is far above the targets: then one method that overshoots would
-    make all others black. If most methods overshoot, their median is the top.
+    It is the largest |p| of all methods, but at most HEADROOM times the largest target. Otherwise one method
+    that overshoots would make all others black. If most methods overshoot, the median of all is the top.
     """
     tops = [max(map(loud, row)) for row in rows]
     targets = [solution.targets.max() for row in rows if (solution := row[0].solution) is not None]

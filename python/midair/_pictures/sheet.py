@@ -37,7 +37,7 @@ class Style:
     columns
         Widths of one column and of a page in inches.
     settings
-        Matplotlib's settings. The style is active while matplotlib's figure.figsize equals the one in here.
+        Matplotlib's settings. The style is active while matplotlib's figure.figsize has the value in them.
     """
 
     columns: tuple[float, float]
@@ -95,8 +95,8 @@ def style(name: str) -> AbstractContextManager[object]:
     Notes
     -----
     Figures of midair are then one column wide, or a page wide where they have several panels. They have no
-    heading: that is the caption's. The setting is matplotlib's: figures of your own follow it, and
-    `matplotlib.rcdefaults()` ends it.
+    heading, since a caption contains it. The settings are matplotlib's: your own figures follow them, and
+    `matplotlib.rcdefaults()` ends them.
 
     Examples
     --------

@@ -18,7 +18,7 @@ STEP = 2e-3
 #: Reference pressure of the level in Pa (rms): ISO 1683.
 REFERENCE = 20e-6
 
-#: Most quiet points; no array can silence as many.
+#: Largest number of quiet points; no array can silence that many.
 MOST_POINTS = 100_000
 
 
@@ -125,7 +125,7 @@ def ear(position: Any, *, size: float = 0.01, step: float = STEP) -> Ear:
     Notes
     -----
     Solvers with a tolerance of quiet points (`quiet=` of `uniform` and `best`) silence the cube to that part
-    of the loudest point. The level says what is left, not what an ear bears.
+    of the loudest point. The level is that of the remaining sound; what an ear can bear is another question.
 
     Examples
     --------

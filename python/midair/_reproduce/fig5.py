@@ -11,7 +11,8 @@ from .tables import Found, Run, Verdict, outcome
 
 SIDE = 20
 
-#: The second slope uses this many points or more: with fewer, the constant work per transducer dominates.
+#: Of the two slopes of time over M, the second uses M from LARGE on. For a smaller M, the constant work per
+#: transducer dominates.
 LARGE = 64
 
 #: "Computation is linear" holds if the slope of log time over log M differs from 1 by at most this.

@@ -76,7 +76,7 @@ def _width(line: NDArray[np.float32]) -> float:
 
 
 def collect(run: Run) -> Found:
-    """Return a row for each panel, over all orders if they are random, and the field of the first order."""
+    """Return a row for each panel, and its field. Random orders: the row covers all, the field shows one."""
     jobs = []
     for panel, target, order, balance in PANELS:
         options: Options = {"order": order, "balance": balance}

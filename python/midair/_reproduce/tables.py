@@ -145,9 +145,9 @@ class Run:
     tell: Tell = silent
 
     def gather(self, jobs: Sequence[Job], *, alone: bool = False) -> dict[Hashable, Arrays]:
-        """Return each owner's results with their chunks joined.
+        """Return the results of all jobs by their owner; those of one owner are joined.
 
-        `alone`: one thread of this process, for timing.
+        With `alone` the jobs run in one thread of this process, for timing.
         """
         parts: defaultdict[Hashable, list[Arrays]] = defaultdict(list)
         items, done = sum(job.stop - job.start for job in jobs), 0

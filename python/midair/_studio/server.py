@@ -52,8 +52,8 @@ HEADERS = {
 HERE = re.compile(r"(127\.0\.0\.1|localhost)(:\d+)?", re.IGNORECASE)
 
 
-#: Time in s without a message from the page after which the board turns off. The page repeats its drive in
-#: time.
+#: Time in s without a message from the page after which the board turns off. The page sends its drive again
+#: before that.
 HOLD = 1.0
 
 

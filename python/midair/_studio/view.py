@@ -27,7 +27,7 @@ def view(what: Scene | Solution) -> View:
     Returns
     -------
     midair.View
-        The picture. Its attributes are the points, pressures and scene as shown; setting one shows it.
+        The picture. Its attributes are the points, pressures and scene as shown; new values appear at once.
 
     Raises
     ------
@@ -84,8 +84,8 @@ class View:
     @scene.setter
     def scene(self, scene: Scene) -> None:
         text = scene_text(scene)
-        # The page reacts only if the text changes. Its points may have been dragged since it got the same
-        # text.
+        # The page reacts only to a different text. Its points may have been dragged since it got this text,
+        # so a line break makes the text different.
         self._widget.scene = f"{text}\n" if text == self._widget.scene else text
         self._given = scene
 

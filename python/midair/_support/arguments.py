@@ -38,7 +38,7 @@ def warn(text: str) -> None:
 
 
 def _is_inside(frame: FrameType) -> bool:
-    """Returns whether a frame is of the package, or of a decorator of NumPy around one of its functions."""
+    """Return whether a stack frame belongs to this package, or to NumPy, which decorates some functions."""
     return frame.f_globals.get("__name__", "").partition(".")[0] in ("midair", "numpy")
 
 

@@ -47,13 +47,13 @@ def load(path: Path, identity: str) -> Arrays | None:
         with np.load(io.BytesIO(packed), allow_pickle=False) as file:
             arrays = dict(file)
         return arrays if all(array.nbytes <= len(packed) for array in arrays.values()) else None
-    # A file with any content must not end a run.
+    # Whatever a file contains, it must not end a run.
     except Exception:
         return None
 
 
 def save(path: Path, identity: str, arrays: Mapping[str, NDArray[Any]]) -> None:
-    """Save arrays with a hash of their bytes and of `identity`, which names the work that gave them.
+    """Save arrays with a hash of their bytes and of `identity`, the text that identifies their computation.
 
     Raises SceneError if the file cannot be written.
     """
@@ -70,7 +70,7 @@ def save(path: Path, identity: str, arrays: Mapping[str, NDArray[Any]]) -> None:
 def digest(identity: str, packed: bytes) -> bytes:
     """Return the hash of the bytes and the identity.
 
-    A file that was moved to another identity's name is rejected, too.
+    With it, `load` also rejects a file that was renamed to the name of another result.
     """
     return hashlib.sha256(f"{identity}\n".encode() + packed).digest()
 
@@ -170,7 +170,7 @@ def remove(folder: Path, own: re.Pattern[str]) -> None:
 
 
 def temporary(own: re.Pattern[str], name: str) -> bool:
-    """Return whether a name is the temporary name of such a file, as `output.write` makes it."""
+    """Return whether this is the temporary name, as made by `output.write`, of a name that matches `own`."""
     found = re.fullmatch(r"\.(.+)\.\d+\.part", name)
     return found is not None and own.fullmatch(found[1]) is not None
 

@@ -95,7 +95,10 @@ def _class(owner: type, name: str) -> None:
 
 
 def _guided(function: Callable[..., Any], name: str, signed: Any = None) -> Callable[..., Any]:
-    """Return a function whose errors about a keyword suggest the correct one. `signed` has its signature."""
+    """Return a function whose errors about a keyword suggest the correct one.
+
+    Its signature is that of `signed`, if given.
+    """
 
     @functools.wraps(function)
     def call(*arguments: Any, **keywords: Any) -> Any:

@@ -15,7 +15,7 @@ from .._midair import Array, Scene, SceneError, SceneWarning, array_parts, scene
 
 
 def plain(value: Any, name: str = "") -> Any:
-    """Return a value as dicts, lists, finite numbers and text; scenes and paths in `scenes` stay."""
+    """Return a value as dicts, lists, finite numbers and text; scenes and paths in `scenes` do not change."""
     if isinstance(value, float) and not math.isfinite(value):
         raise SceneError(f"{name or 'sweep'} is {float(value)}: give a finite number")
     if isinstance(value, str):

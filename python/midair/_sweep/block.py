@@ -56,7 +56,7 @@ def trial_seed(settings: Settings, index: int) -> int:
 
 def array_and_medium(settings: Settings) -> tuple[Array, dict[str, Any]]:
     """Return the array and the arguments of the medium. Rejects invalid values; only `first_scene` warns."""
-    # The point only completes the tables to a scene file; any would do.
+    # A scene file needs a point; any point would do.
     fixed = settings.get("points")
     point = fixed[0] if fixed else [(low + high) / 2 for low, high in settings["region"]]
     request = {"array": settings["array"], "medium": settings["medium"], "points": [{"position": point}]}
@@ -113,7 +113,7 @@ def _solve(
 ) -> Arrays:
     """Solve all trials in one batch if they share a seed or need none, else one by one.
 
-    The bits are the same.
+    Both ways give identical bits.
     """
     solver, weights = settings["solver"], settings.get("weights")
     options = {key: value for key, value in settings["options"].items() if value is not None}

@@ -27,7 +27,7 @@ MOST_BLOCKS = 10**6
 #: Bytes of memory per random point and its target while they are drawn.
 POINT = 64
 
-#: Most different warnings before the work starts.
+#: Largest number of different warnings that are emitted before the work starts.
 MOST_REPORTED = 3
 
 _FIXED = ("positions", "pressures", "weights")

@@ -29,7 +29,7 @@ from .table import Shortfall
 if TYPE_CHECKING:
     import pyarrow as pa
 
-#: Trials of a training file and the held-out file beside it: seconds of work, megabytes of drives.
+#: Number of trials in a training file and its held-out file together: seconds of work, megabytes of drives.
 SHARD = 4096
 
 #: One of this many trials is held out for testing, whatever the size of the set.

@@ -92,7 +92,7 @@ def _need(package: str, path: Path) -> None:
 
 
 def _spare(files: Sequence[Path], drives: Path) -> None:
-    """Reject a folder for drives that contains files of the sweep, also by links: it would be replaced."""
+    """Reject a folder for drives that contains files of the sweep, even by links: the folder is replaced."""
     for file in files:
         if output.real(drives) in output.real(file).parents:
             raise SceneError(f'drives "{drives}" would replace "{file}" in it: give another name')

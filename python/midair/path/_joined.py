@@ -98,7 +98,10 @@ MEET = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A piece and the slots of its points. All other slots stay at `idle` (M, 3), with target 0."""
+    """A piece and the slots (rows in the joined path) of its points.
+
+    All other slots stay at `idle` (M, 3), with target 0.
+    """
 
     piece: Piece
     slots: NDArray[np.int64]
@@ -236,7 +239,10 @@ def _state(piece: Piece, time: float) -> State:
 
 
 def _slots(end: State, begin: State) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """Return the slot of each point of the second piece, and whether a point of the first continues there."""
+    """Return the slot of each point of the second piece, and whether it continues a point of the first piece.
+
+    A slot is a point's index in the joined path.
+    """
     count = len(begin.places)
     slots, goes_on = np.full(count, -1), np.zeros(count, bool)
     open_ends = end.targets > 0

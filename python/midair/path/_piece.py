@@ -15,15 +15,15 @@ from .._support.arguments import real, refused
 #: Values at times (T,): speeds and targets (T, M), places (T, M, 3).
 Numbers: TypeAlias = NDArray[np.float64]
 
-#: Tolerance for rounding of times, relative to a frame or a period, so that it never decides on which side of
-#: a jump they are.
+#: Tolerance of times, relative to a frame or a period, so that rounding errors never decide whether a time is
+#: before or after a jump.
 ROUNDING = 1e-9
 
 
 def mixed(before: Numbers, after: Numbers, shares: Numbers) -> Numbers:
     """Return linear interpolation: `before` at share 0, `after` at share 1.
 
-    Exact at both ends, and if they are equal.
+    The result is exact at both ends, and where `before` equals `after`.
     """
     return np.where(shares == 1, after, before + shares * (after - before))
 
@@ -41,7 +41,7 @@ class Piece(ABC):
     duration: float
     #: Whether the end joins the start: the piece can repeat.
     closed: bool
-    #: Whether the targets are in Pa; otherwise they are relative to full.
+    #: Whether the targets are in Pa; otherwise they are factors from 0 to 1 of a level that is found later.
     pascals: bool
     #: Highest frequency of amplitude modulation, in Hz.
     modulation: float = 0.0
