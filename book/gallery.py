@@ -29,7 +29,9 @@ ORDER = {
 INTRODUCTION = """\
 # Gallery
 
-Each picture is the output of a short program in the folder [examples](../examples). The tests run all.
+This page shows what midair can do. Each picture is the output of a short program in the folder
+[examples](../examples). The tests run all of these programs.
+
 Eight programs begin with a scene of the [studio's](studio.md) gallery.
 `midair studio docs/scenes/gallery/smiley.json` opens such a scene.
 """

@@ -1,4 +1,4 @@
-"""A hard ball in the way: foci in its shadow, solved without the ball and with it.
+"""A hard ball in the way: some foci lie in its shadow. The scene is solved without the ball and with it.
 
 Both drives are played beside the ball. The ball weakens the foci by a sixth; a solve that includes the
 scattered waves recovers half of this. `midair.Sphere` computes these waves exactly, by their series.

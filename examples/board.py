@@ -1,4 +1,4 @@
-"""A SonicSurface's phases: the step of each of its 256 transducers, and the field that they make.
+"""A SonicSurface's phases: the phase step of each of its 256 transducers, and the field of this drive.
 
 The board has 32 phases, on and off, and every drive for its array already consists of these. The program
 plays it on a simulated board; `sonicsurface:/dev/ttyUSB0` is a real one.

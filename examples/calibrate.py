@@ -1,4 +1,5 @@
-"""The array as measured: gains, phases and dead transducers, found from readings of four microphones.
+"""The array as measured: its gains, phases and dead transducers are found from readings of
+four microphones.
 
 The readings are simulated, with noise 60 dB below a focus. The picture compares a focus solved for the
 assumed array with one solved for the measured array.

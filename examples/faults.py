@@ -1,6 +1,7 @@
-"""Faults of array and air: the remaining level with wrong phases, dead transducers, warm air and a tilt.
+"""Faults of array and air: which level remains with wrong phases, dead transducers, warm air or a tilted
+array.
 
-`midair.tolerate` plays one drive in a hundred trials of each fault, and of all together.
+`midair.tolerate` plays one drive in a hundred trials of each fault, and of all faults together.
 """
 
 import numpy as np

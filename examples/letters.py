@@ -1,4 +1,4 @@
-"""Letters as strokes of foci 5 mm apart: the strength of each focus, by three methods.
+"""Letters as strokes of foci 5 mm apart: the picture shows the strength of each focus, by three methods.
 
 A finger that follows the strokes finds a gap at a weak focus. The metric `uniformity` measures this: it is
 the weakest focus over the strongest.

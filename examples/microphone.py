@@ -1,4 +1,4 @@
-"""Four foci tuned by a microphone: one on a sound card, or a simulated one.
+"""Four foci tuned by a microphone: the microphone is on a sound card, or simulated.
 
     python examples/microphone.py                    simulated: an array that differs from its model
     python examples/microphone.py --device 3         a sound card: a microphone at each focus, a channel each

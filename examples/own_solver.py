@@ -1,4 +1,5 @@
-"""A method of your own: a function of G, targets and weights, compared with methods of midair.
+"""A method of your own: a Python function of the propagation matrix, targets and weights computes a drive. It
+is compared with methods of midair.
 
 The function repeats back-propagation with random phases and keeps the trial with the strongest weakest
 point.

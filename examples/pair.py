@@ -1,4 +1,5 @@
-"""Two boards face to face: foci between them stand in waves from both sides, half a wavelength apart.
+"""Two boards face to face: the waves from both sides make layers half a wavelength apart, in which the
+foci lie.
 
 The picture shows the plane of the five foci, and an upright plane through one of them.
 """

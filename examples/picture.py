@@ -1,4 +1,5 @@
-"""A picture as a field: a heart whose grey is a pressure, 1024 points by `descent`.
+"""A picture as a field: each grey of a picture of a heart is a pressure. The method `descent` solves for 1024
+points.
 
 `midair.image` converts the pixels of a picture to points and pressures, dark ones to quiet points. So many
 points cannot all be exact: `descent` minimises the squared errors, and a warning reports them. The pixels are

@@ -1,4 +1,5 @@
-"""A face of foci that a palm can feel: superposed single foci leave gaps, `uniform` makes all equal.
+"""A face of foci that a palm can feel: superposed single foci leave gaps. The method `uniform` makes all
+points equal.
 
 This is the studio's first scene, solved by three methods and drawn in one scale. `compare` also prints their
 metrics.

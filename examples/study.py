@@ -1,4 +1,5 @@
-"""A study in a dozen lines: the weakest focus over the number of foci, by five methods.
+"""A study in a dozen lines: the weakest focus over the strongest, for different numbers of
+foci and five methods.
 
 The table has a hundred random scenes for each number of points. `midair.sweep` also runs on a cluster.
 """

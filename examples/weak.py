@@ -1,7 +1,7 @@
-"""A weak focus: greedy search smears it, balancing cures that.
+"""A weak focus: greedy search smears it. The option `balance` cures this.
 
-Fig. 7 of Suzuki et al. 2021. `balance=True` solves at the level that the array can reach, and then reduces
-the drives.
+This is fig. 7 of Suzuki et al. 2021. `balance=True` solves at the level that the array can reach, and
+then reduces the drives.
 """
 
 import warnings
