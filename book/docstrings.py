@@ -61,7 +61,7 @@ class Docstrings(griffe.Extension):
         return griffe.Function(name, parameters=parameters, returns=found.returns, parent=parent)
 
     def construct(self, described: griffe.Class, thing: Any) -> None:
-        """Adds `__init__` with the parameters of a class, which the pages look for there."""
+        """Adds `__init__` with the parameters of a class, because the reference pages show its parameters."""
         new = described.members.get("__new__")
         if isinstance(new, griffe.Function):
             init = griffe.Function("__init__", parameters=new.parameters, parent=described)

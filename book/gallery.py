@@ -81,7 +81,7 @@ def reported(path: Path) -> tuple[str, str]:
 
 
 def page() -> str:
-    """Returns the page: a grid of cards for each theme, from the examples' own texts."""
+    """Returns the page: a grid of cards for each subject, from the examples' own texts."""
 
     def parts() -> Iterator[str]:
         yield INTRODUCTION

@@ -162,7 +162,7 @@ def scrolled(found: re.Match[str], page: str) -> str:
 
 
 def on_post_page(output: str, page: Any, **_: Any) -> str:
-    """Names the search, which has no accessible name in the theme, and makes wide pictures scroll."""
+    """Gives the search an accessible name, which the theme lacks, and makes wide pictures scroll."""
     output = PICTURE.sub(lambda found: scrolled(found, page.url), output)
     search = 'data-md-component="search" role="dialog"'
     return output.replace(search, f'{search} aria-label="Search"')

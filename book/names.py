@@ -13,8 +13,8 @@ import midair
 
 
 def members(owner: type) -> Iterator[str]:
-    """Yields a class's public attributes and methods, own and inherited, without fields,
-    which docstrings describe.
+    """Yields a class's public attributes and methods, own and inherited, without its fields,
+    which the class's docstring describes.
     """
     fields = {field.name for field in dataclasses.fields(owner)} if dataclasses.is_dataclass(owner) else set()
     fields |= set(getattr(owner, "_fields", ()))

@@ -90,7 +90,7 @@ def boards() -> None:
 
 
 def embedded() -> None:
-    """Draws the instructions of a frame over the number of points, from the table in docs/embedded.md."""
+    """Draws the number of instructions per frame over the number of points, from docs/embedded.md."""
     rows = re.findall(r"^\| `(\w+)` \|(.*)\|$", (DOCS / "embedded.md").read_text(), re.MULTILINE)
     cells = [
         (name, [float(cell.replace(",", "")) for cell in row.split("|")]) for name, row in rows if "." in row
@@ -115,8 +115,8 @@ def embedded() -> None:
 
 
 def sweeps() -> None:
-    """Draws uniformity over M by four methods with 95 % intervals:
-    1600 problems of the page's first sweep.
+    """Draws uniformity over the number of points M, by four methods, with 95 % intervals.
+    The data are 1600 problems of the first sweep in docs/sweeps.md.
     """
     methods = ["naive", "gspat", "greedy", "uniform"]
     table = midair.sweep(
@@ -156,7 +156,9 @@ def sweeps() -> None:
 
 
 def why() -> None:
-    """Draws the level of two foci over the phase between them, and eight points by three methods."""
+    """Draws two plots: the level of two foci over the phase between them, and |p| at eight points
+    by three methods.
+    """
     pair = midair.Scene(midair.Array.grid(16, 16, 10e-3), [[-0.006, 0, 0.15], [0.006, 0, 0.15]])
     G = pair.propagation()
     turns = np.linspace(0, 1, 181)

@@ -115,7 +115,7 @@ def entry(name: str) -> str:
 
 
 def python() -> Iterator[tuple[str, str]]:
-    """Yields a page for each theme; raises ValueError if a public name is on no page or on two."""
+    """Yields a page for each subject; raises ValueError if a public name is on no page or on two."""
     listed = [name for *_, names in PYTHON for name in names.split()]
     if sorted(listed) != sorted(midair.__all__):
         wrong = set(listed) ^ set(midair.__all__)

@@ -1,7 +1,7 @@
 """A SonicSurface's phases: the phase step of each of its 256 transducers, and the field of this drive.
 
-The board has 32 phases, on and off, and every drive for its array already consists of these. The program
-plays it on a simulated board; `sonicsurface:/dev/ttyUSB0` is a real one.
+The board has 32 phases, and each transducer is on or off. midair rounds every drive for its array to these
+values. The program plays the drive on a simulated board; `sonicsurface:/dev/ttyUSB0` is a real one.
 """
 
 import matplotlib.pyplot as plt

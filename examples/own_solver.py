@@ -1,8 +1,8 @@
 """A method of your own: a Python function of the propagation matrix, targets and weights computes a drive. It
 is compared with methods of midair.
 
-The function repeats back-propagation with random phases and keeps the trial with the strongest weakest
-point.
+The function repeats back-propagation with random phases and keeps the trial whose weakest point is the
+strongest.
 """
 
 import numpy as np

@@ -1,8 +1,8 @@
 """A face of foci that a palm can feel: superposed single foci leave gaps. The method `uniform` makes all
 points equal.
 
-This is the studio's first scene, solved by three methods and drawn in one scale. `compare` also prints their
-metrics.
+This is the studio's first scene, solved by three methods and drawn on the same scale. `compare` also prints
+their metrics.
 """
 
 from pathlib import Path

@@ -42,8 +42,8 @@ class Run:
 
 
 def build() -> Path:
-    """Builds all methods for the board, and the same player for this machine;
-    returns the programs' folder.
+    """Builds a program for each method for the board, and the same player for this machine;
+    returns the folder of the programs.
     """
     missing = [package for place, package in NEEDS.items() if not Path(place).exists()]
     linker = next((found for name in LINKERS if (found := shutil.which(name))), None)
@@ -88,7 +88,7 @@ def emulated(target: Path, method: str, array: str, board: str, points: int) -> 
 
 
 def here(target: Path, method: str, array: str, board: str, points: int) -> Run:
-    """Computes the same frames on this machine, with the scalar instruction set."""
+    """Computes the frames of `emulated` on this machine, with the scalar instruction set."""
     program = target / "release" / "examples" / "pc"
     words = [str(program), method, array, board, str(points)]
     reported = subprocess.run(words, capture_output=True, text=True, check=True)
@@ -98,7 +98,7 @@ def here(target: Path, method: str, array: str, board: str, points: int) -> Run:
 
 
 def flash(target: Path, method: str) -> int:
-    """Returns the bytes of a program in flash: those that its ELF file loads."""
+    """Returns the number of bytes that a program takes in flash: those that its ELF file loads."""
     elf = (target / TARGET / "release" / method).read_bytes()
     offset, count = struct.unpack_from("<I", elf, 28)[0], struct.unpack_from("<H", elf, 44)[0]
     headers = [struct.unpack_from("<8I", elf, offset + 32 * k) for k in range(count)]

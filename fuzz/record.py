@@ -19,7 +19,9 @@ def today() -> str:
 
 
 def code(*folders: str) -> str:
-    """Returns the state of some folders: git's short names of their trees, with a plus for changed ones."""
+    """Returns the state of some folders: git's short hash of each folder, with a plus if it has uncommitted
+    changes.
+    """
     names = []
     for folder in folders:
         name = _git("rev-parse", "--short=8", f"HEAD:{folder}")

@@ -43,7 +43,7 @@ class Had:
 
     @classmethod
     def of(cls, name: str, code: str) -> Had:
-        """Returns the numbers of a target, added up from the record."""
+        """Returns a target's totals with this code, from the rows of docs/reliability.md."""
         had = cls()
         for row in record.rows("fuzz"):
             if row[:2] == [name, code]:
@@ -114,7 +114,7 @@ def slice_of(name: str, code: str, seconds: int, executions: int) -> bool:
 
 
 def note(name: str, code: str, log: Path, seconds: float, status: int) -> None:
-    """Records the turn that has ended, added to what the target did on this day with this code."""
+    """Records the turn that has ended: adds its numbers to the target's row for this day and this code."""
     text = log.read_text(errors="replace")
     executed = re.findall(r"number_of_executed_units: (\d+)|^#(\d+)", text, re.M)
     executions = max((int(number) for pair in executed for number in pair if number), default=0)

@@ -29,7 +29,9 @@ class Check:
 
 
 def tests(sanitizer: str, *chosen: str) -> list[str]:
-    """Returns the command for the core's tests, compiled with a sanitizer as the standard library is."""
+    """Returns the command that compiles the standard library and the core's tests with a sanitizer,
+    and runs the tests.
+    """
     watched = [f"--target={TARGET}", "-Zbuild-std", f"--target-dir={FUZZ / 'target' / sanitizer}"]
     return ["cargo", "+nightly", "test", *FEATURES, *watched, *chosen]
 

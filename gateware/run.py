@@ -46,7 +46,7 @@ Play = Callable[[Path], Pins]
 
 @dataclass(frozen=True)
 class Case:
-    """A board, and the function that prepares its makers' gateware in a folder."""
+    """A kind of board, and the function that prepares the gateware of its makers in a folder."""
 
     board: str
     ready: Callable[[Path, Path], Play]

@@ -1,7 +1,7 @@
 """Writes the type stubs of calls that take a solver's options, from the solver table: `make stubs`.
 
 For each solver there is a TypedDict of its options and an overload of `solve`, `Solver` and `solve_batch`:
-editors complete the options, and type checkers reject those that a solver does not have.
+editors complete the options, and type checkers reject options that the solver does not have.
 """
 
 from __future__ import annotations

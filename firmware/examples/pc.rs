@@ -1,4 +1,5 @@
-//! Computes the same frames on a PC: prints the bits of each drive, the bytes of each frame, and the bytes of silence.
+//! Computes the firmware's frames on a PC, to compare both: prints the bits of each drive, the bytes of each frame, and the
+//! bytes of silence.
 
 use midair::solvers::{Fast, Greedy, Naive, Uniform};
 use midair::{Error, Solve};

@@ -6,8 +6,8 @@ use core::sync::atomic::{AtomicUsize, Ordering};
 
 use embedded_alloc::LlffHeap;
 
-/// Size of the heap in bytes: enough for `uniform` with 256 transducers and 8 points; half of the memory on a chip of
-/// 128 kB.
+/// Size of the heap in bytes: half of the 128 kB of an STM32F407; else enough for `uniform` with 256 transducers and 8
+/// points.
 const SIZE: usize = if cfg!(feature = "stm32f407") { 64 << 10 } else { 160 << 10 };
 
 static mut MEMORY: [MaybeUninit<u8>; SIZE] = [MaybeUninit::uninit(); SIZE];

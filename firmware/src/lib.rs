@@ -1,7 +1,8 @@
 //! midair on a microcontroller: it computes the bytes for a board from points, and allocates nothing after the first
 //! frame.
 //!
-//! [`player`] and [`mute`] are parts that a product needs; the other modules belong to the machine, or measure it.
+//! [`player`] and [`mute`] are parts that a product needs. The other modules support one microcontroller board, or measure
+//! time and memory.
 #![no_std]
 
 extern crate alloc;

@@ -4,7 +4,7 @@
 //! [`Mute::is_due`] whenever it looks for points. If that is true, the microcontroller sends
 //! [`crate::player::Player::silence`].
 
-/// A timeout for a source of points, in ticks of any clock that counts through all of u32.
+/// A timeout for a source of points, in ticks of a clock that counts up to u32::MAX and then from 0 again.
 #[derive(Clone, Copy, Debug)]
 pub struct Mute {
     patience: u32,
@@ -19,7 +19,7 @@ impl Mute {
         Self { patience, received: 0, silent: true }
     }
 
-    /// Records that points arrived, or a message that they stay.
+    /// Records that points arrived, or a message that the points stay the same.
     pub const fn hear(&mut self, now: u32) {
         (self.received, self.silent) = (now, false);
     }

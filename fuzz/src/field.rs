@@ -37,7 +37,7 @@ fn run(draw: &mut Draw) -> Result<(), Error> {
     // The bound is 0 if no transducer reaches the points.
     assert!(bound >= 0.0, "{bound}");
     let least = metrics.level * metrics.uniformity;
-    // min x is uniformity times max x, and max x is at least the mean.
+    // Let x be |p| / target of a point. min x is uniformity times max x, and max x is at least the mean x.
     assert!(least <= bound * (1.0 + 1e-6), "a level of {least} above the bound {bound}");
     Ok(())
 }

@@ -33,7 +33,7 @@ fn run(draw: &mut Draw) -> Result<(), Error> {
     for other in answers {
         let doubts = [&first, &other].map(|answer| answer.as_ref().map_or(0.0, |(_, doubt)| *doubt));
         if doubts.into_iter().any(|doubt| doubt >= 1.0) {
-            // A level that may be only rounding can be 0 in one instruction set and not in another.
+            // If a level may consist of rounding errors only, it can be 0 in one instruction set and above 0 in another.
             continue;
         }
         match (&first, other) {

@@ -39,7 +39,7 @@ fn run(draw: &mut Draw) -> Result<(), Error> {
                 assert_eq!((found.metrics(), found.status, found.steps), (single.metrics(), single.status, single.steps));
                 assert_eq!(found.scale, single.scale);
             }
-            // If there are two errors, a session reports that of the start first, a single problem that of the points.
+            // If a request has two errors, a session reports the error of the start, a single problem the error of the points.
             (Err(_), Err(_)) if ask.start.is_some() => {}
             (found, single) => assert_eq!(found.err(), single.err()),
         }

@@ -1,4 +1,4 @@
-//! Tests the reader of sweep files: any bytes give an error of one line, or tables whose keys have a place in the text.
+//! Tests the reader of sweep files: any bytes give an error of one line, or tables whose keys have a line in the text.
 
 use crate::one_line;
 use midair::files::{Format, Node, Source, placed, read_sweep};

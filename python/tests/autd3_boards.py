@@ -82,8 +82,8 @@ def widths(intensities: NDArray[np.uint8]) -> NDArray[np.int64]:
 
 
 def played(drive: oracle.Complex, *, pulses: bool) -> oracle.Complex:
-    """Returns the drive that the codes stand for;
-    with `pulses`, the amplitudes are sin(pi w / 512) of the widths w.
+    """Returns the drive that a drive's phase and intensity codes stand for.
+    With `pulses`, an amplitude is sin(pi w / 512), where w is the pulse width.
     """
     phases, intensities = codes(drive)
     amplitudes = np.sin(math.pi * widths(intensities) / 512) if pulses else intensities / 255

@@ -27,7 +27,7 @@ def circle(count: int, speed: float, rate: float, laps: float = 1.0) -> Real:
 
 
 class Air:
-    """Point sources around the middle of two boards, and the physical properties of a bead of 1 mm radius."""
+    """The point sources of two boards, at their positions, and the physical properties of a bead."""
 
     def __init__(
         self, positions: Real, source: float = 4.386, radius: float = 1e-3, density: float = 29.0

@@ -115,7 +115,7 @@ def dark(request: pytest.FixtureRequest) -> Callable[..., AbstractContextManager
 
 @pytest.fixture
 def cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Sets the folder of solved meshes to one of this test run, and returns it."""
+    """Sets the cache folder of solved meshes to a folder of this test run, and returns its path."""
     folder = tmp_path_factory.getbasetemp() / "cache"
     monkeypatch.setenv("XDG_CACHE_HOME", str(folder))
     return folder

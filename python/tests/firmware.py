@@ -105,7 +105,7 @@ class SonicSurfaces:
 
 
 class OpenMpd:
-    """A board behind its FIFO, which passes 512 bytes on at a time; `idle` clears the rest."""
+    """A board behind a FIFO that passes bytes on in blocks of 512; `idle` clears an incomplete block."""
 
     CHUNK = 512
 
@@ -212,7 +212,7 @@ class Arduino:
 
 
 class Mega64(Arduino):
-    """64 pins on ten ports, 32 patterns with durations in periods; `drive` is the first pattern's."""
+    """A board of 64 pins on ten ports, with 32 patterns and their durations; `drive` is the first pattern."""
 
     # fmt: off
     PINS = (
@@ -278,7 +278,9 @@ class Chain:
 
 
 class Homies:
-    """One of the two FPGAs of 128 channels, without modulation. An unknown command locks it up."""
+    """One of a board's two FPGAs, with 128 channels, modelled without modulation.
+    An unknown command locks the FPGA up.
+    """
 
     def __init__(self) -> None:
         self.window = 0
@@ -310,7 +312,7 @@ class Homies:
             self.locked = True
 
     def _burst(self, byte: int) -> None:
-        """Takes a byte of a burst: phase and channel alternate. A count of 0 still consumes one byte."""
+        """Receives a byte of a burst; phases and channels alternate. A burst of 0 still takes one byte."""
         if self.burst % 2 == 0:
             self.latest = byte
         else:

@@ -28,14 +28,14 @@ def turned(t: Real, p: Complex) -> Complex:
 
 
 def tikhonov(G: Complex, t: Real, regularization: float = 0.07, limit: str = "clamp") -> Complex:
-    """Tikhonov's regularised pseudo-inverse for targets of phase 0."""
+    """Returns the drive of Tikhonov's regularised pseudo-inverse, for targets of phase 0."""
     H = G @ G.conj().T
     mu = regularization * np.mean(np.diag(H).real)
     return limited(G.conj().T @ np.linalg.solve(H + mu * np.eye(len(t)), t), limit)
 
 
 def evd(G: Complex, t: Real, gamma: float = 1.0, limit: str = "clamp") -> Complex:
-    """The eigenvector method of Long et al. 2014."""
+    """Returns the drive of the eigenvector method of Long et al. 2014."""
     power = np.sum(np.abs(G) ** 2, axis=1)
     R = np.array([[np.sum(g * h.conj()) * a / e for h, a, e in zip(G, t, power, strict=True)] for g in G])
     values, vectors = np.linalg.eig(R)
@@ -46,7 +46,7 @@ def evd(G: Complex, t: Real, gamma: float = 1.0, limit: str = "clamp") -> Comple
 
 
 def gs(G: Complex, t: Real, steps: int = 100) -> Complex:
-    """The Gerchberg-Saxton algorithm with |q| = 1, started from q = 1."""
+    """Returns the drive of the Gerchberg-Saxton algorithm with |q| = 1, started from q = 1."""
     q = np.ones(G.shape[1], complex)
     for _ in range(steps):
         q = limited(G.conj().T @ turned(t, G @ q), "full")
@@ -54,7 +54,7 @@ def gs(G: Complex, t: Real, steps: int = 100) -> Complex:
 
 
 def gspat(G: Complex, t: Real, steps: int = 100, limit: str = "clamp") -> Complex:
-    """GS-PAT of Plasencia et al. 2020."""
+    """Returns the drive of GS-PAT, Plasencia et al. 2020."""
     X = G.conj().T / np.sum(np.abs(G) ** 2, axis=1)
     R = G @ X
     p = t.astype(complex)
@@ -65,8 +65,8 @@ def gspat(G: Complex, t: Real, steps: int = 100, limit: str = "clamp") -> Comple
 
 
 def sdp_parts(G: Complex, t: Real, alpha: float = 1e-3) -> tuple[Complex, Complex]:
-    """Returns the inverse G^+ and the matrix Q of Inoue et al. 2015;
-    u^H Q u is the cost of the point phases u.
+    """Returns the regularised inverse G^+ and the matrix Q of Inoue et al. 2015.
+    u^H Q u is the cost of the points' phases u, which are numbers of modulus 1.
     """
     M = len(t)
     inverse = G.conj().T @ np.linalg.inv(G @ G.conj().T + alpha * np.eye(M))
@@ -103,7 +103,7 @@ def sdp(
     moduli: str = "raw",
     limit: str = "normalize",
 ) -> Complex:
-    """The method of Inoue et al. 2015; `scale` is the option lambda."""
+    """Returns the drive of the method of Inoue et al. 2015; `scale` is the option lambda."""
     inverse, Q = sdp_parts(G, t)
     u = leading(descend(Q, rng, steps, scale))
     return limited(inverse @ (t * (u if moduli == "raw" else np.exp(1j * np.angle(u)))), limit)
@@ -161,8 +161,8 @@ def lm_residuals(G: Complex, t: Real, x: Real) -> tuple[Complex, Complex]:
 def lm(
     G: Complex, t: Real, start: Real, *, steps: int = 200, tau: float = 1e-3, eps: float = 1e-8
 ) -> Complex:
-    """Levenberg-Marquardt (Madsen, Nielsen and Tingleff 2004, algorithm 3.16) from the phases `start`;
-    |q| = 1.
+    """Returns the drive with |q| = 1 of the Levenberg-Marquardt algorithm, from the phases `start`.
+    It is algorithm 3.16 of Madsen, Nielsen and Tingleff 2004.
     """
 
     def parts(x: Real) -> tuple[Real, Real]:

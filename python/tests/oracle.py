@@ -87,8 +87,8 @@ def reach(G: Complex) -> Real:
 
 
 def balanced_factor(G: Complex, targets: ArrayLike, weights: ArrayLike | None = None) -> float:
-    """Returns the factor s for which the sum of (s t / p1)^2 is 1, p1 being `reach`;
-    0 if a target has p1 = 0.
+    """Returns the factor s for which the sum of (s t / p1)^2 over the points is 1.
+    t are the targets and p1 is `reach`. The factor is 0 if a target has p1 = 0.
     """
     t, w = _targets(targets, weights)
     use = (w > 0) & (t > 0)
@@ -102,7 +102,9 @@ def _targets(targets: ArrayLike, weights: ArrayLike | None) -> tuple[Real, Real]
 
 
 class _Walk:
-    """The state of the greedy search along its order, for the points of weight > 0."""
+    """The state of the greedy search, which sets one transducer after the other. It uses the points of weight
+    > 0.
+    """
 
     def __init__(
         self,
@@ -132,8 +134,8 @@ class _Walk:
         return (self.grid if self.P.any() else self.grid[:, :1]).ravel()
 
     def changes(self, i: int, q: Complex) -> Real:
-        """Returns E(P + G q) - E(P) for each q, summed from differences:
-        subtracting two energies would lose digits.
+        """Returns the change of the energy, E(P + G q) - E(P), for each candidate q of transducer i.
+        It sums small differences, because subtracting two energies would lose digits.
         """
         step = np.multiply.outer(q, self.G[:, i])
         before, after = np.abs(self.P), np.abs(self.P + step)
@@ -188,7 +190,7 @@ def naive(G: Complex, targets: ArrayLike, limit: str = "clamp") -> Complex:
 
 
 def metrics(p_abs: ArrayLike, targets: ArrayLike, weights: ArrayLike | None = None) -> dict[str, float]:
-    """Returns how well magnitudes meet their targets; some point must have target > 0 and weight > 0."""
+    """Returns the metrics of the magnitudes |p|. Some point must have a target > 0 and a weight > 0."""
     p, (t, w) = np.asarray(p_abs, float), _targets(targets, weights)
     leak = p[(w > 0) & (t == 0)].max(initial=0)
     use = (w > 0) & (t > 0)

@@ -1,4 +1,4 @@
-"""A built page of a few bytes, and messages that the page sends to Python."""
+"""A replacement for the studio's built page, of a few bytes, and messages that the page sends to Python."""
 
 from pathlib import Path
 

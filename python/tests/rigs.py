@@ -84,7 +84,7 @@ CASES = [
 every = pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case[0]}-{case[1]}")
 single = pytest.mark.parametrize("kind", KINDS)
 
-#: Kinds and numbers of boards that read a stream of bytes.
+#: The cases without AUTD3, whose frame is not a stream of bytes, and without the long chain of 14 boards.
 BYTEWISE = [case for case in CASES if case[0] != "autd3" and case[1] < 14]
 
 
@@ -128,7 +128,8 @@ def off_grid(rng: np.random.Generator, transducers: int) -> Complex:
 
 
 def forbidden(kind: str, drive: Complex) -> NDArray[np.bool]:
-    """Returns where a phase code is 0x55 or 0xAA; the homies board gets a neighbouring code instead."""
+    """Returns which phase codes of a homies board would be 0x55 or 0xAA. Their neighbours are used instead.
+    """
     codes = np.rint(np.angle(drive) * 128 / np.pi) % 256
     return ((codes == 0x55) | (codes == 0xAA)) & (kind == "homies")
 

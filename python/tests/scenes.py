@@ -5,8 +5,8 @@ import numpy as np
 import midair
 import oracle
 
-#: Largest relative error of a gain in f32 up to 1 m. A distance of 118 wavelengths is stored in steps of
-#: 7.6e-6 wavelengths, and three roundings of that size are 1.4e-4 rad.
+#: Largest relative error of an element of G in f32, up to a distance of 1 m. This distance, 118 wavelengths,
+#: is stored in steps of 7.6e-6 wavelengths; three roundings of that size are a phase of 1.4e-4 rad.
 GAIN = 2e-4
 
 METRICS = ("accuracy", "sigma", "uniformity", "level", "residual", "leak")

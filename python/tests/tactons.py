@@ -257,7 +257,7 @@ def _bolt() -> Case:
 
     def expected(own: Curve, time: Curve, values: Values) -> Curve:
         x, y = (np.interp(own, list(places), [place[k] for place in places.values()]) for k in (0, 1))
-        # Rotated by 90 degrees after scaling.
+        # The curve is first scaled, then rotated by 90 degrees.
         x, y = -y, x * (1 + 0.5 * values["voltage"])
         turn = lap(100, time) % (2 * np.pi)
         x, y = x + 3 + 6 * np.sin(2 * turn + 0.5), y - 2 + 4 * np.sin(3 * turn)

@@ -40,7 +40,7 @@ def scene(**air: Any) -> midair.Scene:
 def test_absorption_is_that_of_the_published_table(celsius: float, percent: float) -> None:
     for octave, loss in zip((0.3, 0.6, 0.9), TABLE[celsius, percent][1:], strict=True):
         air = scene(frequency=1e3 * 10**octave, temperature=celsius, humidity=percent)
-        # The table has three digits.
+        # The tolerance is for the rounding of the table.
         assert air.absorption * NEPER * 1e3 == pytest.approx(loss, rel=0.006)
 
 

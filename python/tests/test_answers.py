@@ -55,7 +55,7 @@ def test_metrics_of_one_point_have_no_spread() -> None:
     for solver in SOLVERS:
         metrics = midair.solve(small(array=ARRAY, points=[[0.01, 0.02, 0.1]]), solver).metrics
         assert (metrics.sigma, metrics.uniformity, metrics.leak) == (0, 1, 0), solver
-        # Regularised methods stay below a target at the edge of reach; evd reaches half of it.
+        # Regularised methods stay below a target that can just be reached; evd reaches half of such a target.
         assert metrics.accuracy == metrics.level > 0.49, solver
 
 
@@ -87,7 +87,8 @@ def test_transducer_without_effect_gets_no_drive() -> None:
 
 
 def test_response_is_compensated_for() -> None:
-    # The drive must have the opposite of a transducer's phase offset; rounding it to 256 phases costs 1e-4.
+    # The drive must have the opposite of a transducer's phase offset; rounding to 256 phases changes the
+    # accuracy by up to 1e-3.
     rng = np.random.default_rng(1)
     response = np.exp(1j * rng.uniform(-np.pi, np.pi, 25))
     for solver in SOLVERS:

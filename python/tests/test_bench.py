@@ -1,4 +1,4 @@
-"""The judge and the table of the side-by-side benchmark. The benchmark itself is not run here."""
+"""Tests how the side-by-side benchmark judges drives and writes its table; it does not run the benchmark."""
 
 import re
 import runpy
@@ -26,7 +26,8 @@ def test_the_judge_agrees_with_midairs() -> None:
     G = judge.propagation(scene.array.positions, POINTS, scene.array.source_pressure)
     found, expected = judge.metrics(G, drive, scene.pressures), midair.judge(scene, drive, precision="double")
     for name in ("accuracy", "sigma", "uniformity"):
-        # Both are in double precision; kr = 200 rad rounds to 3e-14, a sum of 64 terms to less than 1e-12.
+        # Both results are in double precision. The error of kr = 200 rad is 3e-14, of a sum of 64 terms below
+        # 1e-12.
         assert found[name] == pytest.approx(getattr(expected, name), rel=1e-11), name
 
 

@@ -19,8 +19,8 @@ from autd3_wire import BOARDS, Wire, described
 
 @pytest.mark.slow
 def test_the_makers_client_sends_boards_the_same_bytes() -> None:
-    """Compares the acts of golden/autd3, without step counts,
-    with those of the makers' package for firmware 0.12.
+    """Compares the steps of midair, for the calls in `autd3_fake.acts`, with the steps of the makers' package
+    for firmware 0.12. Step counts are left out.
     """
     emulator = Packaged(BOARDS)
     reported = []

@@ -1,4 +1,4 @@
-"""The output of AUTD3 boards, sample by sample, for all messages of a transport."""
+"""The output of emulated AUTD3 boards, sample by sample, for all calls of a transport."""
 
 from collections.abc import Callable
 from typing import Any

@@ -1,8 +1,8 @@
-"""AUTD3 boards of both firmwares get the steps that golden/autd3 records; other firmwares are rejected by
-name.
+"""AUTD3 boards of both firmwares get the steps that golden/autd3 contains; for other firmwares, the error
+message names the firmware.
 
-`make gateware` records golden/autd3: the steps, and the makers' emulators' state after each of
-`autd3_fake.acts`.
+`make gateware` writes golden/autd3: for each call in `autd3_fake.acts`, the steps, and the state of the
+makers' emulators after it.
 """
 
 import json
@@ -108,7 +108,7 @@ def test_boards_of_two_firmwares_are_refused() -> None:
 
 
 def test_what_a_board_refuses_is_named(fake: Fake) -> None:
-    # The second board's clock is not synchronous at first; its first step is CLEAR or RESET.
+    # The second board replies 0x14 to its first step, CLEAR or RESET: its clock is not synchronous yet.
     fake.refusals = [0, 0x14]
     transport = Autd3Transport(fake.address, BOARDS)
     assert fake.refusals == []

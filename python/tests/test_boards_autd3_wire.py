@@ -1,4 +1,4 @@
-"""AUTD3 boards over UDP: every frame arrives even if datagrams are lost, and boards that are gone are
+"""AUTD3 boards over UDP: every frame arrives even if datagrams are lost, and boards that no longer reply are
 reported.
 
 MIDAIR_SLOW=1 sends 10,000 frames instead of 300, and ends programs in more ways.

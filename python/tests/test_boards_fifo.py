@@ -60,7 +60,7 @@ def transport(address):
     """Returns the transport that the guard opens for an address, and the board."""
     place = parse(address)
     board = midair.Board(place.board)
-    # The description travels to the guard as JSON.
+    # The guard, a process of its own, gets the description as JSON.
     return open_transport(json.loads(json.dumps(describe(place, board)))), board
 
 

@@ -1,7 +1,7 @@
-"""The recorded response of the makers' own gateware to our bytes: fields of the pins, and rates.
+"""The recorded output of the makers' own gateware for midair's bytes: the pins' fields, and rates.
 
-SonicSurface's VHDL ran in GHDL and Ultraino's published binary in simavr; `firmware.py` models their
-timing.
+SonicSurface's VHDL was simulated by GHDL, and Ultraino's published binary by simavr. `firmware.py` models
+their timing.
 """
 
 import json
@@ -119,8 +119,8 @@ def test_an_openmpd_gets_the_nearest_pulses_of_all() -> None:
                 np.testing.assert_allclose(seen, stated, atol=1e-5 * stated.max())
                 pair.append(seen[-1] / seen.max())
             leaks.append(pair[0] / pair[1])
-    # `uniform` searches the grid, which both arrays share; `lm` rounds its drive to the nearest of all
-    # pulses.
+    # `lm` rounds its drive: the board's own array has all pulses, the other array only a grid of phases and
+    # amplitudes. `uniform` searches on the grid for both arrays.
     assert np.median(quiet["lm"]) < 0.75
     assert quiet["uniform"] == [1.0] * 10
 

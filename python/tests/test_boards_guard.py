@@ -65,7 +65,7 @@ def started(programs, act, line, hold=60.0):
     """Starts a program, waits until it plays, and returns its process number."""
     programs.stdin.write(f"{act} {line.port} {hold}\n")
     programs.stdin.flush()
-    # A test that failed has not read the end of its program.
+    # If an earlier test failed, the "ended" of its program is still unread.
     while (reported := programs.stdout.readline()) == "ended\n":
         pass
     process = int(reported)

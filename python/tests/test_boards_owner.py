@@ -68,7 +68,7 @@ def test_a_program_that_goes_on_after_ctrl_z_plays_again(line, dark):
         line.wait(lambda surface: len(surface.played) > 4 and surface.loud, 20)
         with dark(line, STOPPED):
             program.send_signal(signal.SIGTSTP)
-        # Longer than any heartbeat's time limit.
+        # The pause is longer than the time limit of every heartbeat.
         time.sleep(1.0)
         program.send_signal(signal.SIGCONT)
         line.wait(lambda surface: surface.loud, 10)

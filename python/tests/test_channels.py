@@ -33,7 +33,7 @@ def test_a_tinylev_holds_and_moves_a_bead_by_the_phase_between_its_caps(kind: st
         assert abs(node - height) < 0.75 * step + 5e-5
         felt = midair.gorkov(scene.replace(points=[[0, 0, node]]), drive)
         assert (np.linalg.eigvalsh(felt.hessian) > 0).all()
-        # The upper cap is nearer to the node by the height, the lower one is farther.
+        # The upper cap is nearer to the node by `height`, and the lower cap is farther by `height`.
         between = np.angle(-drive[36] / drive[0])
         assert abs(between - 4 * np.pi * height / scene.wavelength) < 2 * np.pi / phases + 0.1
 

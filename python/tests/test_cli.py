@@ -165,7 +165,7 @@ def replayed(text: str) -> midair.Solution:
 
 
 def check_record(text: str, scene: midair.Scene, solution: midair.Solution) -> None:
-    """Checks that a record names its solver and options, and that it gives the same bits again."""
+    """Checks that a record names its solver and options, and that its scene gives the same bits again."""
     record = json.loads(text)
     assert (record["version"], record["status"]) == (midair.__version__, "done")
     assert record["solver"] == {"name": "greedy", **solution.options}

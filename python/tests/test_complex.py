@@ -248,7 +248,7 @@ def test_every_solver_says_whether_it_uses_phases() -> None:
         else:
             assert len(reported) == 1
             assert "these use them: bounded, tikhonov, naive" in reported[0]
-            # The phases cause only this warning: the drive is the same.
+            # The drive is the same as without phases: they only cause the warning.
             np.testing.assert_array_equal(solution.drive, free.drive)
 
 

@@ -86,7 +86,7 @@ def test_memory_is_shared_where_the_layout_allows(other: Any) -> None:
 def test_a_gpu_gives_a_copy() -> None:
     if tuple(map(int, np.__version__.split(".")[:2])) < (2, 1):
         pytest.skip("numpy of before 2.1 does not ask for one")
-    # The device numbers of CUDA device 0.
+    # In DLPack, (2, 0) is CUDA device 0.
     np.testing.assert_array_equal(midair.Scene(ARRAY, Tensor(POINTS, (2, 0))).points, POINTS)
 
 

@@ -1,5 +1,5 @@
 """`midair.exposure`: levels against plain NumPy, the loudest place of a box against other places,
-limits by name.
+and the published limits by their names.
 """
 
 from __future__ import annotations

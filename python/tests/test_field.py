@@ -62,7 +62,7 @@ def test_field_at_the_points_is_what_the_solution_says() -> None:
 def test_field_is_finite_on_a_transducer_itself() -> None:
     scene = midair.Scene(midair.Array([[0, 0, 0]]), [[0, 0, 0.1]])
     field = midair.field(scene, [1], [[0, 0, 0], [1e-6, 0, 0], [0, 8e-5, 0]])
-    # Within a hundredth of a wavelength from a transducer, r is limited.
+    # A distance from a transducer below a hundredth of a wavelength counts as a hundredth.
     assert np.abs(field.pressure) == pytest.approx(np.full(3, 4.386 / 8.5e-5), rel=1e-5)
     with pytest.warns(midair.SceneWarning, match="no point"):
         picture = midair.field(scene, [1], midair.Plane(0, 0.01, pixels=21))

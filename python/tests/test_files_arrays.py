@@ -28,7 +28,7 @@ def openmpd_places() -> np.ndarray[Any, Any]:
 
 
 def pat_lines(**changed: Any) -> list[str]:
-    """Returns the seven lines of a board file; transducer t has pin 255 - t."""
+    """Returns the seven lines of an OpenMPD board's file; transducer t has pin 255 - t."""
     places = "".join(f"({x:f}, {y:f}, {z:f})," for x, y, z in openmpd_places())
     pins = "".join(f"{255 - t}," for t in range(256))
     degrees = "".join(f"{(7 * t) % 360 - 179}," for t in range(256))

@@ -12,7 +12,7 @@ TARGETS = [900.0, 700.0, 500.0, 800.0]
 
 
 def foci(propagation, targets, weights, share=1.0):
-    """Superposed foci, with |q| limited to 1."""
+    """Returns the superposition of single foci, with |q| limited to 1."""
     drive = share * propagation.conj().T @ (weights * targets / (np.abs(propagation) ** 2).sum(axis=1))
     return drive / np.maximum(1, np.abs(drive))
 
@@ -62,7 +62,7 @@ def test_what_surrounds_a_method_surrounds_it() -> None:
 def test_it_is_as_good_as_the_built_in_method_of_the_same_formula() -> None:
     scene = small(pressures=TARGETS)
     ours, built_in = midair.solve(scene, foci), midair.solve(scene, "naive")
-    # Both sum 4 rows in f32; rounding decides whether a drive near |q| = 1 is limited.
+    # Both solvers sum 4 rows in f32; rounding decides whether a drive near |q| = 1 is limited.
     assert np.abs(ours.drive - built_in.drive).max() < 1e-5
     assert (ours.status, built_in.solver) == ("done", "naive")
 

@@ -47,7 +47,7 @@ def test_golden_vectors_come_out_bit_for_bit_under_the_scalar_set(tmp_path: Path
     assert drives.size == 0
 
 
-# Some targets are weak on purpose.
+# Some targets are weak on purpose, which causes a warning.
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 @pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
 def test_golden_vectors_are_as_good_under_the_best_set(path: Path, tmp_path: Path) -> None:

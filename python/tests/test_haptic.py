@@ -67,7 +67,7 @@ def test_an_ascent_counts_what_the_skin_feels_and_does_not_fall() -> None:
     strong, even = found.climb(start, "strong"), found.climb(start, "even")
     assert scores(found, strong).mean() > scores(found, start).mean()
     assert scores(found, even).min() >= scores(found, start).min()
-    # A second ascent from its result changes nothing.
+    # Another ascent, from the result of the first one, changes nothing.
     again = found.climb(strong, "strong")
     assert scores(found, again).mean() == pytest.approx(scores(found, strong).mean(), rel=1e-3)
     on = (strong >= 0)[:, None]
@@ -97,7 +97,7 @@ def test_ears_are_spared_at_a_lower_level() -> None:
     assert spared.exposure["ear"].spl == pytest.approx(loud.exposure["ear"].spl - 6, abs=0.05)
     with pytest.raises(midair.SceneError, match="and the board has one amplitude: move away"):
         midair.haptic(LINE, midair.Array.preset("sonicsurface"), rate=89, ears=ears, limit=60)
-    # The force is proportional to the square of the pressure.
+    # The ears' limit lowers the pressure by 6 dB. The force is proportional to the square of the pressure.
     assert spared.strength == pytest.approx(loud.strength - 12, abs=0.1)
 
 

@@ -19,7 +19,8 @@ BOARD = midair.Array.grid(8, 8, 10e-3, quantization=midair.Array.preset("sonicsu
 ANGLE = np.arange(80)[:, None] / 40
 RING = np.stack([0.01 * np.cos(ANGLE), 0.01 * np.sin(ANGLE), np.full(ANGLE.shape, 0.12)], axis=-1)
 
-#: A process that resumes in a folder and sleeps after each piece; `most` limits the size of its files.
+#: A process that solves a sequence with `resume`, and sleeps after each block of frames; `most` limits the
+#: size of its files.
 SCRIPT = """
 import sys, time
 from pathlib import Path
@@ -57,7 +58,7 @@ def whole() -> midair.Sequence:
 
 @pytest.fixture
 def stopped(tmp_path: Path) -> Path:
-    """Returns an incomplete file: all pieces except the last are stored."""
+    """Returns an incomplete file: all blocks of frames except the last are stored."""
     path = tmp_path / "x.npz"
 
     def stop(done: int, total: int) -> None:
@@ -122,8 +123,8 @@ def test_a_folder_that_is_a_link_is_refused(tmp_path: Path) -> None:
 
 
 def start(path: Path, slow: float, most: int = 0) -> "subprocess.Popen[str]":
-    """Starts a process that sleeps `slow` seconds after each piece;
-    its files may have `most` bytes, 0 for any number.
+    """Starts a process of SCRIPT that sleeps `slow` seconds after each block of frames.
+    Its files may have at most `most` bytes; 0 stands for no limit.
     """
     script = SCRIPT.format(tests=str(Path(__file__).parent), path=str(path), slow=slow, most=most)
     return subprocess.Popen(

@@ -169,7 +169,7 @@ def test_names_that_are_loaded_later_are_those_that_type_checkers_see() -> None:
     assert later | {home for home, names in HOMES.items() if not names} <= set(midair.__all__)
 
 
-#: A program that checks which modules `import midair` loads: NumPy and the extension.
+#: A program that checks that `import midair` loads only NumPy and the extension.
 LOADED = """
 import sys, midair
 own = {name for name in sys.modules if name.startswith("midair")}

@@ -73,7 +73,7 @@ def test_the_limit_can_be_set() -> None:
     code = 'midair.solve(scene(100, 1000), "gspat"); print("done")'
     assert run(code) == "done\n"
     assert "the limit is 0.001 GB" in run(code, MIDAIR_MEMORY="1MB")
-    # Allowed by MIDAIR_MEMORY, but not available.
+    # MIDAIR_MEMORY allows this size, but the process cannot allocate it.
     assert "GB" in run('midair.solve(scene(4, 30_000), "gspat")', MIDAIR_MEMORY="1TB")
     assert (
         "give bytes, such as 2e9"

@@ -117,7 +117,7 @@ def test_a_lissajous_figure_is_walked_at_one_speed(
     wanted = figure.speed([0.0])[0, 0] / 200e3
     # Chords of 1e-4 laps are shorter than their arcs by (step / radius)^2 / 24.
     assert np.abs(steps(points, closed=True) / wanted - 1).max() < 1e-3
-    # The points lie on the figure: each is the formula's point for some u.
+    # The points lie on the figure: each is a point of the formula for some parameter u.
     a, b = ratio
     shift = (points[:, 0] - [0.01, 0, Z]) * [2 / size[0], 2 / size[1], 1]
     assert np.abs(shift[:, 2]).max() < 1e-15
@@ -125,7 +125,7 @@ def test_a_lissajous_figure_is_walked_at_one_speed(
     lap = np.stack([np.sin(a * u + phase), np.sin(b * u)], axis=1)
     for x, y, _ in shift[::997]:
         assert np.hypot(lap[:, 0] - x, lap[:, 1] - y).min() < 1e-4
-    # The length of the formula's curve, once around.
+    # The speed agrees with the length of the formula's curve, once around.
     once = np.linalg.norm(np.diff(lap * np.array(size) / 2, axis=0), axis=1).sum() / math.gcd(*ratio)
     assert figure.speed([0.0])[0, 0] / 20 == pytest.approx(once, rel=1e-7)
 

@@ -108,7 +108,7 @@ def test_plot_says_what_its_colours_mean(
     }[quantity]
     seen = ~np.ma.getmaskarray(image)
     assert np.asarray(image)[seen] == pytest.approx(expected[seen] * factor, rel=1e-5)
-    # Phases are drawn only where there is pressure.
+    # Phases are drawn only where |p| is above 1 % of its maximum.
     assert np.array_equal(seen, pressure > 0.01 * pressure.max()) or quantity != "phase"
     low, high = ax.images[0].get_clim()
     top = expected.max() * factor

@@ -68,7 +68,7 @@ def test_every_door_gives_the_same_answer_on_the_board(solver: str) -> None:
         alone = midair.solve(MATRIX, solver, pressures=pressures, balance=False, **BOARD)
         assert (alone.drive[~MASK] == 0).all()
         played = alone.drive[MASK]
-        # The drive is rounded once to f32; differences are in steps of the phases.
+        # The drive is rounded only once, to f32. `turns` counts in steps of the 16 phases.
         turns = np.angle(played) / (2 * np.pi) * 16
         assert np.abs(turns - np.round(turns)).max() < 1e-5
         assert np.abs(np.abs(played) - np.round(np.abs(played))).max() < 1e-6

@@ -30,7 +30,7 @@ def steps(phases: np.ndarray, count: int) -> np.ndarray:
 def test_answers_lie_on_the_grid(amplitudes: Any) -> None:
     array = board(quantization={"phases": np.uint16(24), "amplitudes": amplitudes})
     solution = midair.solve(midair.Scene(array, POINTS), "wgs")
-    # The drive is rounded once to f32; differences are in steps of the phases.
+    # The only difference from the 24 phases is the rounding to f32.
     assert steps(solution.phases, 24).max() < 1e-5
     assert np.abs(solution.amplitudes[:, None] - [0, 0.5, 1]).min(axis=1).max() < 1e-6
     assert solution.scale == 1

@@ -79,7 +79,7 @@ def test_reach_is_the_sum_of_the_moduli_and_the_balanced_level() -> None:
     scene = small(pressures=[100, 200, 0, 50])
     reach = scene.reach()
     np.testing.assert_allclose(reach.alone, np.abs(exact(scene)).sum(axis=1), rtol=1e-12)
-    # The level comes from f32 rows.
+    # The level is computed from the rows of G in f32.
     assert np.sum((reach.level / reach.alone) ** 2) == pytest.approx(1, abs=1e-4)
     np.testing.assert_allclose(reach.level / reach.level[0], [1, 2, 0, 0.5], rtol=1e-12)
     left_out = small()

@@ -112,7 +112,7 @@ def test_pressures_and_weights_are_refused_by_name(bad: str) -> None:
     values = {"NaN": [1, NAN], "infinite": [INF, 1], "minus infinite": [1, -INF]}
     value = (NO_NUMBER | more | values)[bad]
     matrix = midair.Propagation(np.ones((2, 3)))
-    # Complex pressures are allowed: test_complex.py.
+    # Complex pressures are allowed; test_complex.py tests them.
     for item in ("weights",) if bad in ("complex", "numpy complex") else ("pressures", "weights"):
         given = {item: value}
         word = f"points[{int(bad != 'infinite')}].{item[:-1]}" if bad in [*NOT_FINITE, "negative"] else item

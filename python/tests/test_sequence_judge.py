@@ -39,8 +39,8 @@ def made(drives: Any = None, **given: Any) -> midair.Sequence:
 
 
 def single(drives: Any, **given: Any) -> midair.Sequence:
-    """Returns a sequence of one transducer and one point at rest;
-    |p| is 4.386 / 0.1 times |y|, y being its output.
+    """Returns a sequence of one transducer and one point at rest.
+    |p| is 4.386 / 0.1 times |y|, where y is the transducer's output.
     """
     points = np.broadcast_to([0.0, 0.0, 0.1], (len(drives), 1, 3))
     setting = {"targets": 1.0, "rate": RATE} | given

@@ -28,7 +28,7 @@ from midair._boards.tacton import Moment, Tacton
 
 pytestmark = pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 
-#: Published tolerances of the evaluation rule: place in mm, and intensity relative to full.
+#: Published tolerances of the curves: of the position in mm, and of the intensity relative to full intensity.
 PLACE, STRENGTH = 0.1, 0.01
 
 UNMOVED = [[float(i == k) for k in range(4)] for i in range(4)]

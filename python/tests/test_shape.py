@@ -83,7 +83,7 @@ def test_a_polyline_is_even_along_its_way() -> None:
     vertices = np.array([[0, 0, 0.1], [0.03, 0, 0.1], [0.03, 0.02, 0.1], [0, 0.03, 0.11]])
     for closed in (False, True):
         points = shape.polyline(vertices, step=0.002, closed=closed)
-        # The polyline in steps of a micrometre.
+        # The same polyline, sampled in steps of a micrometre.
         corners = [*vertices, vertices[0]] if closed else list(vertices)
         fine = np.concatenate(
             [np.linspace(a, b, round(np.linalg.norm(b - a) * 1e6)) for a, b in pairwise(corners)]

@@ -198,7 +198,9 @@ def test_more_points_at_once_are_weaker() -> None:
 
 @pytest.mark.slow
 def test_amplitude_modulation_is_strongest_near_200_hertz() -> None:
-    """Checks Dalecki et al. 1995; `mass` is fitted to its threshold at 200 Hz, 0.4 mN on 1.8 cm^2."""
+    """Checks a result of Dalecki et al. 1995. The model's `mass` is fitted to their threshold at 200 Hz,
+    0.4 mN on 1.8 cm^2.
+    """
     frequencies = [50, 100, 150, 200, 250, 300, 400, 500]
     levels = [midair.skin(am(frequency), PLANE).level for frequency in frequencies]
     assert frequencies[int(np.argmax(levels))] in (200, 250)
@@ -233,13 +235,15 @@ def test_a_tacton_has_lines_at_its_lap_its_modulation_and_their_sums() -> None:
 
 
 def test_it_is_felt_wider_than_the_focus() -> None:
-    """Checks Reardon et al. 2023, who found up to an order of magnitude; the model has a factor of 2 to 4."""
+    """Checks a result of Reardon et al. 2023, who found factors up to ten; the model gives 2 to 4."""
     touch = midair.skin(am(200), midair.Plane(z=HEIGHT, size=0.06, pixels=41))
     assert 2 < touch.width(MIDDLE) / touch.focus_width(MIDDLE) < 10
 
 
 def test_kept_frames_have_the_lines_of_their_steps() -> None:
-    """Checks on and off at 40 Hz in two frames, a square wave: 2/pi at 40 Hz, a third of that at 120 Hz."""
+    """Checks a focus that is on and off at 40 Hz, in two frames: a square wave, with 2/pi at 40 Hz
+    and a third of this at 120 Hz.
+    """
     points = np.broadcast_to(MIDDLE, (2, 1, 3))
     touch = midair.skin(played(points, 80, np.array([1.0, 0.0])), PLANE)
     fine = midair.skin(played(np.repeat(points, 60, axis=0), 4800, np.repeat([1.0, 0.0], 60)), PLANE)

@@ -200,8 +200,8 @@ def test_judge_takes_a_drive_of_any_kind_of_number() -> None:
     scene, rng = small(), np.random.default_rng(8)
     drive = rng.uniform(0, 0.7, 64) * np.exp(1j * rng.uniform(0, 6, 64))
     targets = np.full(4, oracle.balanced_factor(exact(scene), np.ones(4)))
-    # The drive is rounded to complex64 (6e-8), and sigma is a difference of such sums. The targets are the
-    # balanced level, which is summed in f32.
+    # The drive is rounded to complex64 (6e-8), which matters most for sigma, the spread of nearly equal
+    # pressures. The targets are the balanced level, which is summed in f32.
     expected = oracle.metrics(np.abs(exact(scene) @ drive), targets)
     for given in (drive, drive.astype(np.complex64), drive.tolist()):
         judged = numbers(midair.judge(scene, given, precision="double"))

@@ -22,7 +22,7 @@ from midair._sweep.engine import Job
 from midair._sweep.request import read
 from sweeps import HANG, REQUESTED, SCENE, TOML, changed, equal
 
-#: The package `midair._sweep`; the name `midair.sweep` is its function.
+#: The package `midair._sweep`, which the function `midair.sweep` comes from.
 sweep_module = sys.modules["midair._sweep"]
 
 
@@ -83,7 +83,7 @@ def test_a_stopped_sweep_leaves_its_chunks_in_their_midst(
         raise KeyboardInterrupt
 
     monkeypatch.setattr(block, "_arrays", finished)
-    # A chunk takes some seconds.
+    # With these options, a chunk takes some seconds.
     solver = {"name": "lm", "eps": 0.0, "steps": 1000, **seed}
     points = {**REQUESTED["points"], "count": 8}
     with pytest.raises(KeyboardInterrupt):

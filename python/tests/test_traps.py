@@ -95,7 +95,7 @@ def test_a_plane_standing_wave_has_the_textbook_force() -> None:
 @pytest.mark.usefixtures("cache")
 @pytest.mark.parametrize("body", ["sphere", "mesh"])
 def test_forces_beside_a_body_are_the_slopes_of_the_field(body: str) -> None:
-    # Compared with differences of G, which has six correct digits beside bodies.
+    # The forces are compared with finite differences of G, which has six correct digits beside bodies.
     center, radius = np.array([0.0, 0.0, 0.1]), 0.008
     ball = pytest.importorskip("trimesh").creation.icosphere(2, radius)
     mesh = midair.Mesh(ball.vertices + center, ball.faces, "soft")
@@ -146,7 +146,7 @@ def test_beads_rest_where_the_net_force_is_0() -> None:
     assert rest.mass == there.mass == pytest.approx(mass)
     assert np.allclose(rest.frequencies, np.sqrt(rest.stiffness / mass) / (2 * np.pi))
     assert np.allclose(rest.acceleration, rest.restoring / mass)
-    # An ideal spring would restore this much already within the width of the basin.
+    # A spring with the trap's stiffness would have this force already within the width of the basin.
     assert (rest.restoring < rest.stiffness[:, :, None] * rest.basin).all()
     assert (rest.basin > 1.5e-3).all()
     lost = midair.rest(solution.scene, np.zeros(512), points)

@@ -1,4 +1,4 @@
-"""Tuning with readings: numbers of readings, options, and the best drive, which is kept however it ends."""
+"""Tuning with readings: their number, options, and the best drive, which is kept however the tuning ends."""
 
 import os
 import signal

@@ -1,4 +1,5 @@
-"""Traps in double precision: Gor'kov's potential by differences, facing boards, and direct optimisation.
+"""Traps in double precision: Gor'kov's potential by finite differences, arrays whose boards face each other,
+and a direct optimisation of the stiffness.
 
 Written from the definitions, without the core: Bruus, Lab on a Chip 12, 1014 (2012).
 """
@@ -15,7 +16,8 @@ from oracle import Complex, Real
 
 FREQUENCY, SOUND_SPEED, DENSITY = 40e3, 340.0, 1.223
 WAVELENGTH = SOUND_SPEED / FREQUENCY
-# A first derivative from eight samples: its error is of order (k h)^8, which is below rounding at k h = 0.06.
+# FIRST gives a first derivative from eight samples with the spacing h = STEP. Its error is of order (k h)^8,
+# which is below rounding at k h = 0.06.
 STEP = WAVELENGTH / 100
 SAMPLES = np.array([-4, -3, -2, -1, 1, 2, 3, 4])
 FIRST = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 4 / 5, -1 / 5, 4 / 105, -1 / 280]) / STEP
@@ -93,7 +95,7 @@ def direct(positions: Real, points: Real, starts: list[Real]) -> Complex:
         [p[..., None, :], np.moveaxis((p * (1j * k - 1 / r) / r)[..., None] * way, -1, -2)], axis=-2
     )
     scales = np.array([compression, motion, motion, motion])
-    # The stiffness along each axis from U at seven places.
+    # The weights of U at seven places that give the stiffness along each axis.
     differences = np.concatenate([np.full((3, 1), -2.0), np.eye(3), np.eye(3)], axis=1) / h**2
 
     def smooth(phases: Real, sharpness: float, unit: float) -> tuple[float, Real]:
