@@ -85,7 +85,7 @@ fn refused(error: &Error, text: &str) -> Flaw {
         Some((_, reason)) => Flaw::new(at, format!("no JSON here ({reason})")),
         None if said.starts_with("number out of range") => Flaw::too_large(at),
         None if said.starts_with("recursion") => Flaw::nested(at),
-        // The error of [`Flaw::check_key`], about the key that was read last.
+        // Any other message is the error of [`Flaw::check_key`], about the key that was read last.
         None => Flaw::new(opening(text.get(..=at).unwrap_or(text)), said),
     }
 }

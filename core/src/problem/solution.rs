@@ -155,14 +155,14 @@ impl Solution {
     ) -> Result<Self, Error> {
         let request = Arc::clone(&problem.targets);
         if problem.is_stretched() {
-            // The field belongs to rescaled rows of the propagation matrix G.
+            // The solver's field belongs to rescaled rows of the propagation matrix G, so it is computed again.
             let field = field_of(&request.propagation, &drive, work, control)?;
             return Ok(Self::with_pressures(request, drive, &field, status, steps, work));
         }
         if request.active.len() == request.pascals.len() {
             return Ok(Self::with_pressures(request, drive, field, status, steps, work));
         }
-        // The field does not contain the points of weight 0.
+        // The solver's field lacks the points of weight 0, so the field is computed again.
         let all = field_of(&request.propagation, &drive, work, control)?;
         let mut solution = Self::with_pressures(request, drive, &all, status, steps, work);
         let reference = problem.propagation().reference();

@@ -88,7 +88,7 @@ impl Bodies {
         let received: Vec<[Vec<f32>; 2]> = points.iter().map(received).collect();
         let mut sent = vec![[(); 2].map(|()| vec![0.0; lanes]); points.len()];
         let answers = self.answers.each_ref().map(|plane| &plane[..]);
-        // All instruction sets give the same bits.
+        // The best instruction set can be used, because all sets give the same bits.
         panels::add_answers(InstructionSet::best(), answers, &received, &mut sent, lanes);
         sent
     }

@@ -208,7 +208,7 @@ impl Boundary {
         let images = self.images.iter().map(|(sign, elements)| (*sign, elements));
         for ((sign, elements), panels) in core::iter::once((1.0, &self.elements)).chain(images).zip(&self.panels) {
             let mut parts = row.chunks_mut(EIGHT).zip(elements.chunks(EIGHT));
-            // All instruction sets give the same bits.
+            // The best instruction set can be used, because all sets give the same bits.
             panels::each(InstructionSet::best(), [wave.re, wave.im], panels, point, |[re, im]| {
                 let Some((row, elements)) = parts.next() else { return };
                 for ((sum, element), (&re, &im)) in row.iter_mut().zip(elements).zip(re.iter().zip(im)) {

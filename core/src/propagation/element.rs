@@ -79,8 +79,7 @@ pub(crate) struct Element {
     pub(crate) kind: Surface,
 }
 
-/// A place. If it is the middle of an element, the normal there and the factor of the derivative along the normal
-/// follow.
+/// A place; and, if it is the middle of an element, the normal there and the factor of the derivative along this normal.
 pub(crate) type Place = ([f64; 3], Option<([f64; 3], Complex64)>);
 
 impl Element {
@@ -169,7 +168,7 @@ impl Element {
             let side = minus(b, a);
             let length = math::sqrt(dot(side, side));
             let across = cross(a, b);
-            // The distance of the middle from this side, and the angles from the foot of that perpendicular to the corners.
+            // The length of the perpendicular from the middle to this side, and the angles from it to the corners.
             let height = math::sqrt(dot(across, across)) / length;
             let [first, last] = [a, b].map(|corner| math::atan2(dot(corner, side) / length, height));
             for [node, weight] in GAUSS.into_iter().flat_map(|[node, weight]| [[-node, weight], [node, weight]]) {

@@ -210,7 +210,7 @@ impl<'a> Pass<'a> {
                 *part = Some(self.part((first, points), cotangent, control)?);
                 Ok(())
             };
-            // A particle needs derivatives of the field, ten times the work.
+            // A quantity of a particle needs derivatives of the field, which take ten times as long.
             let cost = if self.quantity.particle().is_some() { 10 } else { 1 };
             if count * all.len() * cost < SPREAD {
                 work.try_for_each(|work| run(work, control))?;

@@ -152,7 +152,7 @@ impl Kept {
     /// # Errors
     /// More memory than allowed, a stop by the caller.
     fn stiffness(&self, control: &mut Control) -> Result<Option<Stiffness>, Error> {
-        // All instruction sets give the same bits.
+        // The best instruction set can be used, because all sets give the same bits.
         let set = InstructionSet::best();
         Stiffness::of(
             (set, self.bead),

@@ -245,7 +245,7 @@ fn forms(factors: [f64; 2], units: &[f64; TERMS]) -> Forms {
     let alone: [_; TERMS] = core::array::from_fn(|term| values(&[term]));
     let mut forms = vec![[[0.0; TERMS]; TERMS]; alone[0].len()];
     for t in 0..TERMS {
-        // Only pairs of these degrees contribute to the force and the second derivatives.
+        // Only pairs of terms whose degrees have a sum of 1 to 4 contribute to the force and the second derivatives.
         for u in (0..=t).filter(|&u| (1..=4).contains(&(degree(t) + degree(u)))) {
             let both = values(&[t, u]);
             for (entry, form) in forms.iter_mut().enumerate() {

@@ -65,7 +65,7 @@ impl Taylor {
 
 /// Adds the propagation matrix in Pa to `rows`: for each of the points (M, 3), one row with the waves of all transducers (N,).
 pub(crate) fn add_exact(sources: &Sources, points: &[[f64; 3]], rows: &mut [Vec<Complex64>]) {
-    // All instruction sets give the same bits.
+    // The best instruction set can be used, because all sets give the same bits.
     let Taylor { set, waves, emitters, members } =
         Taylor::new(InstructionSet::best(), sources, |i| sources.array.effect(i));
     let mut values = vec![[[0.0; EIGHT]; 2]; emitters.len()];

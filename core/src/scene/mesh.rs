@@ -72,7 +72,8 @@ impl Mesh {
                 return Err(Error::invalid(name(f), format!("{:?}", mesh.faces[f]), FLAT));
             }
         }
-        // The volume by the divergence theorem. Coordinates are relative to a vertex, so that rounding errors stay small.
+        // Computes the volume by the divergence theorem. Coordinates are relative to a vertex, so that rounding errors
+        // stay small.
         let origin = mesh.vertices[0];
         mesh.volume = mesh
             .triangles()

@@ -215,7 +215,7 @@ fn balancing_keeps_weak_foci_as_good_as_strong_ones() {
     assert!(problem(&weak).is_weak() && !problem(&strong).is_weak());
     for entry in SOLVERS {
         let (strong, weak) = (raw(entry, &strong).metrics(), solved(entry, &problem(&weak), true).metrics());
-        // The drive is lowered to the targets. Rounded targets may change a tie, and f32 rounds.
+        // The drive is lowered to the targets. Rounding of the targets to f32 may change a choice that is nearly a tie.
         assert!((1.0 - weak.accuracy).abs() < 0.02, "{}: {strong:?} {weak:?}", entry.info.name);
         assert!(weak.sigma < strong.sigma + 0.02, "{}: {strong:?} {weak:?}", entry.info.name);
     }

@@ -122,7 +122,7 @@ fn judge_gives_the_metrics_of_the_exact_field() {
     let drive = solved(&Greedy::default(), &problem).drive;
     let moduli: Vec<f64> = oracle::field(&propagation(&scene), &widen(&drive)).iter().map(|p| p.norm()).collect();
     let wanted = oracle::metrics(&moduli, problem.targets_in_pascals(), problem.point_weights());
-    // Both are computed in f64; the tolerance is for 249 phases of about 200 rad.
+    // Both lists of metrics are computed in f64; the tolerance is for 249 phases of about 200 rad.
     assert_metrics(
         problem.judge(&drive, Precision::Double, &mut Control::none()).expect("its own drive"),
         wanted,

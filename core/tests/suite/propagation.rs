@@ -148,7 +148,7 @@ fn exact_is_the_oracle() {
             let found = Propagation::of(&scene);
             let exact: Vec<Vec<_>> = (0..36).map(|i| (0..20).map(|j| found.exact(j, i)).collect()).collect();
             for (r, error) in errors(&scene, &exact) {
-                // Both are f64; a distance of two metres is a phase of 1500 rad, accurate to 2e-13.
+                // Both values are f64; a distance of two metres is a phase of 1500 rad, accurate to 2e-13.
                 assert!(error < 1e-12, "{error:e} at {r} m with {directivity:?}");
             }
         }

@@ -73,7 +73,7 @@ fn series(value: impl Fn(f64) -> f64, [low, high]: [f64; 2], nodes: usize, count
     for node in 0..nodes {
         let x = math::cos(PI * (node as f64 + 0.5) / nodes as f64);
         let share = 2.0 / nodes as f64 * value(low + (high - low) * 0.5 * (1.0 + x));
-        // T_(n+1) = 2 x T_n - T_(n-1)
+        // The recurrence of Chebyshev polynomials: T_(n+1) = 2 x T_n - T_(n-1).
         let (mut last, mut this) = (x, 1.0);
         for sum in &mut series {
             *sum += share * this;
@@ -101,7 +101,7 @@ fn short_series(value: impl Fn(f64) -> f64) -> Vec<f64> {
 /// Converts a Chebyshev series into powers of x/2, the lowest first; x is the argument of the Chebyshev polynomials.
 fn powers(series: &[f64]) -> Vec<f64> {
     let mut powers = vec![0.0; series.len()];
-    // In powers of x/2: T_0 = 1, T_1 = 2 (x/2), T_(n+1) = 4 (x/2) T_n - T_(n-1).
+    // The Chebyshev polynomials in powers of x/2: T_0 = 1, T_1 = 2 (x/2), T_(n+1) = 4 (x/2) T_n - T_(n-1).
     let (mut last, mut this) = (Vec::new(), vec![1.0]);
     for (n, coefficient) in series.iter().enumerate() {
         for (sum, power) in powers.iter_mut().zip(&this) {
