@@ -1,7 +1,7 @@
-"""Foci beside a ball: solved without the ball, with its exact series and with a mesh of it; and a picture for
-docs.
+"""Foci beside a ball: solved without the ball, with its exact series and with a mesh of it.
 
-Prints its table. All numbers are judged by the exact series in f64 of python/tests/sphere_series.py.
+Prints a table and draws a picture for docs/obstacles.md. All numbers are judged by the exact series in f64 of
+python/tests/sphere_series.py.
 """
 
 from __future__ import annotations

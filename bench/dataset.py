@@ -1,4 +1,4 @@
-"""Measures how many training scenes a core makes in a second: adds a line to bench/records/dataset.csv.
+"""Measures how many training scenes a CPU core makes in a second: adds a line to bench/records/dataset.csv.
 
 The request is docs/sweeps/dataset.toml with a tenth of its trials, made by `midair.dataset`. The time is
 CPU time of the process with all its threads, so other work on the machine does not count.

@@ -1,6 +1,6 @@
 """Exposure, tolerance and streaming: prints the tables of docs/exposure.md and draws its pictures.
 
-It takes about half a minute.
+The program runs for about half a minute.
 """
 
 from __future__ import annotations

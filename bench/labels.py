@@ -19,8 +19,8 @@ MARGIN = (1.0, -1.0)
 SIZE = 8.0
 #: Directions of a name from its point, in order of preference: right and left are easiest to read.
 ANGLES = np.radians([0, 180, 90, 270, 30, 150, 210, 330, 60, 120, 240, 300])
-#: Costs of a place besides its gap: for each direction that is preferred to its own, and for each box that it
-#: covers.
+#: Costs of a place in addition to its gap: for each direction in ANGLES before that of the place, and for
+#: each other box that the place covers.
 TURN, COVER = 0.25, 1000.0
 #: Number of random orders in which the names choose their places.
 ORDERS = 50

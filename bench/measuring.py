@@ -73,7 +73,7 @@ class Rig:
 
     def matrix(self, points: Real) -> Complex:
         """Returns pressures (M, N): eq. (5) with a piston's directivity,
-        and the echo of a wall behind by images.
+        and the echo of a wall behind the array, by image sources.
         """
         number = 2 * np.pi * 40e3 / SPEED
         found = np.zeros((len(points), len(self.positions)), complex)

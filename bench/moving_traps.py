@@ -22,7 +22,7 @@ import traps
 RATE, CHANGE = 10e3, np.pi / 16
 #: The source pressure of the board's transducers, in Pa m.
 SOURCE = 2.3
-#: One of so many frames is also solved alone, for comparison.
+#: Distance, in frames, between the frames that are also solved alone, for comparison.
 APART = 40
 
 

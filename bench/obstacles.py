@@ -1,6 +1,7 @@
-"""Foci in front of a wall, solved with and without it, and the picture of docs/obstacles.md.
+"""Foci in front of a wall, solved with and without the wall, for docs/obstacles.md.
 
-Prints its table. All numbers are judged by a sum of image sources in f64 that is written out here.
+Prints the table and draws the picture. All numbers are judged by a sum of image sources in f64, which this
+file computes itself.
 """
 
 from __future__ import annotations

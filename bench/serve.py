@@ -1,7 +1,7 @@
 """Measures the delay of `midair serve` from a client's message to the changed frame, beside a busy program.
 
 `python bench/serve.py [BUSY PROGRAMS] [MESSAGES]` starts the server on a simulated board, which writes its
-frames into a pipe, 1,000 a second as for AUTD3. It also starts programs that compute all the time. It
+frames into a pipe, 1,000 a second as for AUTD3. The script also starts programs that compute all the time. It
 reads the clock before each message and when the first changed frame arrives.
 """
 
@@ -84,8 +84,8 @@ def points(address: str, frames: Frames, messages: int) -> list[float]:
 
 
 def parameters(address: str, frames: Frames, messages: int) -> list[float]:
-    """Returns times from changing a parameter of an Adaptics tacton, its intensity,
-    to the first frame off or on.
+    """Returns times in s from a change of an Adaptics tacton's intensity
+    to the first frame that is off or on accordingly.
     """
     off = midair.Board("autd3").off_frame
     constant = {"name": "linear", "params": {}}
@@ -142,7 +142,7 @@ def parameters(address: str, frames: Frames, messages: int) -> list[float]:
 
 
 def rest(random: np.random.Generator, live: Callable[[], None]) -> None:
-    """Waits for a random time, and calls `live` in the middle of it to keep the connection."""
+    """Waits for a random time, and calls `live` halfway, so that the board keeps playing."""
     pause = random.uniform(*APART) / 2
     time.sleep(pause)
     live()
@@ -160,13 +160,13 @@ def main(programs: int = 1, messages: int = MESSAGES) -> None:
 
 
 def measure(pipe: Path, messages: int) -> None:
-    """Prints the quantiles for each kind of message."""
+    """Prints the quantiles of the delay for each kind of message."""
     os.mkfifo(pipe)
     frames = Frames(pipe)
     command = [sys.executable, "-m", "midair", "serve", "--on", f"file:{pipe}"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
         assert server.stdout is not None
-        # The client runs before the busy programs, because its own delay is not measured.
+        # The client gets a higher priority than the busy programs, because its own delay must not count.
         before_what_computes()
         address, _, adaptics = (server.stdout.readline().split()[0] for _ in range(3))
         while not frames.came:

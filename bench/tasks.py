@@ -14,7 +14,7 @@ HALF = 0.1  # m, half the side of the square of points
 
 METHODS = ("greedy 16 phases", "fast", "uniform", "best", "lm", "gspat", "gs", "wgs", "naive")
 SEARCHES = METHODS[:2]
-#: On its board, midair's greedy uses the board's phases and amplitudes by default.
+#: For tasks on a board, midair's greedy uses the board's phases and amplitudes by default.
 BOARD_METHODS = ("greedy 256 x 16", *METHODS)
 #: The grid of the drives: none (any |q| <= 1), or that of the preset's board.
 NONE, BOARD = "none", "board"
@@ -24,7 +24,7 @@ ALONE = 0.85
 
 @dataclass(frozen=True)
 class Task:
-    """Points with equal targets p1 / sqrt M, where p1 is the most that the array gives at (0, 0, HEIGHT)."""
+    """M points with equal targets p1 / sqrt M; p1 is the array's highest pressure at (0, 0, HEIGHT)."""
 
     preset: str
     tiles: tuple[int, int] | None

@@ -143,7 +143,7 @@ def on_circle(radius: float, speed: float, rate: float = 4e3) -> float:
 
 
 def chosen() -> None:
-    """Prints the gain by `midair.haptic`, and the bounds."""
+    """Prints the gain of `midair.haptic` for several shapes, and upper bounds of the gain."""
     gain = on_circle(0.015, 7.0)
     print(f"foci on a circle of 3 cm, in any order: at most {gain:.2f} dB above one at 7 m/s")
     for board, (array, height, rate) in BOARDS.items():

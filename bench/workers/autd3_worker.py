@@ -9,7 +9,8 @@ import autd3_pattern_holo as holo
 import numpy as np
 from serve import Prepared, serve
 
-#: Its defaults: 100 steps, clamped amplitudes, 16 phases. `parallel` would run only the last step in a pool.
+#: autd3's defaults: 100 steps, clamped amplitudes, 16 phases. `parallel` would run only the last step in
+#: several threads.
 OPTIONS = {
     "naive": holo.NaiveOption(parallel=False),
     "gs": holo.GsOption(parallel=False),

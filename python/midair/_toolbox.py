@@ -116,7 +116,7 @@ def load(name: str) -> Any:
 
 
 def guide() -> None:
-    """Add hints about keywords to all public classes whose modules are loaded, even if not by their names."""
+    """Add hints about keywords to public classes whose modules are loaded, but whose names are not yet."""
     package = sys.modules["midair"]
     for home, names in HOMES.items():
         loaded = vars(sys.modules.get(f"midair.{home}", package))

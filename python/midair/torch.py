@@ -43,7 +43,7 @@ def _function() -> tuple[Any, Any]:
         raise SceneError('midair.torch needs PyTorch: pip install "midair[torch]"') from error
 
     class Field(torch.autograd.Function):  # type: ignore[misc, unused-ignore]
-        """Autograd function of a quantity; its tensors are given with their names."""
+        """Autograd function of a quantity. Its arguments are the call, the tensors' names and the tensors."""
 
         @staticmethod
         def forward(ctx: Any, call: tuple[Any, ...], names: tuple[str, ...], *tensors: Any) -> Any:

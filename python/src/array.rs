@@ -278,7 +278,7 @@ getters! {
 pub(crate) struct PresetInfo {
     /// Description in one line.
     summary: String,
-    /// Source of its data.
+    /// Source of the preset's data.
     source: String,
     /// Number of transducers of one board.
     count: usize,
@@ -286,7 +286,7 @@ pub(crate) struct PresetInfo {
     tiles: bool,
     /// Source pressure P0 in Pa m: pressure times distance on the axis at full drive.
     source_pressure: f64,
-    /// The board that plays it, or None.
+    /// Name of the board that plays the array, or None.
     board: Option<String>,
 }
 

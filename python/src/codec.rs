@@ -137,13 +137,13 @@ getters! {
     response(self, py) -> Option<Bound<'py, PyArray1<Complex64>>> =
         self.board.response().map(|list| give::list(py, list));
 
-    /// Bits per second of its serial line, or None for another link.
+    /// Bits per second of the board's serial line, or None for another link.
     baud(self) -> Option<u32> = self.board.baud();
 
-    /// Frames per second that its line can carry.
+    /// Frames per second that the board's line can carry.
     rate(self) -> f64 = self.board.rate();
 
-    /// Highest number of frames per second at which it emits as much as with a constant frame.
+    /// Highest number of frames per second at which the board emits as much as with a constant frame.
     steady_rate(self) -> f64 = self.board.steady_rate();
 
     /// Phases and amplitudes of the board, in the form of `Array.quantization`.

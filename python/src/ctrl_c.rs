@@ -53,7 +53,7 @@ impl Watch {
         Self { progress, reported, called: now, last: now, clock: now, stride: 1, left: 0, raised: None }
     }
 
-    /// Checks for signals if it is time, and calls the callback if `call` is true.
+    /// Checks for signals if the last check was an interval ago, and calls the callback if `call` is true.
     fn ask(&mut self, call: bool) -> ControlFlow<()> {
         let go_on = Python::attach(|py| -> PyResult<bool> {
             if self.last.elapsed() >= Self::INTERVAL {

@@ -43,7 +43,7 @@ impl Function {
         for (name, value) in &options {
             greedy.set(name, value).map_err(refused)?;
         }
-        // The label is the function's name, or its class's.
+        // The label is the function's name, or the name of its class.
         let function = self.function.bind(py);
         let name = function.getattr("__name__").and_then(|name| name.extract());
         let name = name.or_else(|_| function.get_type().name()?.extract())?;

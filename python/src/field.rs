@@ -162,7 +162,7 @@ impl Field {
 getters! {
     Field:
 
-    /// Complex pressure in Pa (peak): (pixels, pixels), indexed [up, across], [y, x] of a plane at a height, or (P,).
+    /// Complex pressure in Pa (peak): (P,) at points; in a plane (pixels, pixels), indexed [up, across], such as [y, x].
     pressure(self, py) -> PyResult<Bound<'py, PyArrayDyn<Complex32>>> =
         give::list(py, self.picture.pressure.to_vec()).reshape(self.shape());
 
@@ -277,7 +277,7 @@ pub(crate) fn field<'py>(
 
 #[pymethods]
 impl Solution {
-    /// Compute its field: `midair.field` of its scene and drive, times its scale.
+    /// Compute the solution's field: `midair.field` of its scene and drive, times its scale.
     ///
     /// Parameters
     /// ----------

@@ -11,7 +11,7 @@ use pyo3::types::PyDict;
 use crate::error::refused;
 use crate::read;
 
-/// Properties of all such functions: they do not balance, and use neither a start nor an aim.
+/// Properties of all solvers that are Python functions: they do not balance, and use neither a start nor an aim.
 static INFO: Info = Info::new("function", "a function in Python", "the caller's own");
 
 /// Stores the exception of a Python function, so that the binding can raise it after the core has returned.
@@ -49,7 +49,7 @@ impl Function {
         Ok(Some(Self { solver: solver.clone().unbind(), keywords, name, raised: Raised::default() }))
     }
 
-    /// Returns the label of its solutions: its name and keywords.
+    /// Returns the label of the function's solutions: its name and keywords.
     pub(crate) fn choice(&self, py: Python<'_>) -> PyResult<Choice> {
         let options = read::options(self.keywords.as_ref().map(|keywords| keywords.bind(py)))?;
         Ok(Choice { name: self.name.clone(), options, balance: None, aim: None })

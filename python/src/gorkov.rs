@@ -332,7 +332,7 @@ pub(crate) fn rest<'py>(
 
 #[pymethods]
 impl Solution {
-    /// Compute potential, force and stiffness of a small sphere: `midair.gorkov` of its scene and drive.
+    /// Compute potential, force and stiffness of a small sphere: `midair.gorkov` of the solution's scene and drive.
     ///
     /// Parameters
     /// ----------
@@ -360,7 +360,7 @@ impl Solution {
         gorkov(slf.py(), slf, None, points, radius, density, sound_speed, gravity)
     }
 
-    /// Find where small spheres come to rest in its field: `midair.rest` of its scene and drive.
+    /// Find where small spheres come to rest in the solution's field: `midair.rest` of its scene and drive.
     ///
     /// Parameters
     /// ----------

@@ -1,4 +1,4 @@
-//! `midair.judge` and `midair.bound`: metrics of a drive, and a limit for every drive.
+//! `midair.judge`: metrics of a drive. `midair.bound`: an upper bound of the level that any drive can reach.
 
 use std::sync::Arc;
 
@@ -278,7 +278,7 @@ fn answered(solution: &Bound<'_, Solution>, beside: Beside<'_, '_>) -> PyResult<
 
 #[pymethods]
 impl Solution {
-    /// Compute its metrics, times its scale: `midair.judge` of its scene and its drive.
+    /// Compute the solution's metrics: `midair.judge` of its scene and of its drive times its scale.
     ///
     /// Parameters
     /// ----------

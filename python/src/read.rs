@@ -115,7 +115,7 @@ pub(crate) fn batch_of_points(item: &str, value: &Bound<'_, PyAny>) -> PyResult<
     }
 }
 
-/// Returns B of numbers (B, M).
+/// Returns the number of problems B from numbers (B, M).
 pub(crate) fn batch_size(item: &str, value: Option<&Bound<'_, PyAny>>, size: usize) -> PyResult<usize> {
     let cure = format!("give numbers of shape (B, {size}), one row a problem");
     let Some(value) = value else { return Err(invalid(item, "left out", &cure)) };

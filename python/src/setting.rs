@@ -32,7 +32,7 @@ pub(crate) struct Setting {
     pub(crate) source: Source,
 }
 
-/// Returns the choice for a solution's record: with the problem's aim, if the method uses one.
+/// Returns the choice (solver, options, balance, aim) for a solution's record, with the problem's aim if the method uses one.
 pub(crate) fn answered(choice: &Arc<Choice>, info: &Info, problem: Option<&Problem>) -> Arc<Choice> {
     match problem {
         Some(problem) if info.uses_aim => Arc::new(Choice { aim: Some(problem.aim()), ..Choice::clone(choice) }),

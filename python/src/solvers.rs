@@ -22,9 +22,9 @@ pub(crate) struct OptionInfo {
     default: Py<PyAny>,
     /// Description in one line.
     doc: String,
-    /// Words that it accepts; empty for other types.
+    /// Words that the option accepts; empty for other types.
     words: Vec<String>,
-    /// Whether it accepts a list of integers.
+    /// Whether the option accepts a list of integers.
     list: bool,
 }
 
@@ -113,13 +113,13 @@ impl SolverInfo {
 getters! {
     SolverInfo:
 
-    /// Whether it uses the phases of complex pressures.
+    /// Whether the solver uses the phases of complex pressures.
     uses_phases(self) -> bool = self.uses[0];
 
-    /// Whether it uses a start.
+    /// Whether the solver uses a start.
     uses_start(self) -> bool = self.uses[1];
 
-    /// Whether it uses an aim.
+    /// Whether the solver uses an aim.
     uses_aim(self) -> bool = self.uses[2];
 }
 

@@ -1,4 +1,4 @@
-"""Protocol of Adaptics Engine: clients send tactons (tactile patterns), parameters, starts and hands.
+"""Protocol of Adaptics Engine: clients send tactons (tactile patterns), parameters, starts and hand places.
 
 A message is {"cmd": ..., "data": {...}}; docs/serve.md lists all messages. Lengths are in mm, times in ms.
 """
@@ -28,7 +28,7 @@ REPORT, MOST_REPORTED = 1 / 60, 4096
 
 
 class Player:
-    """Keeps the tacton that clients chose, its parameters, its transform and the hand's place. Plays it."""
+    """Plays the tacton that clients chose. Stores its parameters and transform, and the hand's place."""
 
     def __init__(self, live: Live) -> None:
         self._live = live
@@ -128,7 +128,7 @@ class Player:
     def others(self, client: Client) -> None:
         """Record that this client started the playback.
 
-        From now on the end of another client does not stop it.
+        From now on the playback goes on if another client disconnects.
         """
         for other in self._clients:
             other.playing = other is client
@@ -144,7 +144,7 @@ COMMANDS: dict[str, Callable[[Player, dict[str, Any], Client], None]] = {
 
 
 class Client:
-    """A WebSocket client: sends it reports, and uses its answers to pings as signs of life."""
+    """A WebSocket client, to which reports and pings are sent. Its answers to pings are signs of life."""
 
     def __init__(self, socket: Any, player: Player, live: Live) -> None:
         self.reported: deque[Touch] = deque(maxlen=MOST_REPORTED)

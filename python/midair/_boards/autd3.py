@@ -17,7 +17,7 @@ from .errors import BoardError, BoardLost
 MOST_BOARDS = 128
 EMULATOR = "autd3:emulator"
 
-#: Time in s in which boards must acknowledge a step, and how often it is then sent again at most.
+#: Time in s to wait for the acknowledgement of a step; largest number of repetitions without one.
 ACKNOWLEDGED = 0.02
 RETRIES = 5
 #: When a board is lost, the step that turns all boards off is sent twice, because a datagram may get lost.

@@ -133,12 +133,12 @@ class Board:
 
     @property
     def baud(self) -> int | None:
-        """Bits per second of its serial line (10 bits per byte); None for another link."""
+        """Bits per second of the board's serial line (10 bits per byte); None for another link."""
         return self._codec.baud
 
     @property
     def rate(self) -> float:
-        """Frames per second that its line can carry."""
+        """Frames per second that the board's line can carry."""
         return self._codec.rate
 
     @property

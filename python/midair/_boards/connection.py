@@ -212,7 +212,7 @@ class Connection:
         return self
 
     def __exit__(self, kind: object, *_: object) -> None:
-        """Turn off and close. Raises BoardLost if the board is gone and no call has reported it yet."""
+        """Turn the board off and close. Raises BoardLost if the board is gone and no call has reported it."""
         try:
             if kind is None and self._finalizer.alive and not self._missed:
                 self.off()
@@ -221,7 +221,7 @@ class Connection:
 
     @property
     def emitting(self) -> NDArray[np.complex64]:
-        """Drive (N,) that plays now, before modulation; 0 if none. Computed from the time for an upload."""
+        """Drive (N,) that plays now, before modulation; 0 if none. In an upload, the time gives the frame."""
         frame = b""
         if self._finalizer.alive:
             with suppress(BoardLost):
@@ -230,7 +230,7 @@ class Connection:
 
     @property
     def state(self) -> Literal["off", "playing", "modulating", "lost", "closed"]:
-        """State of the board; "off" also after the hold expired, "lost" after it was unplugged or stalled."""
+        """State of the board; "off" also after `hold` expired, "lost" if the board is unplugged or stalls."""
         if not self._finalizer.alive:
             return "closed"
         try:
@@ -243,7 +243,7 @@ class Connection:
 
     @property
     def stats(self) -> Stats:
-        """Counts of frames, late frames and expired holds."""
+        """Counts of frames, of late frames, and of times that `hold` expired."""
         if self._finalizer.alive:
             with suppress(BoardLost):
                 self._call(Kind.STATUS)
@@ -280,7 +280,7 @@ class Connection:
                 self._guard.ask(Kind.HOLD)
 
     def _quiet(self) -> None:
-        """Turn off after an interrupted call, without waiting for the answer."""
+        """Turn the board off after an interrupted call, without waiting for the answer."""
         with suppress(BoardError):
             self._guard.ask(Kind.OFF)
 

@@ -267,7 +267,7 @@ class Reports:
             threading.Thread(target=self._send, args=given, daemon=True).start()
 
     def _send(self, stop: threading.Event, seconds: float) -> None:
-        # Ends when the client or the board is gone.
+        # An error of any kind ends the reports: the client or the board is gone.
         with suppress(Exception):
             while not stop.wait(seconds):
                 self._client.send(json.dumps(self._live.metrics()))

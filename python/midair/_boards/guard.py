@@ -135,7 +135,7 @@ class Guard:
         return found
 
     def _pause(self) -> float:
-        """Return the time in s to wait for a message: until the next frame, check or end of the hold."""
+        """Return the time in s to wait for a message: until the next frame or check, or until `hold` ends."""
         now = time.monotonic()
         due = self._waiting[0].due if self._waiting else math.inf
         return max(0.0, min(TICK, due - now, self._called + self._hold - now if self._playing else math.inf))
@@ -201,7 +201,7 @@ class Guard:
             self._attempt(first.number, self._play, first.frame)
 
     def _play(self, frame: bytes) -> None:
-        # These are set first, because the device may play the frame even if the link then fails.
+        # The frame is recorded first, because the device may play it even if the link then fails.
         self._playing, self._uploaded = [frame], (0.0, 1.0)
         self._transport.play(frame)
         self._frames += 1
@@ -229,7 +229,7 @@ class Guard:
                 self._answer(Kind.DONE, each.number, self.status())
 
     def _now(self) -> bytes:
-        """Return the frame that plays now, empty if none does. Computed from the time for an upload."""
+        """Return the frame that plays now, empty if none does. In an upload, the elapsed time gives it."""
         if not self._playing:
             return b""
         begin, rate = self._uploaded

@@ -1,4 +1,4 @@
-"""Base class of serial lines. The board never answers, so a clock here computes when the line is free."""
+"""Base class of serial lines. A board never answers, so this program computes when the line is free."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ class LineTransport(ABC):
             raise failed
 
     def _stop(self) -> None:
-        """Stop the swaps for good."""
+        """Stop the swaps of the two banks, because the line is about to be closed."""
         with self._lock:
             self._swinging.set()
 

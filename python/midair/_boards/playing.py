@@ -164,7 +164,7 @@ class Live:
         self.play(Wanted(wanted))
 
     def play(self, wanted: Wanted) -> None:
-        """Play these frames from now on, instead of the earlier ones."""
+        """Play the frames of `wanted` from now on, instead of the earlier ones."""
         with self._news:
             self._wanted, self._error = wanted, None
             self._begun = self._signed = time.monotonic()
@@ -176,7 +176,7 @@ class Live:
             self._signed = time.monotonic()
 
     def off(self) -> None:
-        """Turn off until new points come. Raises BoardError if the board is gone."""
+        """Turn the board off until new points come. Raises BoardError if the board is gone."""
         with self._news:
             self._wanted = None
             self._news.notify()
@@ -194,7 +194,7 @@ class Live:
         return {"state": self.connection.state, **counts, "error": self._error}
 
     def metrics(self) -> dict[str, Any]:
-        """Return the state, and of the last frame: its points in m, |p| there in Pa, and its delay in ms."""
+        """Return the state; and the last frame's points in m, |p| in Pa at the points, and delay in ms."""
         points: list[list[float]] = []
         reached: list[float] = []
         if self._wanted is not None and (played := self._played) is not None:
@@ -205,7 +205,7 @@ class Live:
         return {**self.state(), "points": points, "pressures": reached, "delay": 1e3 * self._delay}
 
     def close(self) -> None:
-        """Stop playing and turn off; the connection stays open."""
+        """Stop playing and turn the board off; the connection stays open."""
         with self._news:
             self._ended, self._wanted = True, None
             self._news.notify()
@@ -229,7 +229,7 @@ class Live:
                     # Later signs of life must not restart these points.
                     self._wanted = None
                 self.connection.off()
-            # An error of any kind ends these points only; the next ones are played.
+            # An error of any kind ends the playback of the present points only; later points are played.
             except Exception as error:
                 with self._news:
                     self._wanted, self._error = None, str(error)

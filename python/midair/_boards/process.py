@@ -29,8 +29,8 @@ from .wire import Kind
 PATIENCE = 12.0
 OPENING = 70.0
 
-#: Environment variable of a guard. If a program that connects has it, that program was started as if it were
-#: Python.
+#: Environment variable that every guard has. A connecting program that has it was itself started as a guard,
+#: because it was mistaken for the Python interpreter.
 GUARD = "MIDAIR_GUARD"
 
 #: The wait for the answer to a beat is divided into this many short waits.
@@ -148,7 +148,7 @@ class GuardProcess:
             self._silence()
 
     def _beat(self) -> None:
-        """Send beats while the guard answers. Kill a guard that hangs; the reader then turns off."""
+        """Send beats while the guard answers. Kill a guard that hangs; the reader then silences the device."""
         with suppress(BoardError):
             while True:
                 requested = self.ask(Kind.BEAT)

@@ -78,7 +78,7 @@ class SerialTransport(LineTransport):
 
     def _write(self, content: bytes) -> None:
         with self._reported():
-            # The clock here may run ahead of the adapter's, so wait until its buffer has room.
+            # This computer's clock may be ahead of the adapter's, so wait until its buffer has room.
             patience = time.monotonic() + STALLED
             while self._port.out_waiting > len(content):
                 if time.monotonic() > patience:

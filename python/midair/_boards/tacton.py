@@ -85,7 +85,7 @@ class Keyframe:
 
 
 class Track:
-    """One property over time: at each mark a time, the stage that begins and the stage that ends."""
+    """One property over time. A mark is a time, the stage that begins then, and the stage that ends then."""
 
     def __init__(self, marks: list[tuple[float, Stage | None, Stage | None]]) -> None:
         self._times = [time for time, _, _ in marks]

@@ -1,4 +1,4 @@
-"""Transport: sends frames to a device, in the guard process. `open_transport` makes one of each kind.
+"""Transport: sends frames to a device, in the guard process. `open_transport` makes transports of all kinds.
 
 This module imports neither midair itself nor NumPy, so a guard starts within a few hundredths of a second.
 """

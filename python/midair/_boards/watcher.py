@@ -126,7 +126,7 @@ def _forked() -> int:
     try:
         os.setsid()
         if os.fork() == 0:
-            # Close the copies of the guard's pipes, so that they close when guard and owner end.
+            # Close this process's copies of the guard's pipes: the pipes must close when guard and owner end.
             nothing = os.open(os.devnull, os.O_RDWR)
             for standard in range(3):
                 os.dup2(nothing, standard)

@@ -65,7 +65,7 @@ def play_command(
     place = parse(on)
     name = place.board or DEFAULT
     if modulate is not None:
-        # Solving may take long, so the modulation is checked before.
+        # Solving may take long, so the modulation is checked before the scene is solved.
         number("--modulate", modulate, above=0)
         can_modulate(place.kind_of_board or DEFAULT)
     thing = _thing(what, solver, lambda array: board_of(name, array))

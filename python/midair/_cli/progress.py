@@ -59,9 +59,9 @@ def fault(error: BaseException) -> str:
 
 
 def prepare() -> None:
-    """Prepare the standard streams: closed ones discard text, characters without encoding are escaped."""
+    """Prepare the standard streams: closed ones discard text, others escape characters they cannot encode."""
     for descriptor in range(3):
-        # The next opened file would get the number of a closed stream, and its output would go there.
+        # Otherwise the next opened file would get the number of a closed stream, and the stream's text.
         try:
             os.fstat(descriptor)
         except OSError:

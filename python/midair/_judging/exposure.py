@@ -83,7 +83,7 @@ BLOCK, MOST = 100_000, 20_000_000
 #: Search for the maximum: number of starts, their least distance in wavelengths, halvings of the step.
 STARTS, APART, HALVINGS = 32, 0.25, 5
 
-#: Number of loudest samples from which the starts are chosen; one peak has about 60.
+#: Number of loudest samples from which the starts are chosen; one peak contains about 60 of them.
 SAMPLES = 4000
 
 

@@ -289,7 +289,7 @@ class _Curve:
 
 
 def _times(rate: float, frequency: float) -> NDArray[np.float64]:
-    """Return the times of the frames of a period, as fractions of it; it has a whole number of frames."""
+    """Return the times of a period's frames, as fractions of the period, which is rounded to whole frames."""
     count = max(round(rate / frequency), 2)
     return np.arange(count) / count
 
@@ -304,7 +304,7 @@ def _drawn(curve: _Curve, rate: float, speed: float, points: int) -> Technique:
 
 
 def _usual(curve: _Curve, rate: float) -> Iterator[Technique]:
-    """Yield the four usual techniques: AM and LM with foci 1 cm apart, STM with one focus and with two."""
+    """Yield the four usual techniques: amplitude and lateral modulation, one and two foci that move along."""
     spread = max(round(curve.length / 0.01), 2)
     rest = (np.arange(spread) + 0.5 * (not curve.closed)) / spread
     t = _times(rate, 200.0)
@@ -340,7 +340,7 @@ class _Judge:
         return touch.along(self._curve.places)
 
     def starts(self) -> Iterator[NDArray[np.int64]]:
-        """Yield initial schedules: the focus jumps within a piece of the curve that moves along it."""
+        """Yield initial schedules: the focus jumps within a piece of the curve, and the piece moves on."""
         t, curve = np.arange(self.foci.frames), self._curve
         for jumps, frequency, piece in JUMPS:
             part = min(piece / curve.length, 0.5)

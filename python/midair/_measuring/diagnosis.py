@@ -358,7 +358,7 @@ class _Pairs:
         v = np.sqrt(state.spread**2 + state.error**2)
         off = np.abs(state.relative - 1) / v / SUSPECT
         turn = 1.0 if np.iscomplexobj(left) else self._p / np.maximum(np.abs(self._p), 1e-30)
-        # Correlation of the residuals with each channel, per microphone, relative to the usual size.
+        # Correlation of the residuals with each channel, per microphone, in standard deviations.
         each = np.abs(self._drives.conj().T @ (left * turn))
         each /= np.maximum(np.median(each[sounding], axis=0) / 1.18, 1e-30)
         score = np.maximum(off, each.max(axis=1) / LEFT_OVER) * sounding

@@ -36,7 +36,7 @@ BLOCK = 256
 
 @dataclass(frozen=True)
 class Fitted:
-    """Result of a fit: responses (N,) and the state, with their standard deviations; fixed values have 0."""
+    """Result of a fit: responses (N,) and state, with their standard deviations (0 for fixed values)."""
 
     responses: Complex
     responses_error: Real
@@ -90,8 +90,8 @@ def robust(
 
     used = np.ones(readings.shape, bool)
     first = found = fitted(used)
-    # Median of the modulus of a complex or a real normal number, relative to the standard deviation of each
-    # part.
+    # Median modulus of a normally distributed complex or real number, relative to the standard deviation of
+    # its real part.
     median = np.sqrt(2 * np.log(2)) if np.iscomplexobj(readings) else 0.6745
     least = LEAST_SCATTER * float(np.median(np.abs(readings)))
     for _ in range(ROUNDS):

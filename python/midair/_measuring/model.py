@@ -69,8 +69,8 @@ class Model:
     ) -> None:
         own = scene.array
         self._kind, number = kind_of(own.directivity)
-        # The fit determines the responses, so the core's matrix is computed without them; the model's has
-        # only their phases.
+        # The fit determines the responses, so the core computes the matrix without them. `matrix` multiplies
+        # it by the phases of the array's own responses.
         self.phases = np.exp(1j * np.angle(np.ones(len(own)) if own.response is None else own.response))
         self._array = own
         self._scene = scene.replace(array=self._made(own.positions, own.normals, number))
@@ -191,10 +191,10 @@ def rotation(turn: Real) -> Real:
 
 
 class Belief:
-    """Prior: independent normal numbers for re and im of N responses and the free part of the state.
+    """Prior: independent normal distributions of re and im of N responses and of the free part of the state.
 
     A response is alive (normal about the expected value), reversed (about its negative) or dead (exactly 0).
-    One normal number approximates the mixture of the three, with its mean and variance.
+    One normal distribution with the mean and variance of this mixture approximates it.
 
     Parameters
     ----------

@@ -42,7 +42,7 @@ ROUNDING = 1e-7
 
 
 def greedy(player: Player, drive: Complex, order: Indices, phases: int, tries: bool) -> None:
-    """Set one transducer after another to the phase that fits the targets best; the others stay.
+    """Set one transducer after another to the phase that fits the targets best.
 
     As a function of one transducer's phase phi, |p|^2 at any place is a + b cos phi + c sin phi. Three
     readings determine it at every phase. `tries` reads each of the L phases instead, as in the paper.
@@ -76,8 +76,8 @@ QUIETEST = 0.1
 def feedback(player: Player, scene: Scene, targets: Real, solver: str, steps: int) -> None:
     """Correct targets t_j by (mean x / x_j)^0.7, x_j = |p_j| / target_j as read; solve the scene for them.
 
-    This is the camera feedback of slmsuite. It makes the points even and does not raise the level, because
-    the model does not change.
+    This is the camera feedback of slmsuite. The method makes the points even, but it does not raise the
+    level, because the model does not change.
     """
     # Only ratios are corrected, so solvers with `aim` play the points as loud as possible.
     aim: Literal["max"] | None = "max" if solvers()[solver_name(word("solver", solver))].uses_aim else None

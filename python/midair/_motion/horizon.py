@@ -47,7 +47,7 @@ ROUNDS_MORE = 5
 
 @dataclass(frozen=True)
 class Tracks:
-    """Solves tracks, and converts their codes to drives.
+    """Solves tracks (a transducer's phase codes over the frames of a window), and converts codes to drives.
 
     Attributes
     ----------
@@ -140,7 +140,7 @@ def board_of(quantization: dict[str, Any] | None) -> dict[str, Any]:
 
 
 def check(solver: str, tau: Any, aim: Any, options: Iterable[str]) -> None:
-    """Reject arguments that tracks do not support."""
+    """Reject arguments that cannot be combined with `ahead`, that is, with tracks."""
     if solver != "glide":
         raise refused("solver", solver, "with ahead the tracks are found by themselves, leave it out")
     if tau is not None:
@@ -328,7 +328,7 @@ class Followed:
 
 
 class Foreseen:
-    """Solves frames by tracks, with some of the later frames known."""
+    """Solves frames by `Tracks`, when some of the later frames are known."""
 
     def __init__(self, requested: Request, tracks: Tracks, ahead: int) -> None:
         self.board: dict[str, Any] | None = tracks.board

@@ -203,7 +203,7 @@ class Sequence(JudgedFrames):
             ) from error
 
     def to_xarray(self) -> Dataset:
-        """Return points, targets, pressures, changes and drives (or codes), with dimensions.
+        """Return points, targets, pressures, changes and drives (or codes), with named dimensions.
 
         Returns
         -------

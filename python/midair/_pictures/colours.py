@@ -161,7 +161,7 @@ def loud(field: Field) -> float:
 def _values(field: Field, quantity: Quantity) -> NDArray[np.float64]:
     pressure: NDArray[np.float64] = np.abs(field.pressure).astype(np.float64)
     if quantity == "radiation":
-        # The paper draws |p|^2; its unit is not the pascal, and it has no density.
+        # The paper draws |p|^2, since its pressures are not in Pa and it states no density.
         return pressure**2 if field.scene.in_paper_unit else field.radiation
     if quantity == "pressure":
         return pressure
@@ -188,7 +188,7 @@ def _of_pressure(field: Field, pressure: float, quantity: Quantity) -> float:
 
 
 def _unit(quantity: Quantity, top: float, paper: bool) -> tuple[float, str]:
-    """Return factor and label with which the colour bar's numbers are short."""
+    """Return a factor for the values that keeps the numbers at the colour bar short, and the bar's label."""
     if quantity == "spl":
         return 1.0, "|p| / dB re the paper's unit" if paper else "sound pressure level / dB re 20 µPa"
     if paper:

@@ -126,7 +126,7 @@ def holding() -> Style | None:
 
 
 class Sheet(Figure):
-    """A figure that is saved with TrueType fonts and text."""
+    """A figure whose saved files contain text in TrueType fonts."""
 
     def savefig(self, *arguments: Any, **keywords: Any) -> None:
         """Save the figure, as matplotlib does."""

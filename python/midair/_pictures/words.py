@@ -52,7 +52,7 @@ def marks(fields: Sequence[Field]) -> str:
 
 
 def solver(solution: Solution) -> str:
-    """Return the solver's name and those important options that differ from its defaults."""
+    """Return the solver's name, and those of its most important options that differ from the defaults."""
     info = solvers().get(solution.solver)
     options = {key: solution.options.get(key) for key in ("phases", "amplitudes", "order", "limit")}
     given = (

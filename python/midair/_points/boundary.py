@@ -23,7 +23,7 @@ from .._midair import Boundary, SceneError
 from .._support import kept
 from .._support.ctrl_c import interruptibly
 
-#: Number of elements from which a solve gets a progress bar.
+#: A solve with at least this number of elements shows a progress bar.
 LONG = 600
 
 #: Largest relative sound inside of a mesh, where it should be 0; accurately solved meshes have up to 13 %.

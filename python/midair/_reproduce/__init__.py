@@ -102,7 +102,7 @@ def _make(folder: Path) -> None:
 def _figure(name: str, run: Run, output: Path) -> list[Verdict]:
     """Make the numbers, picture and verdicts of a figure.
 
-    Picture and verdicts use the numbers as the file has them, rounded.
+    Picture and verdicts use the rounded numbers of the written file.
     """
     figure, path = FIGURES[name], output / f"{name}.csv"
     rows, fields = figure.collect(run)

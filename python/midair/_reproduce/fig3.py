@@ -22,7 +22,7 @@ def collect(run: Run) -> Found:
 
 
 def draw(found: Found) -> Figure:
-    """Draw the curves over M."""
+    """Draw the accuracy over the number of points."""
     return over_points(found.rows, "accuracy, eq. (12)")
 
 
@@ -111,7 +111,7 @@ def study(run: Run, metric: str) -> tables.Rows:
 
 
 def over_points(rows: tables.Rows, label: str) -> Figure:
-    """Draw curves over M with their 95 % intervals."""
+    """Draw curves over the number of points, with their 95 % intervals."""
     figure = Figure(figsize=(7.2, 4.6), layout="constrained")
     axes = figure.subplots()
     drawing.lines(axes, rows, curves(), "M", "mean")

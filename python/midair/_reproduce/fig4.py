@@ -20,7 +20,7 @@ def collect(run: Run) -> Found:
 
 
 def draw(found: Found) -> Figure:
-    """Draw the curves over M on a log axis: the sigmas differ by orders of magnitude."""
+    """Draw sigma over the number of points, on a log axis, since the sigmas differ by orders of magnitude."""
     figure = fig3.over_points(found.rows, "deviation sigma, eq. (13) with 1/M")
     figure.axes[0].set_ylim(auto=True)
     figure.axes[0].set_yscale("log")

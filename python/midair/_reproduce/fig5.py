@@ -25,12 +25,12 @@ def collect(run: Run) -> Found:
 
 
 def draw(found: Found) -> Figure:
-    """Draw the times over M."""
+    """Draw the times over the number of points."""
     return timing.draw(found.rows, "M", "control points M, N = 400")
 
 
 def judge(rows: tables.Rows) -> list[Verdict]:
-    """Return the verdicts: greedy is linear in M, and which methods are faster."""
+    """Return the verdicts: is greedy's time linear in the number of points, and which methods are faster?"""
     median = tables.by_method(rows, "median")
     counts = [row["M"] for row in tables.pick(rows, method="greedy")]
     slow = [method.key for method in PAPER if method.key not in ("greedy", "gspat")]
@@ -77,10 +77,10 @@ class Transducers:
         return Found(timing.study(run, places, "N", 0))
 
     def draw(self, found: Found, /) -> Figure:
-        """Draw the times over N."""
+        """Draw the times over the number of transducers."""
         return timing.draw(found.rows, "N", "transducers N, M = 64")
 
     def judge(self, rows: tables.Rows, /) -> list[Verdict]:
-        """Return the verdicts: greedy is linear in N."""
+        """Return the verdicts: is greedy's time linear in the number of transducers?"""
         found = [key for key in ("greedy", "greedy-brute") if tables.pick(rows, method=key)]
         return [linear(rows, "N", key) for key in found]

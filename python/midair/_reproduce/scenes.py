@@ -15,7 +15,7 @@ Options = dict[str, Any]
 class Method:
     """A method, drawn as a curve or a panel.
 
-    Its label names the rule that limits |q| to 1, which matters most.
+    Its label names the rule that limits |q| to 1, because this rule has the largest effect.
     """
 
     key: str
@@ -23,7 +23,7 @@ class Method:
     solver: str
     options: Options
     colour: str
-    #: Whether the paper compares it. Other methods are drawn dashed and do not count in the verdicts.
+    #: Whether the paper compares this method. Others are drawn dashed and do not count in the verdicts.
     in_paper: bool = True
 
 
@@ -97,7 +97,7 @@ Z = 0.15
 COUNTS = (2, 4, 8, 16, 32, 64)
 MANY = (*COUNTS, 128, 256)
 
-#: Transducers per side of the arrays in fig. 6, and its number of points.
+#: Transducers per side of the arrays in fig. 6, and the number of points in fig. 6.
 SIDES = (12, 16, 20, 24, 28, 32)
 FIXED_COUNT = 64
 

@@ -38,7 +38,7 @@ def outcome(*parts: bool) -> Outcome:
 
 
 def span(gaps: NDArray[np.float64], counts: list[int]) -> str:
-    """Return the smallest and largest difference of accuracy over M as text, in percentage points."""
+    """Return the least and largest of differences in accuracy as text: percentage points, and M of each."""
     ends = (int(gaps.argmin()), int(gaps.argmax()))
     return " to ".join(f"{100 * gaps[end]:+.1f} points (M = {counts[end]})" for end in ends)
 
@@ -94,7 +94,7 @@ def _number(text: str) -> Any:
 
 
 def pick(rows: Rows, **wanted: Any) -> Rows:
-    """Return the rows that have these values."""
+    """Return the rows in which each column named in `wanted` has the value given there."""
     return [row for row in rows if all(row[key] == value for key, value in wanted.items())]
 
 
@@ -104,7 +104,7 @@ def column(rows: Rows, name: str) -> NDArray[np.float64]:
 
 
 def by_method(rows: Rows, name: str) -> dict[str, NDArray[np.float64]]:
-    """Return a column for each method."""
+    """Return a column of the table for each method, by the method's key."""
     return {key: column(pick(rows, method=key), name) for key in labels(rows)}
 
 

@@ -124,12 +124,12 @@ class View:
 
     @property
     def methods(self) -> tuple[str, ...]:
-        """Two methods that the page compares; empty before it has started."""
+        """Two methods that the page compares; empty before the page has started."""
         return tuple(self._state()["methods"]) if self._widget.state else ()
 
     @property
     def metrics(self) -> dict[str, Any]:
-        """Metrics by method (accuracy, sigma, uniformity, ...) from the page; empty before it has started."""
+        """Metrics by method (accuracy, sigma, ...) from the page; empty before the page has started."""
         return dict(self._widget.metrics)
 
     def _state(self) -> dict[str, Any]:

@@ -29,7 +29,7 @@ LONG = 100
 def check(path: Path, endings: tuple[str, ...], others: Iterable[Path] = ()) -> None:
     """Reject a path that cannot be written, before any work is done for it.
 
-    `others` are files that it must not be, under any name: the input files and the other outputs.
+    `others` are files that the path must not name, even by a link: the input files and the other outputs.
     """
     if path.suffix.lower() not in endings:
         raise SceneError(
@@ -66,7 +66,7 @@ def real(path: Path) -> Path:
 
 
 def _same(path: Path, other: Path) -> bool:
-    """Return whether two names are the same file: by links, dots, or letters that count as equal."""
+    """Return whether two names mean the same file, because of links, dots, or upper and lower case."""
     if os.path.normcase(os.path.realpath(path)) == os.path.normcase(os.path.realpath(other)):
         return True
     return path.exists() and other.exists() and path.samefile(other)

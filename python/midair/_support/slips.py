@@ -38,7 +38,7 @@ def guided(value: Any, name: str) -> Any:
         _class(value, name)
     elif callable(value) and not isinstance(value, ModuleType):
         wrapped = _guided(value, name)
-        # Also replaced in its own module, because pickle looks for the function there.
+        # The function is replaced in its own module, too, because pickle looks for it there.
         home: Any = sys.modules.get(value.__module__)
         key = name.rpartition(".")[2]
         if getattr(home, key, None) is value:

@@ -122,7 +122,7 @@ def _lists(tables: Tables) -> Iterator[tuple[str, Any]]:
 
 
 def _flat(table: Any, before: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield (name with dots, values), whether the file has names with dots or nested tables."""
+    """Yield (name, values) of each axis. Names have dots, even if the file has nested tables instead."""
     if not isinstance(table, Mapping):
         raise SceneError(f"axes is {short(table)}: give a table [axes] such as medium.temperature = [15, 25]")
     for key, value in table.items():
@@ -133,7 +133,7 @@ def _flat(table: Any, before: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def put(tables: Tables, name: str, value: Any) -> Tables:
-    """Return the tables with one key changed, and without the keys to which it is an alternative."""
+    """Return the tables with one key changed, and without the alternative keys (`_INSTEAD`)."""
     root, key, *inner = name.split(".")
     mine = next((group for group in _INSTEAD[root] if key in group), None)
     gone = set() if mine is None else set().union(*_INSTEAD[root]) - mine

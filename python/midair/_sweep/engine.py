@@ -223,7 +223,7 @@ def run(
 
 
 def _work(requested: str, function: Function, settings: Settings, start: int, stop: int) -> Arrays:
-    """Run one job, in a thread here or on another machine."""
+    """Run one job, in a thread of this process or on another machine."""
     here = version("midair")
     if here != requested:
         raise SceneError(f"a worker has midair {here}, the run midair {requested}: install the same on all")

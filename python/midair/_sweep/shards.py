@@ -190,7 +190,7 @@ def dataset(
     threads: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Dataset:
-    """Make a data set of random scenes and their drives. Started again, it continues where it was.
+    """Make a data set of random scenes and their drives. After a stop, the same call continues the work.
 
     Parameters
     ----------
@@ -317,7 +317,7 @@ def _file(folder: Path, split: str, job: Job) -> Path:
 
 
 def _identity(job: Job) -> str:
-    """Return settings, build and trials as text. A file with another identity is made again."""
+    """Return a text that identifies a job's settings, build and trials; other files are made again."""
     return job.path.with_suffix("").as_posix()
 
 

@@ -22,7 +22,7 @@ from .block import trial_seed
 from .engine import Job
 from .request import Block, Request
 
-#: Rows per chunk of a group of drives.
+#: Rows per chunk of the Zarr arrays with the drives.
 ROWS = 1024
 
 
@@ -109,7 +109,7 @@ def check_drives(path: Path) -> None:
 
 
 def check_replaceable(path: Path) -> None:
-    """Reject a group if anything in it was not made by a sweep."""
+    """Reject a Zarr group if anything in it was not made by a sweep."""
     if not path.exists():
         return
     try:
@@ -237,7 +237,9 @@ def _kind(values: Sequence[Any]) -> type:
 
 @contextmanager
 def open_drives(path: Path, request: Request) -> Iterator[Callable[[Arrays, int], None]]:
-    """Open a Zarr group with a row per row of the table; yields a function that takes a result and row.
+    """Open a Zarr group with a row for each row of the table.
+
+    Yields a function to call with a result and the index of its first row.
 
     Arrays: drive (rows, N), the resulting pressures (rows, M), complex64; scale (rows,); points (rows, M, 3)
     in m; targets (rows, M) in Pa if pressures were requested. N and M are the largest of the sweep. Unused

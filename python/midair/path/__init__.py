@@ -1,7 +1,7 @@
 """Paths: control points that move, at constant speed along curves, and their targets in time.
 
 Each function returns a `Path`: `.at(times)` are places (T, M, 3) in m, `.targets(times)` targets (T, M), in
-Pa if `pressures` were given, else relative to full. Speed is in m/s along the curve, frequency in laps a
+Pa if `pressures` were given, else from 0 to 1. Speed is in m/s along the curve, frequency in laps a
 second. `a & b` are both at the same time, `a.then(b)` one after the other, `a.with_am(200)` is modulated.
 
 Examples

@@ -26,7 +26,7 @@ from ._path import Path
 from ._piece import Numbers
 from ._samples import Samples
 
-#: Steps along a curve; and the most traps that are solved along it, half a wavelength apart.
+#: Steps along a curve; largest number of traps that are solved along it, half a wavelength apart.
 STEPS, TRAPS = 500, 48
 
 #: Speeds compared in each search, and number of searches: each one refines the interval, down to 1 cm/s.

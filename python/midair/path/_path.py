@@ -118,7 +118,7 @@ def modulated(piece: Piece, by: Wave) -> Piece:
     )
 
 
-#: Most frames times points of one call; 10^8 take 3.2 GB.
+#: Largest number of frames, times points, in one call; 10^8 take 3.2 GB.
 MOST_FRAMES = 100_000_000
 
 
@@ -132,7 +132,7 @@ class Path:
     Notes
     -----
     Targets are in Pa (peak) if `pressures` were given, and then `pascals` is true. Otherwise targets are
-    relative to full: 1, times modulation and fades, for a solver that balances. A point whose target is 0
+    factors: 1, times modulation and fades, for a solver that finds the level. A point whose target is 0
     is absent: leave it out of that frame's scene.
 
     Examples
@@ -163,7 +163,7 @@ class Path:
 
     @property
     def pascals(self) -> bool:
-        """Whether targets are in Pa (pressures were given), or relative to full."""
+        """Whether targets are in Pa (pressures were given); otherwise they are factors from 0 to 1."""
         return self._piece.pascals
 
     def at(self, times: ArrayLike) -> Numbers:
@@ -187,7 +187,7 @@ class Path:
         return self._piece.place(self._piece.within(instants(times)))
 
     def targets(self, times: ArrayLike) -> Numbers:
-        """Return targets at some times: in Pa if pressures were given, else relative to full.
+        """Return targets at some times: in Pa if pressures were given, else factors from 0 to 1.
 
         Parameters
         ----------
@@ -227,7 +227,7 @@ class Path:
         return self._piece.pace(self._piece.within(instants(times)))
 
     def frames(self, rate: float) -> tuple[Numbers, Numbers]:
-        """Return places and targets of round(duration rate) frames at times i / rate, i = 0, 1, ...
+        """Return places and targets of round(duration * rate) frames at the times i / rate, i = 0, 1, ...
 
         Parameters
         ----------

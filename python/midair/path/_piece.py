@@ -41,7 +41,7 @@ class Piece(ABC):
     duration: float
     #: Whether the end joins the start: the piece can repeat.
     closed: bool
-    #: Whether the targets are in Pa; otherwise they are factors from 0 to 1 of a level that is found later.
+    #: Whether the targets are in Pa; otherwise they are factors from 0 to 1.
     pascals: bool
     #: Highest frequency of amplitude modulation, in Hz.
     modulation: float = 0.0
@@ -63,7 +63,7 @@ class Piece(ABC):
         return times % self.duration if self.closed else times.clip(0.0, self.duration)
 
 
-#: Largest coordinate in m; farther points are rejected here.
+#: Largest coordinate in m; points farther away are rejected.
 FARTHEST = 1e6
 
 

@@ -101,7 +101,7 @@ def read(path: Path | ArrayLike, rate: float, pressures: ArrayLike | None = None
     -------
     Frames
         `points` and `targets`. Targets are in Pa if there are pressures, times modulation and fades of the
-        path. Else they are relative to full, and None if all are 1.
+        path. Otherwise they are factors from 0 to 1, and None if all are 1.
 
     Raises
     ------
