@@ -148,7 +148,7 @@ class GuardProcess:
             self._silence()
 
     def _beat(self) -> None:
-        """Send beats while the guard answers. Kill a guard that hangs; the reader then silences the device."""
+        """Send beats while the guard answers. Kill a guard that hangs; the reader then stops the device."""
         with suppress(BoardError):
             while True:
                 requested = self.ask(Kind.BEAT)
