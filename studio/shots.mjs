@@ -17,7 +17,7 @@ const manners = Object.entries(sizes).flatMap(([size, viewport]) =>
   ),
 );
 
-/** Opens the gallery, and scene number k of it if k is given. */
+/** Opens the gallery. If k is given, opens the gallery's scene number k. */
 async function choose(page, k) {
   await page.getByRole("button", { name: /gallery|ギャラリー/i }).click();
   if (k === undefined) return;

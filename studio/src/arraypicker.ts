@@ -31,7 +31,7 @@ function drawn(positions: Float64Array): SVGElement {
 /** Makes the select; calls `change` with the name of the chosen array. */
 export function createArrayPicker({ engine, studio }: Context, change: (name: string) => void) {
   const select = element("select", { className: "arrays", onchange: () => change(select.value) });
-  // The closed select, which shows the chosen array with its picture.
+  // The button of the closed select: it shows the chosen array with its picture.
   const face = element("button");
   const pictures = new Map<string, SVGElement>();
   let offered = "";
@@ -55,7 +55,7 @@ export function createArrayPicker({ engine, studio }: Context, change: (name: st
     }
     illustrate();
   }
-  // Waits for the first field, which matters more.
+  // Draws the pictures only after the first field, which users wait for.
   void studio.settled().then(draw);
 
   return {

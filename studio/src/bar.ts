@@ -19,7 +19,7 @@ const LOGO =
   'stroke-linecap="round"><circle cx="12" cy="5.5" r="2.4" fill="currentColor" stroke="none"/>' +
   '<path d="M7.2 9.5a6.6 6.6 0 0 0 9.6 0M4.5 13a11 11 0 0 0 15 0M2 17a15.5 15.5 0 0 0 20 0"/></svg>';
 
-/** Makes the bar around the page's buttons for its levels. */
+/** Makes the bar. `levels` are the buttons for the page's levels, which the bar contains. */
 export function createBar(context: Context, levels: HTMLElement, deeds: Deeds): { root: HTMLElement; place(): void } {
   const { studio, say } = context;
   const button = (text: string, act: () => void, name = text, className = "") =>

@@ -47,7 +47,7 @@ export async function open(context: Context, file: File): Promise<void> {
   }
 }
 
-/** Shows a drive from a file in place of A's, with its own metrics, until the state changes. */
+/** Shows a drive from a file in place of A's drive, with the file's metrics, until the state changes. */
 async function compareDrive({ studio, engine }: Context, drive: Float32Array, name: string): Promise<void> {
   const { state, results } = studio.view;
   const grids = planesOf(state).map((plane) => gridOf(state, undefined, plane));

@@ -15,7 +15,7 @@ export interface Eye {
   zoom(factor: number): void;
   /** Shifts the view by a pointer's movement in px. */
   pan(dx: number, dy: number): void;
-  /** Looks from above, along the slice's normal, or as at first. */
+  /** Looks from above, along the slice's normal, or from where the camera was at the start. */
   look(from: "fromAbove" | "fromAhead" | "asFirst"): void;
 }
 

@@ -56,7 +56,7 @@ export function createHandles(context: Context, view: HTMLElement, camera: () =>
     return { axis, handle };
   });
 
-  /** Returns the place of a slice's handle: at the right end of its side, at the lower corner if the slice is upright. */
+  /** Returns the place of a slice's handle: the middle of the right side, or the lower right corner of an upright slice. */
   const edge = (axis: Axis): Vec3 => placeOn({ ...state().plane, axis }, 1, axis === "z" ? 0.5 : 0);
 
   return function place() {

@@ -13,7 +13,7 @@ const LEADING = 3;
 /** Strokes of each letter: pairs of digits x, y in these units from its lower left corner. */
 const STROKES: Record<string, string> = strokes;
 
-/** Traced letters have more strokes, so the text is this many times as high. */
+/** Traced letters have more strokes, so a text that has some is this many times as high. */
 const LARGER = 2;
 
 /** A word or a line: its strokes from its lower left corner, and its width, in units. */

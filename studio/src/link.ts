@@ -29,7 +29,7 @@ const PATHS = ["circle", "line"] as const;
 
 const MOST_BOARDS = 8;
 const MOST_OBSTACLES = 8;
-/** Largest length, in mm. */
+/** Largest length in mm, and largest pressure in Pa. */
 const FARTHEST = 10_000;
 const LOUDEST = 1e6;
 

@@ -17,8 +17,8 @@ export const turnAt = (milliseconds: number) => 2 * Math.PI * (((FREQUENCY / SLO
 const MOST = 1.5;
 
 /**
- * Returns the quantity that colours the transducers. They are neutral, so that only the field has colour, unless phases are
- * shown.
+ * Returns the quantity that colours the transducers. Unless phases are shown, the transducers are neutral, so that only the
+ * field has colour.
  */
 export const discsOf = ({ quantity, level }: State): Quantity => (quantity === "modulus" && level === "engineer" ? "phase" : quantity);
 

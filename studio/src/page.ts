@@ -54,7 +54,7 @@ const BACKGROUNDS: Record<Manner["theme"], [number, number, number]> = {
   light: [246, 248, 250],
 };
 
-/** Resolution of the canvas while something moves, if software renders it. */
+/** Pixels per CSS px of the canvas while something moves, if software renders the canvas. */
 const COARSE = 0.5;
 
 /** Builds the page in an element. */
@@ -120,7 +120,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     language: () => manner.again({ language: language === "en" ? "ja" : "en" }),
     theme: () => manner.again({ theme: theme === "dark" ? "light" : "dark" }),
     picture(ending) {
-      // The same resolution as that of the PNG.
+      // The canvas is painted with the resolution of the PNG.
       const ratio = paint(2);
       const drawn = sheet(context, look(), root, canvas, within(ratio));
       context.repaint();

@@ -99,7 +99,7 @@ export function createPanels(context: Context, compare: Compare, player: Player,
   const boards = labelled(say("boards"), tiles);
   const levelsField = labelled(say("levels"), levels.select);
 
-  /** Returns the changes for another array: points are between boards that face each other, above other boards. */
+  /** Returns the change to another array. It moves slice and points between boards that face each other, or above others. */
   function standing(array: State["array"]): Partial<State> {
     const { plane, points, array: before } = state();
     const rise = isFacing(array) === isFacing(before) ? 0 : isFacing(array) ? -plane.z : HEIGHT - plane.z;
@@ -173,7 +173,7 @@ export function createPanels(context: Context, compare: Compare, player: Player,
       }
       if (shown !== now.level) {
         for (const each of made) {
-          // A group remembers whether it was open while another level, without folding, is shown.
+          // On levels other than "engineer" groups do not fold; a group remembers whether it was open.
           if (shown === "engineer") each.open = each.root.open;
           each.root.open = now.level !== "engineer" || each.open;
         }

@@ -28,7 +28,7 @@ export function onPlane(plane: Plane, place: Vec3): [number, number, number] {
   return [0.5 + right / plane.size, 0.5 + up / plane.size, off];
 }
 
-/** Returns the place (m) this many sides right and up of the lower left corner. */
+/** Returns the place (m) that is `right` and `up` away from the slice's lower left corner, in sides of the slice. */
 export function placeOn(plane: Plane, right: number, up: number): Vec3 {
   const place = middleOf(plane);
   place[SIDES[plane.axis][0]] += (right - 0.5) * plane.size;

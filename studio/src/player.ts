@@ -20,7 +20,7 @@ const RATE = 1000;
 const FEWEST = 20;
 const MOST = 1000;
 
-/** Number of frames from one picture to the next: a turn takes some seconds. */
+/** Number of frames from one picture to the next, so that a turn takes some seconds. */
 const STRIDE = 4;
 
 /** Samples along a side of a slice that moves. */

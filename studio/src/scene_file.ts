@@ -74,7 +74,7 @@ export function sceneOf(state: State, slot: Slot): SceneFile {
   };
 }
 
-/** The values of an array's other keys that the page supports; all others are rejected. */
+/** For other keys of an array, the only values that the page supports; a file with other values is rejected. */
 const USUAL: Record<string, unknown> = { source_pressure: 4.386, directivity: "point", quantization: {} };
 
 function refuse(item: string, value: unknown, cure: string): never {

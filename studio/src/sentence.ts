@@ -6,7 +6,7 @@ import { element, explained, write } from "./dom.ts";
 import { sentenceOf } from "./numbers.ts";
 import { type Word, WORDS } from "./words.ts";
 
-/** The name of the explanation of each number in the sentence. */
+/** For each number in the sentence, the name of the text that explains it. */
 const TIPS: Record<string, Word> = {
   count: "countTip",
   pressure: "weakestTip",

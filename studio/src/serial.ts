@@ -1,4 +1,4 @@
-/** Serial: plays a board at a serial port: silence first and last, only the newest drive, at the pace of the line. */
+/** Serial: plays a board at a serial port. Sends silence first and last, and the newest drive as fast as the line allows. */
 
 // The start-up is that of docs/boards.md: silence, and silence once more when a restarted Arduino listens. Opening the port of
 // an Arduino restarts it.
@@ -188,7 +188,7 @@ export type Seen = EventTarget & { readonly hidden: boolean; hasFocus(): boolean
 
 /**
  * Turns the player off on Escape, and when the page is hidden or loses the focus. Closes the port when the page is left or
- * opens another address, which another page can cause. Returns a function that ends this.
+ * opens another address, which another page can cause. Returns a function that ends this watch.
  *
  * A page that is killed can send nothing: the board then plays until its power is switched off.
  */

@@ -40,7 +40,7 @@ export interface View {
   /** The level that no drive exceeds; null until it is computed. */
   bound: number | null;
   volume: Volume | null;
-  /** Positions and normals (2 N, 3) of the array; and the same in single precision for the painter. */
+  /** `array`: positions, then normals (2 N, 3). `positions`, `normals`: both in single precision, for the painter. */
   array: Float64Array;
   positions: Float32Array;
   normals: Float32Array;

@@ -73,7 +73,7 @@ test("so does one that is dragged along an upright slice, or off it", () => {
     expect(shift[axis]).toBeCloseTo(0, 12);
     const seen = project(camera, along(point, 1, shift), width, height);
     expect(Math.hypot(seen[0] - x - 30, seen[1] - y + 20)).toBeLessThan(1e-6);
-    // Off the slice, a drag moves the point only along the normal, as near to the pointer as possible.
+    // A drag that lifts the point off the slice moves it only along the normal, as near to the pointer as possible.
     const away = lift(camera, [x, y], [x + 30, y - 20], point, size, axis)!;
     const off = project(camera, point.with(axis, point[axis] + away) as Vec3, width, height);
     expect((off[0] - x) * 30 + (off[1] - y) * -20).toBeGreaterThan(0);

@@ -18,7 +18,7 @@ test.each(Object.entries(SEEN))("phases a quarter of a turn apart differ by 40 o
   };
   const all = Array.from({ length: 96 }, (_, k) => k / 96);
   expect(Math.min(...all.map((t) => away(t, t + 0.25)))).toBeGreaterThan(40);
-  // Phases half a turn apart differ by at least as much, so no two phases look alike.
+  // Phases half a turn apart differ by at least 40, too, so no two phases look alike.
   expect(Math.min(...all.map((t) => away(t, t + 0.5)))).toBeGreaterThan(40);
   // Steps of 15 degrees have similar differences of colour.
   const steps = all.map((t) => away(t, t + 1 / 24));

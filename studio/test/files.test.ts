@@ -63,7 +63,7 @@ test("a drive that the package wrote is written alike", () => {
   DRIVE.split("\n").forEach((row, k) => {
     const [here, there] = [again[k].split(","), row.split(",")];
     expect(here.slice(0, 4)).toEqual(there.slice(0, 4));
-    // The drive has single precision.
+    // Amplitudes and phases are from the drive, which has single precision.
     if (k > 0) here.slice(4).forEach((cell, c) => expect(Number(cell)).toBeCloseTo(Number(there[c + 4]), 6));
   });
   expect(again[0]).toBe("index,x,y,z,amplitude,phase");

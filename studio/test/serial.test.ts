@@ -216,7 +216,7 @@ test.each(["hashchange", "popstate", "pagehide"])("%s lets go of the port: nothi
   player.play(drive(1));
   await vi.runAllTimersAsync();
   window.dispatchEvent(new Event(kind));
-  // Another page has opened another scene here, whose drive follows at once.
+  // Another page has opened another scene at this page's address; the drive of that scene follows at once.
   expect(player.state).not.toBe("playing");
   player.play(drive(9));
   await vi.runAllTimersAsync();

@@ -6,7 +6,7 @@ use midair::{Array, Complex32, Control, Error, KeptField, Medium, Model, field};
 const MOST: usize = 1 << 23;
 const LEAST: usize = 1 << 18;
 
-/// A lattice is dropped after this many fields of other lattices.
+/// A lattice is dropped when the fields of this many other lattices were computed since its last use.
 const PATIENCE: usize = 4;
 
 /// Places above an array, and their matrix G, which is stored from the second field on.

@@ -48,7 +48,7 @@ pub extern "C" fn studio_text(studio: &Studio) -> *const u8 {
     studio.text.as_ptr()
 }
 
-/// Returns the length of that text in bytes.
+/// Returns the length in bytes of the text at [`studio_text`].
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_text_size(studio: &Studio) -> usize {
     studio.text.len()
@@ -60,7 +60,7 @@ pub extern "C" fn studio_numbers(studio: &Studio) -> *const f64 {
     studio.numbers.as_ptr()
 }
 
-/// Returns the count of those numbers.
+/// Returns how many numbers are at [`studio_numbers`].
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_numbers_count(studio: &Studio) -> usize {
     studio.numbers.len()
@@ -72,7 +72,7 @@ pub extern "C" fn studio_drive(studio: &Studio) -> *const f32 {
     studio.drive.as_ptr().cast()
 }
 
-/// Returns N, or 0 if there is no drive.
+/// Returns the number of transducers N of the drive, or 0 if there is no drive.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_drive_count(studio: &Studio) -> usize {
     studio.drive.len()
@@ -90,7 +90,7 @@ pub extern "C" fn studio_bytes(studio: &Studio) -> *const u8 {
     studio.bytes.as_ptr()
 }
 
-/// Returns the count of those bytes.
+/// Returns how many bytes are at [`studio_bytes`].
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_bytes_size(studio: &Studio) -> usize {
     studio.bytes.len()
@@ -103,7 +103,7 @@ pub extern "C" fn studio_catalogue(studio: &mut Studio) {
 }
 
 /// Opens the scene in the text buffer: TOML, or JSON if `toml` is 0; with scalar instructions, or the best ones if
-/// `scalar` is 0. The text has its warnings.
+/// `scalar` is 0. Writes the scene's warnings to the text.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_open(studio: &mut Studio, toml: u32, scalar: u32) -> u32 {
     studio.work(|studio| studio.open(toml != 0, scalar != 0))
@@ -121,7 +121,7 @@ pub extern "C" fn studio_array(studio: &mut Studio) -> u32 {
     studio.work(Studio::array)
 }
 
-/// Reads an array from CSV in the text buffer, whose first line is the file's name. The numbers are as for
+/// Reads an array from CSV in the text buffer, whose first line is the file's name. Writes the same numbers as
 /// `studio_array`.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_read_array(studio: &mut Studio) -> u32 {
@@ -141,20 +141,21 @@ pub extern "C" fn studio_write_drive(studio: &mut Studio) -> u32 {
 }
 
 /// Solves the scene with its solver. The numbers are accuracy, sigma, uniformity, level, residual, leak, scale, status
-/// (0 done, 1 out of steps, 2 stopped), steps, and target, re and im of each point in Pa. The text has warnings.
+/// (0 done, 1 out of steps, 2 stopped, 3 missed), steps, and target, re and im of each point in Pa. Writes warnings to
+/// the text.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_solve(studio: &mut Studio) -> u32 {
     studio.work(Studio::solve)
 }
 
-/// Moves the scene's points. The number buffer has M points (M, 3) in m, then M pressures in Pa, or none to keep the
-/// old ones. The next solve starts from the last drive.
+/// Moves the scene's points. The number buffer has M points (M, 3) in m, then M pressures in Pa, or no pressures to keep
+/// the old ones. The next solve starts from the last drive.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_move(studio: &mut Studio, points: usize) -> u32 {
     studio.work(|studio| studio.set_points(points))
 }
 
-/// Judges the drive at the scene's points: the numbers are the six metrics.
+/// Computes the six metrics of the drive at the scene's points, and writes them to the numbers.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_judge(studio: &mut Studio) -> u32 {
     studio.work(Studio::judge)
@@ -187,7 +188,7 @@ pub extern "C" fn studio_along(studio: &mut Studio, most: usize) -> u32 {
     studio.work(|studio| studio.along(most))
 }
 
-/// Computes the level that no drive exceeds: the first of the numbers.
+/// Computes the level that no drive exceeds, and writes it to the numbers.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_bound(studio: &mut Studio) -> u32 {
     studio.work(Studio::bound)

@@ -130,7 +130,7 @@ function extent(positions: Float32Array, axis: number): number {
  * pitch; without it they suit the slice normal to `axis`.
  */
 export function fit(positions: Float32Array, points: Vec3[], width: number, height: number, axis: Axis = "z", way?: [number, number]): Camera {
-  // High enough that points at the same height appear apart, but not above a board that covers them.
+  // The camera is so high that points at the same height appear apart, but not above a board that covers the points.
   const roofed = positions.some((z, i) => i % 3 === 2 && points.every((point) => point[2] < z));
   const [yaw, pitch] = way ?? [axis === "x" ? Math.PI / 2 - 0.5 : 0.5, axis !== "z" ? 0.3 : roofed ? 0.45 : 0.72];
   const camera: Camera = { target: [0, 0, 0], yaw, pitch, distance: 1 };

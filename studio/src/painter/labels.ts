@@ -75,7 +75,7 @@ export function createLabels(gl: Gl): (view: View, labels: Label[]) => void {
 
   return (view, labels) => {
     const texts = [...new Set(labels.map((label) => label.text))].sort();
-    // Larger on a large screen, like the other texts of the page.
+    // Labels are larger on a large screen, like the other texts of the page.
     const ratio = Math.max(view.ratio, view.size[1] / 1300);
     write(texts, ratio);
     const high = Math.ceil(16 * ratio);

@@ -46,7 +46,7 @@ flat in float half_;
 out vec4 colour;
 void main() { colour = paint * clamp(half_ + .5 - abs(across), 0., 1.); }`;
 
-/** Returns the four sides of the parallelogram at `corner`. */
+/** Returns the four sides of the parallelogram with a corner at `corner` and the sides `u` and `v`. */
 export function outline(corner: Vec3, u: Vec3, v: Vec3, ink: Ink, width: number): Line[] {
   const at = (s: number, t: number): Vec3 => [0, 1, 2].map((k) => corner[k] + s * u[k] + t * v[k]) as Vec3;
   const corners = [at(0, 0), at(1, 0), at(1, 1), at(0, 1)];

@@ -57,7 +57,7 @@ test("at each frame B's numbers are those of its method at that frame's points, 
   await page.evaluate(() => window.midair!.settled());
   const there = await Promise.all(["Uniformity", "Weakest"].map(row));
   shown.forEach((cells, k) => expect(cells[1]).toBe(there[k][1]));
-  // Glide continues from frame to frame; greedy starts anew.
+  // B (greedy) solves each frame anew, so its values are those of points at rest. A (glide) continues from frame to frame.
   expect(shown[1][0]).toMatch(/Pa$/);
 });
 

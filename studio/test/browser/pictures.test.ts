@@ -80,7 +80,7 @@ test.each(["linear", "squared", "decibel"] as const)("a point on a slice has the
 const shows = (name: string) => page.getByRole("group", { name: "What the slices show" }).getByRole("button", { name, exact: true });
 
 test("at the points the wave follows the cosine of their phases, half a period a quarter of a second", async () => {
-  // Software renders animations at half the resolution: on a small slice a pixel is still small.
+  // Software renders animations at half the resolution; in a small slice, even such a pixel is less than a millimetre wide.
   await page.evaluate(() => window.midair!.set({ plane: { z: 0.18, size: 0.05, center: [0.032, 0.016] } }));
   await settled();
   // The test replaces the page's clock.

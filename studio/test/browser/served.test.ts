@@ -101,7 +101,7 @@ test("a page that dies leaves silence within the second and a half", async () =>
 });
 
 test("a page of another origin cannot play it", async () => {
-  // A page without a policy of its own that would forbid the request.
+  // This page has no policy of its own that would forbid the request.
   const folder = await mkdtemp(join(tmpdir(), "foreign-"));
   await writeFile(join(folder, "index.html"), "<!doctype html><title>foreign</title>");
   const foreign = await serve(folder, false);
