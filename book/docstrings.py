@@ -51,8 +51,8 @@ class Docstrings(griffe.Extension):
                     self.describe(member, own)
 
     def method(self, name: str, thing: Any, parent: griffe.Class) -> griffe.Function:
-        """Returns a function of the package that is a method of a compiled class,
-        without its first argument.
+        """Returns a function of the package as a method of a compiled class: its first argument becomes
+        `self`.
         """
         written = inspect.unwrap(thing)
         home = self.pkg[written.__module__.removeprefix("midair.")]

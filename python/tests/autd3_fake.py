@@ -68,7 +68,7 @@ class Fake:
                         self._sockets[board].sendto(head + answer, host)
 
     def _reached(self) -> list[int]:
-        """Returns the boards that a datagram to all boards reaches: up to the first board with a closed port."""
+        """Returns the boards that a datagram to all boards reaches: up to the first with a closed port."""
         closed = self._open.index(False) if False in self._open else len(self._open) - 1
         return list(range(closed + 1))
 

@@ -128,7 +128,7 @@ def off_grid(rng: np.random.Generator, transducers: int) -> Complex:
 
 
 def forbidden(kind: str, drive: Complex) -> NDArray[np.bool]:
-    """Returns which phase codes of a homies board would be 0x55 or 0xAA. Their neighbours are used instead."""
+    """Returns which phase codes of a homies board would be 0x55 or 0xAA: neighbours replace these."""
     codes = np.rint(np.angle(drive) * 128 / np.pi) % 256
     return ((codes == 0x55) | (codes == 0xAA)) & (kind == "homies")
 

@@ -75,7 +75,7 @@ def test_a_scene_is_typed_in_one_line(run: Run) -> None:
         scene = midair.Scene(array, [[0, 0, 0.15], [-0.02, 0, 0.15]], pressures)
         status, out, err = run("solve", "--preset", "AUTD-3", "--tiles", "2,1", *AT, *more, "--json")
         record = json.loads(out)
-        # The board's amplitudes are too coarse for so small a pressure with an error of 1 %.
+        # For so small a pressure, the board's amplitudes are too coarse to meet it within 1 %.
         assert status == 0
         assert not err or err.startswith("warning: the pressures are missed by")
         assert record["points"] == scene.points.tolist()

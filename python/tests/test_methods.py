@@ -234,7 +234,7 @@ def test_moving_points_follow_from_frame_to_frame(name: str, record_property) ->
     # Means are equal: which of two near optima a start leads to is chance, and changes the residual by <
     # 0.001.
     assert np.mean(warm) <= np.mean(cold) + 0.001
-    # Without a start the phases would be independent, a mean change of pi/2.
+    # Without a start, the phases of two frames would be independent, and change by pi/2 on average.
     assert change < 0.5
 
 

@@ -36,7 +36,8 @@ def test_a_circle_is_where_its_formula_is(normal: tuple[float, ...], count: int)
     away = points - center
     assert np.linalg.norm(away, axis=2) == pytest.approx(np.full((200, count), radius))
     assert away @ normal == pytest.approx(np.zeros((200, count)), abs=1e-12)
-    # Every step is the chord of 2 pi / 200, also the one from the last frame to the first, up to rounding.
+    # Every step is the chord of the angle 2 pi / 200, up to rounding, also the step from the last frame to
+    # the first.
     chord = 2 * radius * math.sin(math.pi / 200)
     assert np.abs(steps(points, closed=True) / chord - 1).max() < 1e-11
     assert np.cross(away[0, 0], away[1, 0]) @ normal > 0

@@ -14,7 +14,7 @@ ARRAY = midair.Array.grid(4, 4, pitch=0.01)
 POINT = [[0, 0, 0.1]]
 NAN, INF = float("nan"), float("inf")
 
-#: Values that are not real numbers: of another type, or of another shape than a scalar or a list has.
+#: Values that are neither a real number nor a list of real numbers: of another type, or of another shape.
 NO_NUMBER: Mapping[str, Any] = {
     "text": "1",
     "text with a line break": "1\n2",

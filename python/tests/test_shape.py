@@ -31,7 +31,7 @@ def svg(tmp_path: Path) -> Callable[..., Points]:
 
 
 def steps(points: Points, *, closed: bool = False) -> Points:
-    """Returns the distances of consecutive points."""
+    """Returns the distances between consecutive points."""
     return np.linalg.norm(np.diff([*points, points[0]] if closed else points, axis=0), axis=1)
 
 

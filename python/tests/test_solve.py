@@ -86,7 +86,7 @@ def test_what_an_array_keeps_for_its_next_scene_changes_no_bit() -> None:
         assert same_bits(scene.propagation(), fresh.propagation())
         expected = midair.solve(fresh, "fast").drive
         assert same_bits(midair.solve(scene, "fast").drive, expected)
-        # A scene has its own array and medium.
+        # A scene keeps its array and its medium when its points are replaced.
         again = scene.replace(points=POINTS[::-1]).replace(points=POINTS)
         assert same_bits(midair.solve(again, "fast").drive, expected)
         assert same_bits(midair.Solver(scene, "fast")(POINTS).drive, expected)

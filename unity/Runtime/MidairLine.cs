@@ -1,4 +1,4 @@
-// Line: sends a player's points or frames: to `midair serve` by OSC, or to a serial port.
+// Line: sends a player's points to `midair serve` by OSC, or its frames to a serial port.
 using System;
 using System.IO;
 using System.Linq;

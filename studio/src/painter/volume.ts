@@ -19,7 +19,7 @@ uniform mat4 matrix;
 uniform vec3 least, most;
 out vec3 place;
 void main() {
-  // The box is one strip of 14 vertices. Only its far faces are drawn, so that the camera can be inside.
+  // The cube as one strip of 14 vertices. Only its far faces are drawn, so that the camera can be inside.
   int bit = 1 << gl_VertexID;
   place = mix(least, most, vec3((0x287a & bit) != 0, (0x02af & bit) != 0, (0x31e3 & bit) != 0));
   gl_Position = matrix * vec4(place, 1);
@@ -43,7 +43,7 @@ void main() {
     float q = dot(way, way), h = dot(way, d), root = h * h - q * (dot(d, d) - balls[i].w * balls[i].w);
     if (balls[i].w > 0. && root > 0.) { float t = -(h + sqrt(root)) / q; if (t > 0.) to = min(to, t); }
   }
-  // Only the part of the ray on the plane's positive side is summed.
+  // Only the part of the ray on the plane's positive side.
   float e = dot(plane.xyz, eye) + plane.w, w = dot(plane.xyz, way);
   if (e < 0.) { if (w <= 0.) discard; from = max(from, -e / w); }
   else if (w < 0.) to = min(to, -e / w);

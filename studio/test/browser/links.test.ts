@@ -1,4 +1,4 @@
-// Links and undo contain a typed text; an exported sheet contains a long link completely.
+// Changes by typing into fields are in the link and can be undone; an exported sheet contains a long link completely.
 import { readFile } from "node:fs/promises";
 
 import type { Page } from "playwright-core";
