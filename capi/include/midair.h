@@ -99,7 +99,7 @@ typedef struct {
     midair_status status;
     // The number of steps taken.
     size_t steps;
-    // The factor that supply or modulation must apply to the drive; 1 unless the board has no such amplitude.
+    // The factor that the supply voltage or modulation must apply to the drive; 1 unless the board's amplitudes are too coarse.
     double scale;
     // Metrics of the drive, with the scale applied.
     midair_metrics metrics;
@@ -112,7 +112,7 @@ typedef struct {
     midair_link_kind kind;
     // The number of lines. A frame consists of one part for each line, all of the same length, one after the other.
     size_t lines;
-    // Bits per second of a serial line, where a byte takes ten bits; else 0.
+    // Bits per second of a serial line, where a byte takes ten bits; 0 for other links.
     uint32_t baud;
     // The most frames per second that the line can transmit.
     double rate;
@@ -197,7 +197,7 @@ midair_result midair_session_solve_batch(midair_session *session,
                                          size_t message_size);
 
 // Solves the requests of count scenes by one call, on at most this many threads (0 for one per processor). scenes (count,) are
-// texts as for midair_session_open(); folder is the folder of the files that they name, or NULL. drives (count, transducers)
+// texts as for midair_session_open(); folder is the folder of the files that scenes name, or NULL. drives (count, transducers)
 // has one row for each scene; a row is filled with 0 after the drive of a scene with fewer transducers. answers (count,) may
 // be NULL. If a scene is rejected, the message gives its index, and nothing is written.
 midair_result midair_solve_scenes(const char *const *scenes,
@@ -248,7 +248,7 @@ midair_result midair_board_silence(const midair_board *board,
                                    char *message,
                                    size_t message_size);
 
-// Writes how bytes reach the boards.
+// Writes to link how bytes reach the boards, and what the boards can do by themselves.
 midair_result midair_board_link(const midair_board *board,
                                 midair_link *link,
                                 char *message,
@@ -266,9 +266,9 @@ midair_result midair_session_new(const midair_array *array,
                                  size_t message_size);
 
 // Makes a session from the text of a scene file, TOML or JSON: its array, medium, obstacles, signature, solver and points.
-// folder is the folder of the files that it names; if it is NULL, such files are errors. Shapes of text or drawings, images
-// and files of meshes need the Python package, and are errors. midair_session_solve() with 0 points solves the scene's own
-// request.
+// folder is the folder of the files that the scene names; if folder is NULL, such files are errors. Shapes of text or
+// drawings, images and files of meshes need the Python package, and are errors. midair_session_solve() with 0 points solves
+// the scene's own request.
 midair_result midair_session_open(const char *scene,
                                   const char *folder,
                                   midair_session **session,

@@ -41,7 +41,7 @@ template <class Function, class... Arguments> std::string call(Function function
     return message;
 }
 
-/// Returns the address of numbers, one for each of count owners, or NULL if there are none.
+/// Returns the address of a list of numbers, one for each of count points, or NULL if the list is empty; item is its name.
 inline const double *list(const char *item, const std::vector<double> &values, std::size_t count) {
     if (!values.empty() && values.size() != count) {
         throw Error(MIDAIR_RESULT_INVALID, std::string(item) + " is " + std::to_string(values.size()) +
@@ -137,7 +137,7 @@ struct Batch {
 };
 
 /// Solves several scenes, given as the texts of scene files, on at most this many threads (0 for one per processor). Each drive
-/// is a row of N numbers, filled with 0 if a scene has fewer transducers. folder is the folder of the files that they name.
+/// is a row of N numbers, filled with 0 if a scene has fewer transducers. folder is the folder of files that scenes name.
 inline Batch solve_scenes(const std::vector<std::string> &scenes, std::size_t transducers,
                           const std::string &folder = {}, std::size_t threads = 0) {
     Batch batch(scenes.size(), transducers);
@@ -160,7 +160,7 @@ public:
         handle.reset(made);
     }
 
-    /// Makes a session from the text of a scene file; folder is the folder of the files that it names.
+    /// Makes a session from the text of a scene file; folder is the folder of the files that the scene names.
     static Session open(const std::string &scene, const std::string &folder = {}) {
         midair_session *made = nullptr;
         Session session;

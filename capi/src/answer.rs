@@ -40,7 +40,8 @@ pub struct Answer {
     pub status: Status,
     /// The number of steps taken.
     pub steps: usize,
-    /// The factor that supply or modulation must apply to the drive; 1 unless the board has no such amplitude.
+    /// The factor that the supply voltage or modulation must apply to the drive; 1 unless the board's amplitudes are too
+    /// coarse.
     pub scale: f64,
     /// Metrics of the drive, with the scale applied.
     pub metrics: Metrics,

@@ -29,7 +29,7 @@ fn aside<R: Send>(work: impl FnOnce() -> R + Send) -> Result<R, Error> {
     Ok(thread.join().unwrap_or_else(|panic| resume_unwind(panic)))
 }
 
-/// The number of entries in a list for all problems, with `count` entries for each.
+/// Returns the number of entries in a list for all problems, with `count` entries for each problem.
 fn entries(problems: usize, count: usize) -> Result<usize, Error> {
     let cure = "no memory holds so many points: look at the counts";
     problems.checked_mul(count).ok_or_else(|| Error::invalid("problems", problems, cure))
@@ -110,7 +110,7 @@ pub unsafe extern "C" fn midair_session_solve_batch(
 }
 
 /// Solves the requests of count scenes by one call, on at most this many threads (0 for one per processor). scenes (count,) are
-/// texts as for midair_session_open(); folder is the folder of the files that they name, or NULL. drives (count, transducers)
+/// texts as for midair_session_open(); folder is the folder of the files that scenes name, or NULL. drives (count, transducers)
 /// has one row for each scene; a row is filled with 0 after the drive of a scene with fewer transducers. answers (count,) may
 /// be NULL. If a scene is rejected, the message gives its index, and nothing is written.
 #[unsafe(no_mangle)]

@@ -39,7 +39,7 @@ pub struct Link {
     pub kind: LinkKind,
     /// The number of lines. A frame consists of one part for each line, all of the same length, one after the other.
     pub lines: usize,
-    /// Bits per second of a serial line, where a byte takes ten bits; else 0.
+    /// Bits per second of a serial line, where a byte takes ten bits; 0 for other links.
     pub baud: u32,
     /// The most frames per second that the line can transmit.
     pub rate: f64,
@@ -170,7 +170,7 @@ pub unsafe extern "C" fn midair_board_silence(
     })
 }
 
-/// Writes how bytes reach the boards.
+/// Writes to link how bytes reach the boards, and what the boards can do by themselves.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_board_link(
     board: Option<&Board>,

@@ -21,8 +21,8 @@ pub(crate) enum Given<'a> {
 #[derive(Clone)]
 pub(crate) struct Setting {
     array: Array,
-    /// Three states of the medium: of the scene from which the session was made, if any; the keys set since then; both
-    /// together.
+    /// `before` is the medium of the scene from which the session was made, if any. `given` has the keys set since then.
+    /// `medium` is the result of both.
     before: Option<Medium>,
     given: Vec<(&'static str, f64)>,
     medium: Medium,
@@ -72,7 +72,7 @@ impl Setting {
         self.array.board(kind)
     }
 
-    /// The aim, if it was set; `None` stands for the request's own.
+    /// Returns the aim, if it was set; `None` stands for the aim of the request.
     pub(crate) fn aim(&self) -> Option<Aim> {
         self.choice.aim
     }
@@ -82,7 +82,7 @@ impl Setting {
         self.array.doubts(self.medium).iter().map(ToString::to_string).collect()
     }
 
-    /// Sets an option, also repeatedly.
+    /// Sets an option, or replaces its earlier value.
     pub(crate) fn set(&mut self, name: &str, given: Given<'_>) -> Result<(), Error> {
         let value = |item: &str| given.number(item);
         if let Some(law) = name.strip_prefix("directivity.") {
@@ -228,7 +228,7 @@ impl Given<'_> {
     }
 }
 
-/// Converts each number of a list; `cure` is the cure in the error for one that `read` rejects.
+/// Converts each number of a list by `read`; `cure` is the cure in the error for a number that `read` rejects.
 fn entries<T>(item: &str, list: &[f64], cure: &str, read: impl Fn(f64) -> Option<T>) -> Result<Vec<T>, Error> {
     let refused = |i, number| Error::invalid(format!("{item}[{i}]"), format_args!("{number:?}"), cure);
     list.iter().enumerate().map(|(i, &number)| read(number).ok_or_else(|| refused(i, number))).collect()

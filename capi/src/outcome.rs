@@ -52,7 +52,7 @@ impl Message {
 
 /// Runs the work of a function. Writes its warnings, its error or its panic to the message.
 pub(crate) fn outcome<T: AsRef<str>>(message: Message, work: impl FnOnce() -> Result<T, Error>) -> Outcome {
-    // After a panic, no later call reads data that the call may have left incomplete.
+    // After a panic, no later call reads data that the panicking call may have left incomplete.
     match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(said)) => {
             message.write(said.as_ref());

@@ -50,7 +50,7 @@ impl State {
     /// Solves the request of the scene from which the session was made.
     pub(crate) fn solve_own(&mut self) -> Result<&midair::Solution, Error> {
         if let Some(own) = &self.own {
-            // The request is copied into the memory of the last one.
+            // The scene's request is copied into the memory of the last request.
             self.ask.points.clone_from(&own.points);
             self.ask.request.pressures.clone_from(&own.request.pressures);
             self.ask.request.phases.clone_from(&own.request.phases);
@@ -152,9 +152,9 @@ pub unsafe extern "C" fn midair_session_new(
 }
 
 /// Makes a session from the text of a scene file, TOML or JSON: its array, medium, obstacles, signature, solver and points.
-/// folder is the folder of the files that it names; if it is NULL, such files are errors. Shapes of text or drawings, images
-/// and files of meshes need the Python package, and are errors. midair_session_solve() with 0 points solves the scene's own
-/// request.
+/// folder is the folder of the files that the scene names; if folder is NULL, such files are errors. Shapes of text or
+/// drawings, images and files of meshes need the Python package, and are errors. midair_session_solve() with 0 points solves
+/// the scene's own request.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_session_open(
     scene: *const c_char,

@@ -16,7 +16,7 @@ STRICT = ["-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O1", "-g"]
 
 
 def run(*command: object, cwd: Path = ROOT, **environment: str) -> str:
-    """Run a command that must succeed, and return its output."""
+    """Runs a command that must succeed, and returns its output."""
     words = [str(word) for word in command]
     done = subprocess.run(words, cwd=cwd, capture_output=True, text=True, env={**os.environ, **environment})
     assert done.returncode == 0, f"{' '.join(words)}: {done.stdout}{done.stderr}"
@@ -24,7 +24,7 @@ def run(*command: object, cwd: Path = ROOT, **environment: str) -> str:
 
 
 def need(*programs: str) -> None:
-    """Skip the test with a message if a program is not installed."""
+    """Skips the test with a message if a program is not installed."""
     for program in programs:
         if shutil.which(program) is None:
             pytest.skip(f"{program} is not installed")
@@ -32,7 +32,7 @@ def need(*programs: str) -> None:
 
 @pytest.fixture(scope="session")
 def prefix(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the folder of the installed library."""
+    """Returns the folder of the installed library."""
     prefix = tmp_path_factory.mktemp("usr")
     built = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
     run(ROOT / "capi" / "install.sh", built, prefix)
@@ -46,7 +46,7 @@ def library(prefix: Path) -> Library:
 
 @pytest.fixture(scope="session")
 def flags(prefix: Path) -> list[str]:
-    """Return the compiler flags from pkg-config, with the library's folder for when the program runs."""
+    """Returns the compiler flags from pkg-config, with the library's folder for when the program runs."""
     need("cc", "c++", "pkg-config")
     folder = str(prefix / "lib" / "pkgconfig")
     said = run("pkg-config", "--cflags", "--libs", "midair", PKG_CONFIG_PATH=folder).split()
@@ -55,7 +55,7 @@ def flags(prefix: Path) -> list[str]:
 
 @pytest.fixture
 def compiled(flags: list[str], tmp_path: Path) -> Callable[..., Path]:
-    """Return a function that compiles a file of C99 or C++17 and links it with the library."""
+    """Returns a function that compiles a file of C99 or C++17 and links it with the library."""
 
     def build(source: Path, *options: str) -> Path:
         compiler = ["cc", "-std=c99"] if source.suffix == ".c" else ["c++", "-std=c++17"]

@@ -22,14 +22,14 @@ RETURNED = {
 
 
 def kind(argument: str) -> type:
-    """Return the ctypes type of an argument in the header."""
+    """Returns the ctypes type of an argument in the header."""
     if "*" in argument:
         return c_char_p if re.match(r"(const )?char \*[^*]+$", argument) else c_void_p
     return {"size_t": c_size_t, "double": c_double}[argument.split()[0]]
 
 
 class Library:
-    """The functions by name. Texts may be str, lists NumPy arrays."""
+    """Calls the functions of the C library by name. A text may be a str, a list a NumPy array."""
 
     def __init__(self, prefix: Path) -> None:
         header = (prefix / "include" / "midair.h").read_text()
@@ -45,11 +45,11 @@ class Library:
             self.names.append(name)
 
     def plain(self, name: str, *arguments: object) -> object:
-        """Call a function that cannot fail, and return its result."""
+        """Calls a function that cannot fail, and returns its result."""
         return getattr(self._functions, f"midair_{name}")(*arguments)
 
     def call(self, name: str, *arguments: object, size: int = 1024) -> tuple[int, str]:
-        """Call a function that can fail, and return its result and its message."""
+        """Calls a function that can fail, and returns its result and its message."""
         message = create_string_buffer(b"?" * 1024, 1025)
         words = [argument.encode() if isinstance(argument, str) else argument for argument in arguments]
         words = [word.ctypes.data if isinstance(word, np.ndarray) else word for word in words]
@@ -57,13 +57,13 @@ class Library:
         return result, message.value.decode()
 
     def done(self, name: str, *arguments: object) -> str:
-        """Call a function that must succeed, and return its warnings."""
+        """Calls a function that must succeed, and returns its warnings."""
         result, message = self.call(name, *arguments)
         assert result == 0, message
         return message
 
     def new(self, name: str, *arguments: object) -> c_void_p:
-        """Return a new handle."""
+        """Returns a new handle."""
         handle = np.zeros(1, np.uintp)
         self.done(name, *arguments, handle)
         return c_void_p(int(handle[0]))
@@ -83,7 +83,7 @@ class Library:
         pressures: NDArray[np.float64] | None = None,
         weights: NDArray[np.float64] | None = None,
     ) -> tuple[NDArray[np.complex64], np.void]:
-        """Return the drive of `count` transducers and the answer."""
+        """Returns the drive of `count` transducers and the answer."""
         drive, answer = np.zeros(count, np.complex64), np.zeros(1, ANSWER)
         self.done("session_solve", session, points, pressures, weights, len(points), drive, count, answer)
         return drive, answer[0]

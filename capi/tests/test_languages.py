@@ -22,7 +22,7 @@ def test_ctypes(prefix: Path) -> None:
 
 @pytest.fixture(scope="module")
 def package(prefix: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the folder of the package as npm installs it: packed, unpacked and built."""
+    """Returns the folder of the package as npm installs it: packed, unpacked and built."""
     need("node", "npm", "cc", "pkg-config")
     folder = tmp_path_factory.mktemp("node")
     headers = Path(shutil.which("node") or "").resolve().parents[1] / "include" / "node"

@@ -26,7 +26,7 @@ int main(void)
 
 
 def arguments(program: Path) -> list[str]:
-    """Return arguments for few calls, because these tools make a call about thirty times slower."""
+    """Returns arguments for few calls, because these tools make a call about thirty times slower."""
     return ["all", "20"] if program.stem == MANY.stem else []
 
 

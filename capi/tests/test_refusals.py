@@ -17,7 +17,7 @@ NAN = float("nan")
 
 @pytest.fixture(scope="module")
 def have(library: Library) -> Iterator[SimpleNamespace]:
-    """Return one handle of each kind, and buffers of the right size."""
+    """Returns one handle of each kind, and buffers of the right size."""
     array = library.new("array_grid", 8, 8, 0.0105)
     session, board = library.session(array, "greedy"), library.new("board_new", "mega64", 64)
     buffers = {"drive": np.zeros(64, np.complex64), "place": np.zeros(1, np.uintp), "metrics": np.zeros(6)}
@@ -28,7 +28,7 @@ def have(library: Library) -> Iterator[SimpleNamespace]:
 
 
 def solve(have: SimpleNamespace, **changed: object) -> tuple[object, ...]:
-    """Return the arguments of midair_session_solve, all valid except for those changed."""
+    """Returns the arguments of midair_session_solve, all valid except for those changed."""
     own = {"session": have.session, "points": POINT, "pressures": None, "weights": None, "count": 1}
     own |= {"drive": have.drive, "transducers": 64, "answer": None}
     assert changed.keys() <= own.keys()
@@ -276,7 +276,9 @@ def test_warnings_are_reported_once(library: Library, have: SimpleNamespace) -> 
 
 
 def test_sessions_of_their_own_and_one_for_all(library: Library) -> None:
-    """Threads with their own sessions get the same bits; threads that share one get these or an error."""
+    """Checks that threads with their own sessions get the same bits, and that threads that share one session
+    get these bits or an error.
+    """
     array = library.new("array_preset", "paper20", 1, 1)
     points = np.array([[0.02 * np.cos(t), 0.02 * np.sin(t), 0.15] for t in range(8)])
     shared = library.session(array, "greedy")

@@ -36,7 +36,7 @@ def grid(library: Library) -> Iterator[c_void_p]:
 
 
 def same(library: Library, session: c_void_p, solver: midair.Solver, *request: np.ndarray | None) -> None:
-    """Compare one request in the library and in the package."""
+    """Compares one request in the library and in the package."""
     names = dict(zip(("pressures", "weights"), request[1:], strict=False))
     out = np.zeros(len(solver(request[0], **names).drive), np.complex64)
     solver.reset()

@@ -53,7 +53,8 @@ def test_a_scene_from_text(library: Library, name: str, toml: bool) -> None:
         assert [answer[metric] for metric in METRICS] == [
             getattr(solution.metrics, metric) for metric in METRICS
         ]
-        # Solve points of the caller in between; the next call solves the scene's own again.
+        # A call with points of the caller solves another request; the next call without points solves the
+        # scene's own request again.
         library.solve(session, len(scene.array), np.array([[0.0, 0.01, 0.14]]))
     library.plain("session_free", session)
 

@@ -20,7 +20,8 @@ pytestmark = pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 
 UNITY = ROOT / "unity"
 
-#: Ignores calls for control lines: a pseudo-terminal has none, and Mono opens no port without them.
+#: A library that replaces `ioctl`: calls for control lines do nothing and succeed. A pseudo-terminal has no
+#: control lines, but Mono opens no port without them.
 CONTROL_LINES = """
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -42,7 +43,7 @@ int ioctl(int port, unsigned long request, ...)
 
 @pytest.fixture(scope="module")
 def program(prefix: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., str]:
-    """Return a function that runs the scripts in a program that tests them; compiler warnings are errors."""
+    """Returns a function that runs the scripts in a program that tests them; compiler warnings are errors."""
     need("mcs", "mono")
     built = tmp_path_factory.mktemp("unity") / "scripts.exe"
     sources = sorted([*(UNITY / "Runtime").glob("*.cs"), *(UNITY / "Tests~").glob("*.cs")])
@@ -55,7 +56,7 @@ def program(prefix: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[
 
 
 def numbers(printed: str, name: str) -> list[np.ndarray]:
-    """Return the values of all lines that begin with a name."""
+    """Returns the values of all lines that begin with a name."""
     lines = [line.split() for line in printed.splitlines()]
     return [np.array(words[1:], dtype=float) for words in lines if words[0] == name]
 
@@ -153,7 +154,7 @@ def test_a_serial_board_gets_silence_frames_and_silence(program: Callable[..., s
 
 
 def words_of(datagram: bytes) -> list[str | float]:
-    """Return the words of an OSC message: its address and its arguments, texts or floats."""
+    """Returns the words of an OSC message: its address and its arguments, texts or floats."""
     words: list[str | float] = []
 
     def text() -> str:

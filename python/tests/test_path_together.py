@@ -106,8 +106,8 @@ def test_silent_slots_wait_where_they_were_or_will_be() -> None:
         points, targets = joined.frames(1e3)
         assert joined.points == slots
         assert (points[:, :, 2] == Z).all()
-        # A slot is a row of the frames. A silent slot moves once to its next point, just before this point's
-        # target begins to rise.
+        # A slot is one of the places for points in a frame. A silent slot moves once to its next point, just
+        # before this point's target begins to rise.
         moved = steps(points) > 0
         assert moved.sum() == reused
         assert (targets[:-1][moved] == 0).all()

@@ -1,4 +1,5 @@
-// Changes by typing into fields are in the link and can be undone; an exported sheet contains a long link completely.
+// Targets that a user typed and targets that the page filled in stay distinct in a link, after undo and when a point is
+// removed. An exported sheet contains a long link completely.
 import { readFile } from "node:fs/promises";
 
 import type { Page } from "playwright-core";

@@ -58,7 +58,7 @@ test("a cell, ten times over", async () => {
   expect(page.workers()).toHaveLength(3);
   expect(complaints.filter((line) => /context|error/i.test(line))).toEqual([]);
 
-  // From Python to the page, and from the page to Python.
+  // Python sends a scene to the page, and then the page sends its scene to Python.
   await page.evaluate((scene) => {
     const { model } = window as unknown as Own;
     model.values.scene = scene;
