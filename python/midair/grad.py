@@ -86,11 +86,11 @@ def pressure(
     scene : midair.Scene, midair.Array or midair.Solution
         A scene, an array in its own air, or a solution alone, which gives its drive, too.
     drive : (N,) array_like or midair.Solution, optional
-        Complex, of any modulus.
+        Complex drive of any modulus.
     points : (M, 3) array_like, optional
         Points in m; by default the scene's.
     cotangent : (M,) array_like, optional
-        dL/dRe p + j dL/dIm p, complex, or one for all.
+        dL/dRe p + j dL/dIm p, complex, or one number for all points.
 
     Returns
     -------
@@ -130,7 +130,7 @@ def amplitude(
     scene, drive, points
         As for `pressure`.
     cotangent : (M,) array_like, optional
-        dL/d|p|, real, or one for all.
+        dL/d|p|, real, or one number for all points.
 
     Returns
     -------
@@ -165,7 +165,7 @@ def radiation(
     scene, drive, points
         As for `pressure`.
     cotangent : (M,) array_like, optional
-        dL by the radiation pressure, real, or one for all.
+        dL by the radiation pressure, real, or one number for all points.
 
     Returns
     -------
@@ -204,7 +204,7 @@ def gorkov(
     scene, drive, points
         As for `pressure`.
     cotangent : (M,) array_like, optional
-        dL/dU, real, or one for all.
+        dL/dU, real, or one number for all points.
     radius, density, sound_speed : float, optional
         Properties of the sphere, as for `midair.gorkov`. The gradient `sound_speed` is that of the air.
 
@@ -249,7 +249,7 @@ def force(
     scene, drive, points
         As for `pressure`.
     cotangent : (M, 3) array_like, optional
-        dL by the force, real, or one number for all.
+        dL by the force, real, or one number for all points.
     radius, density, sound_speed : float, optional
         Properties of the sphere, as for `gorkov`.
 
@@ -291,7 +291,7 @@ def stiffness(
     scene, drive, points
         As for `pressure`.
     cotangent : (M, 3) array_like, optional
-        dL by the stiffness, real, or one number for all.
+        dL by the stiffness, real, or one number for all points.
     radius, density, sound_speed : float, optional
         Properties of the sphere, as for `gorkov`.
 

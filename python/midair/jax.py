@@ -50,7 +50,7 @@ def field(
     scene : midair.Scene, midair.Array or midair.Solution
         A scene, an array in its own air, or a solution, which gives its scene.
     drive : (N,) array_like
-        Real or complex; its precision is that of the answer.
+        Real or complex drive; the answer has the same precision.
     points : (M, 3) array_like
         Points in m.
     quantity : str, optional

@@ -142,10 +142,10 @@ bodies! {
     /// Parameters
     /// ----------
     /// point : (3,) array_like
-    ///     Any point of it in m.
+    ///     Any point of the wall in m.
     /// normal : (3,) array_like
-    ///     Direction that it faces. Sound is on the array's side, whichever way the normal points; the normal chooses
-    ///     the side only where the array lies in the wall.
+    ///     Direction that the wall faces. Sound is on the array's side, whichever way the normal points; the normal
+    ///     chooses the side only where the array lies in the wall.
     /// kind : {"rigid", "soft"}, optional
     ///     "rigid" is a solid: on it |p| doubles. "soft" gives the sound no resistance: on it p = 0.
     ///

@@ -214,7 +214,7 @@ getters! {
 /// Warns
 /// -----
 /// SceneWarning
-///     Of a given plane that contains no point, and of points that are far from the array.
+///     For a given plane that contains no point, and for points that are far from the array.
 ///
 /// Notes
 /// -----

@@ -22,7 +22,7 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// z : float, optional
 ///     Height in m of a plane normal to z.
 /// size : float
-///     Side in m.
+///     Side of the square in m.
 /// pixels : int, optional
 ///     Samples along each side.
 /// center : (float, float), optional
@@ -114,7 +114,7 @@ impl Plane {
     /// Returns
     /// -------
     /// (pixels,) ndarray or None
-    ///     In m; None for the normal of the plane.
+    ///     The samples in m; None for the normal of the plane.
     ///
     /// Raises
     /// ------

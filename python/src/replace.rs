@@ -23,8 +23,8 @@ impl Scene {
     /// Parameters
     /// ----------
     /// **changes
-    ///     Named as the constructor names them, or `plane`. None removes pressures, weights or the plane and leaves
-    ///     anything else as it is.
+    ///     The new parts, with the names of the constructor's arguments, or `plane`. None removes pressures, weights or
+    ///     the plane, and leaves anything else as it is.
     ///
     /// Returns
     /// -------

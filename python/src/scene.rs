@@ -38,15 +38,15 @@ pub(crate) const ARGUMENTS: [&str; 7] = ["array", "points", "pressures", "weight
 /// points : (M, 3) array_like
 ///     Points in m.
 /// pressures : float or (M,) array_like, optional
-///     Peak |p| in Pa; 0 means a quiet point. By default all are the balanced level s, which the array can reach
-///     together: sum_j (s/p1_j)^2 = 1, p1_j = sum_i |G_ji|. Complex ones are targets of phase, too, for the methods
-///     that use them.
+///     Peak |p| in Pa; 0 means a quiet point. By default all points have the balanced level s, which the array can
+///     reach together: sum_j (s/p1_j)^2 = 1, p1_j = sum_i |G_ji|. Complex pressures are targets of phase, too, for the
+///     methods that use phases.
 /// weights : float or (M,) array_like, optional
-///     They multiply the points' terms of eq. (7); a point of weight 0 has no effect.
+///     Weights, which multiply the points' terms of eq. (7); a point of weight 0 has no effect.
 /// signature : str, array_like or list, optional
 ///     Turns the foci into traps: "trap", "twin", "vortex", or complex factors (N,) or (M, N) of modulus 1. They
-///     multiply the responses c while it is solved; pressures are then those of the foci, and `field` and `gorkov` use
-///     the real responses. A list has a name, or None for a focus, for each point.
+///     multiply the responses c while a scene is solved; pressures are then those of the foci, and `field` and `gorkov`
+///     use the real responses. A list has a name, or None for a focus, for each point.
 /// bead : mapping, optional
 ///     Sphere that traps are made for: radius in m, density in kg/m^3, sound_speed in m/s and gravity (3,) in m/s^2. By
 ///     default a bead of expanded polystyrene, and 9.81 down the z axis.
@@ -67,7 +67,7 @@ pub(crate) const ARGUMENTS: [&str; 7] = ["array", "points", "pressures", "weight
 /// Warns
 /// -----
 /// SceneWarning
-///     Of values that are probably mistakes.
+///     For values that are probably mistakes.
 ///
 /// Notes
 /// -----
@@ -204,7 +204,7 @@ impl Scene {
     /// Returns
     /// -------
     /// (M, N) ndarray of complex64
-    ///     In Pa.
+    ///     The matrix in Pa.
     ///
     /// Raises
     /// ------
@@ -223,7 +223,7 @@ impl Scene {
     /// Returns
     /// -------
     /// midair.Reach
-    ///     In Pa.
+    ///     The pressures in Pa.
     ///
     /// Raises
     /// ------

@@ -26,7 +26,7 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 ///     A scene, or a matrix G with the keywords below.
 /// solver : str or callable, optional
 ///     A name of `solvers()`; by default the scene file's, else `uniform`. Or a function: solver(propagation, targets,
-///     weights, **options) gets G (M, N) in Pa, targets (M,) in Pa and weights (M,), the largest 1, of the points of
+///     weights, **options) gets G (M, N) in Pa, targets (M,) in Pa and weights (M,) up to 1, of the points with a
 ///     weight above 0, and returns a drive (N,) of moduli up to 1.
 /// pressures, weights, quantization, mask
 ///     For a matrix, as for `Scene`; for a scene they replace its own.

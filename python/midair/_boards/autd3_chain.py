@@ -208,7 +208,7 @@ class Chain:
         return bool(old)
 
     def _assign(self, place: _Place, unit: int) -> _Place:
-        """Give a board its number and make the first one the reference clock; return its new address."""
+        """Give a board its number, and make board 0 the reference clock; return the board's new address."""
         for _ in range(ATTEMPTS):
             for answer, body in self._request(place, Kind.NUMBER, bytes([unit, unit == 0]), most=1):
                 self._check(unit, Kind.NUMBER, body)

@@ -24,13 +24,13 @@ class Board:
         A kind of board that `midair boards` lists, such as "autd3", or a preset of one, such as
         "sonicsurface_pair". Or OpenMPD's board file .pat, two for a pair.
     array : midair.Array, optional
-        N transducers in the order of the board's preset, one board after the other. By default the
-        preset's, or a grid for a kind that has none.
+        N transducers in the order of the board's preset, one board after the other. By default those of
+        the preset, or a grid for a kind without a preset.
     tiles : (int, int), optional
         Boards along x and y of a preset that tiles, such as (2, 2).
     channels : (N,) or (C,) sequence of int, optional
-        Channel of each transducer, those of a second board after those of the first. By default the
-        order of the preset. For an array with C channels of its own: the board's channel of each.
+        Channel of each transducer; the channels of a second board follow those of the first. By default
+        the preset's order. If the array has C channels of its own: the board's channel for each of them.
     corrections : (N,) or (C,) array_like, optional
         Phase in rad that each transducer adds by itself. The phase sent is the wanted one minus the
         correction, before rounding.

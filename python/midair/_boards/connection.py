@@ -115,7 +115,7 @@ class Connection:
         late : {"skip", "wait", "error"}, optional
             For a frame that comes more than a period late because the board is slow: "skip" drops it and
             keeps to the clock, "wait" plays it and moves the clock, "error" raises BoardTimeout. A frame
-            from a slow generator is played when it comes, unless that is an error.
+            from a slow generator is played when it comes, unless `late` is "error".
 
         Returns
         -------
@@ -163,7 +163,7 @@ class Connection:
         Raises
         ------
         BoardError
-            For a board that stores none, and if the connection is closed; BoardLost if the board is gone.
+            For a board that stores no sequence, a closed connection; BoardLost if the board is gone.
         SceneError
             For wrong frames.
         """
@@ -181,8 +181,8 @@ class Connection:
         Parameters
         ----------
         hz : float, (S,) array_like or None
-            Frequency in Hz of the sine on AUTD3, of on and off on SonicSurface. Or samples of the pressure
-            from 0 to 1 that AUTD3 repeats, 2 to 65536 of them at 4000 a second. None for no modulation.
+            Frequency in Hz: of a sine on AUTD3, of switching on and off on SonicSurface. Or 2 to 65536
+            samples of the pressure, 0 to 1, which AUTD3 repeats at 4000 a second. None for no modulation.
 
         Raises
         ------
@@ -352,13 +352,13 @@ def connect(
         A board and its place: "autd3" (searched), "autd3:eth0" (a network interface), "autd3:emulator",
         "sonicsurface:/dev/ttyUSB0" (a port), "openmpd:SERIAL" or "openmpd:SERIAL+SERIAL" (FTDI chips).
         Or no device: "sonicsurface:loop" is as slow as its line, "sonicsurface:null" accepts frames at
-        once, "null" does so as an AUTD3, "file:frames.bin" writes the frames to a file.
+        once, "null" is such an AUTD3, "file:frames.bin" writes the frames to a file.
     array : midair.Array, optional
         The board's transducers, if they differ from its preset.
     board : midair.Board or str, optional
         A board of your own; a name if the address has none.
     hold : float, optional
-        Time in s without a call to send, stream, upload, modulate or off, after which all is turned off.
+        Time in s without a call to send, stream, upload, modulate or off, after which the board turns off.
     limit : mapping, optional
         {"positions": (K, 3) in m or a `midair.Ear`, "pressure": Pa} rejects frames whose peak |p| there
         is higher. Other entries, such as temperature, are for the `midair.Scene` that computes |p|.

@@ -41,7 +41,7 @@ def read(
     Returns
     -------
     midair.Solution, midair.Sequence, ndarray of complex64 or ControlPoints
-        By the ending and content, below.
+        The content of the file, see Notes.
 
     Raises
     ------

@@ -42,7 +42,7 @@ def write(
     drives : midair.Solution, midair.Sequence, (N,) or (T, N) array_like, or midair.path.Path
         Complex drives of |q| <= 1; for "points" places (M, 3) or (T, M, 3) in m, a path or a sequence.
     board : midair.Board, str or path, optional
-        A board, its name or .pat file; needed for .bin, and the array of drives without one.
+        A board, its name or .pat file; needed for .bin. Drives without an array get the board's array.
     layout : str, optional
         Layout of a .csv, see Notes; by default it follows from the content.
     rate : float, optional
@@ -73,7 +73,7 @@ def write(
     | `.csv`, "points" | t,x,y,z,intensity[,frequency]: for Ultraleap's devices, no drives | points |
 
     Drives of 512 transducers in `.holo` and "acoustools" are those of two OpenMPD boards and are put into
-    AcousTools' order. A name with 0_Phase is Ultraino's without a layout, too.
+    AcousTools' order. Without a layout, a name with 0_Phase means "ultraino".
 
     Examples
     --------

@@ -147,7 +147,7 @@ class Exposed:
     position : (float, float, float)
         The place (x, y, z) in m.
     frame : int
-        Loudest frame of a sequence there; 0 otherwise.
+        The loudest frame at this place, of a sequence; otherwise 0.
 
     Examples
     --------
@@ -270,7 +270,7 @@ def exposure(
         The drive that plays. For a sequence, each place reports its loudest frame, taken as constant.
     places : mapping
         Places by name: a position (3,) in m, a box as two corners (2, 3), or a `midair.Ear` (a box).
-        Positions are lambda/100 at least from every transducer, boxes lambda.
+        Positions must be at least lambda/100 from every transducer, boxes at least lambda.
     limit : str or float, optional
         "howard" (110 dB), "acgih" (115), "acgih air" (145), "irpa" (100), or a level in dB.
 

@@ -154,7 +154,7 @@ def haptic(
     closed : bool, optional
         Whether the last place is joined to the first; not needed for a path.
     beside : float, optional
-        Largest distance in m of foci from the shape, by default half a wave of the skin; 0: on it.
+        Largest distance in m of foci from the shape, by default half a wavelength on the skin; 0: none.
     ears : mapping, optional
         Places, as `midair.exposure` takes them, that must not be louder than a limit. Otherwise the level is
         lowered, which needs a board with amplitudes.

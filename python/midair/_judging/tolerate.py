@@ -74,9 +74,9 @@ def tolerate(
     seed : int, optional
         A seed gives the same answer whatever the threads.
     threads : int, optional
-        Largest number of threads; by default one a processor.
+        Largest number of threads; by default one per processor.
     scheduler : str, optional
-        Address of a Dask scheduler; by default this machine works.
+        Address of a Dask scheduler; by default this machine does the work.
     progress : callable, optional
         Called with (trials done, trials); False stops, and returns the finished trials.
     **options
@@ -90,7 +90,7 @@ def tolerate(
     Raises
     ------
     SceneError
-        For faults out of their range, none at all, and what `midair.solve` refuses.
+        For faults out of their range, a call without faults, and what `midair.solve` refuses.
     TypeError
         If `scene` has another type, or the name of a fault is mistyped.
 

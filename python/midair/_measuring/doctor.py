@@ -71,11 +71,11 @@ def doctor(
     in_pascals : bool, optional
         False where the microphones' sensitivity is unknown; the level is then not judged.
     boards : int, optional
-        Number of boards of an array, one after the other; a board knows it.
+        Number of boards of an array, one after the other; not needed for a midair.Board.
     seconds : float, optional
-        Longest time in s that the board plays; 4 readings of a transducer, if there is time.
+        Longest time in s that the board plays; if it suffices, there are 4 readings per transducer.
     settle : float, optional
-        Time in s that a frame has before it is read.
+        Time in s from the start of a frame to its reading.
     seed : int, optional
         Seed of the drives.
     progress : callable, optional

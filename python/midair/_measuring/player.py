@@ -29,7 +29,7 @@ class Tuning:
     Attributes
     ----------
     drive : (N,) ndarray of complex64
-        |q| <= 1.
+        The drive, |q| <= 1.
     pressures : (M,) ndarray
         |p| of this drive, as read or as three readings determine it.
     value : float
@@ -41,7 +41,7 @@ class Tuning:
     error : Exception or None
         The error that the reader raised.
     trace : ndarray
-        The value after each turn, step or reading.
+        The value after each step; in greedy, after each transducer.
 
     Examples
     --------
@@ -184,7 +184,7 @@ class Fault:
     size : float
         Gain or level relative to the usual one, phase or delay in degrees, sound speed in m/s.
     text : str
-        A sentence.
+        The fault in one sentence.
 
     Examples
     --------
@@ -208,7 +208,7 @@ class Report:
     board : str
         Kind of the board.
     faults : tuple of midair.Fault
-        The faults; none where nothing is wrong.
+        The faults; empty if nothing is wrong.
     notes : tuple of str
         Other remarks, a sentence each.
     response, response_error : (N,) ndarray

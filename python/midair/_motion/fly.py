@@ -19,12 +19,12 @@ from .sequence import Flight, Sequence
 #: 1e-4.
 ANGLE = 0.3
 
-#: Knots whose forces are computed together; number of such results that are stored for later laps, about 500
-#: MB.
+#: Knots (interpolation nodes in time) whose forces are computed together; number of such blocks that are
+#: stored for later laps, about 500 MB.
 KNOTS, KEPT = 1024, 32
 
-#: Most knots that are simulated in one call; and fewer after a bead has left its cell, because it may be
-#: lost.
+#: Largest number of knots that are simulated in one call; and the number after a bead has left its cell, when
+#: it may soon be lost.
 FLOWN, SOON = 8192, 16
 
 #: Distance between neighbouring cells, in radii of a cell, so that every place lies well inside of a cell.
@@ -63,9 +63,10 @@ def fly(
     speeds : (B, 3) array_like, optional
         Velocities in m/s at the start; by default those of the points if the sequence is closed, else 0.
     duration : float, optional
-        Duration in s; by default the sequence's, or if it is closed a second in whole laps, at most 100.
+        Duration in s; by default that of an open sequence, and as many laps of a closed one as take 1 s (at
+        most 100).
     tau, hold
-        Time constant of the transducers in s and board between frames, as for `Sequence.between`.
+        Time constant of the transducers in s, and how the board plays a frame, as for `Sequence.between`.
     radius, density, sound_speed, gravity
         Properties of the beads, as for `midair.gorkov`.
 
@@ -159,7 +160,7 @@ class Group:
         start: NDArray[np.float64],
         knots: int,
     ) -> None:
-        # The knot after the last one of a lap, or of the flight if that is shorter.
+        # The knot after the last one of a lap, or of the flight if the flight is shorter than a lap.
         self._end = min(len(course.drives), knots - 1)
         self._course, self._bead, self._points, self._count = course, bead, points, len(points)
         self._forces = Forces(scene, bead.factors)

@@ -220,7 +220,7 @@ class JudgedFrames(Frames):
         Returns
         -------
         (stop - start, N) ndarray of float32
-            In rad.
+            Changes in rad.
         """
         first, last, _ = slice(start, stop).indices(len(self))
         return self._drives.changes(slice(first, max(first, last)), self._closed)

@@ -104,7 +104,7 @@ def between(
     for part, steps, y in envelope.inside(substeps):
         shares = np.arange(steps.start, steps.stop) / substeps
         places = points[part, None] + shares[:, None, None] * step[part, None]
-        # G has `count` times as many numbers as the drives.
+        # G has `count` times as many numbers as the drives, so it is computed in smaller blocks.
         for some in blocks(len(y), y[0].size * count):
             matrices = rows(scene, places[some], first=part.start + some.start)
             found[part.start + some.start : part.start + some.stop, steps] = moduli(matrices, y[some])
@@ -223,7 +223,7 @@ AT_ONCE = 128
 
 
 class Forces:
-    """The forces of a scene's real field on a sphere with Gor'kov's two factors (2,)."""
+    """Computes the forces of a scene's field, without signatures, on a sphere with Gor'kov's factors (2,)."""
 
     def __init__(self, scene: Scene, factors: NDArray[np.float64]) -> None:
         self._scene, self._factors = scene.replace(signature=None, pressures=None), factors
@@ -239,7 +239,7 @@ class Forces:
         inner = _within(PLACES)
         plane = np.exp(1j * wavenumber * self.unit * inner @ directions.T)
         slopes = 1j * wavenumber * directions
-        # For each place ten rows: pressure, its three first and its six second derivatives.
+        # For each place ten rows: the pressure, and the pressure's three first and six second derivatives.
         sides = [np.ones(len(directions)), *slopes.T]
         sides += [slopes[:, a] * slopes[:, b] for a, b in SECOND]
         self._inside = np.concatenate([(plane * side) @ waves for side in sides]).T.astype(np.complex64)
@@ -248,8 +248,8 @@ class Forces:
     def around(self, places: NDArray[np.float64], drives: NDArray[np.complex64]) -> NDArray[np.float64]:
         """Return coefficients (P, 84, 3) in N around places (P, 3), each in the field of its drive (P, N).
 
-        They are of polynomials in coordinates relative to the place, in units of `unit` m. Monomials are in
-        the order of `monomials`.
+        The polynomials are in coordinates relative to the place, in units of `unit` m. Their monomials are in
+        the order of the function `monomials`.
         """
         found = np.empty((len(places), TERMS, 3))
         for start in range(0, len(places), AT_ONCE):

@@ -43,7 +43,7 @@ class Sequence(JudgedFrames):
     points : (T, M, 3) array_like
         Points of each frame in m.
     targets : (T, M) or (M,) array_like, or float
-        Peak pressures in Pa; 0 where a point is not there in that frame.
+        Peak pressures in Pa; 0 in frames where a point is absent.
     drives : (T, N) array_like
         Complex, |q| <= 1. Or whole numbers: codes l of the phases 2 pi l/L at full amplitude.
     rate : float
@@ -336,7 +336,7 @@ class Flight:
         fps: int = 20,
         progress: Callable[[int, int], object] | None = None,
     ) -> None:
-        """Write the beads on their ways as .webp, .gif or, by ffmpeg, .mp4.
+        """Write an animation of the beads in flight as .webp, .gif or, by ffmpeg, .mp4.
 
         Parameters
         ----------

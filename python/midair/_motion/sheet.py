@@ -25,7 +25,7 @@ from .._midair import Mesh, Plane, SceneError, Shifted
 SAMPLES, END = 221, 16.0
 
 #: Table of K_0 along one direction of the complex plane: least and largest |z|, and number of entries. The
-#: error is 0.2 % while waves exceed a hundredth.
+#: interpolation error is 0.2 % as long as the waves have fallen by less than a factor of 100.
 LEAST, MOST, ENTRIES = 1e-5, 400.0, 6000
 
 
@@ -171,8 +171,8 @@ class Triangles:
         weights = diags_array(self._areas)
         self.stiffness = sum(g.T @ weights @ g for g in self._gradients)
         self.shares = np.bincount(faces.ravel(), np.repeat(self._areas / 3, 3), count)
-        # This matrix is positive definite and has the same pattern as those of all frequencies, so its order
-        # serves them all.
+        # This matrix is positive definite and has the pattern of the matrices of all frequencies, so its
+        # order of corners suits all of them.
         first = splu(
             (self.stiffness + diags_array(self.shares)).tocsc(), "MMD_AT_PLUS_A", 0, options=SYMMETRIC
         )

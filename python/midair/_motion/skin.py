@@ -60,8 +60,8 @@ def skin(
         Moving mass in kg/m^2; fitted to the threshold of 0.4 mN at 200 Hz on the finger (Dalecki et al., J.
         Acoust. Soc. Am. 97, 3165, 1995).
     reach : float, optional
-        Distance in m over which the slow channel compares displacements: the radius of the receptive field
-        of a fast-adapting unit, 13 mm^2 (Johansson and Vallbo 1983).
+        Distance in m over which the slow channel compares displacements. The default is the radius of the
+        receptive field of a fast-adapting unit, 13 mm^2 (Johansson and Vallbo 1983).
     tau : float, optional
         Time constant of the transducers in s, 0 for none.
 
@@ -136,7 +136,7 @@ class Skin:
     Attributes
     ----------
     places : (P, 3) ndarray
-        In m.
+        Places on the hand in m.
     hand : midair.Plane or midair.Mesh
         The plane, row after row of its pixels, or the mesh.
     pressure : (P,) ndarray
@@ -195,12 +195,12 @@ class Skin:
         Parameters
         ----------
         place : (3,) array_like
-            In m.
+            Place in m.
 
         Returns
         -------
         (L,) ndarray
-            In m.
+            Displacements in m.
 
         Raises
         ------
@@ -215,7 +215,7 @@ class Skin:
         Parameters
         ----------
         places : (K, 3) array_like
-            In m.
+            Places in m.
 
         Returns
         -------
@@ -230,7 +230,7 @@ class Skin:
         return self.strength[[self._nearest(place) for place in arguments.places(places)]]
 
     def width(self, place: ArrayLike | None = None) -> float:
-        """Return the felt width: twice the way from a place to the nearest of less than half its strength.
+        """Return the felt width: twice the distance to the nearest place with less than half the strength.
 
         Parameters
         ----------
@@ -240,7 +240,7 @@ class Skin:
         Returns
         -------
         float
-            Width in m; inf if the strength is nowhere below that.
+            Width in m; inf if no place has less than half the strength.
 
         Raises
         ------
@@ -260,7 +260,7 @@ class Skin:
         Returns
         -------
         float
-            In m.
+            Width in m.
 
         Raises
         ------
@@ -275,12 +275,12 @@ class Skin:
         Parameters
         ----------
         times : (K,) array_like
-            In s.
+            Times in s.
 
         Returns
         -------
         (K, P) ndarray of float32
-            In m.
+            Displacements in m.
 
         Raises
         ------

@@ -188,8 +188,8 @@ def modulated(
     Raises
     ------
     SceneError
-        For a solution without a scene, a wrong modulation, and a rate of which no 1024 frames or fewer make
-        whole periods.
+        For a solution without a scene, a wrong modulation, and a rate at which up to 1024 frames never
+        contain whole periods.
 
     Examples
     --------
@@ -268,7 +268,7 @@ def stream(
     Raises
     ------
     SceneError
-        If an argument is invalid; or, when it comes, a frame.
+        If an argument or a frame is invalid.
 
     See Also
     --------

@@ -72,8 +72,8 @@ def plot(
     quantity : {"pressure", "radiation", "spl", "phase"}, optional
         |p| in Pa, the radiation pressure on a wall in Pa, the sound pressure level in dB, or the phase of p.
     vmax : float, optional
-        Value at the top of the colour scale, in Pa or dB. By default the picture's largest, unless that is
-        over twice as loud as all within two wavelengths of the points, as a transducer is.
+        Value at the top of the colour scale, in Pa or dB. By default the picture's largest value, without
+        places (near transducers) twice as loud as all those within two wavelengths of the points.
     cmap : str or Colormap, optional
         A colour map of matplotlib; by default the quantity's own.
     size : float or (float, float), optional
@@ -93,8 +93,8 @@ def plot(
 
     Notes
     -----
-    Points of the plane are dots, quiet ones crosses; points off it are hollow rings where they project. Where
-    it takes several planes to show the points, each has a panel if ax is left out.
+    Points in the plane are dots, quiet ones crosses; rings are the projections of points outside of it. If
+    the points lie in several planes, each plane has a panel if ax is left out.
 
     Examples
     --------

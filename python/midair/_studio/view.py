@@ -22,7 +22,7 @@ def view(what: Scene | Solution) -> View:
     Parameters
     ----------
     what : midair.Scene or midair.Solution
-        A solution shows its scene, its solver as method A.
+        A solution shows its scene, with its solver as method A.
 
     Returns
     -------

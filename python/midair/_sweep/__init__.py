@@ -50,7 +50,7 @@ def sweep(
     scheduler : str, optional
         Address of a Dask scheduler; by default threads of this process work.
     threads : int, optional
-        Largest number of threads; by default one a processor.
+        Largest number of threads; by default one per processor.
     progress : callable, optional
         Called with (problems done, problems).
 

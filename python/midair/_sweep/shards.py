@@ -46,12 +46,12 @@ class Dataset:
     Parameters
     ----------
     folder : str or path
-        Folder of its files.
+        Folder of the data set's files.
 
     Attributes
     ----------
     folder : path
-        Folder of its files.
+        Folder of the data set's files.
 
     Raises
     ------
@@ -151,7 +151,7 @@ class Dataset:
         Parameters
         ----------
         drives : (B, N) array_like
-            Complex drives. Targets are the request's; without pressures each scene's are equal.
+            Complex drives. Targets are the request's; without pressures a scene's targets are equal.
 
         Returns
         -------
@@ -197,7 +197,7 @@ def dataset(
     request : str, path or mapping
         As for `midair.sweep`, with arrays of one size and one solver; all scenes share the solver's seed.
     folder : str or path
-        Folder of the Parquet files and dataset.json; one that has the same set is completed.
+        Folder of the Parquet files and dataset.json; a part of the same set that it has is completed.
     bounds : bool, optional
         Whether each scene's bound, which no drive exceeds, is computed too.
     scheduler, threads, progress

@@ -44,7 +44,7 @@ def circle(
     speed : float, optional
         Speed in m/s; alternatively give `frequency`.
     frequency : float, optional
-        Turns a second.
+        Turns per second.
     turns : float, optional
         Number of turns; a path of whole turns is closed.
     start_angle : float, optional
@@ -54,7 +54,7 @@ def circle(
     points : int, optional
         Number M of points.
     pressures : float or (M,) array_like, optional
-        Peak pressures in Pa; by default balanced.
+        Peak pressures in Pa; by default the balanced level.
 
     Returns
     -------
@@ -98,11 +98,11 @@ def line(
     speed : float, optional
         Speed in m/s; alternatively give `frequency`.
     frequency : float, optional
-        Times a second; there and back count once.
+        Runs per second; there and back are one run.
     there_and_back : bool, optional
         Whether the point returns.
     pressures : float, optional
-        Peak pressure in Pa; by default balanced.
+        Peak pressure in Pa; by default the balanced level.
 
     Returns
     -------
@@ -142,11 +142,11 @@ def polyline(
     speed : float, optional
         Speed in m/s; alternatively give `frequency`.
     frequency : float, optional
-        Times a second along the whole way.
+        Runs per second along the whole polyline.
     closed : bool, optional
         Whether a line leads from the last corner to the first.
     pressures : float, optional
-        Peak pressure in Pa; by default balanced.
+        Peak pressure in Pa; by default the balanced level.
 
     Returns
     -------
@@ -187,17 +187,17 @@ def lissajous(
     center : (3,) array_like
         Center in m.
     size : (float, float)
-        Width and height of the whole, in m.
+        Width and height of the figure in m.
     ratio : (int, int)
         a and b, two whole numbers; 1, 1 is an ellipse, 1, 2 with phase 0 an eight.
     phase : float, optional
         Phase of the x component in rad.
     speed : float, optional
-        In m/s, constant along the figure (a sine in time would not be); or give `frequency`.
+        Speed in m/s, constant along the figure (a sine in time has none); or give `frequency`.
     frequency : float, optional
-        Figures a second.
+        Figures per second.
     pressures : float, optional
-        Peak pressure in Pa; by default balanced.
+        Peak pressure in Pa; by default the balanced level.
 
     Returns
     -------

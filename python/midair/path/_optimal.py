@@ -60,7 +60,8 @@ def fastest(
     array : midair.Array or midair.Scene
         The array that traps the bead. Of a scene, its array, air and obstacles are used.
     closed : bool, optional
-        Whether the curve goes on from the last point to the first, for ever; else from rest to rest.
+        Whether the curve goes on from the last point to the first, for ever. Otherwise the bead starts and ends
+        at rest.
     margin : float, optional
         Part of a trap's largest force along each of its axes that the run may take, below 1. The rest is for
         a board's steps, other points and draught; `midair.fly` shows whether it suffices.
@@ -72,7 +73,7 @@ def fastest(
     Returns
     -------
     Path
-        The bead's path: `midair.sequence` has each trap give the force that the path takes at that place.
+        The bead's path. `midair.sequence` places each trap so that it gives the force which the run needs.
 
     Raises
     ------
@@ -82,7 +83,7 @@ def fastest(
     Notes
     -----
     The trap of a single point is solved at places along the curve. The least force that `midair.rest`
-    reports along each of its axes bounds the run, drag counted in.
+    reports along each of its axes limits the run, which includes drag.
 
     Examples
     --------

@@ -271,8 +271,8 @@ class Path:
         Parameters
         ----------
         other : Path
-            Of the same duration. Or both are closed, with durations in a ratio of whole numbers: they repeat
-            until both are at their start again.
+            A path of the same duration. Or both are closed, with durations in a ratio of whole numbers: they
+            repeat until both are at their start again.
 
         Returns
         -------
@@ -305,7 +305,7 @@ class Path:
         Returns
         -------
         Path
-            Both; closed if its end joins its start.
+            Both paths as one, which is closed if its end joins its start.
 
         Raises
         ------
@@ -340,8 +340,8 @@ class Path:
         Notes
         -----
         With c = cos(2 pi frequency t), s is sqrt((1 + c) / 2) for "sqrt". Its force on a hand has one line in
-        its spectrum and the mean 1/2. For "cosine" s is (1 + c) / 2, of mean force 3/8; for "square" it is 1,
-        then 0.
+        its spectrum and the mean 1/2. For "cosine" s is (1 + c) / 2, with a mean force of 3/8; for "square" s
+        is 1, then 0.
         """
         return self.modulated(frequency, shape, depth)
 

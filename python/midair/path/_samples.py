@@ -48,9 +48,9 @@ def svg(
     speed : float, optional
         Speed in m/s; alternatively give `frequency`.
     frequency : float, optional
-        Times a second along the outline.
+        Runs per second along the outline.
     pressures : float, optional
-        Peak pressure in Pa; by default balanced.
+        Peak pressure in Pa; by default the balanced level.
 
     Returns
     -------
@@ -176,7 +176,7 @@ def from_array(
     rate : float
         Frames a second.
     pressures : float, (M,) or (T, M) array_like, optional
-        Peak pressures in Pa, straight between frames, too; by default balanced.
+        Peak pressures in Pa, interpolated like the points; by default the balanced level.
     closed : bool, optional
         Whether the last frame continues to the first.
 
@@ -222,7 +222,7 @@ def morph(
     speed : float, optional
         Speed in m/s of the point with the longest way.
     pressures : float or (M,) array_like, optional
-        Peak pressures in Pa; by default balanced.
+        Peak pressures in Pa; by default the balanced level.
 
     Returns
     -------
@@ -273,7 +273,7 @@ def still(places: ArrayLike, *, duration: float, pressures: ArrayLike | None = N
     duration : float
         Duration in s of a period: the path is closed and repeats.
     pressures : float or (M,) array_like, optional
-        Peak pressures in Pa; by default balanced.
+        Peak pressures in Pa; by default the balanced level.
 
     Returns
     -------

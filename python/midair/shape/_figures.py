@@ -65,7 +65,7 @@ def circle(
     step : float, optional
         Distance between neighbours in m.
     normal : (3,) array_like, optional
-        Normal of the plane, of any length; the points follow counterclockwise, seen against it.
+        Normal of the plane, of any length; counterclockwise points if the normal points to the viewer.
 
     Returns
     -------
@@ -126,7 +126,7 @@ def text(string: str, *, height: float, z: float, step: float = STEP, font: str 
     Parameters
     ----------
     string : str
-        One line.
+        One line of text.
     height : float
         Height of a capital H in m.
     z : float
