@@ -99,7 +99,7 @@ typedef struct {
     midair_status status;
     // The number of steps taken.
     size_t steps;
-    // The factor that the supply voltage or modulation must apply to the drive; 1 unless the board's amplitudes are too coarse.
+    // The factor that supply voltage or modulation must apply to the drive; 1 unless the board's amplitudes are too coarse.
     double scale;
     // Metrics of the drive, with the scale applied.
     midair_metrics metrics;

@@ -40,8 +40,7 @@ pub struct Answer {
     pub status: Status,
     /// The number of steps taken.
     pub steps: usize,
-    /// The factor that the supply voltage or modulation must apply to the drive; 1 unless the board's amplitudes are too
-    /// coarse.
+    /// The factor that supply voltage or modulation must apply to the drive; 1 unless the board's amplitudes are too coarse.
     pub scale: f64,
     /// Metrics of the drive, with the scale applied.
     pub metrics: Metrics,
