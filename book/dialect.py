@@ -35,7 +35,7 @@ def prose(text: str, markdown: bool) -> str:
 
 
 def counts(pattern: re.Pattern[str]) -> dict[str, int]:
-    """Returns how often the words occur in each file, also as parts of longer names."""
+    """Returns how often the pattern's words occur in each file, also as parts of longer names."""
     listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True)
     files = [name for name in listed.stdout.splitlines() if name.endswith(TEXTS) and name not in GENERATED]
     texts = {name: ROOT.joinpath(name) for name in files}

@@ -1,4 +1,6 @@
-"""Guided fuzzing of a function of bytes, with Atheris for the package; or a run over the stored inputs."""
+"""Fuzzes a function of bytes, guided by Atheris, which measures the coverage of the package.
+With "replay", runs the function on the stored inputs.
+"""
 
 from __future__ import annotations
 

@@ -191,7 +191,7 @@ def lm(
 
 
 def least_squares(G: Complex, t: Real, start: Real, evaluations: int) -> Complex:
-    """Minimises the cost of `lm_residuals` by SciPy's trust-region method."""
+    """Returns the drive that minimises the cost of `lm_residuals`, by SciPy's trust-region method."""
 
     def value(x: Real) -> Real:
         f = lm_residuals(G, t, x)[0]

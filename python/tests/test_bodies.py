@@ -222,7 +222,7 @@ def test_a_mesh_is_solved_once(cache: Path) -> None:
         assert np.array_equal(midair.Scene(other, POINTS[:2], obstacles=[mesh]).propagation(), first)
         kept.copy().pop().write_bytes(spoil)
     assert not list(cache.rglob("*.part"))
-    # Every other medium or mesh is stored in a file of its own.
+    # Each combination of mesh and medium has a file of its own: these scenes add two files.
     midair.Scene(array, POINTS[:2], frequency=39e3, obstacles=[mesh])
     midair.Scene(array, POINTS[:2], obstacles=[ball(1, "soft", 0.0079)])
     assert len(set(cache.rglob("*.npz")) - before) == 3

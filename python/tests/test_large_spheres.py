@@ -75,7 +75,9 @@ def test_the_force_is_the_flux_of_momentum(radius: float, places: int) -> None:
 
 
 def test_a_sphere_that_is_just_large_feels_nearly_what_a_small_one_does() -> None:
-    """Checks that at lambda/8 Gor'kov's potential is right to a third, for every density."""
+    """Checks that force and stiffness jump by less than 40 % at a radius of lambda/8, for every density.
+    Below this radius midair uses Gor'kov's potential, above it the force on a rigid sphere.
+    """
     positions, normals = traps.openmpd()
     array = midair.Array(positions, normals, directivity="point")
     scene = midair.Scene(array, [[0, 0, 0]], signature="trap")

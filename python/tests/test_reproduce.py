@@ -152,7 +152,7 @@ def test_the_reference_lies_within_the_interval_of_fig_3(method: Any, count: int
         "seeds": None,
         "drives": True,
     }
-    # With 4096 candidates the reference's loops take a second per scene.
+    # Fewer trials for 4096 candidates, because the reference's loops then take a second per scene.
     trials = 4 if method.key == "greedy-fine" else 8
     ours = solve_block(settings, 0, trials)
     interval = tables.spread(ours["accuracy"])

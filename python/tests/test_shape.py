@@ -104,7 +104,7 @@ def test_a_triangle_and_a_line_there_and_back_have_no_point_twice() -> None:
 
 
 def test_points_of_crossing_contours_keep_half_a_step(svg: Callable[..., Points]) -> None:
-    # An even number of steps, so that both lines have a point in the middle.
+    # Each line has an even number of steps, so that both lines have a point in the middle.
     step, alone = np.hypot(0.08, 0.08) / 50, 51
     cross = svg('<path d="M0 0 L100 100 M0 100 L100 0"/>', step=step)
     assert nearest(cross) >= step / 2 * (1 - 1e-6)

@@ -215,7 +215,9 @@ def test_amplitude_modulation_is_strongest_near_200_hertz() -> None:
 
 @pytest.mark.slow
 def test_a_tacton_has_lines_at_its_lap_its_modulation_and_their_sums() -> None:
-    """Checks the lines found by Lim et al. 2024: a circle at 15 Hz with amplitude modulation of 110 Hz."""
+    """Checks the spectral lines that Lim et al. 2024 found for a circle at 15 Hz with amplitude modulation
+    of 110 Hz.
+    """
     count, lap, modulation = 800, 15, 110
     angles = np.arange(count) / count
     points = ring(0.01, count)[np.arange(count) * 3 % count]

@@ -1,4 +1,4 @@
-"""Traps: signatures, Gor'kov's potential against differences, and the strength of traps."""
+"""Traps: signatures, Gor'kov's potential against finite differences, and the strength of traps."""
 
 import pickle
 from typing import Any

@@ -92,7 +92,7 @@ function check(scene: SceneFile): void {
   only("medium.frequency", medium.frequency, 40e3);
   const { preset, tiles, grid, positions, normals, ...parts } = array;
   for (const [key, value] of Object.entries(parts)) {
-    // A preset has its own source pressure and directivity.
+    // A preset's source pressure and directivity are its own, so a file may state them.
     if (preset === undefined || !["source_pressure", "directivity"].includes(key)) {
       only(`array.${key}`, value, USUAL[key]);
     }
