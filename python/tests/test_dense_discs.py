@@ -18,7 +18,7 @@ def disc(radius: float, step: float, z: float) -> np.ndarray:
     [
         # The solver once preferred a weak even field to one that nearly met every target: an error of 0.78.
         ("sonicsurface", disc(0.04, 5e-3, 0.12), "uniform"),
-        # Starts with the phases of a cone are not made for points between the boards: the error was 0.14.
+        # A start with the phases of a cone does not suit points between the boards: the error was 0.14.
         ("openmpd_pair", disc(0.02, 3e-3, 0.0), "descent"),
     ],
 )
