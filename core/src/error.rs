@@ -41,7 +41,7 @@ pub enum Error {
         point: usize,
         /// Index of the transducer.
         transducer: usize,
-        /// Their distance in metres.
+        /// The distance from the point to the transducer in metres.
         distance: f64,
         /// The smallest distance allowed, in metres.
         least: f64,

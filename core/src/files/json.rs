@@ -33,7 +33,7 @@ const REASONS: [(&str, &str); 13] = [
 const NO_VALUE: &str = "a value is missing, or not a number, \"text\" in double quotes, true, false, [list] or {table}";
 const NO_ESCAPE: &str = "a backslash that escapes nothing";
 
-/// Parses a text.
+/// Parses a JSON text.
 pub(super) fn read(text: &str) -> Result<Node, Flaw> {
     from_str(text).map_err(|error| {
         let foreign = !text.trim_start().starts_with(['{', '[']);

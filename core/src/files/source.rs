@@ -13,9 +13,9 @@ pub const MOST_BYTES: usize = 64 << 20;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(clippy::exhaustive_enums, reason = "the two formats of the schema")]
 pub enum Format {
-    /// TOML.
+    /// The format TOML (toml.io).
     Toml,
-    /// JSON.
+    /// The format JSON (RFC 8259).
     Json,
 }
 

@@ -15,7 +15,7 @@ use crate::files::syntax::Flaw;
 /// Whole numbers from 1e38 on are rejected as too large.
 const MOST: f64 = 1e38;
 
-/// Parses a text.
+/// Parses a TOML text.
 pub(super) fn read(text: &str) -> Result<Node, Flaw> {
     let root = DeTable::parse(text).map_err(|error| refused(&error, text))?;
     table(root.into_inner())

@@ -25,7 +25,7 @@ use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, list, loaded,
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::waves::{Emitters, Slopes, Waves, against, decay, even};
 
-/// Blocks of eight transducers between two checks for a stop.
+/// Number of blocks of eight transducers between two checks for a stop.
 const RUN: usize = 32;
 
 /// Values of eight transducers at one point, stored by the forward pass for the backward pass.

@@ -7,7 +7,7 @@ use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::math::sqrtf;
 
-/// Lane groups of a row that stay in registers while multiples of the rows above are subtracted.
+/// Number of lane groups of a row that stay in registers while multiples of the rows above are subtracted.
 const WIDE: usize = 4;
 
 /// Subtracts `above_ki above_k` of each row k above from a row, in N lane groups from group `at` on.

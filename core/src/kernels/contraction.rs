@@ -25,7 +25,7 @@ use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, dot, list, loaded,
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::waves::{C, Emitters, Slopes, Waves};
 
-/// Blocks of eight transducers between two checks for a stop.
+/// Number of blocks of eight transducers between two checks for a stop.
 const RUN: usize = 8;
 
 /// The index of a Taylor term, and the factor of its coefficient: real and imaginary part.

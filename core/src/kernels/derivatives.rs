@@ -29,7 +29,8 @@ pub(crate) const TERMS: usize = 20;
 /// Number of monomials of degree up to 4, in the same order.
 pub(crate) const MORE_TERMS: usize = 35;
 
-/// Calls `take` with each block's Taylor coefficients around a point, real and imaginary. No transducer may lie there.
+/// Calls `take` with each block's Taylor coefficients around a point, real and imaginary parts. No transducer may be at
+/// the point.
 pub(crate) fn each(
     set: InstructionSet,
     waves: &Waves,

@@ -1,4 +1,4 @@
-//! Dither between two amplitudes: each transducer in turn takes the one that leaves the smaller errors at the points.
+//! Dither between two amplitudes: each transducer in turn takes the amplitude with the smaller errors at the points.
 //!
 //! ```text
 //! for each driven transducer i with row G_i, drive q_i and part a_i of its amplitude:

@@ -1,8 +1,8 @@
 //! Dense linear algebra in double precision: complex matrix times vector, products of columns, a Cholesky factor.
 //!
-//! It is for systems that are too ill-conditioned for f32. Plain loops over [`WIDE`] lanes without fused products:
-//! every instruction set gives the same bits. The loops count, because the compiler keeps no sums of iterators in
-//! registers.
+//! This module is for systems that are too ill-conditioned for f32. It has plain loops over [`WIDE`] lanes without
+//! fused products: every instruction set gives the same bits. The loops use indices, because the compiler does not keep
+//! the sums of iterators in registers.
 #![allow(clippy::needless_range_loop, reason = "counted loops keep their sums in registers")]
 
 use crate::control::Control;
@@ -13,10 +13,10 @@ use crate::math::sqrt;
 /// Number of lanes; rows are padded to a multiple of it.
 pub(crate) const WIDE: usize = 4;
 
-/// Lane groups of a row that stay in registers while other rows are added to it.
+/// Number of lane groups of a row that stay in registers while other rows are added to it.
 const BLOCK: usize = 8;
 
-/// Lanes that [`divided`] computes at once.
+/// Number of lanes that [`divided`] computes at once.
 pub(crate) const SPAN: usize = 16;
 
 /// Largest number of rows that [`divided`] accepts.

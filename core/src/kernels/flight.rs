@@ -10,7 +10,7 @@
 //! x+ = x + h v + h^2/360 (38 a1 + 171 a - 36 a' + 7 a'')        v+ = v + h/24 (9 a1 + 19 a - 5 a' + a'')
 //! ```
 //!
-//! Near the centre few terms of a force suffice: the terms above some degree are left out where they are small enough.
+//! Near the centre few terms of a force are enough: the terms above some degree are left out where they are small.
 #![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
 
 use alloc::vec::Vec;
@@ -30,7 +30,7 @@ const ENDS: [usize; 5] = [2, 3, 4, 5, DEGREE];
 /// Largest change of a force by terms that are left out, relative to its linear terms one unit from the centre.
 const LEAST: f64 = 1e-5;
 
-/// Bisection steps in the search of [`Radii`]: they give a thousandth of a unit.
+/// Number of bisection steps in the search of [`Radii`]: ten steps find a radius within a thousandth of a unit.
 const BISECTIONS: usize = 10;
 
 /// Forces on eight beads in N: the coefficients of each monomial along x, y and z.
@@ -66,14 +66,14 @@ pub(crate) struct Beads<'a> {
     pub(crate) place: &'a mut Vectors,
     pub(crate) speed: &'a mut Vectors,
     pub(crate) pulls: &'a mut [Vectors; 4],
-    /// Square of each bead's largest distance from its centre, in m^2, at which the flight goes on; NaN in a lane
+    /// Square of each bead's largest distance from its centre, in m^2, up to which the flight continues; NaN in a lane
     /// without a bead.
     pub(crate) reach: Eight,
 }
 
 /// Moves the beads from step `first` on along the `centres` of the polynomials, one for each step and one for the
-/// start. The forces change linearly from the first to the second ones. Returns the last step: that of the last centre,
-/// or the first one after which a bead is out of reach.
+/// start. The forces change linearly from the first to the second element of `forces`. Returns the last step: the step
+/// of the last centre, or the first step after which a bead is out of reach.
 pub(crate) fn advance(
     set: InstructionSet,
     laws: &Laws,
@@ -113,7 +113,7 @@ pub(crate) fn radii(set: InstructionSet, forces: &[Forces]) -> Vec<Radii> {
 
 #[inline(always)]
 fn enough(forces: &Forces) -> Radii {
-    // For each degree, a bound of the sum of its terms one unit from the centre.
+    // For each degree, a bound on the sum of its terms one unit from the centre.
     let mut sums = [0.0_f64; DEGREE + 1];
     let mut first = 0;
     for (degree, sum) in sums.iter_mut().enumerate() {
@@ -196,7 +196,7 @@ fn predicted<S: Doubles>(s: S, laws: &Laws, beads: &Beads<'_>) -> [Vectors; 2] {
     let mut ahead = [[[0.0; EIGHT]; 3]; 2];
     let (h, half) = (laws.step / 24.0, laws.step * laws.step / 360.0);
     for at in (0..EIGHT).step_by(width(s)) {
-        // With this bound known, the compiler omits the bounds checks of the loads.
+        // This limit does not change `at`; with it, the compiler omits the bounds checks of the loads.
         let at = at.min(EIGHT - S::WIDTH);
         for i in 0..3 {
             let [place, speed] = [&beads.place, &beads.speed].map(|all| V::of(s, &all[i][at..]));
@@ -253,7 +253,7 @@ fn pull<S: Doubles, const D: usize>(
     }
     let monomials = monomials::<_, D>(V::all(s, 1.0), x);
     let [from, to] = forces;
-    // Sums of even and of odd terms, which are independent, so the processor adds both at once.
+    // Sums of the even and of the odd terms. The two sums are independent, so the processor adds both at once.
     let mut sums = [[V::all(s, 0.0); 3]; 2];
     let terms = (D + 1) * (D + 2) * (D + 3) / 6;
     for t in 0..terms {
@@ -273,8 +273,8 @@ fn pull<S: Doubles, const D: usize>(
     sum
 }
 
-/// Returns the monomials up to degree D; the later elements are 1. Those of a degree are the monomials of the degree
-/// below times x, then its last ones times y, then its very last one times z.
+/// Returns the monomials up to degree D; the later elements are 1. The monomials of a degree follow from those of the
+/// degree below: all of them times x, then those without x times y, then the last one times z.
 #[inline(always)]
 fn monomials<S: Doubles, const D: usize>(one: V<S>, [x, y, z]: [V<S>; 3]) -> [V<S>; TERMS] {
     let mut all = [one; TERMS];

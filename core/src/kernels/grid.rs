@@ -26,7 +26,8 @@ const FULL: f32 = 1.0 - 1e-6;
 /// Number of equal parts of the range 0 to 1. For each part the index of its first amplitude is stored.
 const BUCKETS: usize = 256;
 
-/// Where phase or amplitude is continuous, a drive that rounding changes by less than this part of it keeps its value.
+/// If the phase or the amplitude is continuous, a drive that rounding changes by less than this part of it keeps its
+/// value.
 const SAME: f32 = 4e-7;
 
 /// The phases and amplitudes of a board; each is `None` if it is continuous.
@@ -39,8 +40,8 @@ pub(crate) struct Grid {
 /// The phases 2 pi l/L.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Phases {
-    /// cos and sin of each code l = -L to L, so that no code from rounding has to be moved into 0 to L - 1. Then 0, for
-    /// a drive without a phase.
+    /// cos and sin of each code l = -L to L, so that no code from rounding has to be moved into 0 to L - 1. They are
+    /// followed by 0, for a drive without a phase.
     phasors: Vec<f32>,
     count: f32,
     /// cos(2 pi/L) - 1 and sin(2 pi/L).
@@ -90,12 +91,12 @@ impl Phases {
         self.count
     }
 
-    /// Returns the phase of q in codes, -L/2 to L/2, plus half a code. Its floor is the nearest code, or the later one
-    /// if two are equally near. The result has no meaning where q is 0.
+    /// Returns the phase of q in codes, -L/2 to L/2, plus half a code. Its floor is the nearest code; if two codes are
+    /// equally near, it is the later one. The result has no meaning where q is 0.
     #[inline(always)]
     pub(crate) fn later<S: Elementwise>(&self, s: S, q: [S::V; 2]) -> S::V {
         let [quarters, ratio, factor] = turns(s, q);
-        // The arc tangent is not complete yet: its factor is applied here.
+        // The ratio is not yet multiplied by the arc tangent's factor; this is done here.
         let count = s.splat(self.count);
         joined(s, [joined(s, [s.splat(0.5), count], quarters), s.mul(count, ratio)], factor)
     }
@@ -122,7 +123,7 @@ impl Phases {
         s.gather_pairs(&self.phasors, self.count as i32, self.later(s, [pairs, s.swap::<1>(pairs)]))
     }
 
-    /// Returns the phasors of the phases nearest to those of q; 0 where q is 0.
+    /// Returns the phasors of the phases that are nearest to the phases of q; 0 where q is 0.
     #[inline(always)]
     pub(crate) fn nearest<S: Elementwise>(&self, s: S, q: [S::V; 2]) -> [S::V; 2] {
         self.phasors(s, s.floor(self.later(s, q)), q)
@@ -142,7 +143,7 @@ impl Phases {
         self.step
     }
 
-    /// Changes a code to the next one or to the one before, and returns its phasor.
+    /// Changes a code to the next one (`up`) or to the one before it, and returns its phasor.
     pub(crate) fn stepped(&self, code: &mut f32, up: bool) -> [f32; 2] {
         *code += if up { 1.0 } else { -1.0 };
         *code -= if code.abs() < self.count { 0.0 } else { *code };
@@ -238,7 +239,7 @@ fn turns<S: Elementwise>(s: S, [re, im]: [S::V; 2]) -> [S::V; 3] {
 }
 
 impl Grid {
-    /// Returns the amplitudes nearest to those of q.
+    /// Returns the amplitudes that are nearest to the moduli of q.
     #[inline(always)]
     fn amplitude<S: Elementwise>(&self, s: S, q: [S::V; 2]) -> S::V {
         let (one, full, modulus) = (s.splat(1.0), s.splat(FULL), modulus(s, q));
@@ -246,7 +247,7 @@ impl Grid {
         s.select_less(full, modulus, one, amplitude)
     }
 
-    /// Returns the phasors of the phases nearest to those of q.
+    /// Returns the phasors of the phases that are nearest to the phases of q.
     #[inline(always)]
     fn direction<S: Elementwise>(&self, s: S, q: [S::V; 2]) -> [S::V; 2] {
         if let Some(phases) = &self.phases {
@@ -339,7 +340,8 @@ fn round_pairs<S: Simd>(s: S, phases: &Phases, (part, common): (f32, f32), eight
 /// Kernel that rounds 16 drives `q` to the grid.
 struct Rounding<'a> {
     grid: &'a Grid,
-    /// The factor by which drives are multiplied before they are rounded, and the expected factor in total.
+    /// The factor by which drives are multiplied before they are rounded; and the expected ratio of rounded and old
+    /// drives.
     part: f32,
     common: f32,
     /// The amplitude of all drives; `None` if they differ.

@@ -1,6 +1,7 @@
 //! Amplitude limits: drives of any modulus, planar over the transducers, are changed to |q| <= 1.
 //!
-//! Moduli are computed of the drive divided by its larger part: its square neither over- nor underflows.
+//! Before a modulus is computed, the drive is divided by its larger part (real or imaginary): no square over- or
+//! underflows.
 
 use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
@@ -29,7 +30,7 @@ pub(crate) fn normalize(set: InstructionSet, [re, im]: [&mut [f32]; 2]) {
     re.iter_mut().chain(im).for_each(|part| *part = *part / largest / greatest);
 }
 
-/// Returns q / `larger`, and the square of its modulus. `larger` is at least the larger part of q.
+/// Returns q / `larger`, and the square of its modulus. `larger` is at least the larger part (real or imaginary) of q.
 #[inline(always)]
 fn scaled<S: Elementwise>(s: S, [re, im]: [S::V; 2], larger: S::V) -> ([S::V; 2], S::V) {
     let [re, im] = [s.div(re, larger), s.div(im, larger)];

@@ -10,7 +10,7 @@ use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::vector::{add_row, correlation};
 
-/// Rows that one pass over a vector multiplies: their sums fill a lane group.
+/// Number of rows that one pass over a vector multiplies: their sums fill a lane group.
 const TOGETHER: usize = LANES / 2;
 
 /// out_k = `sum_j conj(row_kj) vector_j` for every row of a planar matrix.

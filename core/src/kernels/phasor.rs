@@ -35,7 +35,7 @@ fn polynomial<S: Elementwise, const N: usize>(s: S, coefficients: &[f32; N], x: 
 /// Returns `amplitude` times (cos 2 pi x, sin 2 pi x) for |x| < 2^22 turns. The absolute error is below 7e-7 of the
 /// amplitude (sigma^2 is up to 2, and rounded three times where products are not fused).
 ///
-/// It uses the half angle: with sigma = sqrt(2) sin(pi x) and gamma = sqrt(2) cos(pi x) the two are 1 - sigma^2 and
+/// The half angle is used: with sigma = sqrt(2) sin(pi x) and gamma = sqrt(2) cos(pi x) the two are 1 - sigma^2 and
 /// sigma gamma, and |x| <= 1/2 needs no quadrants.
 #[inline(always)]
 pub(crate) fn wave<S: Elementwise>(s: S, turns: S::V, amplitude: S::V) -> [S::V; 2] {
@@ -58,7 +58,7 @@ pub(crate) fn power_of_two<S: Elementwise>(s: S, x: S::V) -> S::V {
 /// Returns log2 of normal x, with a relative error below 4e-7.
 #[inline(always)]
 pub(crate) fn log2<S: Elementwise>(s: S, x: S::V) -> S::V {
-    // The remainder is between 3/4 and 3/2: near 1 the logarithm is that of the remainder alone.
+    // The remainder is between 3/4 and 3/2. So for x near 1 the logarithm is that of the remainder alone.
     let whole = s.exponent(s.mul(x, s.splat(4.0 / 3.0)));
     let rest = s.sub(s.mul(x, s.exp2(s.sub(s.splat(0.0), whole))), s.splat(1.0));
     s.fma(polynomial(s, &LOGARITHM, rest), rest, whole)

@@ -18,8 +18,8 @@ use num_complex::{Complex32, Complex64};
 use crate::math;
 use crate::math::sqrtf;
 
-/// Number of edges that are compared with a place: two before it and two after it. If there are at most [`FEW`] edges,
-/// whose distances may be uneven, all are compared.
+/// BESIDE edges are compared with a place: two before it and two after it. If there are at most FEW edges, whose
+/// distances may be uneven, all edges are compared.
 const BESIDE: usize = 4;
 const FEW: usize = 16;
 
@@ -30,7 +30,7 @@ pub(crate) struct Pulses {
     begins: Vec<f32>,
     /// Phase of the first edge in turns.
     first: f32,
-    /// The phasor E of each edge (see the module's head) in f64, and the same in f32 for the search.
+    /// The phasor E of each edge (see the module's head) in f64, and rounded to f32 for the search.
     edges: Vec<Complex64>,
     short: Vec<Complex32>,
 }

@@ -35,7 +35,8 @@ impl Columns {
         let count = self.starts.len() - 1;
         let (mut starts, mut rows) = (vec![0], Vec::<u32>::new());
         let mut seen_by = vec![NONE; count];
-        // For each column j, the columns of L whose first row is j. Their other rows are rows of column j, too.
+        // For each column j, the columns of L whose first row is j. The other rows of these columns are rows of column
+        // j, too.
         let mut children = vec![Vec::new(); count];
         for j in 0..count {
             let first = rows.len();

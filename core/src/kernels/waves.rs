@@ -17,7 +17,7 @@ const HALVINGS: usize = 7;
 /// Complex vectors: real and imaginary parts.
 pub(super) type C<S> = [V<S>; 2];
 
-/// Position, normal and factor of eight transducers; surplus ones have factor 0.
+/// Position, normal and factor of eight transducers; lanes without a transducer have factor 0.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Emitters {
     /// Positions in m.
@@ -50,7 +50,7 @@ impl Emitters {
     }
 }
 
-/// The method that computes D and its derivatives by c = cos(theta).
+/// How D and its derivatives by c = cos(theta) are computed.
 pub(crate) enum Slopes {
     /// The directivity D is 1.
     One,

@@ -39,7 +39,7 @@ pub(crate) fn leading_eigenvector<'w>(
             im.copy_from_slice(&vector.im);
             times(set, matrix, vector, &mut next, control)?;
             used = step + 1;
-            // Two rounds make it orthogonal up to rounding.
+            // Two rounds make the new vector orthogonal up to rounding.
             for round in 0..2 {
                 for k in 0..used {
                     let [re, im] = kernels::correlate(set, basis.row(k), next.row(0), count);

@@ -21,7 +21,7 @@ const ECHO: f32 = 0.5;
 /// The largest factor of a weight in a round.
 const MOST_CHANGE: f32 = 2.0;
 
-/// Factors of a weight's step size: if the weight goes on in its direction, and if it turns back.
+/// Factors of a weight's step size: the first if the weight continues in its direction, the second if it turns back.
 const PACES: [f32; 2] = [1.2, 0.5];
 
 /// The phases and weights of the points in all frames.

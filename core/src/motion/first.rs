@@ -20,7 +20,7 @@ use crate::workspace::Workspace;
 pub(super) fn guess(frames: &Frames, closed: bool, control: &mut Control) -> Result<[Vec<f32>; 2], Error> {
     let (count, points) = (frames.count, frames.points);
     let mut field = [vec![0.0; frames.lanes()], vec![0.0; frames.lanes()]];
-    // The setup of columns of G, which may be channels.
+    // This setup has no channels: each column of G counts as one transducer, also if it is a channel.
     let setup = Setup { channels: None, ..Setup::of(frames.model.array(), frames.model.medium()) };
     let setup = Arc::new(setup);
     let mut work = Workspace::new();

@@ -14,7 +14,7 @@ use crate::math;
 use crate::propagation::{Model, Propagation};
 use crate::scene::check_places;
 
-/// Frames whose rows of G are computed together: whole lane groups, whatever M is.
+/// Number of frames whose rows of G are computed together. Their points fill whole lane groups, whatever M is.
 pub(super) const TOGETHER: usize = LANES;
 
 /// Number of partial sums over the transducers, independent of the number of threads.
@@ -199,7 +199,7 @@ impl<'a> Frames<'a> {
     }
 }
 
-/// One transducer, as [`Frames::gather`] passes it on.
+/// The data of one transducer that [`Frames::gather`] passes to its closure.
 pub(super) struct Visit<'a> {
     /// G over the points of all frames.
     pub(super) row: [&'a [f32]; 2],

@@ -1,4 +1,4 @@
-//! Motion: drives of frames that follow one another, no transducer turning by more than it is allowed.
+//! Motion: drives of successive frames, in which the phase of a transducer changes by at most a bound.
 
 pub(crate) mod ahead;
 pub(crate) mod alternation;

@@ -29,7 +29,7 @@ impl Circle {
         Self { levels, reach, cos, sin }
     }
 
-    /// Returns q of a phase.
+    /// Returns the drive of a code l, e^{j 2 pi l/L}: real and imaginary part.
     pub(super) fn drive(&self, code: u16) -> [f32; 2] {
         [self.cos[usize::from(code)], self.sin[usize::from(code)]]
     }
@@ -111,7 +111,7 @@ impl<'a> Tracker<'a> {
         (0..best.len()).fold(0, |end, l| if best[l] > best[end] { l } else { end }) as u16
     }
 
-    /// Adds the gain of each phase in a frame to the best before it.
+    /// Adds the gain of each phase in a frame to the best sum of gains before it.
     fn meet(&mut self, [re, im]: [&[f32]; 2], frame: usize) {
         let own = &mut self.best[frame * self.circle.levels..][..self.circle.levels];
         for ((best, cos), sin) in own.iter_mut().zip(&self.circle.cos).zip(&self.circle.sin) {
@@ -138,7 +138,7 @@ impl<'a> Tracker<'a> {
         advance(self.set, from, *reach, gain, &mut self.memory, out);
     }
 
-    /// Returns the best phase of a frame within reach of another phase; of equal ones the nearest.
+    /// Returns the best phase of a frame within reach of another phase; of equally good phases the nearest.
     fn near(&self, frame: usize, code: u16) -> u16 {
         let levels = self.circle.levels;
         let best = &self.best[frame * levels..(frame + 1) * levels];

@@ -130,7 +130,7 @@ impl Curve {
     }
 }
 
-/// Returns unit vectors normal to `normal`: as near to x as possible (else to y), and to the left of it.
+/// Returns two unit vectors normal to `normal`: the first as near to x as possible (else to y), the second to its left.
 fn axes(normal: [f64; 3]) -> Result<[[f64; 3]; 2], Error> {
     let size = size(normal);
     if !(size > 0.0 && size < f64::INFINITY) {

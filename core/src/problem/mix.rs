@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! c_ij = G_ji q_i / P_j             what transducer i adds at point j, along P_j and relative to it
-//! e_j  = sum_i a_i c_ij - level     the error; at quiet points the pressure itself, relative to the loudest point's
+//! e_j  = sum_i a_i c_ij - level     the error; at quiet points the pressure there, relative to that of the loudest point
 //! ```
 //!
 //! If there are many transducers for each point, the amplitudes are drawn at random. This leaves errors of about
@@ -90,8 +90,8 @@ pub(crate) fn mix<'w>(
     let near = (NEAR * level).max(1.5 * left);
     let mut aim = level * (1.0 - NEAR) - 2.0 * left;
     let mut parts = work.floats.take(drive.len());
-    // With few points, a random draw is accurate enough or nearly so. With more points it is omitted, because the
-    // transducers choose anyway.
+    // With few points, random amplitudes are accurate enough or nearly so. With more points, random amplitudes are never
+    // accurate enough: the choices of the transducers begin at once.
     let drawn = drive.len() >= DRAWN * count;
     let mut met = false;
     if drawn {

@@ -58,7 +58,7 @@ const SIDE: usize = 8;
 /// The result of the search.
 #[derive(Clone, Copy)]
 pub(crate) struct Optimum {
-    /// No drive has a higher level than this.
+    /// An upper bound: no drive has a higher level.
     pub(crate) bound: f64,
     /// The level of the best drive that was found.
     pub(crate) level: f64,

@@ -111,8 +111,8 @@ impl Solution {
         Ok(solution)
     }
 
-    /// Does the same as [`Solution::new`] for a drive that has not been checked, as one step. Transducers without effect get
-    /// drive 0.
+    /// Does the same as [`Solution::new`] for a drive that has not been checked; the solution counts one step. Transducers
+    /// without effect get drive 0.
     ///
     /// # Errors
     /// A drive of another length, a value that is not finite, |q| above 1 + 1e-6; a stop by the caller.

@@ -78,7 +78,7 @@ enum Rows {
 /// The array and the points (M, 3) in m from which the propagation matrix G was computed, and its obstacles and signature.
 type Origin<'a> = (&'a Array, &'a [[f64; 3]], Option<&'a Kept>);
 
-/// Compares the data that the propagation matrix G is computed from; the instruction set does not count.
+/// Compares the data that the propagation matrix G is computed from; the instruction set is ignored.
 impl PartialEq for Propagation {
     fn eq(&self, other: &Self) -> bool {
         match (&self.rows, &other.rows) {

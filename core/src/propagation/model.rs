@@ -124,7 +124,7 @@ impl Model {
         Ok(self)
     }
 
-    /// The obstacles.
+    /// The obstacles that change the waves; empty without obstacles.
     #[must_use]
     pub fn obstacles(&self) -> &[Obstacle] {
         self.scattering.as_ref().map_or(&[], |scattering| scattering.obstacles.given())
@@ -201,19 +201,19 @@ impl Model {
         self.scattering.as_ref().map_or(Ok(()), |scattering| scattering.obstacles.check_point(point, name))
     }
 
-    /// The array.
+    /// The array whose waves this model computes.
     #[must_use]
     pub fn array(&self) -> &Array {
         &self.sources.array
     }
 
-    /// The signature.
+    /// The signature, which turns foci into traps for solvers; `None` for plain foci.
     #[must_use]
     pub fn signature(&self) -> Option<&Signature> {
         self.signature.as_ref()
     }
 
-    /// The medium.
+    /// The medium in which the waves propagate.
     #[must_use]
     pub fn medium(&self) -> Medium {
         self.sources.medium

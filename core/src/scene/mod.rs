@@ -183,13 +183,13 @@ impl Scene {
         self.signature.as_ref()
     }
 
-    /// The array.
+    /// The array that plays the scene.
     #[must_use]
     pub fn array(&self) -> &Array {
         &self.array
     }
 
-    /// The medium.
+    /// The medium around the array.
     #[must_use]
     pub fn medium(&self) -> Medium {
         self.medium

@@ -38,7 +38,7 @@ pub enum PartKind {
 pub enum PartValue {
     /// One number.
     Real(f64),
-    /// A directivity.
+    /// A law of directivity with its parameter.
     Directivity(Directivity),
     /// One number for each transducer (N,).
     Complexes(Vec<Complex64>),

@@ -24,7 +24,7 @@ use crate::solvers::iterate::iterate;
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::{Buffer, Workspace};
 
-/// Lower bound of the error to which a tolerance is relative, as a part of the targets' norm.
+/// The tolerance is relative to the error, but to no less than this part of the targets' norm.
 const LEAST_ERROR: f64 = 0.01;
 
 /// A step aims at [`AIM`] times the present duality gap, and lowers mu at most to [`STEEPEST`] times its value.
@@ -37,7 +37,8 @@ const INSIDE: f64 = 0.95;
 /// Lower bound of 1 - |q|^2, near the resolution of f64.
 const LEAST_ROOM: f64 = 1e-15;
 
-/// Transducers whose columns of J are written together: the columns for 128 points stay in the second cache.
+/// Number of transducers whose columns of J are written together: the columns for 128 points stay in the second-level
+/// cache.
 const RUN: usize = 32;
 
 options! {
@@ -221,7 +222,7 @@ impl<'w> Barrier<'w> {
         }
     }
 
-    /// Returns whether the bound proves that no allowed drive lowers the error by more than `tolerance` of it.
+    /// Returns whether the bound proves that no allowed drive lowers the error by more than the part `tolerance` of it.
     fn is_proven(&self, tolerance: f64) -> bool {
         self.error - self.least <= tolerance * self.least.max(LEAST_ERROR * self.requested)
     }
@@ -264,8 +265,8 @@ impl<'w> Barrier<'w> {
             set(&mut self.field, j, Complex64::new(re, im));
         }
         double::times_adjoint(self.set, parts(&self.rows), parts(&self.field), parts_mut(&mut self.step));
-        // Along the step the quadratic model has the initial slope -`slope`, and `curvature` adds up that of both
-        // terms.
+        // Along the step the quadratic model has the initial slope -`slope`. `curvature` becomes the sum of the
+        // curvatures of the barrier and of the error.
         let (mut slope, mut curvature, mut room) = (0.0, 0.0, f64::INFINITY);
         for i in 0..lanes {
             let (h, q) = (at(&self.gradient, i), at(&self.drive, i));

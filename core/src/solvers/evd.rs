@@ -67,7 +67,7 @@ impl Solve for Evd {
             *inverse = if mean > 0.0 { ease.min(MOST_EASE) as f32 } else { 0.0 };
         }
         let matrix = strips.gram(Some(&inverse), control)?;
-        // A matrix in f32 resolves no more than this part of its diagonal.
+        // Damping by less than 1e-6 of the diagonal would be lost in the rounding of f32.
         let largest = matrix.diagonal().fold(0.0, f32::max);
         let shift = f32::max(1.0, 1e-6 * largest);
         let solver = Hermitian::damped(propagation.instruction_set(), &matrix, count, shift, work, control)?;

@@ -1,4 +1,4 @@
-//! glide: even points in motion, every phase within a bound of the last frame's.
+//! glide: even points in motion; each phase stays within a bound of its value in the last frame.
 //!
 //! ```text
 //! psi = arg(G' q')                         point phases that the last drive q' makes at the new points
@@ -60,14 +60,14 @@ options! {
 /// Deviation that counts as even: the effect of a phase step of 2 pi/65536 on a point.
 const EVEN: f32 = 1e-5;
 
-/// Factor of the number of sweeps in the first frame, which has no bound: points at rest then keep its phases.
+/// The first frame, which has no bound, has this many times as many sweeps: points at rest then keep its phases.
 const FIRST: u32 = 10;
 
-/// On a board's grid the last codes are kept if their deviation is at most this multiple of the one after the last
-/// change of codes; see [`AS_LOUD`].
+/// On a board's grid the last codes are kept if their deviation is at most this multiple of the deviation after the
+/// last change of codes; see [`AS_LOUD`].
 const NO_WORSE: f32 = 1.05;
 
-/// The last codes are kept only if their level is at least this part of that of the new codes.
+/// The last codes are kept only if their level is at least this part of the level of the new codes.
 const AS_LOUD: f32 = 1.0 - 2e-4;
 
 /// A frame is done if no point is off the level by more than this part.
@@ -76,7 +76,7 @@ const NEARLY: f32 = 0.01;
 /// The largest factor of a weight in a sweep.
 const MOST_CHANGE: f32 = 2.0;
 
-/// Longest time constant of an envelope in frames: of a slower one a frame would replace less than f32 resolves.
+/// Longest time constant of an envelope in frames: in a longer one, f32 could not resolve the change in one frame.
 const MOST_FRAMES: f64 = 1000.0;
 
 impl Method for Glide {
@@ -152,7 +152,7 @@ impl Solve for Glide {
 }
 
 impl Glide {
-    /// Computes the frame after the last, with phases bound to it unless they are `free`.
+    /// Computes the frame after the last one. Its phases are within the bound of the last ones, unless they are `free`.
     fn next(
         &self,
         problem: &Problem,
@@ -204,7 +204,7 @@ fn begin(last: &mut Last, problem: &Problem, drive: &[Complex32]) -> Result<(), 
     Ok(())
 }
 
-/// A frame while it is computed. Its drives are relative to those played last.
+/// A frame while it is computed. Its drives are relative to the drives played last.
 struct Frame<'w> {
     rows: Rows<'w>,
     wave: Wave<'w>,
@@ -273,7 +273,7 @@ impl<'w> Frame<'w> {
     /// Does weighted sweeps within the arc, from the point phases of the wave.
     fn sweep(&mut self, glide: &Glide, control: &mut Control) -> Result<(), Error> {
         let Self { rows, wave, projector, weights, rest, arc, free, .. } = self;
-        // A single point needs no weight.
+        // A single point needs no weight, so one sweep is enough for it.
         let sweeps = match rows.targeted {
             1 => glide.sweeps.min(1),
             _ if *free => glide.sweeps.saturating_mul(FIRST),
@@ -379,7 +379,7 @@ impl<'w> Frame<'w> {
         }
         let grid = problem.quantization().map(Quantization::grid);
         if grid.is_some_and(|grid| grid.phases.is_none()) || rest.is_some() {
-            // The solution reports the field of its drives at rest.
+            // The reported field is the one that the drives make once the envelopes have reached them.
             wave.hear(&rows);
             let scale = 1.0 / part;
             wave.field.iter_mut().chain([&mut wave.moduli]).for_each(|list| list.iter_mut().for_each(|x| *x *= scale));
@@ -390,7 +390,7 @@ impl<'w> Frame<'w> {
     }
 }
 
-/// Adds the remaining waves of the envelopes to a wave's field.
+/// Adds to a wave's field the field that remains of the last frame's envelopes.
 fn add(wave: &mut Wave<'_>, rest: Option<&[Buffer<'_, f32>; 2]>) {
     let Some(rest) = rest else { return };
     for (field, rest) in wave.field.iter_mut().zip(rest) {

@@ -60,14 +60,15 @@ impl Solve for Gspat {
         let propagation = problem.propagation();
         let (count, lanes) = (propagation.points(), propagation.lanes());
         let mut strips = Strips::new(propagation, work);
-        // Targets whose squares f32 would lose are solved in units of the largest, and the drive is multiplied by it
-        // afterwards.
+        // If f32 would lose the squares of the targets, they are divided by the largest target, and the drive is
+        // multiplied by it afterwards.
         let largest = problem.targets().iter().copied().fold(0.0, f32::max);
         let unit = if largest < QUIET { largest } else { 1.0 };
         let mut targets = work.floats.take(lanes);
         targets.iter_mut().zip(problem.targets()).for_each(|(own, target)| *own = target / unit);
         let matrix = strips.gram(None, control)?;
-        // 1 / sum_i |G_ji|^2; 0 for a quiet point that no transducer reaches, or so weakly that the inverse overflows.
+        // 1 / sum_i |G_ji|^2; 0 if it would overflow, because no transducer reaches this quiet point or all reach it
+        // too weakly.
         let share = |j: usize| {
             let power = matrix.row(j)[0][j];
             if power >= f32::MIN_POSITIVE { 1.0 / power } else { 0.0 }

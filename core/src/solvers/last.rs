@@ -87,7 +87,8 @@ impl Last {
         work.floats.give(self.weights);
     }
 
-    /// Turns off transducers that reach no point, and turns on, at phase 0, those that reach one again.
+    /// Turns off transducers that reach no point. Turns on, at phase 0, transducers that were off and reach a point
+    /// again.
     pub(crate) fn reach(&mut self, reaches: impl Fn(usize) -> bool) {
         for (i, (played, wave)) in self.played.iter_mut().zip(&mut self.wave).enumerate() {
             match (reaches(i), *played == Complex32::ZERO) {

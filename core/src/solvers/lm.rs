@@ -76,7 +76,7 @@ impl Solve for Lm {
                 control,
                 |state, control| {
                     let Some((length, predicted)) = normal.step(&rows, state, damping, &mut trial, control)? else {
-                        // The matrix is not positive definite in f32; more damping makes it so.
+                        // The matrix is not positive definite in f32. With more damping it becomes positive definite.
                         damping *= growth;
                         growth *= 2.0;
                         return Ok(false);
@@ -108,7 +108,8 @@ impl Solve for Lm {
     }
 }
 
-/// Returns the largest diagonal entry of J^T J, of sum_j w_j |G_ji|^2 and w_j t_j^2.
+/// Returns the largest diagonal entry of J^T J. The entries are sum_j w_j |G_ji|^2 for transducer i and w_j t_j^2 for
+/// point j.
 fn largest(problem: &Problem, work: &Workspace) -> f64 {
     let (propagation, weights) = (problem.propagation(), problem.weights());
     let mut row = Planar::zeros(1, propagation.lanes(), work);

@@ -13,14 +13,14 @@ use crate::workspace::Workspace;
 
 /// A method that finds a drive.
 pub trait Solve {
-    /// Solves `problem` with its present targets: they are met or missed, and no drive exceeds 1. Buffers come from
-    /// `work` and go back there; `control` is called once a step. A solver does not balance: [`crate::solve`] does.
+    /// Solves `problem` with its present targets, which may be missed; no drive exceeds 1. Buffers come from `work` and
+    /// go back there; `control` is called once a step. [`crate::solve`] balances; a solver does not.
     ///
     /// # Errors
     /// Options that do not fit this problem.
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error>;
 
-    /// Returns the solver itself if it can share the work of several problems. It is only a marker of the type.
+    /// Returns the solver itself if it can share the work of several problems, else `None`.
     #[doc(hidden)]
     fn interleaved(&self) -> Option<&dyn Any> {
         None

@@ -41,7 +41,7 @@ impl Solve for Naive {
         let powers = strips.powers(control)?;
         let mut wanted = Planar::zeros(1, propagation.lanes(), work);
         for (j, (target, &power)) in problem.complex_targets().zip(&powers).enumerate() {
-            // A quiet point has no focus, and neither has one that no transducer reaches.
+            // Quiet points, and points that no transducer reaches, have no focus.
             let share = |part: f64| if power > 0.0 { part as f32 / power } else { 0.0 };
             (wanted.re[j], wanted.im[j]) = (share(target.re), share(target.im));
         }

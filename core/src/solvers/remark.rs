@@ -42,7 +42,8 @@ pub enum Remark {
         leak: f64,
         /// The solver's tolerance for the leak.
         quiet: f64,
-        /// The number of quiet points a wavelength apart that so many transducers can silence besides the targets.
+        /// The number of quiet points, a wavelength apart, that the array's transducers can silence besides the
+        /// targets.
         able: usize,
     },
     /// The second harmonic, which the linear model leaves out, is a large part of the pressure at the loudest point.
@@ -168,7 +169,7 @@ pub(crate) fn weak_part(problem: &Problem, solver: &dyn Solve, balance: bool) ->
 }
 
 /// Returns the estimated share of the second harmonic at the loudest point, and |p| in Pa there, if the share is large
-/// and pressures are requested. With a signature it returns `None`: the pressures played are other ones.
+/// and pressures are requested. With a signature it returns `None`: the real pressures then differ from these.
 pub(crate) fn harmonic(problem: &Problem, solution: &Solution) -> Option<(f64, f64)> {
     let kept = problem.propagation().origin().and_then(|(.., kept)| kept);
     if !problem.asks_pressures() || problem.aim() != Aim::Target || kept.is_some_and(|kept| kept.signature.is_some()) {

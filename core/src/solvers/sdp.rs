@@ -89,7 +89,7 @@ impl Solve for Sdp {
         let mut strips = Strips::new(propagation, work);
         let product = strips.gram(None, control)?;
         let largest = product.diagonal().fold(0.0, f32::max);
-        // A matrix in f32 resolves no more than this part of its diagonal.
+        // Damping by less than 1e-6 of the diagonal would be lost in the rounding of f32.
         let shift = (self.alpha as f32).max(1e-6 * largest);
         let inverse = Hermitian::damped(propagation.instruction_set(), &product, count, shift, work, control)?;
         let quality = quality(problem, &inverse, work, control)?;
@@ -105,7 +105,7 @@ impl Solve for Sdp {
             |relaxed, control| {
                 let chosen = rng.below(count as u64) as usize;
                 let [re, im] = quality.row(chosen);
-                // Rows are stored conjugated, so a row contains the column.
+                // Rows are stored conjugated, so the stored row of a Hermitian matrix is its column.
                 column.re.copy_from_slice(re);
                 column.im.copy_from_slice(im);
                 (column.re[chosen], column.im[chosen]) = (0.0, 0.0);

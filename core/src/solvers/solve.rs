@@ -125,7 +125,7 @@ pub(crate) fn solve_interleaved(
 }
 
 /// Returns the level of a solution of balanced targets relative to its targets, at least 1: the divisor of its drives.
-/// It has 12 binary digits, which do not depend on the unit of the pressures.
+/// The divisor is rounded to 12 binary digits, which do not depend on the unit of the pressures.
 fn excess(solution: &Solution, factor: f64) -> f64 {
     let level = if factor > 1.0 { solution.metrics().level } else { 1.0 };
     let digits = ((level as f32).to_bits() + (1 << 10)) & !0x7ff;
@@ -134,7 +134,7 @@ fn excess(solution: &Solution, factor: f64) -> f64 {
 
 /// Checks a solution; returns an error if no array can play it.
 fn check(solution: &Solution) -> Result<(), Error> {
-    // The loop compares all drives instead of ending at the first unfit one: it then has no branch. The comparison is
+    // The loop tests all drives instead of ending at the first unfit drive: it then has no branch. The comparison is
     // false for NaN.
     let fine = |fine, q: &Complex32| fine & (q.norm_sqr() <= MOST_POWER);
     if solution.drive.iter().fold(true, fine) {

@@ -33,7 +33,7 @@ pub(crate) fn sweep(
     dispatch!(set, s => closed_form::run(s, sweep, order, ProblemsInLanes { drive }, pressures, |_| true));
 }
 
-/// Transducers whose real and imaginary parts fill one lane group.
+/// Number of transducers whose real and imaginary parts fill one lane group.
 pub(crate) const EIGHT: usize = LANES / 2;
 
 /// Appends the drives, given as two lane groups for each transducer, to the lists of their problems, [`EIGHT`]
@@ -156,7 +156,8 @@ impl<'a, S: Simd> Terms<'a, S> {
     #[inline(always)]
     fn sum(&self) -> [[S::V; 2]; 2] {
         let (s, count) = (self.s, self.weight.len());
-        // Splits the points into every second one and the others, again and again down to the term of point l.
+        // Adds the sum over the points l, l + 2 step, ... and the sum over those halfway between them, each split again
+        // in the same way.
         macro_rules! tree {
             ($l:expr;) => {
                 self.term($l)

@@ -40,10 +40,10 @@ use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::kernels::simd::{Elementwise, Simd, TINY};
 
-/// Transducers in the largest block: their real and imaginary sums fill a lane group.
+/// Number of transducers in the largest block: their real and imaginary sums fill a lane group.
 pub(crate) const MOST: usize = LANES / 2;
 
-/// Transducers in half a block. Each of the four chains of additions has one transducer of each half.
+/// Number of transducers in half a block. Each of the four chains of additions has one transducer of each half.
 pub(crate) const QUAD: usize = MOST / 2;
 
 /// The problem and the working memory of a sweep. All lists of points have the same padded length.
@@ -53,7 +53,7 @@ pub(crate) struct Sweep<'a> {
     pub(crate) weight: &'a [f32],
     /// The number of points; the other lanes are padding.
     pub(crate) count: usize,
-    /// Transducers that share one residual, 1 to [`MOST`].
+    /// Number of transducers that share one residual, 1 to [`MOST`].
     pub(crate) block: usize,
     /// Factor of a transducer's own wave in z, see the module's head. It is 0 in a first sweep, which begins with all
     /// drives at 0.
@@ -80,7 +80,7 @@ impl<'a> Memory<'a> {
     }
 }
 
-/// Numbers for each lane in the rows of two blocks: real and imaginary parts of [`MOST`] transducers each.
+/// Number of f32 for each lane in the rows of two blocks: real and imaginary parts of [`MOST`] transducers each.
 const ROWS: usize = 2 * 2 * MOST;
 
 /// Returns the length of the working memory for rows of `lanes` numbers.
@@ -254,7 +254,8 @@ pub(crate) fn directions<S: Simd>(s: S, phases: Option<&Phases>, z: S::V) -> S::
     }
 }
 
-/// Returns a transducer's new drive for its sum z: the board's phase nearest to that of z, or z/|z|; 0 where z is 0.
+/// Returns a transducer's new drive for its sum z: the board's phase nearest to the phase of z, or z/|z| without a
+/// board; 0 where z is 0.
 #[inline(always)]
 pub(crate) fn direction<S: Simd>(s: S, phases: Option<&Phases>, z: [S::V; 2]) -> [S::V; 2] {
     match phases {
@@ -274,7 +275,7 @@ fn unit<S: Elementwise>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
     let (guess, miss) = s.rsqrt_guess(s.add(s.mul(x, x), s.mul(y, y)));
     let (x, y) = (s.mul(x, guess), s.mul(y, guess));
     let (zero, half, least) = (s.splat(0.0), s.splat(0.5), s.splat(LEAST));
-    // A smaller sum may have lost all digits.
+    // A sum below LEAST may have lost all digits, so it counts as 0.
     [
         s.select_less(larger, least, zero, s.fma(s.mul(x, half), miss, x)),
         s.select_less(larger, least, zero, s.fma(s.mul(y, half), miss, y)),
@@ -319,7 +320,7 @@ fn residual<S: Elementwise>(s: S, target: &[f32], weight: &[f32], pressure: [&[f
         let (guess, miss) = s.rsqrt_guess(square);
         let silent = s.mul(w, t);
         let near = s.mul(silent, guess);
-        // This is w t/|P| - w. Where P is 0 it may be anything, and the selections below ignore it.
+        // This is w t/|P| - w. Where P is 0 this value is arbitrary, and the selections below ignore it.
         let factor = s.fma(s.mul(near, s.splat(0.5)), miss, s.sub(near, w));
         s.store(s.select_less(square, least, silent, s.mul(re, factor)), out_re);
         s.store(s.select_less(square, least, zero, s.mul(im, factor)), out_im);

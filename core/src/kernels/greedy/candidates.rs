@@ -50,7 +50,7 @@ impl Candidates {
         Self::grid(phases, (0..amplitudes).map(|k| (k as f64 + 1.0) / amplitudes as f64), buffers)
     }
 
-    /// Creates L = `phases` phases 2 pi l/L for each of some amplitudes, in buffers whose length is set here.
+    /// Creates L = `phases` phases 2 pi l/L for each of the given amplitudes. Sets the length of the `buffers`.
     pub(crate) fn grid(phases: usize, amplitudes: impl Iterator<Item = f64>, buffers: [Vec<f32>; 3]) -> Self {
         Self::made(phases, |l| l as f64 / phases as f64, amplitudes, buffers)
     }

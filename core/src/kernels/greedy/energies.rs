@@ -1,4 +1,4 @@
-//! Change of the energy by each candidate: a polynomial of the moments, and eq. (7) at the points that it leaves out.
+//! Change of the energy by each candidate: a polynomial of the moments, and eq. (7) at the points left out of them.
 
 use crate::kernels::greedy::candidates::{Candidates, Sixteen};
 use crate::kernels::greedy::moments::Moments;
@@ -38,8 +38,8 @@ impl<S: Simd> Energies<'_, S> {
     }
 
     /// Returns the difference of two changes up to which rounding and the tolerance of ties leave their order open. At
-    /// a point that the moments leave out, the square of up to 5 |G| is rounded four times. So is 2 t times its root,
-    /// for t up to 4 |G| and the gap.
+    /// a point that the moments leave out, two terms are rounded four times each: the square of a modulus of up to 5
+    /// |G|, and 2 t times this modulus. Here t is at most 4 |G| plus the gap.
     #[inline(always)]
     pub(crate) fn rounding(&self) -> f32 {
         let moments = self.moments;

@@ -198,7 +198,7 @@ fn moments<S: Simd>(s: S, points: Points<'_>, energies: &[f32]) -> ([S::V; THIRD
     (m, near)
 }
 
-/// Returns the terms of point `j` in the moments; sets in `near` the bits of the lanes that leave it out.
+/// Returns the terms of point `j` in the moments; sets in `near` the bits of the lanes that leave this point out.
 #[inline(always)]
 fn parts<S: Simd>(s: S, points: Points<'_>, energies: &[f32], j: usize, near: &mut u32) -> [S::V; THIRD] {
     let gain = [s.load(&groups(points.row[0])[j]), s.load(&groups(points.row[1])[j])];

@@ -43,7 +43,7 @@ use crate::kernels::simd::Simd;
 /// Number of phases that are evaluated first, and of arcs between them.
 const ARCS: usize = 2 * LANES;
 
-/// Arcs on each side of the chosen phase of which every candidate is evaluated.
+/// Number of arcs on each side of the chosen phase of which every candidate is evaluated.
 const REACH: usize = 2;
 
 /// Smallest number of phases of a grid that this module searches.
@@ -101,7 +101,7 @@ pub(crate) fn best<S: Simd>(
     if list.count <= 1 {
         return Some(best);
     }
-    // The window may go past the last phase and on from the first.
+    // The window may extend over the last phase to the first ones, so its indices may not be in ascending order.
     list.sort();
     list.best(energies)
 }
@@ -305,7 +305,7 @@ impl Rivals {
         first + best
     }
 
-    /// Removes all but the best candidate and its rivals from a list; returns the index of the best.
+    /// Removes from a list all candidates except the best one and its rivals; returns the index of the best.
     #[inline(always)]
     fn keep(&self, candidates: &Candidates, list: &mut List<'_>) -> usize {
         let near = list.least + self.rounding;

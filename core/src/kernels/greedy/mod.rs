@@ -70,8 +70,9 @@ pub(crate) struct Pass<'a> {
 /// The candidates of a pass, and the memory of a search.
 pub(crate) struct Search<'a> {
     pub(crate) candidates: &'a Candidates,
-    /// Working memory: [`large_grid::floats`] numbers. An interleaved batch has those of
-    /// [`crate::kernels::greedy::interleaved_pass::floats`] before them.
+    /// Working memory of [`large_grid::floats`] numbers. In an interleaved batch,
+    /// [`crate::kernels::greedy::interleaved_pass::floats`] is the length of the whole list, of which these are the
+    /// last numbers.
     pub(crate) floats: &'a mut [f32],
     /// Working memory: [`indices`] indices.
     pub(crate) indices: &'a mut [u32],
@@ -109,8 +110,8 @@ pub(crate) trait Layout<S: Simd> {
     /// The drive of a transducer: in one problem, or in each of 16.
     type Drive;
 
-    /// Chooses and stores the drive of transducer `i`; returns `None` if it has no effect. Calls `meanwhile` once,
-    /// while the processor waits for the sums over the points.
+    /// Chooses and stores the drive of transducer `i`; returns `None` if the transducer has no effect. Calls
+    /// `meanwhile` once, while the processor waits for the sums over the points.
     fn update(&mut self, s: S, points: Points<'_>, i: usize, meanwhile: impl FnOnce()) -> Option<Self::Drive>;
 
     /// Adds the wave G q of a transducer to the pressures at `count` points.
@@ -177,7 +178,7 @@ pub(crate) struct PointsInLanes<'a, V, T> {
     pub(crate) silent: bool,
     /// Difference of two energies that is ignored.
     matters: f32,
-    /// Working memory of the moments; it belongs to one number of points.
+    /// Working memory of the moments. It is valid for one number of points only.
     parts: Parts,
     floats: &'a mut [f32],
     /// Working memory: the points that the moments leave out.

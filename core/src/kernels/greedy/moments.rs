@@ -115,7 +115,7 @@ pub(crate) fn add_parts<S: Elementwise, const FOURTH: bool>(
     *bow = s.fma(s.add(weight, pull), square, *bow);
     let (ur, ui) = (s.mul(er, inverse), s.mul(ei, inverse));
     let (tr, ti) = (s.mul(product, ur), s.mul(product, ui));
-    // The term w t |P| u^2 of the moment A2, from which those of u^3 and |u|^2 u follow.
+    // The term w t |P| u^2 of the moment A2. The terms of u^3 and of |u|^2 u follow from it.
     let (sr, si) = (s.fnma(ti, ui, s.mul(tr, ur)), s.fma(ti, ur, s.mul(tr, ui)));
     *a2r = s.add(*a2r, sr);
     *a2i = s.add(*a2i, si);
@@ -152,14 +152,14 @@ pub(crate) fn powers<S: Elementwise>(s: S, re: S::V, im: S::V) -> [S::V; POWERS]
 /// each.
 #[inline(always)]
 pub(crate) fn change<S: Elementwise>(s: S, m: impl Fn(usize) -> S::V, z: impl Fn(usize) -> S::V) -> S::V {
-    // Two independent sums, so that neither waits long.
+    // There are two independent sums, so the processor can add both at once.
     let low = s.fma(m(2), z(2), s.fma(m(3), z(3), s.mul(m(8), z(8))));
     let low = s.fma(m(0), z(0), s.fma(m(1), z(1), low));
     let high = s.fma(m(5), z(5), s.mul(m(4), z(4)));
     s.add(low, s.fma(m(6), z(6), s.fma(m(7), z(7), high)))
 }
 
-/// The terms of points in the moments, one partial sum in each lane. If a quarter of the lanes has no points, it has
+/// The terms of points in the moments, one partial sum in each lane. A quarter of the lanes that has no points contains
 /// +0.
 pub(crate) type Parts = [Lanes; PARTS];
 
@@ -206,7 +206,7 @@ impl Moments {
         parts: &mut Parts,
     ) -> (Self, usize) {
         let mut count = 0;
-        // The moments stay in registers if there are enough of them, else in memory.
+        // The moments stay in registers if the machine has enough registers, else in memory.
         let mut kept = [s.splat(0.0); PARTS];
         let rows = groups(points.row[0]).iter().zip(groups(points.row[1]));
         for (group, (point, (re, im))) in points.groups.iter().zip(rows).enumerate() {
@@ -280,7 +280,7 @@ impl Moments {
         s.fma(a4r, re4, s.fma(a4i, im4, low))
     }
 
-    /// Returns a bound of the second derivative of the change over the phase, at amplitude a.
+    /// Returns a bound on the second derivative of the change over the phase, at amplitude a.
     #[inline(always)]
     pub(crate) fn curvature(&self, a: f32) -> f32 {
         let size = |k: usize| sqrtf(self.0[k] * self.0[k] + self.0[k + 1] * self.0[k + 1]);
@@ -288,7 +288,7 @@ impl Moments {
         a * (size(0) + a * (4.0 * size(2) + a * cubic))
     }
 
-    /// Returns a bound of g2 + (1 + a) g3 for a up to 1, where the change is a g1 + a^2 g2 + a^3 g3 at any phase.
+    /// Returns a bound on g2 + (1 + a) g3 for a up to 1, where the change is a g1 + a^2 g2 + a^3 g3 at any phase.
     #[inline(always)]
     pub(crate) fn bow(&self) -> f32 {
         let size = |k: usize| sqrtf(self.0[k] * self.0[k] + self.0[k + 1] * self.0[k + 1]);

@@ -8,7 +8,7 @@ pub(crate) trait Term {
     const SQUARE: bool;
     /// Returns the change of the term when |P| grows by `rise`; `gap` = target - |P| before.
     fn change<S: Elementwise>(s: S, rise: S::V, gap: S::V) -> S::V;
-    /// Returns a bound of the change of the term by a drive of modulus 1; `gain` is a bound of |G|, and so of |rise|.
+    /// Returns a bound on the change of the term by a drive of modulus 1; `gain` is a bound on |G|, and so on |rise|.
     fn bound<S: Elementwise>(s: S, gain: S::V, gap: S::V) -> S::V;
 }
 

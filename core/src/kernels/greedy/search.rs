@@ -104,7 +104,7 @@ impl Winner {
     #[inline(always)]
     pub(crate) fn or<S: Simd>(self, s: S, changes: S::V, index: impl Fn(usize) -> usize, tolerance: f32) -> Self {
         let least = s.least(changes);
-        // Written so that an infinite change does not replace the first candidate.
+        // The comparison is written so that an infinite change does not replace the first candidate.
         if self.change - least <= tolerance {
             return self;
         }

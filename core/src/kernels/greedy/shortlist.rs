@@ -127,14 +127,16 @@ impl<'a> List<'a> {
         self.count += 1;
     }
 
-    /// Removes the candidates that the least change found since then excludes, unless some were dropped before.
+    /// Removes the candidates that the present least change excludes. Does nothing if candidates were dropped because
+    /// the list was full.
     pub(crate) fn sift(&mut self) {
         let limit = self.least + self.slack;
         // Values that are not numbers stay.
         self.retain(|_, value| value.partial_cmp(&limit) != Some(core::cmp::Ordering::Greater));
     }
 
-    /// Removes the candidates that `wanted` rejects by their index and change, unless some were dropped before.
+    /// Removes the candidates that `wanted` rejects by their index and change. Does nothing if candidates were dropped
+    /// because the list was full.
     #[inline(always)]
     pub(crate) fn retain(&mut self, mut wanted: impl FnMut(usize, f32) -> bool) {
         if !self.overflows() {
@@ -175,7 +177,8 @@ impl<'a> List<'a> {
         }
     }
 
-    /// Returns the first candidate whose change is at most `limit`, unless some were dropped.
+    /// Returns the first candidate whose change is at most `limit`; `None` if candidates were dropped because the list
+    /// was full.
     #[inline(always)]
     pub(crate) fn first_below(&self, limit: f32) -> Option<usize> {
         let at = self.values.get(..self.count)?.iter().position(|&value| value <= limit)?;

@@ -23,10 +23,10 @@ use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Apart, Elementwise};
 use crate::kernels::vector::add_wave;
 
-/// Transducers in a run: their waves are added before the next points follow.
+/// Number of transducers in a run: their waves are added before the next points follow.
 const RUN: usize = 512;
 
-/// Transducers in a run where the stack is small.
+/// Number of transducers in a run where the stack is small.
 const SHORT_RUN: usize = 64;
 
 /// Largest number of points for which the lanes contain transducers.

@@ -23,11 +23,11 @@ use crate::kernels::propagate::source::{SourceGroup, SourceLanes, SourceList};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Apart, Elementwise, Simd};
 
-/// Source groups whose moduli are summed in f32 before the sum continues in f64; they stay in the nearest cache
-/// meanwhile.
+/// Number of source groups whose moduli are summed in f32 before the sum continues in f64; they stay in the nearest
+/// cache meanwhile.
 const RUN: usize = 32;
 
-/// Points between two checks for a stop: some 100 us.
+/// Number of points between two checks for a stop: some 100 us.
 const POINTS_A_PULSE: usize = 1 << 10;
 
 /// A run: consecutive groups of the sources.
@@ -130,7 +130,7 @@ impl<F: Form> Apart for Sums<'_, F> {
 }
 
 /// Does the same as [`add_moduli`] for the points of up to 16 problems, one problem in each lane, with the same bits.
-/// It writes the sums to `out`.
+/// Writes the sums to `out`.
 pub(crate) fn interleaved_moduli(
     set: InstructionSet,
     run: &Run<'_>,
@@ -175,7 +175,7 @@ fn in_lanes<S: Simd, F: Form, const KEEP: bool>(
         // Sums over 1, 2, 4 and 8 lanes, stored until the sum over as many other lanes is ready.
         let mut waiting = [s.splat(0.0); 5];
         for k in 0..LANES {
-            // Lanes come in the order of their reversed bits: 0, 8, 4, 12 and so on.
+            // The lanes are taken in the order of their reversed bits: 0, 8, 4, 12 and so on.
             let lane = k.reverse_bits() >> (usize::BITS - LANES.ilog2());
             let mut state = [closest, s.splat(0.0), s.splat(0.0)];
             for (n, group) in run.groups.iter().enumerate() {

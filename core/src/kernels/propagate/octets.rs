@@ -1,7 +1,7 @@
 //! Up to eight rows of G side by side: lane group by lane group, as a block of transducers reads them.
 //!
-//! It is a function that is not inlined, and its form is chosen before its loops, so that the kernel around it keeps
-//! its values in registers. Padding is not set to 0.
+//! The rows are written by a function that is not inlined, and the form is chosen before its loops. So the kernel that
+//! calls it keeps its values in registers. Padding is not set to 0.
 
 use crate::kernels::lanes::{LANES, Line, Octet, groups};
 use crate::kernels::propagate::form::{Form, Radiation, formed};

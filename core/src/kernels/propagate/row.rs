@@ -8,7 +8,7 @@ use crate::kernels::propagate::source::{SourceLanes, SourceList};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Apart, Elementwise, Simd};
 
-/// Least distance in wavelengths: a shorter one is replaced by it, so that no field is infinite.
+/// Least distance in wavelengths: shorter distances count as this one, so that no field is infinite.
 pub(crate) const NEAREST: f32 = 0.01;
 
 /// Points in wavelengths from the array's middle. The padding of each coordinate has any finite values.
@@ -88,8 +88,8 @@ pub(crate) fn known<S: Elementwise>(s: S, from: &SourceLanes<S::V>, point: [S::V
     wave(s, if from.in_phase { distance } else { s.add(distance, from.turns) }, amplitude)
 }
 
-/// Writes a group of sources at the points of `order`: row k of [`crate::kernels::tiles`] in the blocks from `first`
-/// on, `stride` apart.
+/// Writes the elements of G for a group of sources at the points of `order`, as a tile of [`crate::kernels::tiles`].
+/// Row k of the tile is point `order[k]`. Its blocks begin at `first` and are `stride` apart.
 #[inline(always)]
 pub(crate) fn write_tile<S: Simd>(
     s: S,

@@ -56,8 +56,8 @@ impl SourceList {
         self.groups[i / LANES].one(s, i % LANES)
     }
 
-    /// Returns N transducers side by side: member k in the lanes from 16 k/N on. The last of `members` fills the lanes
-    /// left.
+    /// Returns N transducers side by side: member k in the lanes from 16 k/N on. If there are fewer than N `members`,
+    /// the last one also fills the remaining lanes.
     #[inline(always)]
     pub(crate) fn segments<S: Elementwise, const N: usize>(&self, s: S, members: &[usize]) -> SourceLanes<S::V> {
         let at = core::array::from_fn(|quarter| {

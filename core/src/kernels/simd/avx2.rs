@@ -149,8 +149,8 @@ impl Elementwise for Avx2 {
             let biased = _mm256_srli_epi32::<23>(_mm256_castps_si256(a));
             _mm256_cvtepi32_ps(_mm256_sub_epi32(biased, _mm256_set1_epi32(127)))
         };
-        // The estimate of AVX differs between manufacturers; root and quotient do not. In measurements they were faster
-        // than the exponent's bits with steps of Newton's method.
+        // The estimate of AVX differs between manufacturers; a root and a quotient do not. In measurements, root and
+        // quotient were also faster than an estimate from the exponent's bits with steps of Newton's method.
         rsqrt_estimate(a) = _mm256_div_ps(_mm256_set1_ps(1.0), _mm256_sqrt_ps(a));
         select_less(a, b, x, y) =
             _mm256_blendv_ps(y, x, _mm256_cmp_ps::<_CMP_LT_OQ>(a, b));

@@ -9,7 +9,7 @@ use core::ops::{Add, Mul, Sub};
 use crate::kernels::simd::fours::Fours;
 use crate::math;
 
-/// Numbers in a group.
+/// Size of a group of numbers.
 pub(crate) const EIGHT: usize = 8;
 
 /// A group of eight numbers.

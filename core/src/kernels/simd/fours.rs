@@ -6,7 +6,7 @@
 use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::simd::{Apart, Elementwise, Simd, reduce_add};
 
-/// Lanes of a register.
+/// Number of lanes of a register.
 pub(crate) const FOUR: usize = 4;
 
 /// Operations on four numbers; each has the meaning that it has in [`Elementwise`].

@@ -131,8 +131,8 @@ pub(crate) trait Elementwise: Copy {
         self.load(&lanes.map(|index| list[(index as usize).min(list.len() - 1)]))
     }
 
-    /// Returns sqrt(a) and 1/sqrt(a) of a >= [`TINY`], each within two roundings: the estimate and one step of Newton's
-    /// method for each, with its own remainder.
+    /// Returns sqrt(a) and 1/sqrt(a) of a >= [`TINY`], each within two roundings. Each is computed from the estimate by
+    /// one step of Newton's method.
     #[inline(always)]
     fn sqrt_rsqrt(self, a: Self::V) -> (Self::V, Self::V) {
         let guess = self.rsqrt_estimate(a);
@@ -142,14 +142,14 @@ pub(crate) trait Elementwise: Copy {
         (self.fma(half, miss, root), self.fma(half, other, guess))
     }
 
-    /// Returns 1/sqrt(a) alone.
+    /// Returns 1/sqrt(a) without sqrt(a).
     #[inline(always)]
     fn rsqrt(self, a: Self::V) -> Self::V {
         let (guess, miss) = self.rsqrt_guess(a);
         self.fma(self.mul(guess, self.splat(0.5)), miss, guess)
     }
 
-    /// Returns g and m with 1/sqrt(a) = g (1 + m/2) within two roundings. A caller can multiply a factor to g while m
+    /// Returns g and m with 1/sqrt(a) = g (1 + m/2) within two roundings. A caller can multiply g by a factor while m
     /// is computed.
     #[inline(always)]
     fn rsqrt_guess(self, a: Self::V) -> (Self::V, Self::V) {

@@ -56,7 +56,7 @@ impl Register for Numbers {
         max(a, b) = if a > b { a } else { b };
         abs(a) = a.abs();
         round(a) = (a + WHOLE) - WHOLE;
-        // Both functions use the bits of the exponent.
+        // Both exp2 and exponent use the bits of the exponent.
         exp2(a) = f32::from_bits(((a as i32 + 127) as u32) << 23);
         exponent(a) = ((a.to_bits() >> 23) as i32 - 127) as f32;
         rsqrt_estimate(a) = rsqrt_estimate(a);

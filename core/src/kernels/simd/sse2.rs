@@ -60,7 +60,7 @@ impl Register for Vectors {
         max(a, b) = _mm_max_ps(a, b);
         abs(a) = _mm_andnot_ps(_mm_set1_ps(-0.0), a);
         round(a) = _mm_sub_ps(_mm_add_ps(a, _mm_set1_ps(WHOLE)), _mm_set1_ps(WHOLE));
-        // Both functions use the bits of the exponent.
+        // Both exp2 and exponent use the bits of the exponent.
         exp2(a) = _mm_castsi128_ps(_mm_slli_epi32::<23>(_mm_add_epi32(_mm_cvttps_epi32(a), _mm_set1_epi32(127))));
         exponent(a) = _mm_cvtepi32_ps(_mm_sub_epi32(_mm_srli_epi32::<23>(_mm_castps_si128(a)), _mm_set1_epi32(127)));
         rsqrt_estimate(a) = {

@@ -47,7 +47,8 @@ fn phasors(rng: &mut Rng) -> [Vec<f32>; 2] {
 fn near(found: &[Complex64], wanted: impl Fn(usize) -> Option<Complex64>, reported: &str) {
     let off = |i: usize| wanted(i).map_or(0.0, |wanted| (found[i] - wanted).norm());
     let most = (0..TRANSDUCERS).map(off).fold(0.0, f64::max);
-    // The allowed error: some roundings of sums of 16 terms, relative to sums that may be a tenth of one term.
+    // The allowed error: some roundings of sums of 16 terms. It is relative to the sum, which may be a tenth of one
+    // term.
     assert!(most < 1e-4, "{reported}: {most}");
 }
 

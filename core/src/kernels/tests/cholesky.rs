@@ -37,7 +37,8 @@ fn a_system_is_solved_at_every_size() {
             cholesky::solve(set, &matrix, &mut x);
             for k in 0..size {
                 let got: f64 = (0..size).map(|l| entry(k, l) * wide(x[l])).sum();
-                // Backward stable: f32 rounding times the norms of the matrix, about size^2 at most, and of x.
+                // The solver is backward stable. The allowed error is the rounding of f32 times the norm of x and the
+                // norm of the matrix, which is about size^2 at most.
                 let allowed = 1e-6 * (size * size + 10) as f64;
                 assert!((got - wide(wanted[k])).abs() <= allowed, "{set} {size}: {got} for {}", wanted[k]);
             }
@@ -49,7 +50,7 @@ fn a_system_is_solved_at_every_size() {
 #[test]
 fn a_matrix_that_is_not_positive_definite_is_rejected() {
     for set in InstructionSet::all() {
-        // The matrix has 1 on the diagonal, and later also one 1 beside the diagonal, with which it is singular.
+        // The matrix is the identity. Later one entry beside the diagonal is 1, too, which makes the matrix singular.
         let mut matrix = vec![0.0; 20 * padded(20)];
         (0..20).for_each(|k| matrix[k * padded(20) + k] = 1.0);
         assert!(factor(set, &mut matrix.clone(), 20));

@@ -43,7 +43,8 @@ use crate::kernels::tiles::{height, lanes, pack, size};
 use crate::rng::Rng;
 use crate::scene::Directivity;
 
-/// Numbers of points in the tests. Under Miri, which takes a thousand times as long, only those around one lane group.
+/// Numbers of points in the tests. Miri takes a thousand times as long, so it tests only numbers close to one lane
+/// group.
 const LENGTHS: RangeInclusive<usize> = if cfg!(miri) { 15..=17 } else { 1..=67 };
 
 /// Step over the values at which a polynomial is tested.
@@ -147,9 +148,9 @@ impl Shot {
             let (r, amplitude) = self.spread(j);
             let (sin, cos) = (TAU * (r + wide(self.source.turns))).sin_cos();
             let gain = wide(self.source.amplitude);
-            // Errors are relative to the modulus straight ahead, because D has zeros. They contain the amplitude's own
-            // few roundings, the polynomials' 7e-7 and 3e-7, the table's and the effect on D of two roundings of the
-            // cosine. The phase has four roundings of the distance.
+            // Errors are relative to the modulus straight ahead, because D has zeros. They consist of a few roundings
+            // of the amplitude, the polynomials' errors of 7e-7 and 3e-7, the error of the table, and the effect on D
+            // of two roundings of the cosine. The phase has four roundings of the distance.
             let unit = gain / r;
             let (flat, phase) =
                 ((2e-6 + 2.0 * ROUNDING * self.steepness) * unit, 4.0 * ROUNDING * TAU * (r + 0.5) * unit);
@@ -167,8 +168,8 @@ impl Shot {
 }
 
 impl Shot {
-    /// Asserts that the field of this transducer, of one that is off and of this one again is G q, and 0 in the
-    /// padding.
+    /// Asserts the field of three transducers: this one, an equal one that is off, and an equal one again. It is the
+    /// sum of their waves G q, and 0 in the padding.
     fn check_field(&self, set: InstructionSet, row: [&[f32]; 2]) {
         let sources = SourceList::new(&[self.source; 3]);
         let drive = [Complex32::new(0.6, -0.7), Complex32::ZERO, Complex32::new(-0.1, 0.3)];
@@ -184,7 +185,8 @@ impl Shot {
             assert_near(im[j], gr * qi + gi * qr, allowed, "im");
         }
         assert!(re[self.count..].iter().chain(&im[self.count..]).all(|&x| x == 0.0), "padding was given sound");
-        // At few points the lanes contain transducers; the bits are those of the same points among many.
+        // At few points the lanes contain transducers. The results have the same bits as those of these points among
+        // many others.
         let some = ControlPoints { count: self.count.min(4), ..self.control_points() };
         let [mut few_re, mut few_im] = [(); 2].map(|()| vec![0.0; LANES]);
         let (to, control) = ([&mut few_re[..], &mut few_im[..]], &mut Control::none());
@@ -300,8 +302,8 @@ fn modulus_and_squares_are_those_of_complex_numbers() {
             super::squares(set, [&re, &im], count, &mut sums);
             for j in 0..padded(count) {
                 let (modulus, sum) = (wide(re[j]).hypot(wide(im[j])), wide(start[j]));
-                // The allowed error: squares and sum round twice, which the root halves, and the root rounds twice
-                // itself.
+                // The allowed error: the squares and their sum have two roundings, whose effect the root halves. The
+                // root itself has two roundings.
                 assert_near(moduli[j], modulus, 2.0 * ROUNDING * modulus, "modulus");
                 // The allowed error: roundings of the squares, of their sum, and of the sum with the earlier values.
                 assert_near(sums[j], sum + modulus * modulus, 3.0 * ROUNDING * (sum + modulus * modulus), "square");

@@ -28,7 +28,7 @@ fn power(set: InstructionSet, x: &Lanes) -> Lanes {
 #[test]
 fn waves_are_accurate_over_the_whole_range() {
     for set in InstructionSet::all() {
-        // The intermediate sigma^2 of `wave` is up to 2; without fused products it is rounded once more.
+        // The intermediate result sigma^2 of `wave` is up to 2. Without fused products it has one more rounding.
         let allowed = if ["scalar", "simd128"].contains(&set.name()) { 7e-7 } else { 6e-7 };
         for scale in [1e-7_f32, 1e-3, 0.3, 1.0, 7.7, 117.6, 1e4, 4e6] {
             for step in (-4000..4000_i16).step_by(STRIDE) {

@@ -50,7 +50,7 @@ impl Scene {
         Self { pressure, gain, target: list(0.0, 2.0), weight: list(0.0, 1.0), count }
     }
 
-    /// Returns the point groups as a pass stores them, pressures added to 0, and the energy.
+    /// Returns the point groups as a pass stores them (the pressures are added to 0), and the energy.
     pub(super) fn kept(&self, set: InstructionSet) -> (Vec<PointGroup>, f32) {
         let [re, im] = [0, 1].map(|part| groups(&self.pressure[part]));
         let requested = groups(&self.target).iter().zip(groups(&self.weight));

@@ -16,7 +16,7 @@ use crate::kernels::tiles::{Tiles, Wave, height, lanes, size};
 use crate::kernels::tiles::{phases, products};
 use crate::rng::Rng;
 
-/// G as tiles: the points in reverse order, every second one doubled.
+/// G as tiles: the points are in reverse order, and the rows of every second point are multiplied by two.
 pub(super) struct Scene {
     points: usize,
     transducers: usize,

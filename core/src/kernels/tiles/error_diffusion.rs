@@ -77,13 +77,13 @@ pub(crate) const fn floats(points: usize) -> usize {
 }
 
 const LISTS: usize = 7;
-/// Points whose complex sums fill a lane group.
+/// Number of points whose complex sums fill a lane group.
 const EIGHT: usize = LANES / 2;
-/// Tiles rounded together: the loop waits once for their choice.
+/// Number of tiles that are rounded together: the loop waits once for their choice.
 const MOST: usize = 4;
 /// Largest rotation in turns for which a pressure is near its tangent.
 const MOST_ROTATION: f32 = 0.125;
-/// Limits of [`Choice::even`].
+/// The least and the largest value of [`Choice::even`].
 const EVEN: [f32; 2] = [5e-5, 1e-3];
 
 /// Largest number of passes that exchange codes: a third pass removes less than a tenth of the error.
@@ -214,7 +214,7 @@ impl<'a> Points<'a> {
 }
 
 /// Rounds a drive (|q| = 1 or 0) to the phases; each tile's choice corrects the errors of the tiles before. `field` is
-/// that of the old drive. Writes the new `codes`. Then exchanges codes where that still pays.
+/// that of the old drive. Writes the new `codes`. Then exchanges codes as long as that lowers the error.
 ///
 /// # Errors
 /// A requested stop, which is checked once a tile: the drive is then part old and part new.
@@ -289,7 +289,7 @@ fn round_tiles<S: Simd, const K: usize>(
             }
         }
     }
-    // For each drive the steepest descent d of the module's head, the drive's change by it, and sum d^2.
+    // For each drive: the steepest descent d of the module's head, and the drive's change along d; then sum d^2.
     let (mut down, mut change, mut slope) = ([zero; K], [[zero; 2]; K], zero);
     for ((down, change), (&[re, im], &[a, b, c, d])) in down.iter_mut().zip(&mut change).zip(q.iter().zip(&sums)) {
         *down = s.fma(re, s.add(c, d), s.mul(im, s.sub(a, b)));

@@ -28,8 +28,8 @@ pub(crate) const fn height(count: usize) -> usize {
     count.next_multiple_of(BLOCK)
 }
 
-/// Returns the distance from one block of rows to the next, in lane groups of four rows. It is one more than the tiles:
-/// with an even number the rows of a tile would compete for the same line of the nearest cache.
+/// Returns the distance from one block of rows to the next, in lane groups of four rows. It is one more than the number
+/// of tiles: with an even distance the rows of a tile would compete for the same line of the nearest cache.
 pub(crate) const fn stride(lanes: usize) -> usize {
     lanes / LANES + 1
 }
@@ -88,7 +88,7 @@ pub(crate) struct Wave<'a> {
     pub(crate) field: [&'a mut [f32]; 2],
 }
 
-/// Returns whether each of the first transducers reaches the first point, as nearly all do, and has a drive.
+/// Returns whether each of the first `transducers` reaches the first point, as nearly all do, and has a drive.
 pub(crate) fn all_sound(set: InstructionSet, tiles: Tiles<'_>, drive: [&[f32]; 2], transducers: usize) -> bool {
     dispatch!(set, s => {
         let [qr, qi] = drive.map(groups);
@@ -224,7 +224,7 @@ pub(crate) fn correlate(set: InstructionSet, tiles: Tiles<'_>, pressures: [&[f32
     });
 }
 
-/// Multiplies G of each transducer by its q; drives are then relative to these.
+/// Multiplies G of each transducer by its q; afterwards, drives are relative to these q.
 pub(crate) fn rotate_columns(set: InstructionSet, [re, im]: [&mut [f32]; 2], [qr, qi]: [&[f32]; 2]) {
     dispatch!(set, s => {
         let each = stride(qr.len());

@@ -18,7 +18,8 @@ const SILENT: f32 = 1e-5;
 /// first of the `rounds` adds one point after another. Returns the sum of |v_k| times the moduli of those pressures in
 /// the last round.
 ///
-/// Where there is no other wave v_k stays. `powers` are those of the rows; `wave` is memory for b.
+/// If the other points make no wave at a point, its v_k stays unchanged. `powers` are those of the rows; `wave` is
+/// memory for b.
 ///
 /// # Errors
 /// A requested stop, which is checked once a visit.
@@ -87,7 +88,7 @@ pub(crate) fn align_rows(
 /// Aligns the phases of sixteen vectors v, side by side, of moduli `shares`: `rounds` times each v_k gets the phase of
 /// sum_l C_kl v_l, C the `matrix`, in the order of `visits`. Returns for each vector the sum of |v_k| |sum_l C_kl v_l|.
 ///
-/// Where that sum is 0 v_k stays.
+/// Where that sum is 0, v_k stays unchanged.
 ///
 /// # Errors
 /// A requested stop, which is checked once a visit.

@@ -13,7 +13,8 @@ use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::tiles::{Tiles, blocks, stride};
 use crate::kernels::vector::root;
 
-/// Tiles in a run, over which rows are multiplied before the next rows follow: eight planes of them are 16 KB.
+/// Number of tiles in a run, over which rows are multiplied before the next rows follow. In a run, eight planes take 16
+/// KB.
 pub(crate) const RUN: usize = 32;
 
 /// Writes the upper half of J J^T to a matrix of `size` padded rows. The rows of J are those of a plane, each with a

@@ -138,7 +138,8 @@ fn swept<S: Simd, const WITHIN: bool>(
     }
 }
 
-/// q = (r + j f d r) / |.| for another drive r, turns d and factor f, and P = G q. It is e^{jfd} r within (f d)^3/3.
+/// Writes q = (r + j f d r)/|r + j f d r| for another drive r, rotations d (`turns`) and a factor f, and P = G q. This
+/// q differs from e^{jfd} r by at most (f d)^3/3.
 pub(crate) fn turn(
     set: InstructionSet,
     tiles: Tiles<'_>,

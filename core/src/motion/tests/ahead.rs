@@ -59,8 +59,8 @@ fn moduli(model: &Model, points: &[[f64; 3]], codes: &[u16], phases: u32) -> Vec
     (0..points.len()).map(|j| Complex64::norm(sum(j))).collect()
 }
 
-/// Returns for each frame min |P_j|/t_j over the largest, and the mean of |P_j|/t_j over that of `uniform` for this
-/// frame alone.
+/// Returns for each frame min |P_j|/t_j over max |P_j|/t_j, and the mean of |P_j|/t_j over the mean that `uniform`
+/// reaches for this frame alone.
 fn judged(model: &Model, points: &[[f64; 3]], targets: &[f64], codes: &[u16], phases: u32) -> Vec<[f64; 2]> {
     let (each, transducers) = (3, model.array().len());
     let frames = points.chunks(each).zip(targets.chunks(each)).zip(codes.chunks(transducers));
@@ -111,7 +111,7 @@ fn a_closed_curve_has_no_seam() {
     assert!(largest_step(&codes, 256, &CLOSED) <= 8);
     assert!(largest_step(&codes, 256, &CLOSED) > 4, "the bound is used");
     check(&judged(&model, &points, &[1.0; 144], &codes, 256), 0.95);
-    // Few phases, two frames, and two phases.
+    // The cases: few phases; only two frames; only two phases.
     for (phases, frames) in [(16, 48), (256, 2), (2, 3)] {
         let how = Ahead { change: TAU / 16.0, phases, ..CLOSED };
         let codes = solved(&model, &points[..3 * frames], &[1.0; 144][..3 * frames], frames, &how);

@@ -16,7 +16,7 @@ const CENTER: [f64; 3] = [0.004, -0.003, 0.06];
 const RADIUS: f64 = 0.012;
 
 /// Returns j_n + j y_n, the spherical Bessel functions of the first and second kind, for the orders 0 to `order`.
-/// They are computed by backward and forward recurrence.
+/// The values j_n are computed by backward recurrence, the values y_n by forward recurrence.
 fn bessel(x: f64, order: usize) -> Vec<Complex64> {
     let begin = order + 60 + x as usize;
     let (mut down, mut above) = (vec![0.0; begin + 1], 0.0);

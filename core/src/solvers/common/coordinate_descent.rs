@@ -8,10 +8,10 @@
 //!     P += G_i q_i
 //! ```
 //!
-//! If a transducer with a small range of phases decided from silence, it would not know the waves of the later ones,
-//! and all would end at an end of their range. Here each decision includes the waves of all others; those not yet
-//! replaced have their old drives. After a pass from silence, further sweeps let the first transducers decide again
-//! with all waves known.
+//! Suppose that a transducer with a small range of phases chose its phase while the later transducers are silent. Its
+//! choice would not include their waves, and all transducers would end at an end of their range. Here each choice
+//! includes the waves of all other transducers; those not yet replaced have their old drives. After a pass that begins
+//! in silence, further sweeps update the first transducers again, with all waves known.
 
 use core::f64::consts::TAU;
 
@@ -64,7 +64,7 @@ impl CoordinateDescent<'_> {
             quantization.grid().round(set, 1.0, [1.0; 2], &mut drive);
             grid = quantization.phases().map_or(phases, |phases| phases as usize);
         }
-        // A balanced solution was divided by the problem's factor.
+        // When the last solution was balanced, its drives were divided by the problem's factor: this is undone.
         for q in drive.iter_mut().filter(|_| problem.factor() > 1.0) {
             *q *= problem.factor().min(1.0 / modulus(*q)) as f32;
         }

@@ -48,8 +48,8 @@ impl<'w> Dual<'w> {
         padded(self.size)
     }
 
-    /// Computes J and J J^T at a wave. `points` are the rows of G of the equations. With a `metric`, it multiplies J's
-    /// columns by it.
+    /// Computes J and J J^T at a wave. `points` are the rows of G of the equations. If a `metric` is given, each column
+    /// of J is multiplied by its entry.
     pub(crate) fn derive(
         &mut self,
         rows: &Rows,

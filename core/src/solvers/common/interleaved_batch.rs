@@ -34,8 +34,8 @@ impl<'w> InterleavedPoints<'w> {
             return None;
         }
         let mut coordinates = [(); 3].map(|()| work.floats.take(points * LANES));
-        // A lane without a problem repeats the last problem, a problem of fewer points its last point: no lane is near
-        // a transducer without need.
+        // A lane without a problem repeats the last problem, a problem of fewer points its last point. So no unused
+        // lane is at a transducer.
         for lane in 0..LANES {
             let (own, points) = problems[lane.min(problems.len() - 1)].propagation().computed()?;
             if !Arc::ptr_eq(own, prepared) {

@@ -41,7 +41,7 @@ pub(crate) struct Task {
     pub(crate) seed: u64,
     /// Factor of the targets.
     pub(crate) factor: f32,
-    /// Number of steps done before.
+    /// Number of steps that the solve has done before this search.
     pub(crate) before: usize,
 }
 
@@ -58,7 +58,7 @@ fn free_steps(points: usize) -> usize {
     (MOST_FREE_WORK / points.max(1)).clamp(LEAST_FREE, MOST_FREE)
 }
 
-/// Largest product of points and steps: some .3 s with 996 transducers.
+/// Largest product of points and steps: some .3 s with 996 transducers. Then the least and the largest number of steps.
 const MOST_FREE_WORK: usize = 300_000;
 const LEAST_FREE: usize = 300;
 const MOST_FREE: usize = 1500;
@@ -70,7 +70,7 @@ const FREE_TOLERANCE: f64 = 3e-4;
 /// best start, lower the error of |P|.
 const POWER_STEPS: usize = 5;
 
-/// Steps over which progress is measured.
+/// Number of steps over which progress is measured.
 const SPAN: usize = 10;
 
 /// Error below which a target counts as met: smaller errors are rounding errors of f32.
@@ -241,7 +241,8 @@ impl Cost for RowRequest<'_> {
     }
 }
 
-/// Takes steps until they gain little, `stop` returns true or `most` are done. `stop` is called before each step.
+/// Takes steps until ten of them gain too little, `stop` returns true or `most` are done. `stop` is called before each
+/// step.
 fn descend(
     descent: &mut PhaseDescent,
     requested: RowRequest,

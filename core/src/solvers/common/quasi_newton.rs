@@ -98,7 +98,7 @@ impl<'w> QuasiNewton<'w> {
         }
         for (share, pair) in shares[..self.count].iter().rev().zip(self.known()) {
             let back = pair.inverse * dot(&pair.change, gradient);
-            // The direction has been negated, so the share is negated too.
+            // The gradient has been negated above, so this share is negated, too.
             add(-share - back, &pair.step, gradient);
         }
     }

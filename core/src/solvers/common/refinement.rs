@@ -17,7 +17,7 @@ use crate::workspace::Workspace;
 /// phases; on a fine device a rounding error needs fewer.
 const WIDTH: usize = 16;
 
-/// Largest number of rounds. In trials (N = 400, M = 16 and 64) the fifth lowered sigma by less than 3 %.
+/// Largest number of rounds. In trials (N = 400, M = 16 and 64) a fifth round lowered sigma by less than 3 %.
 const ROUNDS: usize = 4;
 
 /// Rounds `drive` (N,) to the device's quantization. Then rotates one transducer after another to the phase of the grid

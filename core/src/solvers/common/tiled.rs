@@ -69,7 +69,7 @@ impl<'w> Rows<'w> {
         Ok(rows)
     }
 
-    /// Creates the rows of G of the points `order`, those with a target first.
+    /// Creates the rows of G for the points `order`, in which points with a target come first.
     pub(crate) fn of(
         problem: &Problem,
         order: Buffer<'w, u32>,
@@ -144,7 +144,7 @@ pub(crate) struct Wave<'w> {
 }
 
 impl<'w> Wave<'w> {
-    /// Creates a wave to be written. Its moduli are 0, the rest is not set.
+    /// Creates a wave to be written. Its moduli are 0; drive and field are not set.
     pub(crate) fn new(rows: &Rows, work: &'w Workspace) -> Self {
         let pair = |size: usize| [(); 2].map(|()| work.floats.take_any(size));
         let (drive, field) = (pair(rows.lanes), pair(rows.count));

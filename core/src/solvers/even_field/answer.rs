@@ -42,7 +42,7 @@ impl Answer {
         let factor = if lower { f64::from(rows.target / loudest) } else { 1.0 };
         let on_grid =
             status != Status::Stopped && quantization.is_some_and(|quantization| quantization.phases().is_some());
-        // Whether the rows are those of all points of the problem, in its units.
+        // True if the rows are those of all points of the problem, in its units.
         let known = rows.order.len() == problem.propagation().points();
         if mixed && lower {
             let field = known.then(|| wave.received(problem, rows, 1.0, work));

@@ -28,7 +28,8 @@ pub(super) struct Pace {
     damping: f32,
     /// The factor of the damping from step to step.
     shrink: f32,
-    /// The least damping: below it a step follows parts of no effect, or noise of f32.
+    /// The least damping. With less damping, a step would follow parts of the field that have no effect, or the noise
+    /// of f32.
     least: f32,
     /// Largest number of steps.
     pub(super) steps: usize,
@@ -55,7 +56,8 @@ impl Pace {
     pub(super) const SILENT: Self =
         Self { damping: 1e-2, shrink: 0.5, least: 1e-4, steps: 22, settled: f32::INFINITY, manner: Manner::silent };
 
-    /// The pace for separate targets whose field is even or nearly even: whole steps.
+    /// The pace for separate targets whose field is even or nearly even. The damping is so low that steps are not
+    /// shortened.
     pub(super) const RISE: Self =
         Self { damping: 1e-6, shrink: 1.0, least: 1e-6, steps: 20, settled: 1e-5, manner: Manner::rising };
 

@@ -22,7 +22,7 @@ pub(super) fn merge(rows: &mut Rows, powers: &mut [f32], work: &Workspace, contr
     products::couplings(rows.set, rows.tiles(), middle..middle + 1, points, [&mut *re, &mut *im], control)?;
     let entry = |k: usize, l: usize| [&*re, &*im].map(|plane| f64::from(plane[k * points + l]));
     let own = |k: usize| entry(k, k)[0].max(f64::from(f32::MIN_POSITIVE));
-    // If two rows are parallel, they differ in the middle tile by at most this part of their power in it.
+    // If two rows are parallel, they differ in the middle tile by at most this part of their power in that tile.
     let slack = |k: usize| 4.0 * COINCIDENT * (f64::from(powers[k]) / own(k)).max(1.0);
     let mut homes = work.counting(points);
     let mut apart = true;

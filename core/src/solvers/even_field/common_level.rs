@@ -1,7 +1,8 @@
 //! Gauss-Newton steps on |P_j| = s t_j, the level s free or given, until every point is even enough.
 //!
-//! J are the derivatives of the moduli |P| by the drives' phases, W the weights. The shortest step that meets a level s
-//! is d = J^T y with (J J^T + mu W^-1) y = s t - |P|: an M x M system for M points, however many transducers there are.
+//! J are the derivatives of the moduli |P| by the drives' phases, t the targets, W the weights, mu the damping. The
+//! shortest step that meets a level s is d = J^T y with (J J^T + mu W^-1) y = s t - |P|. This is an M x M system for M
+//! points, however many transducers there are.
 //! The free level is the one with the shortest step. A quiet point has two rows, Re P = Im P = 0; a point of large
 //! weight is damped less.
 
@@ -24,11 +25,11 @@ const DAMPING: f32 = 1e-6;
 /// Damping of the first step for crowded points.
 const CROWDED_DAMPING: f32 = 1e-3;
 
-/// Among crowded quiet points the targets are even if none is off by more than this part of the level.
+/// With crowded quiet points, the field is even if no point differs from its target by more than this part of the level.
 const SILENT: f32 = 1e-4;
 
-/// Largest number of successive steps between crowded points that leave more than half of the squared error. If so many
-/// have done it, later steps do it, too.
+/// Largest number of successive steps between crowded points that leave more than half of the squared error. After so
+/// many slow steps, the following steps are slow, too.
 const PATIENCE: usize = 6;
 
 /// The Jacobian is used again after a step that leaves less than this part of the squared error, because computing it
@@ -67,18 +68,20 @@ pub(super) struct Manner {
     least: f32,
     /// The largest deviation that counts as even, if it is larger than the plan's.
     tolerance: f32,
+    /// Largest number of steps.
     most: usize,
     /// Largest number of successive steps with little gain.
     patience: usize,
 }
 
 impl Manner {
-    /// Parameters for separate points: to a given level, or to that of the shortest step.
+    /// Returns the parameters for separate points and a given level; `None` selects the level of the shortest step.
     pub(super) fn separate(level: Option<f32>) -> Self {
         Self { level, damping: DAMPING, least: 0.0, tolerance: 0.0, most: MOST_STEPS, patience: MOST_STEPS }
     }
 
-    /// Parameters for crowded points: to a level. High damping makes the smooth part of the field even first.
+    /// Returns the parameters for crowded points and a given level. High damping makes the smooth part of the field even
+    /// first.
     pub(super) fn crowded(level: f32, _quiet: f32) -> Self {
         Self {
             level: Some(level),
@@ -90,12 +93,13 @@ impl Manner {
         }
     }
 
-    /// Parameters for separate points after an ascent: to the level of the shortest step.
+    /// Returns the parameters for separate points after an ascent. The level is the one of the shortest step.
     pub(super) fn rising(_level: f32, _quiet: f32) -> Self {
         Self::separate(None)
     }
 
-    /// Parameters for crowded quiet points that may leak `quiet` of a level; smaller leaks are ignored.
+    /// Returns the parameters for crowded quiet points and a given level. A quiet point may leak up to the part `quiet` of
+    /// this level.
     pub(super) fn silent(level: f32, quiet: f32) -> Self {
         Self {
             level: Some(level),
@@ -108,7 +112,7 @@ impl Manner {
     }
 }
 
-/// Makes `wave` even.
+/// Makes the points of `wave` equally loud, relative to their targets.
 ///
 /// # Errors
 /// More memory than allowed is needed.
@@ -145,7 +149,7 @@ pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, manner: Manner, wave: &mut W
             renew = after > SLOW * before;
             fresh = false;
         } else {
-            // A failed step with an old Jacobian: compute it again before changing the damping.
+            // If a step with an old Jacobian failed, the Jacobian is computed again before the damping is changed.
             (renew, damping) = if fresh { (false, 10.0 * damping) } else { (true, damping) };
             newton.factor = None;
         }
@@ -219,7 +223,8 @@ impl<'w> Newton<'w> {
         if modulus <= WITHIN * self.quiet * level { 0.0 } else { value * (WITHIN * self.quiet * level / modulus - 1.0) }
     }
 
-    /// Computes the derivatives at a wave, in a metric of the transducers.
+    /// Computes the derivatives at a wave. If a `metric` is given, the derivatives of each transducer are multiplied by its
+    /// entry.
     pub(crate) fn update(
         &mut self,
         rows: &Rows,
@@ -263,7 +268,8 @@ impl<'w> Newton<'w> {
         (cholesky, rise): &Factor<'w>,
         level: Option<f32>,
     ) -> Buffer<'w, f32> {
-        // The solution starts from the mean level: s times one solution less another would cancel most digits.
+        // The solution is computed from the mean level. As the difference of s times one solution and another solution,
+        // it would lose most digits.
         let middle = wave.level(rows);
         let mut dual = self.dual.work.floats.take(rise.len());
         for (k, dual) in dual.iter_mut().enumerate().take(self.dual.size) {
@@ -288,8 +294,8 @@ impl<'w> Newton<'w> {
         Ok(())
     }
 
-    /// Writes the shortest step with a free level to `rotations`, in a metric of the transducers. Returns `false` if
-    /// f32 cannot find one.
+    /// Writes the shortest step with a free level to `rotations`; a `metric` weighs the transducers in the length of the
+    /// step. Returns `false` if f32 cannot find a step.
     pub(crate) fn direction(
         &mut self,
         rows: &Rows,

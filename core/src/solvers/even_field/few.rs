@@ -6,7 +6,8 @@ use crate::problem::optimum::{self, Effort};
 use crate::solvers::even_field::point_phases::Starts;
 use crate::solvers::even_field::run::Run;
 
-/// Largest number of targets: the phases of three take milliseconds, those of four a hundred times as long.
+/// Largest number of targets. The search of the phases takes milliseconds for three points, and a hundred times as long
+/// for four.
 pub(super) const FEW: usize = 3;
 
 /// Effort of the search. It is small, because later steps improve the field.
@@ -27,7 +28,7 @@ pub(super) fn start<'w>(run: &mut Run<'_, '_, 'w>) -> Result<Option<Starts<'w>>,
             to.iter_mut().zip(own).for_each(|(to, own)| *to = f64::from(*own));
         }
     }
-    // The planes contain conj(G), so the phases found are those of the conjugates.
+    // The planes contain conj(G), so the found phases are the negatives of the wanted ones.
     let planes = planes.each_ref().map(|plane| &plane[..]);
     let found = match optimum::search(rows.set, planes, rows.targeted, EFFORT, work, run.control) {
         Err(Error::Stopped) => {

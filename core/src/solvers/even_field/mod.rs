@@ -132,7 +132,7 @@ fn even(problem: &Problem, plans: &[Plan], work: &Workspace, control: &mut Contr
     let silence = Silence::of(problem, plans[0].quiet, work, control)?;
     let mut rows = Rows::alike(problem, &silence.points, work, control)?;
     let foci = Foci::of(&mut rows, work, control)?;
-    // A start that the problem gives is the only one: one plan is enough.
+    // If the problem gives a start, it is the only start, so one plan is enough.
     let plans = if problem.has_start() { &plans[plans.len() - 1..] } else { plans };
     let mut run = Run::new(problem, &rows, plans[0], MOST_STEPS, work, control);
     let raised = plans.iter().map(|plan| plan.raised(&rows)).max().unwrap_or(0);

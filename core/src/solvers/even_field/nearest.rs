@@ -25,7 +25,8 @@ const UNLIKE: usize = 150;
 /// A picture has at least this many points with a target; fewer are a few points in a quiet zone.
 const LIT: usize = 32;
 
-/// Steps for points of equal targets: their error goes on falling, where that of a picture stops.
+/// Number of steps for points of equal targets. Their error continues to fall when that of a picture would no longer
+/// fall.
 const STEPS_ALIKE: usize = 1500;
 
 /// A board with fewer amplitudes than this plays all transducers at one common amplitude.

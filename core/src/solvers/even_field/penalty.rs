@@ -20,15 +20,15 @@ use crate::solvers::even_field::common_level::Newton;
 use crate::solvers::even_field::run::Run;
 use crate::workspace::Buffer;
 
-/// Values of r (see the module's head), one after another, until the points are [`CLOSE`]. The first two show how loud
-/// the end will be.
+/// Values of r (see the module's head), one after another, until the points are [`CLOSE`]; then all of their indices,
+/// those of the first two, and those of the others. After the first two it is known how loud the end will be.
 const PARTS: [f32; 10] = [1.0, 0.3, 0.1, 0.03, 0.01, 4e-3, 2e-3, 1e-3, 7e-4, 4e-4];
 pub(super) const ALL: Range<usize> = 0..PARTS.len();
 pub(super) const FIRST: Range<usize> = 0..2;
 pub(super) const REST: Range<usize> = 2..PARTS.len();
 
-/// Points are even if none is off by more than this part of the level. Half of it would lose 2 % of the level of
-/// crowded points.
+/// Points are even if none differs from its target by more than this part of the level. With half of this value, crowded
+/// points would lose 2 % of their level.
 pub(super) const CLOSE: f32 = 4.8e-3;
 
 /// The largest change of a phase in rad.

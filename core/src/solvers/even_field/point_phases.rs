@@ -21,8 +21,8 @@ use crate::workspace::{Buffer, Workspace};
 /// Rounds over the points with the matrix: in trials eight reach the energy within a thousandth.
 const ROUNDS: usize = 8;
 
-/// Rounds with G itself, each as long as a sweep: in trials two more or fewer change the level by a thousandth at 64
-/// points.
+/// Number of rounds with G itself, each as long as a sweep. In trials, two more or two fewer change the level by a
+/// thousandth at 64 points.
 const ROUNDS_ALONE: usize = 8;
 
 /// Up to this number of points the matrix takes less time than the rounds with G.
@@ -139,7 +139,7 @@ impl<'w> Starts<'w> {
     }
 }
 
-/// G G^H of the targeted rows, each divided by its norm.
+/// The matrix G G^H of the targeted rows of G, each divided by its norm.
 struct Couplings<'w> {
     set: InstructionSet,
     points: usize,

@@ -29,8 +29,8 @@ use crate::solvers::even_field::soft_minimum;
 /// Number of passes. The first removes nine tenths of the rounding errors, the others the errors of its linear model.
 const PASSES: usize = 3;
 
-/// Distance of resting places in m that counts as much as the loss of all stiffness, over the root of the number of
-/// points.
+/// Root mean square distance in m of the beads from their points, per coordinate, that costs as much as the loss of all
+/// stiffness.
 const APART: f64 = 2.7e-4;
 
 /// Sharpness of the soft minimum of the stiffnesses K.

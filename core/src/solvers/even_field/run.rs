@@ -25,8 +25,8 @@ pub(crate) struct Plan {
     pub(crate) raised: usize,
 }
 
-/// A quiet point counts from this multiple of its allowed leak on: the last tenth would take as many steps as all
-/// before.
+/// A quiet point counts as too loud from this multiple of its allowed leak on. To remove the last tenth would take as
+/// many steps as all steps before.
 const ABOVE: f32 = 1.1;
 
 /// Default of the allowed leak of a quiet point: 60 dB below the level.
@@ -75,14 +75,14 @@ impl Plan {
         }
     }
 
-    /// Plan with more starts for crowded points: the energy of a start says less about its final level.
+    /// Plan with more starts for crowded points, because the energy of a start says little about its final level.
     pub(super) fn for_crowded(&self) -> Self {
         Self { starts: self.starts.max(16), finalists: (2 * self.finalists).max(4), ..*self }
     }
 }
 
 impl Rows<'_> {
-    /// Returns whether there are many targets, some much larger than others.
+    /// Returns whether there are many targets, and some of them are much larger than others.
     pub(super) fn unequal(&self) -> bool {
         self.targeted >= MANY && self.scale[..self.targeted].iter().any(|&scale| scale >= UNEQUAL)
     }

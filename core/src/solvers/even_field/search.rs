@@ -30,8 +30,8 @@ const CROWDED: f32 = 0.2;
 /// depends on others, and .97 or more of the level is kept.
 const KEPT: f32 = 0.97;
 
-/// Crowded points are even if none is off by more than this part of the level: the smallest eigenvalues of their matrix
-/// are noise in f32.
+/// Crowded points are even if none differs from its target by more than this part of the level. In f32 the smallest
+/// eigenvalues of their matrix are noise, so a closer match cannot be found.
 pub(super) const NEARLY: f32 = 1e-3;
 
 /// Allowed deviation at the highest level, where the last steps lose level for evenness.
@@ -45,7 +45,7 @@ pub(super) struct Search<'w> {
     pub(super) best: Wave<'w>,
     /// Whether the field is even.
     pub(super) even: bool,
-    /// |P| of its weakest point with a target; negative before there is a field.
+    /// |P| of the field's weakest point with a target; negative before there is a field.
     pub(super) lowest: f32,
     pub(super) trial: Wave<'w>,
     /// Number of the best even fields whose level will be raised further.
@@ -64,8 +64,8 @@ impl<'w> Search<'w> {
         Self { best, even: false, lowest: -1.0, trial, raised, leaders: Leaders::new(raised) }
     }
 
-    /// Keeps the trial as the best field if it is better. An even field is better than an uneven one; of two even
-    /// fields the louder one is better.
+    /// Replaces the best field by the trial if the trial is better. An even field is better than an uneven one; of two
+    /// even fields the louder one is better.
     pub(super) fn offer(&mut self, rows: &Rows, even: bool) {
         let lowest = self.trial.lowest(rows);
         if (even, lowest) > (self.even, self.lowest) {
@@ -74,7 +74,7 @@ impl<'w> Search<'w> {
         }
     }
 
-    /// Returns whether the best field is even and no point is below its target.
+    /// Returns whether the best field is even and reaches the target at all points.
     pub(super) fn reaches(&self, target: f32) -> bool {
         self.even && self.lowest >= target * (1.0 - 2.0 * NEARLY)
     }
@@ -191,7 +191,7 @@ impl<'w> Search<'w> {
         Ok(())
     }
 
-    /// Raises the level of the trial by whole steps.
+    /// Raises the level of the trial by an ascent.
     fn rise_on(&mut self, run: &mut Run<'_, '_, 'w>, pace: Pace) -> Result<(), Error> {
         run.steps += pace.steps + MOST_STEPS;
         climb(run, pace, &mut self.trial)?;
@@ -250,7 +250,7 @@ impl<'w> Search<'w> {
         Ok(())
     }
 
-    /// Applies the penalty to the trial.
+    /// Raises the common level of the trial by the steps of [`penalty`].
     fn tighten(&mut self, run: &mut Run<'_, '_, 'w>, parts: Range<usize>) -> Result<(), Error> {
         let rows = run.rows;
         run.steps += penalty::MOST_STEPS;

@@ -6,14 +6,14 @@ use crate::solvers::common::tiled::Wave;
 use crate::solvers::even_field::point_phases::Starts;
 use crate::solvers::even_field::run::Run;
 
-/// The part of a point's own contribution that is removed from its field before its phase is read: it only repeats the
-/// old phase. In trials .8 is best or near the best from 4 to 64 points.
+/// The part of a point's own contribution that is removed from its field before its phase is read. The own contribution
+/// only repeats the old phase. In trials .8 is best or near the best from 4 to 64 points.
 const RELAXATION: f32 = 0.8;
 
-/// The largest factor of a weight in a sweep: without it two or three points would alternate.
+/// The largest factor of a weight in a sweep. Without this limit, two or three points would alternate.
 const MOST_CHANGE: f32 = 2.0;
 
-/// Does sweeps from a start; leaves in `wave` the one whose weakest point is strongest.
+/// Does sweeps from a start; leaves in `wave` the field whose weakest point is strongest.
 pub(super) fn raise<'w>(run: &mut Run<'_, '_, 'w>, starts: &Starts, start: usize, wave: &mut Wave<'w>) {
     let (rows, work, targeted) = (run.rows, run.work, run.rows.targeted);
     let mut weights = work.floats.take(targeted);

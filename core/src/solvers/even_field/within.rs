@@ -30,8 +30,8 @@ pub(crate) struct Steps {
     pub(crate) even: f32,
 }
 
-/// Makes `wave` even; `trial` is memory. Returns the remaining largest deviation from the mean, relative to it. `hear`
-/// adds the other parts of a field to that of the drive.
+/// Makes `wave` even; `trial` is memory. Returns the largest deviation from the mean that remains, relative to the
+/// mean. `hear` adds the other parts of a field to that of the drive.
 ///
 /// # Errors
 /// More memory than allowed is needed, or a stop.

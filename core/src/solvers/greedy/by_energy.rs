@@ -144,7 +144,7 @@ impl Solve for GreedyBy {
     }
 }
 
-/// Returns the first index of the lowest values, of every `step`th.
+/// Returns the index of the lowest of every `step`th value; of equal values the first.
 fn best(values: &[f64], step: usize) -> Result<usize, Error> {
     if let Some(k) = values.iter().position(|value| !value.is_finite()) {
         let cure = "give a finite number for each candidate";

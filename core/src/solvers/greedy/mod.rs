@@ -195,7 +195,7 @@ impl Greedy {
         Ok((self.order(problem, work)?, self.candidates(problem, work)?))
     }
 
-    /// Returns the transducers in the order of their updates.
+    /// Returns the indices of the transducers in the order of their updates.
     fn order<'w>(&self, problem: &Problem, work: &'w Workspace) -> Result<Buffer<'w, u32>, Error> {
         let mut order = work.counting(problem.propagation().transducers());
         self.order.write(self.seed, problem.setup().positions.as_deref(), &mut order)?;

@@ -24,7 +24,7 @@ fn a_projection_keeps_the_phases_and_takes_the_moduli() {
         projector.want(&wave, &moduli);
         projector.project(&rows, &mut wave);
         assert!(exact.miss(&rows, &wave) < 1e-4, "{points}");
-        // With one point there is no target, because its modulus is 0.
+        // A single point has the modulus 0, so the drive of its projection is arbitrary.
         for (i, q) in exact.drive(&wave).into_iter().enumerate().filter(|_| points > 1) {
             assert!((wide(q) - back(&exact, &wanted, i)).norm() < 1e-4, "{points}: {i}");
         }
