@@ -133,7 +133,7 @@ def sound(boundary: _midair.Boundary) -> Any:
 
 
 def declared() -> None:
-    """Add properties for the air to Scene and for its parts to Array, and list them in their docstrings."""
+    """Add properties to Scene (values of the air) and Array (its parts), and list them in the docstrings."""
     keys = _midair.scene_keys()
     # `_new` is the constructor of the extension's classes; `slips` later makes it their `__new__`.
     make, array = cast(Any, Scene)._new, cast(Any, Array)._new([[0, 0, 0]])

@@ -1,4 +1,4 @@
-//! The argument `bead`: the sphere for which traps are made, from Python and back.
+//! The argument `bead`, the sphere for which traps are made: conversion from Python and back.
 
 use midair::{Bead, Particle};
 use pyo3::prelude::*;

@@ -51,7 +51,7 @@ pub(crate) fn numbers<T: Element + Copy>(
     Numbers::of(&array(item, value, kinds, cure)?.0)
 }
 
-/// Returns the NumPy array of an argument, and its kind, which is one of `kinds`.
+/// Returns the NumPy array of an argument, and NumPy's letter for its type, which is one of `kinds`.
 pub(crate) fn array<'py>(
     item: &str,
     value: &Bound<'py, PyAny>,

@@ -1,4 +1,4 @@
-//! The argument `obstacles`, from Python and back.
+//! The argument `obstacles`: conversion from Python and back.
 
 use std::sync::Arc;
 

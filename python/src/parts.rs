@@ -1,4 +1,4 @@
-//! Parts of an array, from Python and back: the keywords of all its constructors.
+//! Parts of an array: conversion from Python and back. They are the keywords of all constructors of arrays.
 
 use midair::{Array, Directivity, Part, PartKind, PartValue};
 use pyo3::exceptions::PyTypeError;

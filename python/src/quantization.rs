@@ -1,4 +1,4 @@
-//! The argument `quantization`, from Python and back.
+//! The argument `quantization`: conversion from Python and back.
 
 use midair::Quantization;
 use pyo3::prelude::*;

@@ -1,4 +1,4 @@
-//! The argument `signature`, from Python and back: factors that turn foci into traps.
+//! The argument `signature`, factors that turn foci into traps: conversion from Python and back.
 
 use midair::{Complex64, Signature};
 use pyo3::prelude::*;

@@ -104,14 +104,14 @@ class Connection:
     ) -> Stats:
         """Play drives one after another; the last one continues to play.
 
-        Warns of frames that a rate above the board's drops, and of a rate at which the board emits less.
+        Warns if frames are dropped, because `rate` is above the board's, and if the board then emits less.
 
         Parameters
         ----------
         drives : (T, N) array_like, midair.Sequence, or iterable
             Drives or solutions; an iterable may be a generator that makes them while they play.
         rate : float, optional
-            Frames a second; by default the sequence's own, or the board's highest, at which none is late.
+            Frames per second; by default the sequence's own, or the board's highest, at which none is late.
         late : {"skip", "wait", "error"}, optional
             For a frame that comes more than a period late because the board is slow: "skip" drops it and
             keeps to the clock, "wait" plays it and moves the clock, "error" raises BoardTimeout. A frame

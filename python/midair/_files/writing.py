@@ -46,7 +46,7 @@ def write(
     layout : str, optional
         Layout of a .csv, see Notes; by default it follows from the content.
     rate : float, optional
-        Frames a second of "points".
+        Frames per second of "points".
     modulate : float, optional
         Frequency in Hz at which the device modulates "points".
 

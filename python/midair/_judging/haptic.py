@@ -146,11 +146,11 @@ def haptic(
     array : midair.Array
         The transducers.
     rate : float
-        Frames a second that the board plays.
+        Frames per second that the board plays.
     aim : {"strong", "even"}, optional
         "strong": the largest mean strength along the shape; "even": the largest at its weakest place.
     change : float, optional
-        Bound in rad a frame; by default none.
+        Bound in rad per frame; by default none.
     closed : bool, optional
         Whether the last place is joined to the first; not needed for a path.
     beside : float, optional

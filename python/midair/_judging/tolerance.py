@@ -275,7 +275,7 @@ class Tolerance:
         panels: Panel | Iterable[Panel] | None = None,
         size: Size | None = None,
     ) -> Figure:
-        """Draw every trial's level and uniformity, a row a fault.
+        """Draw every trial's level and uniformity, with a row for each fault.
 
         Parameters
         ----------

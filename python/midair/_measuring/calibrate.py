@@ -31,7 +31,7 @@ def calibration_drives(
     array : midair.Array or midair.Scene
         N transducers; masked ones stay off.
     readings_per_transducer : float, optional
-        K times the number of microphones over N; 4 readings of |p|, or 2 complex ones, are enough.
+        Number of readings for each transducer; 4 of |p|, or 2 complex ones, are enough.
     microphones : int, optional
         Number of microphones.
     seed : int, optional

@@ -65,7 +65,7 @@ class Envelope:
         return left.astype(np.float32)
 
     def _before(self) -> NDArray[np.complex128]:
-        """Return y at the start of frame 0."""
+        """Return the radiation y (N,) at the start of frame 0."""
         if not self.closed:
             return self.drives[0].astype(np.complex128)
         # y after one lap from y = 0; earlier frames than FORGOTTEN time constants are left out. In the steady
@@ -82,7 +82,7 @@ class Envelope:
     def _starts(
         self, course: _Course, y: NDArray[np.complex128]
     ) -> tuple[NDArray[np.complex64], NDArray[np.complex128]]:
-        """Return y at the start of each frame of a block, and y after the block."""
+        """Return the radiation y (frames, N) at the start of each frame of a block, and y (N,) after it."""
         begin, end = course.at(0.0), course.at(1 / self.rate)
         kept = np.exp(-1 / (self.rate * self.tau)) if self.tau > 0 else 0.0
         starts = np.empty_like(begin)
@@ -102,7 +102,7 @@ class Envelope:
 
 @dataclass(frozen=True)
 class _Course:
-    """The part of y that follows the drive: (constant + slope t) e^(j speed t), t since its frame's start."""
+    """The part of the radiation y that follows the drive: (constant + slope t) e^(j speed t) in a frame."""
 
     constant: NDArray[np.complex64]
     slope: NDArray[np.complex64] | None = None
@@ -118,7 +118,7 @@ class _Course:
 
 
 def _line(now: NDArray[np.complex64], following: NDArray[np.complex64], rate: float, tau: float) -> _Course:
-    """Return the course of y for a drive that moves linearly from `now` to `following` during a frame.
+    """Return the course of the radiation y for a drive that moves from `now` to `following` in a frame.
 
     The drive is q = (a + b t) e^(j w t + j phase). In tau y' + y = q, the form y = (c + d t) e^(j w t + j
     phase) gives d = b/(1 + j w tau) and c = (a - tau d)/(1 + j w tau).

@@ -1,4 +1,4 @@
-"""`midair.fly`: simulates beads in the traps of a sequence; which beads are lost, and when."""
+"""`midair.fly`: simulates beads in the traps of a sequence, and finds which beads are lost, and when."""
 
 from __future__ import annotations
 

@@ -84,7 +84,7 @@ class Frames:
 
     @property
     def quantization(self) -> dict[str, Any] | None:
-        """Board, as `midair.Array.quantization` describes one, or None for any drive."""
+        """Quantization of the board, as in `midair.Array.quantization`; None if any drive is possible."""
         return self._quantization
 
     @property

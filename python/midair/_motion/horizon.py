@@ -41,7 +41,7 @@ ROUNDS = 10
 #: Iterations for a closed curve, which repeats: up to 0.2 % louder than after ten.
 ROUNDS_CLOSED = 20
 
-#: Iterations when the tracks of the last window are the initial guess.
+#: Iterations if the initial guess is known from the last window.
 ROUNDS_MORE = 5
 
 

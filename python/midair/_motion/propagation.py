@@ -37,7 +37,7 @@ MOST_KEPT = 1 << 17
 def rows(
     scene: Scene, points: NDArray[np.float64], name: str = "points", first: int = 0
 ) -> NDArray[np.complex64]:
-    """Return G (..., N) at points (..., 3) in a scene's air. Errors name the point, counted from `first`."""
+    """Return rows of G (..., N) at points (..., 3) in a scene. Errors number the points from `first`."""
     shape, flat = points.shape[:-1], points.reshape(-1, 3)
     kept = scene.obstacles or scene.signature is not None
     part = max(MOST_KEPT // len(scene.array), 1) if kept else len(flat)

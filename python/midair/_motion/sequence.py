@@ -47,11 +47,11 @@ class Sequence(JudgedFrames):
     drives : (T, N) array_like
         Complex, |q| <= 1. Or whole numbers: codes l of the phases 2 pi l/L at full amplitude.
     rate : float
-        Frames a second; frame t is played from t/rate to (t + 1)/rate.
+        Frames per second; frame t is played from t/rate to (t + 1)/rate.
     closed : bool, optional
         Whether the first frame follows the last.
     change : float, optional
-        Bound of the solve, in rad a frame.
+        Bound of the solve, in rad per frame.
     quantization : mapping, optional
         The board, as `midair.Array` takes it; by default the array's own; codes need its phases.
     solver : str, optional
@@ -139,7 +139,7 @@ class Sequence(JudgedFrames):
         frames : int, optional
             Number of frames shown, evenly chosen; by default at most 100.
         fps : int, optional
-            Pictures a second.
+            Pictures per second.
         progress : callable, optional
             Called with (pictures drawn, pictures).
 

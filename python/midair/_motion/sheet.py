@@ -43,11 +43,11 @@ class Sheet:
 
     @property
     def tension(self) -> complex:
-        """T = m c^2 (1 + j eta) in N/m."""
+        """Complex tension T = m c^2 (1 + j eta) of the membrane, in N/m."""
         return self.mass * self.speed**2 * (1 + 1j * self.loss)
 
     def decay(self, frequency: ArrayLike) -> NDArray[np.complex128]:
-        """Return s in 1/m for frequencies in Hz: waves decay as e^(-Re(s) r) with the phase Im(s) r."""
+        """Return the complex decay s in 1/m of waves, e^(-s r) at a distance r, for frequencies in Hz."""
         found: NDArray[np.complex128] = (
             2j * np.pi * np.asarray(frequency) / (self.speed * np.sqrt(1 + 1j * self.loss))
         )

@@ -52,14 +52,14 @@ def sequence(
     array : midair.Array
         N transducers.
     path : midair.path.Path or (T, M, 3) array_like
-        A path, or points in m, a frame a row.
+        A path, or the points of each frame in m.
     solver : str, optional
         "glide" keeps the bound. Other solvers begin with the last frame's drive if they use a start drive,
         and keep the bound if they have an option `change`.
     rate : float
-        Frames a second.
+        Frames per second.
     change, change_rate : float, optional
-        The bound, in rad a frame or in rad/s; by default pi/16 a frame, pi for none.
+        The bound, in rad per frame or in rad/s; by default pi/16 a frame, pi for none.
     tau : float, optional
         Time constant of the transducers' envelopes in s, which `glide` takes into account.
     closed : bool, optional
@@ -176,9 +176,9 @@ def modulated(
     depth : float, optional
         Depth of the modulation, from 0 (none) to 1.
     samples_rate : float, optional
-        Samples a second.
+        Samples per second.
     rate : float, optional
-        Frames a second; at least twice the frequency, or as many as there are samples.
+        Frames per second; at least twice the frequency, or as many as there are samples.
 
     Returns
     -------

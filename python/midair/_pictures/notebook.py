@@ -24,7 +24,7 @@ SIDE = 1000
 #: Most points, and most corners of paths, in a picture. If there are more, every second, third, ... is drawn.
 MOST_POINTS, MOST_CORNERS = 200, 400
 
-#: Most dots for transducers in a picture; of more transducers, one in each square of SQUARE units is drawn.
+#: Most dots for transducers in a picture. If there are more, one in each square of SQUARE units is drawn.
 MOST_DOTS, SQUARE = 1500, 25
 
 #: Colours of points and of quiet points, visible on light and on dark pages.

@@ -60,8 +60,8 @@ def fastest(
     array : midair.Array or midair.Scene
         The array that traps the bead. Of a scene, its array, air and obstacles are used.
     closed : bool, optional
-        Whether the curve goes on from the last point to the first, for ever. Otherwise the bead starts and ends
-        at rest.
+        Whether the curve goes on from the last point to the first, for ever. Otherwise the bead starts and
+        ends at rest.
     margin : float, optional
         Part of a trap's largest force along each of its axes that the run may take, below 1. The rest is for
         a board's steps, other points and draught; `midair.fly` shows whether it suffices.
@@ -248,7 +248,7 @@ def _traps(scene: Scene, curve: _Curve, bead: Bead) -> _Traps:
 
 
 def _speeds(curve: _Curve, traps: _Traps, bead: Bead, share: float, loop: bool) -> Numbers:
-    """Return v^2 (S,) in m^2/s^2 of the fastest run."""
+    """Return the squared speeds (S,) in m^2/s^2 of the fastest run, one for each step of the curve."""
     scale = traps.axes / (share * traps.most)[..., None]
     gain = bead.mass * np.einsum("skx,sx->sk", scale, curve.tangents)
     turn = bead.mass * np.einsum("skx,sx->sk", scale, curve.bends)
@@ -257,7 +257,10 @@ def _speeds(curve: _Curve, traps: _Traps, bead: Bead, share: float, loop: bool) 
     drags = bead.needed(np.outer(fast, [1.0, 0, 0]), np.zeros((len(fast), 3)))[:, 0]
 
     def limits(i: int, squares: Numbers) -> tuple[Numbers, Numbers]:
-        """Return the least and the largest u at step i for each v^2 (K,); NaN where no u is possible."""
+        """Return the least and the largest acceleration u along the curve at step i, for squared speeds (K,).
+
+        Both are NaN where none is possible.
+        """
         own = np.outer(squares, turn[i]) + np.outer(np.interp(np.sqrt(squares), fast, drags), resist[i])
         a, b, c = gain[i] @ gain[i], own @ gain[i], (own**2).sum(axis=1) - 1
         with np.errstate(invalid="ignore"):
@@ -265,7 +268,7 @@ def _speeds(curve: _Curve, traps: _Traps, bead: Bead, share: float, loop: bool) 
         return (-b - root) / a, (-b + root) / a
 
     def highest(i: int, after: float) -> float:
-        """Return the largest v^2 at step i from which v^2 = `after` at the next step can be reached."""
+        """Return the largest squared speed at step i from which `after` can be reached at the next step."""
         low, high = 0.0, TOP**2
         for _ in range(TIMES):
             squares = np.linspace(low, high, TRIED)
@@ -298,7 +301,7 @@ def _speeds(curve: _Curve, traps: _Traps, bead: Bead, share: float, loop: bool) 
 
 
 def _timed(step: float, squares: Numbers, loop: bool) -> Numbers:
-    """Return lengths (T,) in m along the curve at each tick, of a run with these v^2, slightly smoothed."""
+    """Return lengths (T,) in m along the curve at each tick of a run with these squared speeds, smoothed."""
     speeds = np.sqrt(squares)
     times = np.concatenate([[0], np.cumsum(2 * step / (speeds[1:] + speeds[:-1]))])
     count = int(np.ceil(times[-1] / TICK))

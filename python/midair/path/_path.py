@@ -59,7 +59,7 @@ class Wave:
 
 
 def wave(given: float | ArrayLike, shape: str, depth: float, samples_rate: float | None) -> Wave:
-    """Return the modulation 1 - depth + depth s; s has a shape and frequency in Hz, or samples (S,)."""
+    """Return the modulation 1 - depth + depth s(t), where s has a shape and a frequency, or samples (S,)."""
     depth = number("depth", depth, least=0)
     if depth > 1:
         raise refused("depth", depth, "give a number from 0 to 1")
@@ -232,8 +232,8 @@ class Path:
         Parameters
         ----------
         rate : float
-            Frames a second. The step over the seam of a closed path is like any other if duration times rate
-            is whole.
+            Frames per second. The step over the seam of a closed path is like any other if duration times
+            rate is whole.
 
         Returns
         -------
@@ -362,7 +362,7 @@ class Path:
         shape, depth
             As for `with_am`; `shape` is not used for samples.
         samples_rate : float, optional
-            Samples a second.
+            Samples per second.
 
         Returns
         -------

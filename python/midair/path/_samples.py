@@ -93,7 +93,7 @@ def read(path: Path | ArrayLike, rate: float, pressures: ArrayLike | None = None
     path : Path or (T, M, 3) array_like
         A path, or points in m.
     rate : float
-        Frames a second.
+        Frames per second.
     pressures : float, (M,) or (T, M) array_like, optional
         Peak pressures in Pa.
 
@@ -174,7 +174,7 @@ def from_array(
     points : (T, M, 3) array_like
         Places in m.
     rate : float
-        Frames a second.
+        Frames per second.
     pressures : float, (M,) or (T, M) array_like, optional
         Peak pressures in Pa, interpolated like the points; by default the balanced level.
     closed : bool, optional
