@@ -21,45 +21,45 @@ PYTHON = [
     (
         "scenes",
         "Arrays and scenes",
-        "Requests: transducers, points, the air, and the bodies in it.",
+        "A request: transducers, points, the air, and obstacles in it.",
         f"Array presets PresetInfo Scene Reach Plane {' '.join(midair._midair.bodies())} Mesh Propagation "
         "SceneError SceneWarning",
     ),
     (
         "solving",
         "Solving",
-        "From a scene to a drive, once, in batches, or again and again.",
+        "Methods compute a drive for a scene, for many scenes at once, or repeatedly.",
         "solve Solution solve_batch Batch Solver solvers SolverInfo OptionInfo compare Comparison bound",
     ),
     (
         "judging",
         "Judging and pictures",
-        "Metrics of a drive, its field, forces, levels elsewhere, faults.",
+        "The quality of a drive, its field, forces, levels at other places, and the effect of faults.",
         "judge Metrics BatchMetrics field Field plot style gorkov Gorkov rest Rest ear Ear exposure Exposure "
         "Exposed streaming Streaming tolerate Tolerance Kept",
     ),
     (
         "gradients",
         "Gradients",
-        "Derivatives of the field, for optimisation.",
+        "Derivatives of the field, for optimisation and learning.",
         "grad torch jax",
     ),
     (
         "drawing",
         "Shapes and paths",
-        "Points of shapes and drawings, at rest and in motion.",
+        "Points on shapes and drawings, at rest or moving.",
         "shape image Picture path",
     ),
     (
         "motion",
         "Motion",
-        "Points that move: frame after frame.",
+        "Drives for points that move, frame after frame, and their effect on beads and skin.",
         "sequence Sequence SequenceMetrics stream fly Flight Felt skin Skin haptic Haptic",
     ),
     (
         "measuring",
         "Measuring",
-        "Arrays as they are, found from readings.",
+        "Measurement of a real array by readings of microphones.",
         "calibrate Calibration calibration_drives doctor Fault Report tune Tuning",
     ),
     (
@@ -72,27 +72,27 @@ PYTHON = [
     (
         "sweeps",
         "Sweeps and data sets",
-        "Many problems, one table; many drives to learn from.",
+        "Many problems in one table, and data sets of drives for machine learning.",
         "sweep dataset Dataset",
     ),
-    ("notebooks", "Notebooks", "The studio in a cell.", "view View"),
+    ("notebooks", "Notebooks", "The studio in a notebook's cell.", "view View"),
 ]
 
 INDEX = """\
 # Public names of the Python package
 
-`help(midair.solve)` prints a docstring: parameters with shapes and units, results, errors and an example. A
-link leads to the file in which it is written. `make docs` builds the pages of all functions and methods, with
-types.
+This page lists the public names of the Python package, for programmers. Each link leads to the source file
+of the name. `help(midair.solve)` prints the docstring of a name: parameters with shapes and units, results,
+errors and an example. `make docs` builds a page for each function and class, with types.
 """
 
 METHODS = """\
 # Methods and their options
 
-`midair solvers` prints the same. An option is written `--steps 8` on the command line, `steps = 8` under
-`[solver]` in a scene file, and `steps=8` in Python. [How to choose](../how-to-choose.md) compares
-the methods; [requests](../requests.md#options-of-all-methods) explains start, aim, `limit`
-and `tolerance`.
+This page lists the options of each method. `midair solvers` prints the same lists. You write an option as
+`--steps 8` on the command line, as `steps = 8` under `[solver]` in a scene file, and as `steps=8` in Python.
+[How to choose](../how-to-choose.md) compares the methods.
+[Requests](../requests.md#options-of-all-methods) explains `start`, `aim`, `limit` and `tolerance`.
 """
 
 PRESETS = """\
