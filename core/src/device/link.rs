@@ -15,14 +15,14 @@ pub enum Link {
     },
     /// One FIFO of an FTDI chip for each board.
     Fifo {
-        /// Frames per second.
+        /// The most frames per second that the link transmits.
         rate: f64,
         /// Whether two boards may use the two FIFOs of one chip.
         one_chip: bool,
     },
     /// AUTD3's protocol over UDP, for all boards.
     Udp {
-        /// Frames per second.
+        /// The most frames per second that the link transmits.
         rate: f64,
     },
 }

@@ -147,7 +147,7 @@ const fn count(degree: usize) -> usize {
     (degree + 1) * (degree + 2) / 2
 }
 
-/// Sets all accelerations of the beads to those that the first step's forces give, as if the past had been the same.
+/// Sets all stored accelerations of the beads to the acceleration by the first forces, as if it had been constant.
 pub(crate) fn begin(set: InstructionSet, laws: &Laws, forces: &Forces, centre: &Vectors, beads: &mut Beads<'_>) {
     dispatch!(set, s => {
         for at in (0..EIGHT).step_by(width(s)) {

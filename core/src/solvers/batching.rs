@@ -1,4 +1,4 @@
-//! Interleaved batches of the solvers that have them; programs without batches do not link their code.
+//! Calls the interleaved batch of a solver that has one. Programs that do not use this module do not link that code.
 
 use alloc::vec::Vec;
 

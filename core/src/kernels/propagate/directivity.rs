@@ -64,7 +64,7 @@ impl Ahead for Chebyshev {
         let x = s.fma(c, s.add(c, c), s.splat(-1.0));
         let (double, mut sum, mut last) = (s.add(x, x), s.splat(0.0), s.splat(0.0));
         for &coefficient in &self.0 {
-            // The difference uses a value from two steps before, so that a step takes as long as one instruction.
+            // The subtraction uses a value from two steps before, so that a step waits for one instruction only.
             (sum, last) = (s.fma(sum, double, s.sub(s.splat(coefficient), last)), sum);
         }
         // The first Chebyshev polynomial is x, where the recurrence would have 2 x.

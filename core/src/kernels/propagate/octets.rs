@@ -88,7 +88,7 @@ impl Apart for Known<'_> {
     }
 }
 
-/// Writes the rows of `members` over up to 16/N points, N of them to a column: member k in the lanes from 16 k/N on.
+/// Writes the rows of `members` over up to 16/N points. A column contains N members: member k in the lanes from 16 k/N on.
 /// The coordinates are repeated in the same way. Lanes without a member contain 0.
 #[inline(always)]
 pub(crate) fn write_segments<S: Simd, const N: usize>(

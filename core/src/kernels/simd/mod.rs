@@ -102,7 +102,7 @@ pub(crate) trait Elementwise: Copy {
     fn select_less(self, a: Self::V, b: Self::V, x: Self::V, y: Self::V) -> Self::V;
     /// Returns bits: bit l is set where a < b in lane l.
     fn less(self, a: Self::V, b: Self::V) -> u32;
-    /// Returns the bits of all lanes.
+    /// Returns a number in which the bit of every lane is set.
     #[inline(always)]
     fn every(self) -> u32 {
         (1 << LANES) - 1

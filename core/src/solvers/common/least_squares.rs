@@ -58,8 +58,9 @@ fn free_steps(points: usize) -> usize {
     (MOST_FREE_WORK / points.max(1)).clamp(LEAST_FREE, MOST_FREE)
 }
 
-/// Largest product of points and steps: some .3 s with 996 transducers. Then the least and the largest number of steps.
+/// Largest product of points and steps: some .3 s with 996 transducers.
 const MOST_FREE_WORK: usize = 300_000;
+/// The least and the largest number of steps by phases and amplitudes.
 const LEAST_FREE: usize = 300;
 const MOST_FREE: usize = 1500;
 

@@ -166,7 +166,8 @@ impl<'w> PhaseDescent<'w> {
         }
     }
 
-    /// Writes the rotation of each drive by the last step, as the sine of the angle, because arcs are short.
+    /// Writes the rotation of each drive by the last step, as the sine of the angle: arcs are short, so that the
+    /// sine is near the angle.
     fn turned(&self, turns: &mut [f32]) {
         let ([re, im], [old_re, old_im]) = (&self.wave.drive, &self.trial.drive);
         for (i, turn) in turns.iter_mut().enumerate() {

@@ -22,8 +22,9 @@ use crate::workspace::Buffer;
 /// besides the rounded drive itself.
 const TURNS: usize = 8;
 
-/// log2 of the values of p, one after another, and the largest number of sweeps over the transducers for each.
+/// log2 of each value of p (see the module's head), in the order of their use.
 const SHARPNESS: [u32; 3] = [2, 3, 4];
+/// Largest number of sweeps over the transducers for each value of p.
 const SWEEPS: usize = 8;
 
 /// Largest number of codes of a transducer: seven phases, and off.

@@ -20,11 +20,13 @@ use crate::solvers::even_field::common_level::Newton;
 use crate::solvers::even_field::run::Run;
 use crate::workspace::Buffer;
 
-/// Values of r (see the module's head), one after another, until the points are [`CLOSE`]; then all of their indices,
-/// those of the first two, and those of the others. After the first two it is known how loud the end will be.
+/// Values of r (see the module's head). They are used one after another until the points are [`CLOSE`].
 const PARTS: [f32; 10] = [1.0, 0.3, 0.1, 0.03, 0.01, 4e-3, 2e-3, 1e-3, 7e-4, 4e-4];
+/// The indices of all values of r.
 pub(super) const ALL: Range<usize> = 0..PARTS.len();
+/// The indices of the first two values of r. After these two, the field shows how loud it will be at the end.
 pub(super) const FIRST: Range<usize> = 0..2;
+/// The indices of the values of r after [`FIRST`].
 pub(super) const REST: Range<usize> = 2..PARTS.len();
 
 /// Points are even if none differs from its target by more than this part of the level. With half of this value, crowded
@@ -34,8 +36,9 @@ pub(super) const CLOSE: f32 = 4.8e-3;
 /// The largest change of a phase in rad.
 const MOST_ROTATION: f32 = 0.5;
 
-/// Largest number of steps for each r, and the part of the level that a step must gain.
+/// Largest number of steps for each r.
 const STEPS: usize = 60;
+/// Part of the level that a step must gain; after a smaller gain the next r follows.
 const WORTH: f64 = 1e-5;
 
 /// tau of the first step (see the module's head). A failed step multiplies tau by four and adds this; above [`MOST`] no

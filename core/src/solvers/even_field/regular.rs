@@ -9,8 +9,8 @@ const ALIKE: f32 = 1e-3;
 /// Largest number of points checked: the loop is quadratic.
 const MOST: usize = 256;
 
-/// Returns whether three quarters of the points are at equal distances from their nearest neighbours. For random points
-/// it is at most half: pairs that are each other's nearest.
+/// Returns whether three quarters of the points are at equal distances from their nearest neighbours. Of random
+/// points at most half have equal distances: those in pairs that are each other's nearest neighbours.
 pub(super) fn regular(points: &[[f64; 3]], work: &Workspace) -> bool {
     if !(3..=MOST).contains(&points.len()) {
         return false;

@@ -48,13 +48,13 @@ const UNEQUAL: f32 = 3.0;
 const MANY: usize = 16;
 
 impl Plan {
-    /// Plan with a single start, which is found on G itself.
+    /// Returns the plan with a single start, which is found on G itself.
     pub(crate) const fn alone(sweeps: u32, tolerance: f64, quiet: f64) -> Self {
         let (tolerance, quiet) = (tolerance as f32, quiet as f32);
         Self { starts: 1, finalists: 1, seed: 0, sweeps: sweeps as usize, tolerance, quiet, raised: 0 }
     }
 
-    /// Plan with more starts for regular points, besides the single start, which may have decided a tie badly.
+    /// Returns the plan with more starts for regular points. Their single start may have decided a tie badly.
     pub(super) fn for_regular(&self) -> Self {
         Self { starts: 16, finalists: 3, ..*self }
     }
@@ -75,7 +75,7 @@ impl Plan {
         }
     }
 
-    /// Plan with more starts for crowded points, because the energy of a start says little about its final level.
+    /// Returns the plan with more starts for crowded points, because the energy of a start says little about its final level.
     pub(super) fn for_crowded(&self) -> Self {
         Self { starts: self.starts.max(16), finalists: (2 * self.finalists).max(4), ..*self }
     }

@@ -9,8 +9,9 @@ use crate::solvers::common::phase_descent::{Cost, PhaseDescent};
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::run::Run;
 
-/// The sharpness of the minimum in each stage, and the number of steps in a stage.
+/// The sharpness s of the minimum in each stage.
 const SHARPNESS: [f64; 3] = [10.0, 30.0, 100.0];
+/// Largest number of steps in a stage.
 const STEPS: usize = 60;
 
 /// A stage ends when a step gains less than this part of the level.

@@ -64,7 +64,7 @@ pub(super) struct Nearest {
 pub(super) fn approach<'w>(run: &mut Run<'_, '_, 'w>, search: &mut Search<'w>) -> Result<Nearest, Error> {
     let (problem, rows) = (run.problem, run.rows);
     let factor = problem.balance().max(1.0) as f32;
-    // After a long descent, the level of discs can be raised to nine tenths of the level after a short descent only.
+    // The level of a disc of points can be raised to a tenth more after a short descent than after a long one.
     let (steps, tolerance) = if problem.aim() == Aim::Max { (300, 1e-3) } else { (1500, 3e-4) };
     let task = Task { steps, tolerance, starts: 2, seed: 0, factor, before: run.step };
     let found = least_squares(problem, &task, run.work, run.control)?;

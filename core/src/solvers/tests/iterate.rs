@@ -5,7 +5,8 @@ use core::ops::ControlFlow;
 
 #[test]
 fn steps_end_at_the_tolerance_a_stop_or_their_number() {
-    // Steps, tolerance, the step that meets it, the one after which a stop is requested; expected status and reports.
+    // Each case: the steps, the tolerance, the step that meets it, the step after which a stop is requested; the expected
+    // status and number of steps, and the expected number of reports.
     for (steps, tolerance, met, stop, want, reported) in [
         (5, 0.0, 9, 9, (Status::Done, 5), 4),
         (5, 1e-3, 9, 9, (Status::OutOfSteps, 5), 4),

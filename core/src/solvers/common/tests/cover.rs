@@ -1,4 +1,4 @@
-//! The start whose cone covers a square of points, and a single point.
+//! Tests of `cover`: the start for a square of points and for a single point.
 
 use num_complex::{Complex32, Complex64};
 
