@@ -1,11 +1,11 @@
 """Beads in flight between two OpenMPD boards: shapes as in OptiTrap, and the speed of the simulation.
 
 The shapes have the sizes and rates of V. Paneva et al., "OptiTrap", CHI 2022, in the upright plane through
-the boards' axis, but outlines of our own. One bead of 1 mm radius moves with 10,000 frames a second on the
+the boards' axis, but outlines of our own. One bead of 1 mm radius moves with 10,000 frames per second on the
 board's phases. `path.fastest` computes each path at two margins (fractions of a trap's largest force): the
 one that gives the paper's rate, and the largest that keeps the bead. `midair.fly` simulates each path for a
 second and reports whether the bead stays, and its largest distance from the curve. The last figure is the
-speed of `midair.fly`: the seconds of flight that it simulates in a second on one core.
+speed of `midair.fly`: how many seconds of flight it simulates in one second on one core.
 
     python bench/flight.py [record.csv]
 """

@@ -1,6 +1,4 @@
-"""The forward model and the metrics that judge all programs:
-point sources in double precision, NumPy only.
-"""
+"""The forward model and the metrics that judge all programs: point sources in f64, by NumPy only."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,8 +18,9 @@ def propagation(positions: ArrayLike, points: ArrayLike, source_pressure: float)
 
 
 def metrics(G: Complex, drive: ArrayLike, targets: ArrayLike) -> dict[str, float]:
-    """Returns accuracy, sigma and uniformity (docs/conventions.md) of a drive (N,);
-    targets (M,) in Pa, all above 0.
+    """Returns accuracy, sigma and uniformity (docs/conventions.md) of a drive (N,).
+
+    The targets (M,) are in Pa and above 0.
     """
     p, targets = np.abs(G @ np.asarray(drive, complex)), np.asarray(targets, float)
     x = p / targets

@@ -83,8 +83,9 @@ def _covered(box: Boxes, others: Boxes) -> int:
 
 
 def _arrange(choices: Sequence[list[Place]]) -> list[Place]:
-    """Returns a place for each name. In many random orders each name takes its cheapest place;
-    the cheapest order wins.
+    """Returns a place for each name: the cheapest result of many random orders.
+
+    In each order, one name after another takes its cheapest place.
     """
     random = np.random.default_rng(0)
     best: list[Place] = []

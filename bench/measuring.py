@@ -72,8 +72,9 @@ class Rig:
                 return found
 
     def matrix(self, points: Real) -> Complex:
-        """Returns pressures (M, N): eq. (5) with a piston's directivity,
-        and the echo of a wall behind the array, by image sources.
+        """Returns pressures (M, N): eq. (5) with a piston's directivity, and the echo of a wall.
+
+        The wall is behind the array; image sources give its echo.
         """
         number = 2 * np.pi * 40e3 / SPEED
         found = np.zeros((len(points), len(self.positions)), complex)

@@ -1,7 +1,7 @@
-"""Motion: evenness, level and phase changes of `glide` and of sequences, by an independent forward model in
-f64.
+"""Motion: evenness, level and phase changes of `glide` and of sequences.
 
-Prints the tables of docs/motion.md and draws docs/motion.png.
+Prints the tables of docs/motion.md and draws docs/motion.png. The forward model is independent of midair's,
+and in f64.
 """
 
 from __future__ import annotations
@@ -59,8 +59,10 @@ def moduli(
 def row(
     array: midair.Array, count: int, speed: float, parts: int, tau: float
 ) -> tuple[float, float, float, float, float]:
-    """Returns results over all kinds of paths: the largest phase change relative to its bound, the least
-    uniformity at rest and in motion, and the least and the mean level.
+    """Returns results over all kinds of paths.
+
+    They are the largest phase change relative to its bound, the least uniformity at rest and in motion, and
+    the least and the mean level.
     """
     change = np.pi / parts
     ratios, even, moving, levels = [], [], [], []

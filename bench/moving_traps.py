@@ -1,7 +1,7 @@
 """How well moving traps keep beads: prints a table of docs/traps.md, as Markdown.
 
 One, two and four beads move on a circle of 18 mm radius between two OpenMPD boards: from rest to a speed
-in 50 ms and once around, at 10,000 frames a second, with phase changes of at most pi/16. The first figure
+in 50 ms and once around, at 10,000 frames per second, with phase changes of at most pi/16. The first figure
 is the least eigenvalue of the stiffness in the worst frame, relative to that of the frame solved alone;
 the mean is in brackets. The second is the beads' largest distance from the path, simulated by
 python/tests/beads.py. It takes some minutes.

@@ -23,9 +23,7 @@ POINTS = np.array([[-0.03, 0, 0.15], [-0.01, 0, 0.15], [0.01, 0, 0.15], [0.03, 0
 def received(
     array: midair.Array, points: NDArray[np.float64], drive: NDArray[np.complex64]
 ) -> NDArray[np.float64]:
-    """Returns |p| at points (P, 3): eq. (5) of point sources and of their images in the rigid wall,
-    in f64.
-    """
+    """Returns |p| at points (P, 3) in f64: eq. (5) for point sources and their images in the rigid wall."""
     k, found = 2 * np.pi * 40e3 / 340, np.zeros(len(points), complex)
     for places in (array.positions, array.positions * [-1, 1, 1] + [2 * SIDE, 0, 0]):
         r = np.linalg.norm(points[:, None] - places, axis=2)

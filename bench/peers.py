@@ -57,6 +57,7 @@ class Entry:
 
     def judge(self, scene: int) -> None:
         """Judges the result for a scene by our forward model.
+
         A wrong position or a wrong reported metric ends the run.
         """
         answer, points = self.ask(scene, 0), self.task.points(scene)

@@ -96,8 +96,9 @@ def _found(rows: Sequence[Row]) -> _Found:
 
 
 def table(rows: Sequence[Row], bench: str = "bench", only: Sequence[tuple[str, str]] | None = None) -> str:
-    """Returns the table as Markdown. The row of a method has ratios of median times at each M,
-    and the quality of its results.
+    """Returns the table as Markdown.
+
+    The row of a method has ratios of median times at each M, and the quality of its results.
     """
     found = _found(rows)
     first = rows[0]

@@ -1,8 +1,8 @@
 """Measures the delay of `midair serve` from a client's message to the changed frame, beside a busy program.
 
 `python bench/serve.py [BUSY PROGRAMS] [MESSAGES]` starts the server on a simulated board, which writes its
-frames into a pipe, 1,000 a second as for AUTD3. The script also starts programs that compute all the time. It
-reads the clock before each message and when the first changed frame arrives.
+frames into a pipe, 1,000 per second as for AUTD3. The script also starts programs that compute all the time.
+It reads the clock before each message and when the first changed frame arrives.
 """
 
 from __future__ import annotations
@@ -55,9 +55,7 @@ class Frames:
                     data = b""
 
     def first(self, after: int, fits: Callable[[bytes], bool]) -> float:
-        """Waits for the first frame for which `fits` is true, after the first `after` frames;
-        returns its time.
-        """
+        """Waits for a frame for which `fits` is true, after the first `after` frames; returns its time."""
         with self._news:
             while True:
                 for came, frame in self.came[after:]:
@@ -84,8 +82,9 @@ def points(address: str, frames: Frames, messages: int) -> list[float]:
 
 
 def parameters(address: str, frames: Frames, messages: int) -> list[float]:
-    """Returns times in s from a change of an Adaptics tacton's intensity
-    to the first frame that is off or on accordingly.
+    """Returns times in s from a change of an Adaptics tacton's intensity to a frame that is off or on.
+
+    It must be off if the intensity has become 0, and on otherwise.
     """
     off = midair.Board("autd3").off_frame
     constant = {"name": "linear", "params": {}}

@@ -1,6 +1,6 @@
 """The setting of the GS-PAT paper: 32 points, solved again and again, on all cores.
 
-D. M. Plasencia et al., "GS-PAT", ACM Trans. Graphics 39(4), 138, 2020, report 17,000 solutions a second on
+D. M. Plasencia et al., "GS-PAT", ACM Trans. Graphics 39(4), 138, 2020, report 17,000 solutions per second on
 a GTX 1660. We do not know the size of their array, and use the pair of OpenMPD boards, 512 transducers.
 """
 

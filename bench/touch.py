@@ -56,8 +56,8 @@ def bound(answers: NDArray[np.complex64]) -> float:
 
     A schedule plays one focus per frame. Its lines I_f over T frames have sum_f (I_f I_f^H + conj.) <= T
     diag(n), where n counts the frames of each focus. So sum_f I_f^H M_f I_f <= T^2 max(diag Z) for every
-    real symmetric Z with 2 Z >= M_f for all f. Here M_f = A_f^H A_f / X, A_f are the skin's responses at X
-    places to each focus.
+    real symmetric Z with 2 Z >= M_f for all f. Here M_f = A_f^H A_f / X, and A_f are the skin's responses to
+    focus f at X places.
     """
     strongest = np.argsort([-np.linalg.norm(a, 2) for a in answers])
     matrices = [a.conj().T @ a / len(a) for a in answers[strongest].astype(np.complex128)]
@@ -170,8 +170,9 @@ def chosen() -> None:
 
 
 def palm(corners: int) -> midair.Mesh:
-    """Returns an ellipsoid of 9 x 18 x 2.4 cm with this many vertices,
-    whose lowest point is in the points' plane.
+    """Returns an ellipsoid of 9 x 18 x 2.4 cm with this many vertices.
+
+    Its lowest point is in the points' plane.
     """
     from scipy.spatial import ConvexHull
 

@@ -21,9 +21,7 @@ FULL = core.Intensity.MAX
 
 
 def boards(tiles: list[int]) -> core.Geometry:
-    """Returns the boards, x fastest, with the middle of all transducers at the origin,
-    as in midair's preset.
-    """
+    """Returns the boards, x fastest, as in midair's preset: the middle of all transducers is the origin."""
     size = (core.Autd3.DEVICE_WIDTH, core.Autd3.DEVICE_HEIGHT)
     sites = (core.Autd3.GRID_X, core.Autd3.GRID_Y)
 

@@ -1,5 +1,6 @@
-"""Times midair: "solve" builds a Scene from NumPy arrays at each call,
-"Solver" reuses its workspace and output.
+"""Times midair in two forms.
+
+"solve" makes a Scene from NumPy arrays in each call. "Solver" uses its workspace and its output again.
 """
 
 from importlib.metadata import version

@@ -210,7 +210,7 @@ class Autd3Transport:
         self._play([step], PHASE_STEPS, BANKS[0], before)
 
     def upload(self, frames: bytes, count: int, rate: float) -> None:
-        """Store `count` frames in the boards, which repeat them by themselves at `rate` frames a second."""
+        """Store `count` frames in the boards, which repeat them by themselves at `rate` frames per second."""
         before, divider, bank = self._silenced, commands.divider(rate), 1 - self._bank
         steps = commands.sequence(frames, count, self._boards, divider, bank, self._link.protocol)
         self._play(steps, divider, bank, before)

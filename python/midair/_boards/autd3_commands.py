@@ -161,7 +161,7 @@ def check_count(count: int) -> None:
 
 
 def divider(rate: float) -> int:
-    """Return how many ultrasound periods a frame lasts at `rate` frames a second.
+    """Return how many ultrasound periods a frame lasts at `rate` frames per second.
 
     Raises BoardError if this is no whole number.
     """

@@ -143,7 +143,7 @@ class Board:
 
     @property
     def limits(self) -> dict[str, Any]:
-        """Capabilities by name: transducers, boards, phases, amplitudes, bytes and frames a second."""
+        """Capabilities by name: transducers, boards, phases, amplitudes, bytes and frames per second."""
         grid = self._codec.quantization
         return {
             "transducers": len(self.array),

@@ -182,7 +182,7 @@ class Connection:
         ----------
         hz : float, (S,) array_like or None
             Frequency in Hz: of a sine on AUTD3, of switching on and off on SonicSurface. Or 2 to 65536
-            samples of the pressure, 0 to 1, which AUTD3 repeats at 4000 a second. None for no modulation.
+            samples of the pressure, 0 to 1, which AUTD3 repeats at 4000 per second. None for no modulation.
 
         Raises
         ------

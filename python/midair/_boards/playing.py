@@ -194,7 +194,7 @@ class Live:
         return {"state": self.connection.state, **counts, "error": self._error}
 
     def metrics(self) -> dict[str, Any]:
-        """Return the state; and the last frame's points in m, |p| in Pa at the points, and delay in ms."""
+        """Return the state, and the last frame's points in m, |p| at them in Pa, and delay in ms."""
         points: list[list[float]] = []
         reached: list[float] = []
         if self._wanted is not None and (played := self._played) is not None:

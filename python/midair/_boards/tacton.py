@@ -107,9 +107,15 @@ class Track:
 class Tacton:
     """A parsed pattern.
 
-    text : the pattern as JSON
+    Parameters
+    ----------
+    text
+        The pattern as JSON.
 
-    Raises SceneError, which names the place in the pattern, for anything invalid.
+    Raises
+    ------
+    SceneError
+        For anything invalid; the message names the place in the pattern.
     """
 
     def __init__(self, text: str) -> None:

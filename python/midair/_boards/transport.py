@@ -24,7 +24,7 @@ class Transport(Protocol):
         """Modulate the amplitude of all frames from now on, at a frequency in Hz; None ends it."""
 
     def upload(self, frames: bytes, count: int, rate: float) -> None:
-        """Store `count` frames in the device, which repeats them by itself at `rate` frames a second."""
+        """Store `count` frames in the device, which repeats them by itself at `rate` frames per second."""
 
     def look(self) -> None:
         """Raise BoardLost if the device is known to be gone. Sends nothing."""

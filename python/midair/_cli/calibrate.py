@@ -115,7 +115,7 @@ def doctor_command(
     device
         Number of the sound card; by default the system's. `python -m sounddevice` lists them.
     rate
-        Samples a second of the sound card, 96000 or more.
+        Samples per second of the sound card, 96000 or more.
     pascals
         Peak pressure in Pa at the card's full scale; without it the level is not judged.
     readings

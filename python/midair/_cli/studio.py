@@ -76,7 +76,7 @@ def serve_command(
     origin
         Web page that may connect, such as http://localhost:8000; may be repeated. By default none.
     rate
-        Frames a second; by default the board's highest rate.
+        Frames per second; by default the board's highest rate.
     change
         Largest change of a phase between two frames, in rad; by default pi/16.
     """

@@ -50,7 +50,7 @@ def read(path: str | PathLike[str], board: Board | None) -> NDArray[np.complex64
 ROUNDING = 1e-6
 
 
-#: Largest distance in m between the transducers of an array and those of the board.
+#: Largest distance in m between a transducer of the array and the board's transducer of the same number.
 APART = 0.5e-3
 
 

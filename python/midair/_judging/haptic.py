@@ -176,8 +176,8 @@ def haptic(
     Notes
     -----
     The four usual techniques are amplitude modulation, lateral modulation, and one or two foci at 7 m/s. In
-    addition, an ascent improves a schedule of single foci, 5 laps a second, until no other focus in any frame
-    is predicted to be better. With a bound, other draw speeds are tried instead. If none is better, the
+    addition, an ascent improves a schedule of single foci, 5 laps per second, until no other focus in any
+    frame is predicted to be better. With a bound, other draw speeds are tried instead. If none is better, the
     result is the best usual technique. Frequencies are rounded to periods of whole frames.
 
     Examples

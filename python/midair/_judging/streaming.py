@@ -82,7 +82,7 @@ class Streaming:
     absorption : float
         The absorption alpha used, in Np/m.
     field : midair.Field
-        The field that it comes from.
+        The field from which the force is computed.
 
     Examples
     --------

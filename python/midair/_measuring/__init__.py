@@ -1,6 +1,4 @@
-"""Measuring: calibration of an array by microphone readings, fault diagnosis, and drives optimised by
-readings.
-"""
+"""Measuring: calibration of arrays by microphones, diagnosis of faults, and drives found by readings."""
 
 from .calibrate import calibrate, calibration_drives
 from .doctor import doctor

@@ -193,7 +193,8 @@ def _turned(scene: Scene, of: Indices, turn: NDArray[np.int64]) -> Indices | Non
     if len(of) < 2:
         return None
     places = scene.array.positions[of] - scene.array.positions[of].mean(axis=0)
-    # Rounding makes equal distances equal, so that the first of several nearest neighbours is chosen.
+    # Distances that differ by numerical errors alone are rounded to one value, so that the first of several
+    # nearest neighbours is chosen.
     far = np.linalg.norm(places - places[0], axis=1).round(6)
     along = places[np.argsort(far, kind="stable")[1]] - places[0]
     along /= np.linalg.norm(along)

@@ -1,8 +1,9 @@
 """Sources of readings for `midair.doctor`: a sound card, a file, or a simulated array with faults.
 
-A sound card measures 40 kHz if it takes at least 96,000 samples a second and has a microphone for ultrasound.
-With 48,000 samples a second it measures nothing at 40 kHz. Amplitude modulation does not help: a linear
-microphone does not demodulate. For a detector with an envelope output, write a reader function of your own.
+A sound card measures 40 kHz if it has a rate of 96,000 samples per second or more and a microphone for
+ultrasound. With 48,000 samples per second it measures nothing at 40 kHz. Amplitude modulation does not help:
+a linear microphone does not demodulate. For a detector with an envelope output, write a reader function of
+your own.
 """
 
 from __future__ import annotations

@@ -139,7 +139,7 @@ def tune(
     phases : int, optional
         Number L of candidates of greedy.
     tries : bool, optional
-        Whether greedy reads each candidate, L readings a transducer as in the paper, in place of three.
+        Whether greedy reads each candidate: L readings per transducer, as in the paper, in place of three.
     steps : int, optional
         Steps of feedback (10, a reading each) and spsa (384, two readings each).
     budget : int, optional

@@ -207,8 +207,9 @@ class Group:
         return first, min(KNOTS, self._end - first)
 
     def _through(self, first: int, most: int) -> NDArray[np.float64]:
-        """Return places (K, B, 3) at up to `most` knots after `first`, while all beads stay in their
-        cells.
+        """Return places (K, B, 3) at up to `most` knots after `first`.
+
+        If a bead leaves its cell, they end soon afterwards.
         """
         (begin, count), lap = self._stretch(first), len(self._course.drives)
         own = first % lap - begin

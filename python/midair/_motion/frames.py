@@ -79,7 +79,7 @@ class Frames:
 
     @property
     def change(self) -> float | None:
-        """Bound of the phase change with which it was solved, in rad per frame, or None."""
+        """Bound of the phase change, in rad per frame, within which the frames were solved, or None."""
         return self._change
 
     @property

@@ -343,7 +343,7 @@ class Flight:
         path : str or path
             File to write, whole or not at all.
         frames, fps : int, optional
-            Number of pictures, evenly chosen, by default at most 100; pictures a second.
+            Number of pictures, evenly chosen, by default at most 100; pictures per second.
         progress : callable, optional
             Called with (pictures drawn, pictures).
 

@@ -59,7 +59,7 @@ def sequence(
     rate : float
         Frames per second.
     change, change_rate : float, optional
-        The bound, in rad per frame or in rad/s; by default pi/16 a frame, pi for none.
+        The bound, in rad per frame or in rad/s; by default pi/16 per frame, pi for none.
     tau : float, optional
         Time constant of the transducers' envelopes in s, which `glide` takes into account.
     closed : bool, optional

@@ -143,12 +143,14 @@ def head(figure: Figure, *lines: str) -> None:
 def sheet(
     width: float, height: float, size: Size | None = None, make: Callable[..., Any] | None = None
 ) -> Sheet:
-    """Return a new figure of `size`; by default as wide as the style's column or page, else `width`.
+    """Return a new figure of `size`. By default it is as wide as a column or page of the journal's style.
 
     Parameters
     ----------
     width, height
-        Size in inches without a style.
+        Default size in inches if no style is set; a style keeps their ratio.
+    size
+        Width, or width and height, in inches.
     make
         Pyplot's `figure`, if the picture needs a window.
 

@@ -97,7 +97,7 @@ def folder() -> Path:
 
 
 def path(content: bytes) -> tuple[Path, str]:
-    """Return the cache file for what depends on `content`, and the full hash, its identity."""
+    """Return the cache file of results that depend on `content`, and their identity, the full hash."""
     key = hashlib.sha256(version("midair").encode() + content).hexdigest()
     return folder() / f"{key[:32]}.npz", key
 

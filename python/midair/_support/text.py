@@ -37,7 +37,7 @@ def fault(path: str | PathLike[str], line: int | None, reason: str) -> SceneErro
     return SceneError(" ".join(f"{place}: {reason}".split()))
 
 
-#: Error text; a pipe or a device may send data without end.
+#: Error text for a path that is no file. A pipe or a device may send data without end, so it is not read.
 NO_FILE = "it is a folder, device or pipe: give a file"
 
 

@@ -317,7 +317,10 @@ def _file(folder: Path, split: str, job: Job) -> Path:
 
 
 def _identity(job: Job) -> str:
-    """Return a text that identifies a job's settings, build and trials; other files are made again."""
+    """Return a text that identifies a job's settings, build and trials.
+
+    A file with another text is replaced.
+    """
     return job.path.with_suffix("").as_posix()
 
 

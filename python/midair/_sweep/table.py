@@ -66,7 +66,7 @@ ARRAYS = ("drive", "scale", "pressures", "points", "targets")
 
 
 def check(requested: Request, table: Path | None, drives: Path | None) -> Path | None:
-    """Reject files that cannot be written or are no sweep's; return the folder for unfinished results."""
+    """Return the folder for unfinished results; reject files of a wrong kind or that cannot be written."""
     if table is not None:
         output.check(table, TABLES, requested.files)
         if table.suffix.lower() == ".parquet":
