@@ -237,7 +237,7 @@ class JudgedFrames(Frames):
         Parameters
         ----------
         tau : float, optional
-            Time constant in s of the transducers. By default frames are at rest, and 0.2 ms for the noise.
+            Time constant in s of the transducers. By default frames are at rest; only the noise uses 0.2 ms.
         hold, substeps
             As for `between`; the targets of a frame apply to all of its sub-steps.
 

@@ -65,7 +65,7 @@ def circle(
     step : float, optional
         Distance between neighbours in m.
     normal : (3,) array_like, optional
-        Normal of the plane, of any length; counterclockwise points if the normal points to the viewer.
+        Normal of the plane, of any length. The points run counterclockwise if it points to the viewer.
 
     Returns
     -------
