@@ -55,7 +55,7 @@ impl Codec {
         Ok(kinds)
     }
 
-    /// Returns the default array of a kind: its preset's, or a grid.
+    /// Returns the default array of a kind of board: that of its preset, or a grid.
     #[staticmethod]
     #[pyo3(signature = (kind, tiles=None))]
     fn array(kind: &str, tiles: Argument<'_, '_>) -> PyResult<Array> {
@@ -127,7 +127,7 @@ getters! {
     /// Number of lines. A frame has one part of equal length for each line, one after the other.
     lines(self) -> usize = self.board.lines();
 
-    /// Most boards that play together.
+    /// Largest number of boards that play together.
     most_boards(self) -> usize = self.board.most_boards();
 
     /// Frequency in Hz.

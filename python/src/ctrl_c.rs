@@ -76,7 +76,8 @@ impl Watch {
         }
     }
 
-    /// Most steps, and most pulses, between two readings of the clock: the next ones may be a thousand times slower.
+    /// Largest numbers of steps and of pulses between two readings of the clock: the next ones may be a thousand times
+    /// slower.
     const STEPS: u32 = 256;
     const PULSES: u32 = 4;
 

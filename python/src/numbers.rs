@@ -12,7 +12,7 @@ use pyo3::types::{IntoPyDict, PyBool, PyFloat, PyInt, PyList, PyTuple};
 
 use crate::error::invalid;
 
-/// Most dimensions of an argument: (B, M, 3).
+/// Largest number of dimensions of an argument: (B, M, 3).
 const DEEPEST: usize = 3;
 
 /// Values in C order, and their shape.

@@ -9,7 +9,8 @@ use crate::error::refused;
 use crate::instruction_set::instruction_set;
 use crate::mesh::behind;
 
-/// Most bytes of a workspace that is stored for the next solve. Allocating 1 MB costs as much time as G for 64 points.
+/// Largest size in bytes of a workspace that is stored for the next solve. Allocating 1 MB costs as much time as G for 64
+/// points.
 const MOST_KEPT: usize = 32 << 20;
 
 /// An array prepared for a medium, and probable mistakes in them. Preparing takes time O(N) or more, a scene only O(M).

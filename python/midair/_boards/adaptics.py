@@ -20,10 +20,11 @@ from .._support.arguments import flag, json_object, number, refused, word
 from .playing import Frame, Live, Wanted
 from .tacton import Matrix, Moment, Tacton, Touch
 
-#: The most characters of an error message to a client: the message may quote data from the client.
+#: Largest number of characters of an error message to a client: the message may quote data from the client.
 MOST_TEXT = 300
 
-#: Time in s between two playback reports to a client, and the most touches that wait for the next report.
+#: Time in s between two playback reports to a client, and the largest number of touches that wait for the
+#: next report.
 REPORT, MOST_REPORTED = 1 / 60, 4096
 
 

@@ -41,7 +41,7 @@ RATE_STEPS = 256
 #: A board that receives nothing for this time, in ms, mutes itself.
 FAILSAFE_MS = 500
 
-#: Most bytes of a step after its header, and most frames in one step.
+#: Largest size in bytes of a step after its header, and largest number of frames in one step.
 PAYLOAD = 1442
 PATTERNS_A_STEP = 2
 

@@ -31,8 +31,8 @@ from .errors import BoardError
 from .playing import SILENCE, Live
 from .transport import before_what_computes
 
-#: Most bytes of a message and of an Adaptics pattern; numbers per point in a binary message (x, y, z,
-#: pressure).
+#: Largest size in bytes of a message, and of an Adaptics pattern; numbers per point in a binary message (x,
+#: y, z, pressure).
 MOST_BYTES, MOST_PATTERN, ROW = 1 << 16, 1 << 20, 4
 
 #: Keys of a JSON message, of which a message needs at least one.

@@ -84,8 +84,8 @@ def play(solution: Solution, address: str, *, seconds: float | None = None, **op
         keep(connection, solution, duration)
 
 
-#: The most points in a frame; and the time in s without a message from the sender after which the board turns
-#: off.
+#: Largest number of points in a frame; time in s without a message from the sender after which the board
+#: turns off.
 MOST_POINTS, SILENCE = 256, 0.2
 
 #: Number of places along a path that are checked before it is played.

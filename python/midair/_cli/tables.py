@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-#: Most characters per row of a picture in the terminal, and the characters for pressures from 0 to the
-#: highest.
+#: Largest number of characters per row of a picture in the terminal; the characters for pressures from 0 to
+#: the highest.
 WIDEST = 76
 SHADES = " .:-=+*#%@"
 

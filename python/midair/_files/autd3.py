@@ -18,7 +18,7 @@ from .._boards.layout import Layout, turned
 from .._midair import Array
 from .._support.text import fault, text
 
-#: Most boards in a file.
+#: Largest number of boards in a file.
 MOST_BOARDS = 128
 
 

@@ -113,7 +113,7 @@ def _csv(path: str | PathLike[str], array: Array | None) -> NDArray[np.complex64
     raise fault(path, line, f'"{",".join(head)[:60]}" begins no table of drives: {CSV}')
 
 
-#: Most bytes of a file of an array; the largest known one, Ultraino's, unpacks to 5 MB.
+#: Largest size in bytes of a file of an array; the largest known one, Ultraino's, unpacks to 5 MB.
 MOST_BYTES = 64 << 20
 
 ENDINGS = (

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .._pictures.colours import Map, Quantity
     from .._pictures.sheet import Size
 
-#: Most points for which `midair.bound` is computed.
+#: Largest number of points for which `midair.bound` is computed.
 BOUND_POINTS = 64
 
 

@@ -127,7 +127,7 @@ def _peaks(points: Points, values: NDArray[np.float64], apart: float) -> NDArray
     return np.array(taken, dtype=np.int64)
 
 
-#: Most products (transducers x points x frames) per block: a fraction of a second.
+#: Largest number of products (transducers x points x frames) per block, which take a fraction of a second.
 WORK = 200_000_000
 
 #: A function that yields |p| (P, T) in Pa at points (P, 3) in each frame, block by block.

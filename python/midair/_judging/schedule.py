@@ -26,7 +26,7 @@ APART, BESIDE = 4e-3, 250
 #: Largest numbers of places of the curve and of frequency lines that are evaluated.
 COUNTED, LINES = 64, 400
 
-#: Most iterations of an ascent; iterations without a gain after which it ends, by aim.
+#: Largest number of iterations of an ascent; iterations without a gain after which it ends, by aim.
 ROUNDS, IDLE = 120, {"strong": 1, "even": 30}
 
 #: Exponent by which weaker places gain weight in an iteration.

@@ -27,7 +27,7 @@ Indices = NDArray[np.intp]
 SPEEDS, LEFT = np.arange(-14.0, 14.5, 0.5), 3.0
 #: A correlation of the readings with the model above this confirms the order of the channels.
 ORDERED = 0.6
-#: Most boards whose delays the first search fits; more boards would have too many unknowns.
+#: Largest number of boards whose delays the first search fits; more boards would have too many unknowns.
 MOST_BOARDS = 12
 #: Places closer than this, in m, match when a board is compared with its turned or mirrored copy.
 SAME = 1e-3
@@ -43,7 +43,7 @@ REVERSED, DEAD, WEAK, ODD, EXCHANGED = 10.0, 8.0, 8.0, 10.0, 31.0
 WEAKEST, STRONG = 0.1, 0.75
 #: The delays of boards are final if they change by less than this, in rad, between two rounds.
 SETTLED = 0.02
-#: Most rounds of calibration and exchange; steps of the fit of an exchanged pair.
+#: Largest number of rounds of calibration and exchange; steps of the fit of an exchanged pair.
 ROUNDS, STEPS = 8, 3
 
 

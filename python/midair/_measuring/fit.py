@@ -17,11 +17,11 @@ FIRST_TRUST, TIGHTER = 0.3, 0.6
 #: A reading more than OUTLYING standard deviations from the model is an outlier. This happens to one normally
 #: distributed reading in 10^9. The standard deviation is at least LEAST_SCATTER times the median reading.
 OUTLYING, LEAST_SCATTER = 6.0, 1e-3
-#: Largest share of outliers: above it the model must be wrong, and all readings are used. Most rounds of
-#: removing outliers.
+#: Largest share of outliers: above it the model must be wrong, and all readings are used. Largest number of
+#: rounds that remove outliers.
 MOST_OUTLYING, ROUNDS = 0.2, 8
-#: Most steps. Once the noise has reached its final value, the fit ends when a step reduces the cost by less
-#: than the fraction GAIN and changes no probability of a transducer's state by more than CHANGE.
+#: Largest number of steps. Once the noise has reached its final value, the fit ends when a step reduces the
+#: cost by less than the fraction GAIN and changes no probability of a transducer's state by more than CHANGE.
 STEPS, GAIN, CHANGE = 40, 1e-3, 0.02
 #: Largest damping that is tried, relative to the prior's curvature. With damping below WHOLE, a step counts
 #: as undamped.

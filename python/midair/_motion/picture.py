@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 Panel = Literal["pressures", "changes", "spectrum"]
 PANELS = get_args(Panel)
 
-#: Most columns and rows of an image over time: about what a screen can show. Values are combined, not
-#: skipped.
+#: Largest numbers of columns and of rows of an image over time: about what a screen can show. Values are
+#: combined, not skipped.
 COLUMNS, ROWS = 1000, 250
 
 #: Least range of the scale of |p| / target, relative to its top, so that an even sequence has nearly one

@@ -29,8 +29,8 @@ from .._support.arguments import refused
 from .drives import Drives, blocks
 from .envelope import Envelope
 
-#: Most entries of G in one block behind obstacles or with a signature, where the core stores them in double
-#: precision.
+#: Largest number of entries of G in one block behind obstacles or with a signature, where the core stores
+#: them in double precision.
 MOST_KEPT = 1 << 17
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 #: Default bound in rad per frame. At 10 kHz it is a frequency shift of 312 Hz, which transducers can follow.
 CHANGE = pi / 16
 
-#: Most frames that are examined for the speed limit.
+#: Largest number of frames that are examined for the speed limit.
 LOOKED = 200
 
 

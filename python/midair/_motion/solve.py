@@ -21,7 +21,7 @@ from .horizon import Followed, Foreseen, Found, Tracks, board_of, check, read_fr
 from .request import Request, bound, request, sight, solver_name, warn_of_pull, warn_of_speed
 from .sequence import Sequence
 
-#: Most frames of a modulated solution: as many as an AUTD3 board can store.
+#: Largest number of frames of a modulated solution: as many as an AUTD3 board can store.
 MOST_KEPT = 1024
 
 #: Number of frames between two calls of `progress`, and in one piece of a resumed file.

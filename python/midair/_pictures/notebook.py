@@ -21,10 +21,12 @@ from .colours import loud, table
 #: Longer side of a picture in SVG units.
 SIDE = 1000
 
-#: Most points, and most corners of paths, in a picture. If there are more, every second, third, ... is drawn.
+#: Largest numbers of points, and of corners of paths, in a picture. If there are more, only every second,
+#: third, ... is drawn.
 MOST_POINTS, MOST_CORNERS = 200, 400
 
-#: Most dots for transducers in a picture. If there are more, one in each square of SQUARE units is drawn.
+#: Largest number of dots for transducers in a picture. If there are more, one in each square of SQUARE units
+#: is drawn.
 MOST_DOTS, SQUARE = 1500, 25
 
 #: Colours of points and of quiet points, visible on light and on dark pages.
@@ -155,10 +157,11 @@ def _dots(dots: NDArray[np.int_], wide: int, stroke: str) -> str:
     return f'<path d="{path}" {stroke} stroke-width="{wide}" stroke-linecap="round"/>'
 
 
-#: Side of a slice in pixels on the page, and its most samples per side.
+#: Side of a slice in pixels on the page, and its largest number of samples per side.
 SLICE, SAMPLES = 200, 100
 
-#: Most products (transducers x samples) for which a slice is computed: a notebook cell must not wait long.
+#: Largest number of products (transducers x samples) for which a slice is computed: a notebook cell must not
+#: wait long.
 PRODUCTS = 2e8
 
 
@@ -215,7 +218,7 @@ def _image(shades: NDArray[np.uint8]) -> str:
     return f"data:image/png;base64,{text}"
 
 
-#: Most rows of a list of points or problems.
+#: Largest number of rows of a list of points or problems.
 MOST = 12
 
 

@@ -29,7 +29,7 @@ LONG = 600
 #: Largest relative sound inside of a mesh, where it should be 0; accurately solved meshes have up to 13 %.
 LEFT = 0.25
 
-#: Most bytes of cached files; beyond that, the oldest are removed.
+#: Largest size in bytes of all cached files together; beyond that, the oldest are removed.
 MOST = 1_000_000_000
 
 #: Names of cached files, also of earlier versions.

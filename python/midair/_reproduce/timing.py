@@ -19,7 +19,7 @@ from . import drawing, scenes, tables
 from .scenes import Options, timed
 from .tables import Run
 
-#: Most rounds. On a quiet machine the median of this many varies by a few per cent.
+#: Largest number of rounds. On a quiet machine the median of this many varies by a few per cent.
 ROUNDS = 15
 
 #: Shortest measurement in s, a thousand times the clock's step; faster solves are repeated.

@@ -37,7 +37,7 @@ def file(name: str, folder: Path = BUILT) -> Path:
     return path
 
 
-#: Most points that the page accepts.
+#: Largest number of points that the page accepts.
 MOST_POINTS = 64
 
 #: The page's frequency in Hz.

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from .._midair import SceneError, SceneWarning
 
-#: Most bytes of a drawing or a scene file.
+#: Largest size in bytes of a drawing or a scene file.
 MOST_BYTES = 64 << 20
 
 

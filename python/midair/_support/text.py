@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 
 from .._midair import SceneError, memory_limit
 
-#: Most bytes of a file and of its unpacked content: 50 000 frames of 512 transducers, of at most 5 kB each.
+#: Largest size in bytes of a file and of its unpacked content: 50 000 frames of 512 transducers, of at most
+#: 5 kB each.
 MOST_BYTES = 256 << 20
 
 
