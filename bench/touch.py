@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 import midair
 from midair._judging.haptic import _Curve, _Judge
-from midair._motion.felt import FAST, HIGHEST, threshold
-from midair._motion.sheet import Sheet
+from midair._midair import HIGHEST, Sheet, threshold
 
 HEIGHT = 0.2
 MIDDLE = (0.0, 0.0, HEIGHT)
@@ -109,7 +108,7 @@ def on_circle(radius: float, speed: float, rate: float = 4e3) -> float:
         felt = (frequencies > 0) & (frequencies <= HIGHEST)
         f = np.where(felt, frequencies, HIGHEST)
         answers = waves @ (1 / (k[:, None] ** 2 + sheet.decay(f) ** 2)) / (2 * np.pi * sheet.tension)
-        found: NDArray[np.float64] = np.abs(answers / threshold(f, [FAST])) ** 2 * felt
+        found: NDArray[np.float64] = np.abs(answers / threshold(True, f)) ** 2 * felt
         return found
 
     def cosines(frequencies: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -28,7 +28,10 @@ from ._pictures.answer import answer as _answer
 from ._pictures.plot import plot as _plot
 
 __all__ = [
+    "HIGHEST",
     "MOST_POINTS",
+    "REACH",
+    "SKIN",
     "STEP",
     "Array",
     "Batch",
@@ -45,11 +48,13 @@ __all__ = [
     "Plane",
     "PresetInfo",
     "Propagation",
+    "Pushes",
     "Reach",
     "Rest",
     "Scene",
     "SceneError",
     "SceneWarning",
+    "Sheet",
     "Solution",
     "Solver",
     "SolverInfo",
@@ -63,10 +68,13 @@ __all__ = [
     "directivities",
     "drive_from_csv",
     "drive_to_csv",
+    "excess",
+    "felt_width",
     "field",
     "gorkov",
     "gradient",
     "judge",
+    "live_lines",
     "memory_limit",
     "placed",
     "preset_name",
@@ -82,7 +90,9 @@ __all__ = [
     "solve_batch",
     "solver_name",
     "solvers",
+    "strength",
     "sweep_keys",
+    "threshold",
     "tracks",
     "unknown",
 ]
@@ -94,8 +104,27 @@ _Directivity: TypeAlias = str | dict[str, float]
 _Quantization: TypeAlias = dict[str, int | ArrayLike | None]
 _Option: TypeAlias = bool | int | float | str | Sequence[int] | NDArray[np.integer] | None
 
+HIGHEST: float
 MOST_POINTS: int
+REACH: float
+SKIN: tuple[float, float, float]
 STEP: float
+
+@final
+class Sheet:
+    tension: Final[complex]
+    def __new__(cls, speed: float = 6.0, loss: float = 0.4, mass: float = 6.4) -> Sheet: ...
+    def decay(self, frequencies: NDArray[np.float64]) -> NDArray[np.complex128]: ...
+    def response(self, frequency: float, distances: NDArray[np.float64]) -> NDArray[np.complex128]: ...
+    def on_plane(
+        self, frequencies: NDArray[np.float64], lines: NDArray[np.complex64], step: float, reach: float
+    ) -> tuple[NDArray[np.complex64], NDArray[np.float64], NDArray[np.float64]]: ...
+
+@final
+class Pushes:
+    def __new__(cls, count: int, rate: float, places: int) -> Pushes: ...
+    def add(self, first: int, values: NDArray[np.float32]) -> None: ...
+    def lines(self) -> tuple[NDArray[np.float64], NDArray[np.float32], NDArray[np.complex64]]: ...
 
 @final
 class Curve:
@@ -520,6 +549,13 @@ def tracks(
     start: NDArray[np.uint16] | None = None,
     progress: Callable[[int, int, float], object] | None = None,
 ) -> NDArray[np.uint16]: ...
+def threshold(fast: bool, frequencies: NDArray[np.float64]) -> NDArray[np.float64]: ...
+def excess(
+    fast: bool, frequencies: NDArray[np.float64], squares: NDArray[np.float32]
+) -> NDArray[np.float64]: ...
+def live_lines(lines: NDArray[np.complex64]) -> NDArray[np.bool_]: ...
+def strength(slow: NDArray[np.float64], fast: NDArray[np.float64]) -> NDArray[np.float64]: ...
+def felt_width(values: NDArray[np.float64], places: NDArray[np.float64], middle: int) -> float: ...
 def register(toolbox: object) -> None: ...
 def solvers() -> dict[str, SolverInfo]: ...
 def presets() -> dict[str, PresetInfo]: ...

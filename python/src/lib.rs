@@ -43,6 +43,7 @@ mod scene;
 mod setting;
 mod shifted;
 mod signature;
+mod skin;
 mod solution;
 mod solve;
 mod solver;
@@ -57,6 +58,7 @@ use pyo3::prelude::*;
 /// The compiled core of midair; import `midair` instead.
 #[pymodule]
 mod _midair {
+    use midair::motion::{HIGHEST, REACH, Sheet as Membrane};
     use numpy::PyArray1;
     use pyo3::prelude::*;
 
@@ -109,6 +111,8 @@ mod _midair {
     #[pymodule_export]
     use super::shifted::Shifted;
     #[pymodule_export]
+    use super::skin::{Pushes, Sheet, excess, felt_width, live_lines, strength, threshold};
+    #[pymodule_export]
     use super::solution::{Solution, about};
     #[pymodule_export]
     use super::solve::solve;
@@ -127,6 +131,9 @@ mod _midair {
     /// during the import of midair avoids this, because an import may be interrupted.
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("HIGHEST", HIGHEST)?;
+        module.add("REACH", REACH)?;
+        module.add("SKIN", Membrane::SKIN)?;
         module.add("STEP", midair::points::STEP)?;
         module.add("MOST_POINTS", midair::points::MOST)?;
         super::bodies::add_bodies(module)?;

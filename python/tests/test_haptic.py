@@ -12,7 +12,7 @@ import pytest
 
 import midair
 from midair._judging.schedule import Foci
-from midair._motion.sheet import Sheet
+from midair._midair import Sheet
 
 ARRAY = midair.Array.preset("autd3")
 Z = 0.15

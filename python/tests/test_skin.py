@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +12,8 @@ import pytest
 from numpy.typing import NDArray
 
 import midair
-from midair._motion.sheet import Sheet, Triangles, bessel
+from midair._midair import Sheet
+from midair._motion.sheet import Triangles, on_mesh
 
 ARRAY = midair.Array.preset("autd3", tiles=(2, 2))
 HEIGHT = 0.2
@@ -63,14 +66,40 @@ def test_a_point_load_is_the_closed_form() -> None:
     for frequency in (10.0, 80.0, 250.0, 500.0):
         k = 2 * np.pi * frequency / (6 * np.sqrt(1 + 0.4j))
         green = -0.25j * special.hankel2(0, k * distance) / (6.4 * 36 * (1 + 0.4j))
-        assert SHEET.response(distance, frequency) == pytest.approx(green, rel=0.01)
+        assert SHEET.response(frequency, distance) == pytest.approx(green, rel=0.01)
         lines = np.zeros((1, 40, 50), np.complex64)
         lines[0, 7, 11] = 1 / 1e-3**2
-        moved = SHEET.on_plane(np.array([frequency]), lines, 1e-3)[0, 7, 12:]
+        moved = on_plane(frequency, lines, 1e-3)[7, 12:]
         green = -0.25j * special.hankel2(0, k * 1e-3 * np.arange(1, 39)) / (6.4 * 36 * (1 + 0.4j))
         assert moved == pytest.approx(green, rel=0.01)
-    z = np.array([1e-4, 0.3, 2, 40]) * np.exp(1.3j)
-    assert bessel(1, z) == pytest.approx(special.kv(1, z), rel=1e-9)
+
+
+def on_plane(frequency: float, lines: NDArray[np.complex64], step: float) -> NDArray[np.complex64]:
+    """Displacement (R, C) in m under one line (1, R, C) in Pa."""
+    moved, _, _ = SHEET.on_plane(np.array([frequency]), lines, step, 2e-3)
+    return moved.reshape(lines.shape[1:])
+
+
+def test_a_circle_moves_the_skin_as_the_record_has_it() -> None:
+    """The record is by an earlier program in NumPy; the core's tests and the studio's read it, too."""
+    record = json.loads((Path(__file__).parents[2] / "golden/touch/ring.json").read_text())
+    count, height = record["frames"], record["height"]
+    array = midair.Array.preset(record["array"])
+    angles = 2 * np.pi * np.arange(count) / count
+    circle = record["radius"] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    points = np.concatenate([circle, np.full((count, 1), height)], axis=1)[:, None]
+    drives = [midair.solve(midair.Scene(array, point), record["solver"]).drive for point in points]
+    sequence = midair.Sequence(array, points, 1.0, np.array(drives), rate=record["rate"], closed=True)
+    touch = midair.skin(sequence, midair.Plane(z=height, size=record["size"], pixels=record["side"]))
+    kept = record["places"]
+    displacement = np.array(record["displacement"]) @ [1, 1j]
+    assert touch.frequencies == pytest.approx(record["frequencies"])
+    for name in ("pressure", "slow", "fast"):
+        assert getattr(touch, name)[kept] == pytest.approx(record[name], rel=2e-3)
+    apart = np.abs(touch.displacement[:, kept].T - displacement).max(axis=1)
+    assert (apart < 2e-3 * np.abs(displacement).max(axis=1)).all()
+    assert touch.level == pytest.approx(record["level"], abs=0.01)
+    assert touch.width() == pytest.approx(record["width"])
 
 
 def spot(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -94,7 +123,7 @@ def test_the_sheet_is_that_of_finite_differences(frequency: float) -> None:
     push = spot(*np.meshgrid(x, x, indexing="ij"))
     exact = linalg.spsolve(matrix.tocsc(), -push.ravel()).reshape(count, count)
     inner = slice(count // 2 - 32, count // 2 + 32)
-    moved = SHEET.on_plane(np.array([frequency]), push[None, inner, inner].astype(np.complex64), step)[0]
+    moved = on_plane(frequency, push[None, inner, inner].astype(np.complex64), step)
     assert np.abs(moved - exact[inner, inner]).max() < 0.02 * np.abs(exact).max()
 
 
@@ -113,9 +142,9 @@ def test_triangles_move_as_the_plane_does() -> None:
         ]
     )
     push, frequencies = spot(across, up).astype(np.complex64), np.array([250.0])
-    plane = SHEET.on_plane(frequencies, push[None], step)[0]
+    plane = on_plane(250.0, push[None], step)
     mesh = Triangles(vertices, faces)
-    moved = SHEET.on_mesh(frequencies, push.reshape(1, -1), mesh)
+    moved = on_mesh(SHEET, frequencies, push.reshape(1, -1), mesh)
     # The rim of the mesh reflects waves, so only the inner part is compared.
     inner = (slice(10, -10), slice(10, -10))
     apart = np.abs(moved.reshape(count, count) - plane)[inner]
@@ -134,7 +163,7 @@ def test_each_line_of_a_mesh_is_solved_by_itself() -> None:
     mesh = Triangles(vertices, np.concatenate([np.stack(half, axis=1) for half in halves]))
     frequencies = np.array([50.0, 250.0, 900.0])
     lines = np.random.default_rng(0).standard_normal((3, 81)).astype(np.complex64)
-    moved = SHEET.on_mesh(frequencies, lines, mesh)
+    moved = on_mesh(SHEET, frequencies, lines, mesh)
     stiff, mass = SHEET.tension * mesh.stiffness.toarray(), 6.4 * np.diag(mesh.shares)
     for k, frequency in enumerate(frequencies):
         exact = np.linalg.solve(stiff - (2 * np.pi * frequency) ** 2 * mass, mesh.shares * lines[k])
@@ -209,7 +238,7 @@ def test_amplitude_modulation_is_strongest_near_200_hertz() -> None:
     disc = (np.hypot(*np.meshgrid(x, x)) < radius)[None].astype(np.complex64)
     # A square wave of 0.4 mN has 2/pi of that at its frequency.
     load = disc * np.float32(0.4e-3 * 2 / np.pi / (disc.real.sum() * step**2))
-    moved = abs(SHEET.on_plane(np.array([200.0]), load, step)[0, 32, 32])
+    moved = abs(on_plane(200.0, load, step)[32, 32])
     assert 20 * np.log10(moved / 1e-6) == pytest.approx(-16.2, abs=0.5)
 
 

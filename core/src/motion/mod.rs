@@ -1,13 +1,19 @@
-//! Motion: drives of successive frames, in which the phase of a transducer changes by at most a bound.
+//! Motion: drives of successive frames, in which the phase of a transducer changes by at most a bound; the motion of a skin.
 
 pub(crate) mod ahead;
 pub(crate) mod alternation;
 pub(crate) mod even_out;
+pub(crate) mod felt;
 pub(crate) mod first;
 pub(crate) mod flight;
 pub(crate) mod frames;
+pub(crate) mod sheet;
+pub(crate) mod skin;
 pub(crate) mod track;
 
 pub use ahead::{Ahead, ahead};
+pub use felt::{Channel, HIGHEST, REACH, felt_width, strength};
 pub use flight::{Flight, Force, State};
+pub use sheet::Sheet;
+pub use skin::{Pushes, Skin, live_lines};
 pub use track::Ends;

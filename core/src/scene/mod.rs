@@ -57,6 +57,7 @@ pub(crate) use value::words;
 pub use value::{OptionValue, Options, Value, spell, word};
 
 use alloc::format;
+use alloc::string::String;
 use alloc::vec::Vec;
 
 use crate::error::Error;

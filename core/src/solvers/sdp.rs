@@ -1,8 +1,8 @@
 //! sdp: semidefinite relaxation by block coordinate descent (Inoue et al., World Haptics 2015).
 //!
 //! The pseudo-inverse G^+ gives drives for points of unit phasors u and targets t. The phases that it meets best
-//! minimise u^H Q u with Q = T (I - G G^+) T, T = diag(t). With G^+ = G^H (G G^H + alpha I)^-1 (singular values s/(s^2
-//! + alpha)) that is Q = alpha T (G G^H + alpha I)^-1 T. The relaxed problem is X = u u^H with X_jj = 1, X >= 0. It is
+//! minimise u^H Q u with Q = T (I - G G^+) T, T = diag(t). With G^+ = G^H (G G^H + alpha I)^-1 (singular values s/(s^2 +
+//! alpha)) that is Q = alpha T (G G^H + alpha I)^-1 T. The relaxed problem is X = u u^H with X_jj = 1, X >= 0. It is
 //! solved by one random column after another (Waldspurger, d'Aspremont and Mallat, Math. Programming 149, 2015): with m
 //! the column of Q without its diagonal, x = X m and g = x^H m, the column becomes -sqrt(lambda/g) x, or 0. The leading
 //! eigenvector of X is u, with its raw moduli (as in the paper, which loses points) or with moduli 1.

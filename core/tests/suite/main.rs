@@ -35,6 +35,7 @@ mod range;
 mod registry;
 mod scenes;
 mod session;
+mod skin;
 mod traps;
 mod unsafe_code;
 mod upper_bound;

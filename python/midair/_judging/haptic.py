@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Plane, SceneError, SceneWarning, solve_batch
+from .._midair import Array, Plane, SceneError, SceneWarning, Sheet, solve_batch
 from .._motion import Sequence, Skin, sequence, skin
 from .._motion.request import bound
-from .._motion.sheet import Sheet
 from .._support.arguments import flag, number, real, refused, word
 from ..path import Path
 from .exposure import Exposure, exposure

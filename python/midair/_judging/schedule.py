@@ -16,9 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Array, Plane, Scene, solve_batch
-from .._motion.felt import FAST, HIGHEST, threshold
-from .._motion.sheet import Sheet, squares
+from .._midair import HIGHEST, Array, Plane, Scene, Sheet, solve_batch, threshold
+from .._motion.sheet import squares
 
 #: Foci beside a curve: their least distance in m, and their largest number, approximately.
 APART, BESIDE = 4e-3, 250
@@ -78,12 +77,11 @@ class Foci:
         # square.
         apart = np.maximum(apart, step * np.exp(-0.5) / np.sqrt(np.pi))
         lines = np.arange(1, min(int(HIGHEST * frames / rate * (1 + 1e-9)), LINES) + 1)
-        weights = np.sinc(lines / frames) / threshold(lines * (rate / frames), [FAST])
+        frequencies = (lines * (rate / frames)).astype(np.float64)
+        weights = np.sinc(lines / frames) / threshold(True, frequencies)
         answers = np.empty((len(lines), len(counted), len(places)), np.complex64)
         for k, weight in enumerate(weights):
-            answers[k] = (sheet.response(apart, lines[k] * rate / frames) * weight).astype(
-                np.complex64
-            ) @ pushes
+            answers[k] = (sheet.response(frequencies[k], apart) * weight).astype(np.complex64) @ pushes
         answers /= np.abs(answers).max()
         return cls(places, solved.drives, np.abs(solved.pressures[:, 0]), answers, frames)
 

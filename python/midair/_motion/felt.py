@@ -11,16 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .. import _midair
 from .envelope import Envelope
 
 #: Samples per second of the envelope. Frequencies above half of it alias, at least 30 dB weaker.
 SAMPLES = 160e3
-
-#: Highest frequency, in Hz, of vibration that the skin perceives.
-HIGHEST = 1000.0
-
-#: Spectral lines weaker than this fraction of the strongest one are rounding errors and are left out.
-QUIET = 1e-6
 
 #: Range of audible frequencies, in Hz.
 RECEIVED = (20.0, 16e3)
@@ -88,40 +83,14 @@ def a_weighting(frequency: NDArray[np.floating]) -> NDArray[np.float64]:
 #: Frequency bands in Hz: slow motion and vibration.
 BANDS: tuple[tuple[float, float], ...] = ((5.0, 50.0), (50.0, 500.0))
 
-#: Thresholds of the two tactile channels of the palm as (Hz, dB re 1 um peak), for a contactor of 2.9 cm^2
-#: and long bursts. Gescheider and Verrillo 1979 (doi 10.1007/978-1-4613-3039-4_10) state a fall of 12 dB an
-#: octave from 40 Hz to the best near 250 Hz. All levels, the slope of the slow channel and the rise above 500
-#: Hz are from memory, to some 3 dB: the fast channel (Pacinian) of Verrillo 1963 (J. Acoust. Soc. Am. 35,
-#: 1962), the slow one (non-Pacinian I) of Bolanowski et al. 1988 (84, 1680).
-SLOW = (
-    (1, 32),
-    (3, 28),
-    (10, 20),
-    (30, 13),
-    (60, 12),
-    (100, 14),
-    (200, 21),
-    (300, 28),
-    (500, 40),
-    (1000, 60),
-)
-FAST = ((1, 75.6), (250, -20), (300, -19), (400, -15), (500, -10), (700, 0), (1000, 15))
 
-
-def threshold(
-    frequency: ArrayLike, channels: Sequence[Sequence[tuple[float, float]]] = (SLOW, FAST)
-) -> NDArray[np.float64]:
+def threshold(frequency: ArrayLike) -> NDArray[np.float64]:
     """Return the smallest vibration that the palm perceives at frequencies in Hz, as peak displacement in m.
 
-    The result is the threshold of the most sensitive of the given channels. It is interpolated in dB over log
-    frequency, and inf outside of 1 to 1000 Hz.
+    The result is the threshold of the more sensitive channel, and inf outside of 1 to 1000 Hz.
     """
-    octaves = np.log(np.maximum(np.asarray(frequency, np.float64), 1e-9))
-    decibels = [
-        np.interp(octaves, np.log([f for f, _ in curve]), [dB for _, dB in curve], np.inf, np.inf)
-        for curve in channels
-    ]
-    least: NDArray[np.float64] = 1e-6 * 10 ** (np.min(decibels, axis=0) / 20)
+    frequencies = np.atleast_1d(np.asarray(frequency, np.float64))
+    least: NDArray[np.float64] = np.minimum(*(_midair.threshold(fast, frequencies) for fast in (False, True)))
     return least
 
 
@@ -209,19 +178,3 @@ def rms(frequencies: NDArray[np.float64], lines: NDArray[np.float64], band: Sequ
     """Return the rms of the lines in a band (low, high): sqrt(sum of amplitude^2 / 2)."""
     inside = (frequencies >= band[0]) & (frequencies < band[1])
     return float(np.sqrt(np.sum(lines[inside] ** 2) / 2))
-
-
-def weighted(
-    squares: NDArray[np.floating], frequencies: NDArray[np.float64], channel: tuple[tuple[float, float], ...]
-) -> NDArray[np.float64]:
-    """Return (P,): the sum over L lines of squares (L, P) / threshold^2 of a tactile channel."""
-    weights = threshold(frequencies, [channel]) ** -2.0
-    found: NDArray[np.float64] = weights @ squares.astype(np.float64)
-    return found
-
-
-def live_lines(lines: NDArray[np.complex64]) -> NDArray[np.bool_]:
-    """Return (L,) bool: whether each spectral line (L, P) is above rounding errors at some place."""
-    loudest = np.abs(lines).max(axis=1, initial=0.0)
-    found: NDArray[np.bool_] = loudest > QUIET * loudest.max(initial=0.0)
-    return found

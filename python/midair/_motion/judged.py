@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Field, Plane, Scene, field
+from .._midair import Field, Plane, Pushes, Scene, field
 from .._support import text
 from .._support.arguments import number, warn
 from . import arguments
 from .drives import blocks
 from .envelope import Envelope, Hold
-from .felt import BANDS, HIGHEST, Felt, noise, spectrum
+from .felt import BANDS, Felt, noise, spectrum
 from .frames import Frames
 from .propagation import Between, between, pressures, rows
 
@@ -355,25 +355,12 @@ class JudgedFrames(Frames):
 
     def _push_lines(
         self, places: NDArray[np.float64], tau: float
-    ) -> tuple[NDArray[np.float64], NDArray[np.complex64]]:
-        """Return the frequencies (L,) of spectral lines up to 1 kHz, and amplitudes (1 + L, P) in Pa.
-
-        The amplitudes are complex; the mean (0 Hz) comes first.
-
-        Each frame is constant, so line h of T frames is harmonic h of the samples times sinc(h / T).
-        """
-        count = len(self)
-        harmonics = np.arange(1, int(HIGHEST * count / self._rate * (1 + 1e-9)) + 1)
-        kept = (np.sinc(harmonics / count) * 2 / count).astype(np.float32)[:, None]
-        lines = np.zeros((1 + len(harmonics), len(places)), np.complex64)
+    ) -> tuple[NDArray[np.float64], NDArray[np.float32], NDArray[np.complex64]]:
+        """Return frequencies (L,) of lines up to 1 kHz, the mean (P,) and amplitudes (L, P) in Pa."""
+        pushes = Pushes(len(self), self._rate, len(places))
         for frames, values in self._pushes(places, tau):
-            index = np.arange(frames.start, frames.start + len(values))
-            lines[0] += values.sum(axis=0) / count
-            angles = 2 * np.pi / count * (np.outer(harmonics, index) % count)
-            cosines, sines = (kept * wave(angles).astype(np.float32) for wave in (np.cos, np.sin))
-            lines[1:].real += cosines @ values
-            lines[1:].imag -= sines @ values
-        return (harmonics * (self._rate / count)).astype(np.float64), lines
+            pushes.add(frames.start, np.ascontiguousarray(values))
+        return pushes.lines()
 
     def _envelope(self, tau: float, hold: Hold) -> Envelope:
         kept = arguments.hold(hold)

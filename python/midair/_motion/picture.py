@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Mesh
+from .._midair import HIGHEST, Mesh
 from .._pictures.colours import MAPS
 from .._support.text import counted
 from .drives import blocks
-from .felt import BANDS, HIGHEST, rms, spectrum, threshold
+from .felt import BANDS, rms, spectrum, threshold
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

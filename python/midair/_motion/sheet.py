@@ -1,136 +1,33 @@
-"""Sheet: a viscoelastic membrane under periodic pressure, solved for each line of the spectrum.
+"""Sheet: a viscoelastic membrane on a triangle mesh, solved for each line of the spectrum.
 
-With e^(+j w t), the displacement u of a membrane with mass per area m, wave speed c and loss factor eta obeys
-
-    T (laplacian u - s^2 u) = -p,    T = m c^2 (1 + j eta),    s = j w/(c sqrt(1 + j eta)).
-
-A point force F gives u = F K_0(s r)/(2 pi T). These waves fall to 1/e in about 2 c/(eta w), so that high
-frequencies spread less far than low ones. At 0 Hz an infinite membrane has no solution.
+core/src/motion/sheet.rs has the equation of the membrane, and solves it on a plane.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from .._midair import Mesh, Plane, SceneError, Shifted
-
-#: Integral of K_nu: number of samples, and upper limit, where e^(-z cosh t) is negligible for every |z| from
-#: 1e-5 on.
-SAMPLES, END = 221, 16.0
-
-#: Table of K_0 along one direction of the complex plane: least and largest |z|, and number of entries. The
-#: interpolation error is 0.2 % as long as the waves have fallen by less than a factor of 100.
-LEAST, MOST, ENTRIES = 1e-5, 400.0, 6000
-
+from .._midair import Mesh, Plane, SceneError, Sheet, Shifted
 
 #: Mode of SuperLU for symmetric matrices, with pivots on the diagonal.
 SYMMETRIC = {"SymmetricMode": True}
 
 
-@dataclass(frozen=True)
-class Sheet:
-    """A membrane: wave speed in m/s, loss factor, and mass in kg/m^2."""
-
-    speed: float = 6.0
-    loss: float = 0.4
-    mass: float = 6.4
-
-    @property
-    def tension(self) -> complex:
-        """Complex tension T = m c^2 (1 + j eta) of the membrane, in N/m."""
-        return self.mass * self.speed**2 * (1 + 1j * self.loss)
-
-    def decay(self, frequency: ArrayLike) -> NDArray[np.complex128]:
-        """Return the complex decay s in 1/m of waves, e^(-s r) at a distance r, for frequencies in Hz."""
-        found: NDArray[np.complex128] = (
-            2j * np.pi * np.asarray(frequency) / (self.speed * np.sqrt(1 + 1j * self.loss))
-        )
-        return found
-
-    def response(self, distance: NDArray[np.float64], frequency: float) -> NDArray[np.complex128]:
-        """Return the displacement in m/N at distances in m from a point force."""
-        s = complex(self.decay(frequency))
-        sizes, values = _table(round(float(np.angle(s)), 12))
-        found = np.interp(np.log(np.maximum(abs(s) * distance, LEAST)), sizes, values)
-        return found / (2 * np.pi * self.tension)
-
-    def on_plane(
-        self, frequencies: NDArray[np.float64], lines: NDArray[np.complex64], step: float
-    ) -> NDArray[np.complex64]:
-        """Return displacements (L, R, C) in m for pressure lines (L, R, C) in Pa on squares of side `step` m.
-
-        The membrane is infinite: the convolution with the response to a point force uses FFTs of twice the
-        size. At the force itself, the response is its mean over a disc with the area of a square.
-        """
-        rows, columns = lines.shape[1:]
-        squares = step * np.hypot(np.arange(rows + 1)[:, None], np.arange(columns + 1))
-        radius = step / np.sqrt(np.pi)
-        z = self.decay(frequencies) * radius
-        own = (1 - z * bessel(1, z)) * (radius / z) ** 2 / self.tension
-        found = np.empty_like(lines)
-        for k, frequency in enumerate(frequencies):
-            quarter = (self.response(squares, frequency) * step**2).astype(np.complex64)
-            quarter[0, 0] = own[k]
-            spread = np.fft.fft2(lines[k], (2 * rows, 2 * columns)) * _even_spectrum(quarter)
-            # The padding is cut off: only these rows and columns are the skin.
-            found[k] = np.fft.ifft(np.fft.ifft(spread, axis=0)[:rows], axis=1)[:, :columns]
-        return found
-
-    def on_mesh(
-        self, frequencies: NDArray[np.float64], lines: NDArray[np.complex64], mesh: Triangles
-    ) -> NDArray[np.complex64]:
-        """Return displacements (L, V) in m for pressure lines (L, V) in Pa at the corners of triangles."""
-        order = mesh.order
-        loads = (lines[:, order] * mesh.shares[order]).astype(np.complex64)
-        solved = mesh.systems.solve(self.decay(frequencies) ** 2, loads.ravel())
-        found = np.empty_like(lines)
-        found[:, order] = solved.reshape(lines.shape) / np.complex64(self.tension)
-        return found
-
-
-def _even_spectrum(quarter: NDArray[np.complex64]) -> NDArray[np.complex64]:
-    """Return the spectrum (2 R, 2 C) of an even function from its quarter (R + 1, C + 1)."""
-    found: NDArray[Any] = quarter
-    for axis in (0, 1):
-        found = np.fft.fft(_mirrored(found, axis), axis=axis).take(range(found.shape[axis]), axis)
-    return _mirrored(_mirrored(found, 0), 1)
-
-
-def _mirrored(half: NDArray[np.complex64], axis: int) -> NDArray[np.complex64]:
-    """Return a half of n + 1 values along an axis, followed by its mirror image: 2 n values."""
-    inner = half.take(range(half.shape[axis] - 2, 0, -1), axis)
-    return np.concatenate([half, inner], axis=axis)
-
-
-def bessel(order: int, z: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """Return the modified Bessel function K_0 or K_1 of z, Re z > 0, by the path of steepest descent.
-
-    K_nu(z) = integral from 0 to infinity of e^(-z cosh t) cosh(nu t) dt. The path is shifted by -j arg(z)
-    tanh(t).
-    """
-    t = np.linspace(0.0, END, SAMPLES)
-    turn = np.angle(z)[..., None]
-    path = t - 1j * turn * np.tanh(t)
-    slope = 1 - 1j * turn / np.cosh(t) ** 2
-    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
-        values = np.exp(-z[..., None] * np.cosh(path)) * np.cosh(order * path) * slope
-    values = np.nan_to_num(values, nan=0.0, posinf=0.0, neginf=0.0)
-    values[..., 0] /= 2
-    summed: NDArray[np.complex128] = values.sum(axis=-1) * (END / (SAMPLES - 1))
-    return summed
-
-
-@lru_cache(maxsize=8)
-def _table(turn: float) -> tuple[NDArray[np.float64], NDArray[np.complex128]]:
-    """Return log |z| and K_0(|z| e^(j turn))."""
-    logs = np.linspace(np.log(LEAST), np.log(MOST), ENTRIES)
-    return logs, bessel(0, np.exp(logs + 1j * turn))
+def on_mesh(
+    sheet: Sheet, frequencies: NDArray[np.float64], lines: NDArray[np.complex64], mesh: Triangles
+) -> NDArray[np.complex64]:
+    """Return displacements (L, V) in m for pressure lines (L, V) in Pa at the corners of triangles."""
+    order = mesh.order
+    loads = (lines[:, order] * mesh.shares[order]).astype(np.complex64)
+    solved = mesh.systems.solve(sheet.decay(frequencies) ** 2, loads.ravel())
+    found = np.empty_like(lines)
+    found[:, order] = solved.reshape(lines.shape) / np.complex64(sheet.tension)
+    return found
 
 
 class Triangles:

@@ -10,15 +10,14 @@ from typing import TYPE_CHECKING, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Mesh, Plane
+from .._midair import REACH, SKIN, Mesh, Plane, Sheet, excess, felt_width, live_lines, strength
 from .._pictures.colours import MAPS
 from .._support.arguments import number, refused, vector
 from ..path._piece import instants
 from . import arguments
-from .felt import FAST, SLOW, live_lines, weighted
 from .picture import touched
 from .sequence import Sequence
-from .sheet import Sheet, squares, triangles
+from .sheet import on_mesh, squares, triangles
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,6 +29,9 @@ if TYPE_CHECKING:
 #: Default hand: places per side of the plane, and its margin around the points in m.
 SIDE, MARGIN = 64, 0.02
 
+#: Default wave speed in m/s, loss factor, and mass in kg/m^2.
+SPEED, LOSS, MASS = SKIN
+
 #: The panels of a skin's picture.
 Panel = Literal["pressure", "motion", "spectrum"]
 
@@ -38,10 +40,10 @@ def skin(
     sequence: Sequence,
     hand: Plane | Mesh | None = None,
     *,
-    speed: float = Sheet.speed,
-    loss: float = Sheet.loss,
-    mass: float = Sheet.mass,
-    reach: float = 2e-3,
+    speed: float = SPEED,
+    loss: float = LOSS,
+    mass: float = MASS,
+    reach: float = REACH,
     tau: float = 0.0,
 ) -> Skin:
     """Compute the skin's motion under a sequence that repeats for ever, and its felt strength: a model.
@@ -102,31 +104,30 @@ def skin(
         hand = _around(sequence)
     if isinstance(hand, Plane):
         places, step = squares(hand), hand.size / max(hand.pixels - 1, 1)
-        shape = (hand.pixels, hand.pixels)
-        frequencies, lines = sequence._push_lines(places, tau)
-        live = live_lines(lines[1:])
-        moved = sheet.on_plane(frequencies[live], lines[1:][live].reshape(-1, *shape), step)
-        slopes = [sum(np.abs(g) ** 2 for g in np.gradient(line, step)).ravel() for line in moved]
+        frequencies, pressure, lines = sequence._push_lines(places, tau)
+        shaped = lines.reshape(-1, hand.pixels, hand.pixels)
+        displacement, slow, fast = sheet.on_plane(frequencies, shaped, step, width)
     elif isinstance(hand, Mesh):
         mesh = triangles(hand)
         places = hand.vertices
         ways = places - sequence.array.positions.mean(axis=0)
         cosines = -np.einsum("pk,pk->p", mesh.normals, ways) / np.linalg.norm(ways, axis=1)
         (near,) = np.nonzero(cosines > 0)
-        frequencies, pushed = sequence._push_lines(places[near], tau)
-        lines = np.zeros((len(pushed), len(places)), np.complex64)
-        lines[:, near] = pushed * np.square(cosines[near]).astype(np.float32)
-        live = live_lines(lines[1:])
-        moved = sheet.on_mesh(frequencies[live], lines[1:][live], mesh)
-        slopes = list(mesh.slopes(moved))
+        shares = np.square(cosines[near]).astype(np.float32)
+        frequencies, mean, pushed = sequence._push_lines(places[near], tau)
+        pressure = np.zeros(len(places), np.float32)
+        pressure[near] = mean * shares
+        live = live_lines(pushed * shares)
+        lines = np.zeros((int(live.sum()), len(places)), np.complex64)
+        lines[:, near] = pushed[live] * shares
+        displacement = np.zeros((len(frequencies), len(places)), np.complex64)
+        displacement[live] = moved = on_mesh(sheet, frequencies[live], lines, mesh)
+        fast = excess(True, frequencies[live], np.square(np.abs(moved)))
+        slopes = np.array(list(mesh.slopes(moved)), np.float32).reshape(moved.shape)
+        slow = width * excess(False, frequencies[live], slopes)
     else:
         raise refused("hand", hand, "give a midair.Plane or a midair.Mesh")
-    displacement = np.zeros((len(frequencies), len(places)), np.complex64)
-    displacement[live] = moved.reshape(-1, len(places))
-    squares_of_slopes = np.array(slopes).reshape(-1, len(places))
-    slow = width * np.sqrt(weighted(squares_of_slopes, frequencies[live], SLOW))
-    fast = np.sqrt(weighted(np.abs(displacement[live]) ** 2, frequencies[live], FAST))
-    return Skin(places, hand, lines[0].real.astype(np.float64), frequencies, displacement, slow, fast)
+    return Skin(places, hand, pressure.astype(np.float64), frequencies, displacement, slow, fast)
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,8 +175,7 @@ class Skin:
         It is the stronger channel plus half of the weaker one (Hollins and Roy, Somatosens. Motor Res. 13,
         1996).
         """
-        found: NDArray[np.float64] = np.maximum(self.slow, self.fast) + np.minimum(self.slow, self.fast) / 2
-        return found
+        return strength(self.slow, self.fast)
 
     @property
     def level(self) -> float:
@@ -343,9 +343,7 @@ class Skin:
 
     def _width(self, values: NDArray[np.float64], place: ArrayLike | None) -> float:
         middle = int(values.argmax()) if place is None else self._nearest(place)
-        below = values < values[middle] / 2
-        apart = np.linalg.norm(self.places[below] - self.places[middle], axis=1)
-        return 2 * float(apart.min(initial=np.inf))
+        return felt_width(values, self.places, middle)
 
     def __repr__(self) -> str:
         return "\n".join(f"{name:18}  {value}" for name, value in self._rows())

@@ -12,6 +12,7 @@ mod lattices;
 mod opened;
 mod play;
 mod studio;
+mod touch;
 
 pub use studio::Studio;
 
@@ -206,6 +207,20 @@ pub extern "C" fn studio_follow(studio: &mut Studio, frames: usize) -> u32 {
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_frame(studio: &mut Studio, frame: usize) -> u32 {
     studio.work(|studio| studio.frame(frame))
+}
+
+/// Predicts the motion of a skin at the places (K, 3) in m in the numbers buffer, a square lattice. The frames that
+/// `studio_follow` has solved repeat for ever at `rate` frames per second. The numbers are the felt width in m, the largest
+/// displacement in m, and the felt strength at each place; 1 is the threshold.
+#[unsafe(no_mangle)]
+pub extern "C" fn studio_skin(studio: &mut Studio, rate: f64) -> u32 {
+    studio.work(|studio| studio.skin(rate))
+}
+
+/// Writes the displacement of the skin in m at each place, at the start of a frame, into the numbers.
+#[unsafe(no_mangle)]
+pub extern "C" fn studio_moved(studio: &mut Studio, frame: usize) -> u32 {
+    studio.work(|studio| studio.moved(frame))
 }
 
 /// Writes the bytes with which the board named in the text buffer plays the drive; the number is its baud rate, or 0.

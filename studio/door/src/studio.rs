@@ -5,6 +5,7 @@ use midair::{Array, Complex32, Control, Error, InstructionSet, Precision, Status
 
 use crate::lattices::Lattices;
 use crate::opened::Opened;
+use crate::touch::Touch;
 
 /// One scene, its session and the buffers.
 #[derive(Default)]
@@ -19,6 +20,8 @@ pub struct Studio {
     pub(crate) bytes: Vec<u8>,
     /// The drives (T, N) of all frames that `follow` has solved.
     pub(crate) frames: Vec<Complex32>,
+    /// The motion of the skin under these frames, once it was predicted.
+    pub(crate) touch: Option<Touch>,
     /// The factor that the supply voltage or modulation must apply to the drive.
     scale: f32,
     opened: Option<Opened>,
@@ -41,6 +44,7 @@ impl Studio {
     pub(crate) fn open(&mut self, toml: bool, scalar: bool) -> Result<(), Error> {
         let set = if scalar { InstructionSet::SCALAR } else { InstructionSet::best() };
         self.frames.clear();
+        self.touch = None;
         self.drive.clear();
         let opened = self.opened.insert(Opened::read(&self.text_in, toml, set)?);
         self.text = lines(opened.scene.doubts());
