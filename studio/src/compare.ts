@@ -5,12 +5,13 @@ import { type Context } from "./context.ts";
 import { choice, element, explained, write } from "./dom.ts";
 import { MOST_POINTS } from "./initial.ts";
 import { createInstrument } from "./instrument.ts";
-import { numberRows, percent, pressure, type Row, weakest } from "./numbers.ts";
+import { numberRows, percent, pressure, type Row, sentenceOf, weakest } from "./numbers.ts";
 import { entry, mapOf, type Tick, ticks } from "./painter/maps.ts";
 import { onPlane, placeOn } from "./plane.ts";
 import { added, moved } from "./points.ts";
 import { MANY } from "./stage.ts";
 import { shownOf } from "./studio.ts";
+import { touchOf } from "./touch.ts";
 import type { Look, Slot, Vec3 } from "./types.ts";
 
 /** The page's elements for the comparison. */
@@ -159,7 +160,8 @@ export function createCompare(context: Context): Compare {
         const { answer, refused } = results[slot];
         if (method.value !== state().methods[slot]) method.value = state().methods[slot];
         const still = frame !== null && !frame.results[slot];
-        const shown = answer && !still ? say("summary", { pressure: pressure(weakest(results[slot])), evenness: percent(answer.metrics.uniformity) }) : "";
+        const felt = slot === 0 && touchOf(state()) ? sentenceOf(studio.view) : null;
+        const shown = felt ? say(felt.word, felt.put) : answer && !still ? say("summary", { pressure: pressure(weakest(results[slot])), evenness: percent(answer.metrics.uniformity) }) : "";
         write(summary, [frame?.names[slot], shown].filter(Boolean).join("  "));
         parts[slot].root.classList.toggle("still", still);
         write(refusal, refused && say("unsolved", { line: plain(refused) }));

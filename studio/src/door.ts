@@ -82,6 +82,13 @@ export interface Frame {
   most: number;
 }
 
+/** The predicted touch of a skin: felt width in m, largest displacement in m, and felt strength at each place, 1 at the threshold. */
+export interface Touch {
+  width: number;
+  peak: number;
+  strengths: Float64Array;
+}
+
 /** A scene in the WebAssembly module that can be solved, evaluated and played. */
 export interface Door {
   catalogue(): Catalogue;
@@ -115,6 +122,13 @@ export interface Door {
   bound(): number;
   follow(points: Float64Array, frames: number): Frame[];
   frame(index: number): Float32Array;
+  /**
+   * Predicts the touch of a skin at places (K, 3) in m, a square lattice, under the frames of `follow`, repeated for ever at
+   * `rate` frames per second.
+   */
+  skin(places: Float64Array, rate: number): Touch;
+  /** Returns the displacement of that skin in m at each place, at the start of a frame. */
+  moved(frame: number): Float64Array;
   encode(board: string): Uint8Array;
   silence(board: string): Uint8Array;
   free(): void;
@@ -262,6 +276,16 @@ export function openDoor(module: WebAssembly.Module): Door {
     frame(index) {
       done(wasm.studio_frame(studio, index));
       return drive();
+    },
+    skin(places, rate) {
+      giveNumbers(places);
+      done(wasm.studio_skin(studio, rate));
+      const found = numbers();
+      return { width: found[0], peak: found[1], strengths: found.subarray(2) };
+    },
+    moved(frame) {
+      done(wasm.studio_moved(studio, frame));
+      return numbers();
     },
     encode(board) {
       giveText(board);

@@ -5,7 +5,7 @@ import type { Engine } from "./engine.ts";
 import { initial } from "./initial.ts";
 import { readLink, writeLink } from "./link.ts";
 import { lookOf } from "./look.ts";
-import { weakest } from "./numbers.ts";
+import { strengthLevel, weakest } from "./numbers.ts";
 import type { Page } from "./page.ts";
 import { onPlane } from "./plane.ts";
 import { sample } from "./painter/lattice.ts";
@@ -45,7 +45,8 @@ export function createHook(engine: Engine, studio: Studio, page: () => Page): Ho
   return {
     version: engine.catalogue.version,
     state() {
-      const { state, results, bound } = studio.view;
+      const { state, results, bound, frame } = studio.view;
+      const touch = frame?.touch ? { level: strengthLevel(frame.touch.most), width: frame.touch.width, peak: frame.touch.peak } : null;
       const metrics = results.map((each) =>
         each.answer
           ? {
@@ -61,7 +62,7 @@ export function createHook(engine: Engine, studio: Studio, page: () => Page): Ho
       const refused = results.map((each) => each.refused);
       const warnings = results.map((each) => each.warnings);
       const ready = results.some((each) => each.answer !== null || each.refused !== "");
-      return structuredClone({ ready, ...state, top: lookOf(studio.view, "dark").top, metrics, bound, refused, warnings });
+      return structuredClone({ ready, ...state, top: lookOf(studio.view, "dark").top, metrics, bound, touch, refused, warnings });
     },
     set(partial) {
       const { state } = studio.view;

@@ -11,7 +11,7 @@
 // | `t` | temperature, or temperature,Np/m,kg/m^3 of the air | `e` | ear: x,y,z |
 // | `m` | methods A.B | `g` | path: circle,radius,Hz or line,length,Hz |
 // | `p` | points: x,y,z or x,y,z,Pa | `w`, `s`, `k` | view, slot (a, b), scale |
-// | `d` | quantity: modulus, wave, phase | `n` | normal of the slice: x, y, z |
+// | `d` | quantity: modulus, wave, phase, felt, skin | `n` | normal of the slice: x, y, z |
 // | `h` | level of the page: play, compare, engineer | | |
 //
 // A link cannot contain a user's own array: such a link has `a=own`, which is rejected when read.

@@ -2,7 +2,8 @@
 
 import type { View } from "./studio.ts";
 import { FREQUENCY } from "./lattices.ts";
-import type { Look, Quantity, State, Theme } from "./types.ts";
+import { isTouch } from "./touch.ts";
+import type { Look, Shade, State, Theme } from "./types.ts";
 
 /** The shown wave is this many times slower than sound: 2 Hz, below the three flashes per second that can be harmful. */
 const SLOWED = 2e4;
@@ -20,11 +21,22 @@ const MOST = 1.5;
  * Returns the quantity that colours the transducers. Unless phases are shown, the transducers are neutral, so that only the
  * field has colour.
  */
-export const discsOf = ({ quantity, level }: State): Quantity => (quantity === "modulus" && level === "engineer" ? "phase" : quantity);
+export function discsOf({ quantity, level }: State): Shade {
+  if (isTouch(quantity)) return "modulus";
+  return quantity === "modulus" && level === "engineer" ? "phase" : quantity;
+}
 
-/** Returns the colour scale of all pictures: its top is the largest |p| of both slices, within limits. */
+/**
+ * Returns the colour scale of all pictures: its top is the largest |p| of both slices, within limits, or the largest value of the
+ * shown touch.
+ */
 export function lookOf(view: View, theme: Theme, turn = 0): Look {
   const { state, results, frame } = view;
+  if (frame?.touch) {
+    const { quantity: touch, most, peak } = frame.touch;
+    if (touch === "felt") return { quantity: "modulus", touch, scale: "decibel", top: most || 1, turn: 0, theme };
+    return { quantity: "wave", touch, scale: "linear", top: peak || 1e-6, turn: 0, theme };
+  }
   const answers = results.flatMap(({ answer }) => answer ?? []);
   const points = answers.flatMap(({ pressures }) => pressures).map(([re, im]) => Math.hypot(re, im));
   const loudest = points.reduce((a, b) => Math.max(a, b), 0);
@@ -36,6 +48,7 @@ export function lookOf(view: View, theme: Theme, turn = 0): Look {
   }
   // The points of traps are quiet, so the loudest point does not limit the top of the scale.
   const top = state.signature ? Math.sqrt(most) : Math.max(loudest, Math.min(Math.sqrt(most), MOST * loudest));
-  const { quantity, scale } = state;
+  const { scale } = state;
+  const quantity = isTouch(state.quantity) ? "modulus" : state.quantity;
   return { quantity, scale, top: top || 1, turn, theme };
 }

@@ -24,7 +24,7 @@ export function createMotion({ studio, say }: Context, player: Player): { root: 
     return input;
   };
   const size = number((mm) => (state().path?.kind === "line" ? { length: mm / 1000 } : { radius: mm / 1000 }), 1, 100);
-  const turns = number((frequency) => ({ frequency }), 0.1, 50);
+  const turns = number((frequency) => ({ frequency }), 0.1, 200);
   const move = element("button", { className: "small", onclick: player.toggle }, say("move"));
   const more = element("div", { className: "stack" }, labelled(say("radius"), size, null, say("radiusTip")), labelled(say("frequency"), turns, null, say("frequencyTip")), move, player.found);
 

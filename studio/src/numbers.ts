@@ -1,7 +1,8 @@
 /** Numbers: the table of both methods' metrics, with the better value of each row marked. */
 
 import { type Result, shownOf, type View } from "./studio.ts";
-import type { Slot } from "./types.ts";
+import { touchOf } from "./touch.ts";
+import type { Slot, Touched } from "./types.ts";
 import type { Word } from "./words.ts";
 
 /** The names of the rows. */
@@ -16,6 +17,9 @@ export interface Row {
 
 /** Returns the sound pressure level in dB of a peak pressure in Pa. */
 export const decibels = (peak: number) => 20 * Math.log10(peak / Math.SQRT2 / 20e-6);
+
+/** Returns the level of a felt strength in dB above the threshold. */
+export const strengthLevel = (strength: number) => 20 * Math.log10(Math.max(strength, 1e-10));
 
 /** Formats a pressure with its unit. */
 export const pressure = (pascals: number) =>
@@ -71,6 +75,8 @@ export function sentenceOf(view: View): { word: Word; put: Record<string, string
   const { frame, state } = view;
   const [a] = shownOf(view);
   if (!a.answer) return null;
+  if (frame?.touch) return touchSentence(frame.touch, state.plane.size);
+  if (touchOf(state)) return { word: "skinComing", put: {} };
   const count = a.answer.targets.filter((target) => target > 0).length;
   const least = weakest(a);
   const put = {
@@ -82,4 +88,11 @@ export function sentenceOf(view: View): { word: Word; put: Record<string, string
   };
   const kind = state.signature ? "traps" : count === 1 ? "focus" : "foci";
   return { word: frame ? "inMotion" : kind, put };
+}
+
+/** Returns the sentence about the touch of a skin of this size in m. */
+function touchSentence({ most, width }: Touched, size: number): { word: Word; put: Record<string, string> } {
+  const level = Math.round(strengthLevel(most));
+  const put = { strength: `${Math.abs(level)} dB`, width: `${width < size ? "" : "> "}${Math.round(1000 * Math.min(width, size))} mm` };
+  return { word: level < 0 ? "skinBelow" : "skinFelt", put };
 }

@@ -23,6 +23,7 @@ import { sheet } from "./sheet.ts";
 import { createStage } from "./stage.ts";
 import { shownOf, type Studio } from "./studio.ts";
 import { createTips } from "./tips.ts";
+import { isTouch, skinPlane } from "./touch.ts";
 import { type Lattice, LEVELS, type Level, QUANTITIES, type Quantity, type Vec3 } from "./types.ts";
 import type { Language } from "./words.ts";
 
@@ -127,9 +128,13 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
       exportSheet(drawn, ending).catch(({ message }: Error) => context.alarm(context.say("failed", { line: message })));
     },
   });
-  const quantities = segments(context.say("quantity"), QUANTITIES.map((name) => [name, context.say(name)]), (quantity) =>
-    studio.change({ quantity: quantity as Quantity }),
-  );
+  const quantities = segments(context.say("quantity"), QUANTITIES.map((name) => [name, context.say(name)]), (name) => {
+    const { state } = studio.view;
+    const quantity = name as Quantity;
+    // A skin lies flat through the points.
+    const lays = isTouch(quantity) && !isTouch(state.quantity);
+    studio.change(lays ? { quantity, plane: skinPlane(state), view: "slice" } : { quantity });
+  });
   quantities.root.classList.add("quantities");
   const bench = element("section", { className: "bench", "aria-label": context.say("slice") });
   const drawer = element("button", { className: "drawer icon", "aria-label": context.say("settings"), "aria-controls": "panels", "aria-expanded": "true" }, "⇥");
@@ -185,6 +190,8 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     sentence.place();
     levels.choose(level);
     quantities.choose(state.quantity);
+    // Only points on a path move a skin.
+    for (const button of quantities.root.children as Iterable<HTMLButtonElement>) button.hidden = isTouch(button.value as Quantity) && !state.path;
     const [a, b] = studio.view.results.map(({ answer }) => answer?.metrics.uniformity.toFixed(3) ?? "–");
     const [methodA, methodB] = state.methods;
     said = context.say("said", { a, b, methodA, methodB });
@@ -214,7 +221,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     const results = shownOf(view);
     const slices = results.map(({ lattice }) => lattice);
     painted = view.results.map(({ lattice }) => lattice);
-    const slot = view.frame && !view.frame.results[state.slot] ? 0 : state.slot;
+    const slot = view.frame && (view.frame.touch || !view.frame.results[state.slot]) ? 0 : state.slot;
     const lattice = slices[slot];
     const ratio = given ?? Math.min(devicePixelRatio, 2) * ((view.moving || runs()) && painter.slow ? COARSE : 1);
     painter.begin(outer.width, outer.height, ratio, BACKGROUNDS[theme]);
@@ -225,7 +232,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
       normals: view.normals,
       drive: results[slot].answer?.drive ?? null,
       discs: discsOf(state),
-      slices: lattice && (state.view !== "volume" || !view.volume) ? [lattice, ...results[slot].crossing].map((lattice, k) => ({ lattice, key: "AB"[slot] + (k || "") })) : [],
+      slices: lattice && (state.view !== "volume" || !view.volume || view.frame) ? [lattice, ...results[slot].crossing].map((lattice, k) => ({ lattice, key: "AB"[slot] + (k || "") })) : [],
       wavelength: wavelength(state),
       // The glow of |p| would cover the wave or the phase.
       volume: ["slice", "planes"].includes(state.view) || view.frame || (state.view === "both" && state.quantity !== "modulus") ? null : view.volume,

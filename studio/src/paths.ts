@@ -9,6 +9,9 @@ function offset(path: Path, time: number): Vec3 {
   return [path.radius * Math.cos(angle), path.radius * Math.sin(angle), 0];
 }
 
+/** Returns the length of a turn in m, of a line that of a circle as fast as its fastest point. */
+export const lengthOf = (path: Path) => Math.PI * (path.kind === "circle" ? 2 * path.radius : path.length);
+
 /**
  * Returns the points (M) in each of T = rate * seconds frames: T * M * 3 numbers in m; `rate` in frames per second.
  *

@@ -6,22 +6,28 @@ import { element, explained, write } from "./dom.ts";
 import type { Frame } from "./door.ts";
 import { gridOf } from "./lattices.ts";
 import { pressure } from "./numbers.ts";
-import { framesOf } from "./paths.ts";
+import { framesOf, lengthOf } from "./paths.ts";
 import { planesOf } from "./plane.ts";
 import { type Film, FILMS, type Part, record } from "./recording.ts";
 import { sceneOf } from "./scene_file.ts";
-import { resultOf } from "./studio.ts";
+import { limitsOf, predict, type Skin } from "./skin.ts";
+import { resultOf, type Shown } from "./studio.ts";
+import { isTouch, touchOf } from "./touch.ts";
 import type { Path, State, Vec3 } from "./types.ts";
 
 /** Computed frames per second, if a turn then has between FEWEST and MOST frames. */
 const RATE = 1000;
 
+/** The most, in m, that a point moves from frame to frame, unless a turn then has more than MOST frames: glide can follow this. */
+const STEP = 0.35e-3;
+
 /** The fewest and the most frames of a turn. */
-const FEWEST = 20;
+const FEWEST = 80;
 const MOST = 1000;
 
-/** Number of frames from one picture to the next, so that a turn takes some seconds. */
+/** The most frames from one picture to the next, and the fewest pictures of a turn, which takes some seconds. */
 const STRIDE = 4;
+const PICTURES = 40;
 
 /** Samples along a side of a slice that moves. */
 const COARSE = 80;
@@ -32,8 +38,17 @@ const PATIENCE = 300;
 /** Changes of phases below this, in rad, count as none. */
 const STILL = 1e-6;
 
+/** Time in ms without a change, after which the touch of a skin is predicted. */
+const REST = 200;
+
+/** Returns the number of frames from one picture to the next. */
+const strideOf = (count: number) => Math.max(1, Math.min(STRIDE, Math.floor(count / PICTURES)));
+
 /** Returns the number of frames of a turn. */
-const countOf = (path: Path) => Math.max(FEWEST, Math.min(MOST, Math.round(RATE / path.frequency)));
+function countOf(path: Path): number {
+  const fine = 4 * Math.ceil(lengthOf(path) / STEP / 4);
+  return Math.max(FEWEST, Math.min(MOST, Math.max(fine, Math.round(RATE / path.frequency))));
+}
 
 /**
  * A solved path: the request (a state as JSON) and the state, the points (T, M, 3) of all frames, the frames' metrics and their
@@ -45,6 +60,8 @@ interface Followed {
   places: Float64Array;
   frames: Frame[];
   chart: ReturnType<typeof createChart>;
+  /** The touch of a skin, once it is predicted. */
+  skin: Skin | null;
 }
 
 /** The player and its time line. */
@@ -80,14 +97,19 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
   let slowB = false;
   /** The state that plays, as JSON. */
   let begun = "";
+  /** The touch that was last predicted without a request to play, and whether the shown frame is there only for it. */
+  let touched = "";
+  let aside = false;
+  let soon = 0;
   context.ending(halt);
+  context.ending(() => clearTimeout(soon));
 
   const requested = () => JSON.stringify({ ...state(), quantity: 0, scale: 0, slot: 0 });
 
   function halt() {
     run_ += 1;
     if (mode !== "rest") studio.show(null);
-    mode = "rest";
+    [mode, touched, aside] = ["rest", "", false];
     place();
   }
 
@@ -110,24 +132,43 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
     found.replaceChildren(element("p", { className: "summary" }, summary), chart.root);
     context.announce(summary);
     [slowB, at] = [false, 0];
-    return (followed = { requested: requested(), state: now, places, frames, chart });
+    return (followed = { requested: requested(), state: now, places, frames, chart, skin: null });
+  }
+
+  /** Predicts the touch of a skin on the slice, unless that was done for these frames. */
+  async function feel(all: Followed): Promise<Skin> {
+    if (all.skin) return all.skin;
+    const { state: now, frames } = all;
+    const transducers = studio.view.positions.length / 3;
+    const { size } = limitsOf(transducers);
+    if (now.plane.size > size) throw new Error(say("skinWide", { size: Math.floor(1000 * size) }));
+    return (all.skin = await predict(engine.slow, now, transducers, frames.length * now.path!.frequency));
   }
 
   /** Shows a frame of both methods; returns false if the state has changed meanwhile. */
-  async function show({ state: now, places, frames, chart, requested: theirs }: Followed, t: number, still: () => boolean): Promise<boolean> {
+  async function show(all: Followed, t: number, still: () => boolean): Promise<boolean> {
+    const { state: now, places, frames, chart, requested: theirs } = all;
+    const quantity = touchOf(state());
     const count = now.points.length;
     const points = now.points.map((_, j) => [...places.subarray(3 * (t * count + j), 3 * (t * count + j) + 3)] as Vec3);
     const there = { ...now, points };
-    const grids = planesOf(now).map((plane) => gridOf(now, COARSE, plane));
+    const grids = quantity ? [] : planesOf(now).map((plane) => gridOf(now, COARSE, plane));
     const before = performance.now();
     const [a, b] = await Promise.all([
       engine.slow.frame(t, JSON.stringify(sceneOf(there, 0)), grids, now.ear),
       slowB ? null : engine.slots[1].update(JSON.stringify(sceneOf(there, 1)), grids, now.ear, true).then((b) => ((slowB = performance.now() - before > PATIENCE), b)),
     ]);
     if (!still() || requested() !== theirs) return false;
+    const skin = quantity && (await feel(all));
+    const lattice = skin && (quantity === "felt" ? skin.felt : await skin.moved(t));
+    if (!still() || requested() !== theirs) return false;
     at = t;
     chart.mark(t / (frames.length - 1));
-    studio.show({ points, results: [resultOf(a), b && resultOf(b)], names: ["glide", b ? "" : say("atRest")], change: frames[t].change });
+    const results: Shown["results"] = [resultOf(a), b && resultOf(b)];
+    // The skin is predicted for A's frames only.
+    const shown = skin ? (results.map((result, slot) => result && { ...result, lattice: slot ? null : lattice }) as Shown["results"]) : results;
+    const touch = skin && { ...skin, quantity };
+    studio.show({ points, results: shown, names: ["glide", b ? "" : say("atRest")], change: frames[t].change, touch });
     place();
     return true;
   }
@@ -136,31 +177,59 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
     if (!state().path) return;
     const mine = ++run_;
     const still = () => run_ === mine;
-    [mode, begun] = ["play", requested()];
+    [mode, begun, aside] = ["play", requested(), false];
     place();
     try {
       const all = await follow();
-      for (let t = from % all.frames.length; still(); t = (t + STRIDE) % all.frames.length) {
+      const stride = strideOf(all.frames.length);
+      for (let t = from % all.frames.length; still(); t = (t + stride) % all.frames.length) {
         if (!(await show(all, t, still))) break;
         await new Promise(requestAnimationFrame);
       }
     } catch (error) {
-      context.alarm(say("failed", { line: (error as Error).message }));
+      fail(error, still());
     }
     if (still()) halt();
   }
 
-  /** Pauses at a frame. */
-  async function seek(t: number) {
+  /** Reports why frames cannot be shown; then no skin is. */
+  function fail(error: unknown, current: boolean) {
+    if (!current) return;
+    context.alarm(say("failed", { line: (error as Error).message }));
+    if (isTouch(state().quantity)) studio.change({ quantity: "modulus" });
+  }
+
+  /** Pauses at a frame; `touches`: only the touch of a skin was requested. */
+  async function seek(t: number, touches = false) {
     const mine = ++run_;
+    aside = touches && (aside || mode === "rest");
     [mode, begun] = ["pause", requested()];
     at = t;
     try {
       const all = await follow();
       await show(all, Math.min(t, all.frames.length - 1), () => run_ === mine);
     } catch (error) {
-      context.alarm(say("failed", { line: (error as Error).message }));
+      fail(error, run_ === mine);
     }
+  }
+
+  /** Makes the shown frame have the touch of the state, a moment after the last change, and no frame after a touch. */
+  function follows() {
+    const now = state();
+    clearTimeout(soon);
+    if (isTouch(now.quantity) && !now.path) {
+      // The page is just being placed.
+      return queueMicrotask(() => fail(new Error(say("skinNeedsPath")), isTouch(state().quantity) && !state().path));
+    }
+    const quantity = touchOf(now);
+    if (mode === "play" || studio.view.moving || (studio.view.frame?.touch?.quantity ?? null) === quantity) return;
+    if (!quantity && aside) return halt();
+    const key = `${quantity} ${requested()}`;
+    if (touched === key) return;
+    soon = window.setTimeout(() => {
+      touched = key;
+      void seek(at, true);
+    }, REST);
   }
 
   /** Saves one turn, frame by frame, as a film. */
@@ -172,14 +241,14 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
     try {
       const all = await follow();
       await record(kind, canvas, async (shoot) => {
-        for (let t = 0; run_ === mine && t < all.frames.length; t += STRIDE) {
+        for (let t = 0; run_ === mine && t < all.frames.length; t += strideOf(all.frames.length)) {
           if (!(await show(all, t, () => run_ === mine))) break;
           await new Promise(requestAnimationFrame);
           shoot();
         }
       });
     } catch (error) {
-      context.alarm(say("failed", { line: (error as Error).message }));
+      fail(error, run_ === mine);
     }
     films.forEach((each) => (each.disabled = false));
     if (run_ === mine) pause();
@@ -204,6 +273,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
     const known = followed?.requested === requested() ? followed : null;
     // If the state has changed, the old path stops.
     if (mode !== "rest" && begun !== requested()) [mode, run_] = ["rest", run_ + 1];
+    follows();
     root.hidden = now.path === null;
     found.hidden = !known;
     if (!now.path) return;

@@ -2,7 +2,8 @@
 
 import { type Context, millimetres } from "./context.ts";
 import { element } from "./dom.ts";
-import { pressure } from "./numbers.ts";
+import { pressure, strengthLevel } from "./numbers.ts";
+import { sample } from "./painter/lattice.ts";
 import { playedOf, shownOf } from "./studio.ts";
 import type { Slot, Vec3 } from "./types.ts";
 
@@ -12,6 +13,11 @@ export function createReadout({ studio, engine, say }: Context, shown: (line: st
   let wanted: [Slot, Vec3] | null = null;
   let busy = false;
 
+  function write(lines: string[]) {
+    root.replaceChildren(...lines.map((line) => element("div", {}, line)));
+    shown(lines.join(", "));
+  }
+
   /** Computes one place at a time; then continues with the newest requested place. */
   async function ask() {
     if (busy) return;
@@ -19,18 +25,24 @@ export function createReadout({ studio, engine, say }: Context, shown: (line: st
     while (wanted) {
       const [slot, place] = wanted;
       wanted = null;
-      const { answer } = shownOf(studio.view)[slot];
+      const { answer, lattice } = shownOf(studio.view)[slot];
+      const where = `${"AB"[slot]}  ${place.map((x, axis) => `${"xyz"[axis]} ${millimetres(x)}`).join("  ")} mm`;
+      const touch = studio.view.frame?.touch;
+      if (touch && lattice) {
+        const [value] = sample(lattice, place);
+        const text = touch.quantity === "felt" ? `${strengthLevel(value).toFixed(1)} dB` : `${(1e6 * value).toFixed(1)} µm`;
+        write([where, `${say(touch.quantity)} ${text}`]);
+        continue;
+      }
       if (!answer) continue;
       const found = await engine.slots[slot].probe(studio.scene(slot), playedOf(answer), place).catch(() => null);
       if (!found || root.hidden) continue;
       const [re, im] = found.pressure;
-      const lines = [
-        `${"AB"[slot]}  ${place.map((x, axis) => `${"xyz"[axis]} ${millimetres(x)}`).join("  ")} mm`,
+      write([
+        where,
         `|p| ${pressure(Math.hypot(re, im))}  ·  ${found.level.toFixed(1)} dB SPL`,
         `${say("phase")} ${Math.atan2(im, re).toFixed(2)} rad  ·  ${say("radiation")} ${pressure(found.radiation)}`,
-      ];
-      root.replaceChildren(...lines.map((line) => element("div", {}, line)));
-      shown(lines.join(", "));
+      ]);
     }
     busy = false;
   }

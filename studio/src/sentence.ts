@@ -13,6 +13,8 @@ const TIPS: Record<string, Word> = {
   level: "decibelTip",
   evenness: "uniformityTip",
   time: "timeTip",
+  strength: "strengthTip",
+  width: "feltWidthTip",
 };
 
 /** Makes the sentence. */
@@ -24,7 +26,7 @@ export function createSentence({ studio, say, language }: Context): { root: HTML
     const parts = WORDS[word][language === "ja" ? 1 : 0].split(/\{(\w+)\}/);
     const made = parts.map((part, k) => {
       if (k % 2 === 0) return part;
-      const number = explained(element(part === "pressure" ? "strong" : "b"), say(TIPS[part]));
+      const number = explained(element(["pressure", "strength"].includes(part) ? "strong" : "b"), say(TIPS[part]));
       numbers.push([part, number]);
       return number;
     });

@@ -80,7 +80,7 @@ export function sheet({ studio, say, engine }: Context, look: Look, root: HTMLEl
     const levels = ticks(look).map((tick) => text(x + SIDE + 28, y + SIDE * (1 - tick.at) + 4, tick.label));
     const name = view.frame?.names[slot] || state.methods[slot];
     return [
-      text(x, y - 10, `${"AB"[slot]}: ${name}, ${say(look.quantity)} at ${normal} = ${millimetres(middle[off])} mm`, 'font-weight="600"'),
+      text(x, y - 10, `${"AB"[slot]}: ${name}, ${say(look.touch ?? look.quantity)} at ${normal} = ${millimetres(middle[off])} mm`, 'font-weight="600"'),
       picture(copy, x, y, SIDE, SIDE),
       ...rings,
       text(x + SIDE / 2, y + SIDE + 30, `${AXES[right]} / mm`, 'text-anchor="middle"'),

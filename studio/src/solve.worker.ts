@@ -176,6 +176,10 @@ const jobs = {
   },
   /** Returns the outcome of a frame that `follow` has solved; `scene` has the frame's points. */
   frame: (index: number, scene: string, grids: Grid[], ear: Vec3 | null) => judged(scene, mover.frame(index), grids, ear),
+  /** Predicts the touch of a skin under the frames that `follow` has solved, repeated at `rate` frames per second. */
+  skin: (grid: Grid, rate: number) => mover.skin(places(grid), rate),
+  /** Returns the displacement of that skin in m at the start of a frame. */
+  moved: (frame: number) => mover.moved(frame),
 };
 
 /** The jobs that the page can request. */

@@ -7,7 +7,7 @@ import { createHistory } from "./history.ts";
 import { boxOf, gridOf } from "./lattices.ts";
 import { planesOf } from "./plane.ts";
 import type { Grid, Outcome } from "./solve.worker.ts";
-import type { Lattice, Slot, State, Volume } from "./types.ts";
+import type { Lattice, Slot, State, Touched, TouchQuantity, Volume } from "./types.ts";
 
 /** The solution of a slot, or the reason why it has none. */
 export interface Result {
@@ -31,6 +31,8 @@ export interface Shown {
   names: [string, string];
   /** The largest phase change from the frame before, in rad, for a path. */
   change?: number;
+  /** The touch of a skin that A's slice shows, and which of its quantities. */
+  touch?: (Touched & { quantity: TouchQuantity }) | null;
 }
 
 /** Everything that the page shows. */

@@ -20,13 +20,19 @@ export const SCALES = ["linear", "squared", "decibel"] as const;
 export const AXES = ["x", "y", "z"] as const;
 /** The slice, three slices that cross in its middle, the volume, or slice and volume. */
 export const VIEWS = ["slice", "planes", "volume", "both"] as const;
-export const QUANTITIES = ["modulus", "wave", "phase"] as const;
+/** The parts of p that slices show. */
+export const SHADES = ["modulus", "wave", "phase"] as const;
+/** The predicted touch of a skin that slices show for points on a path: its felt strength, or its motion. */
+export const TOUCHES = ["felt", "skin"] as const;
+export const QUANTITIES = [...SHADES, ...TOUCHES] as const;
 /** The levels of the page: only the field, a comparison of two methods, or everything. */
 export const LEVELS = ["play", "compare", "engineer"] as const;
 export type Level = (typeof LEVELS)[number];
 export type ScaleName = (typeof SCALES)[number];
 export type Axis = (typeof AXES)[number];
 export type View = (typeof VIEWS)[number];
+export type Shade = (typeof SHADES)[number];
+export type TouchQuantity = (typeof TOUCHES)[number];
 export type Quantity = (typeof QUANTITIES)[number];
 export type Theme = "dark" | "light";
 
@@ -59,7 +65,7 @@ export interface State {
   plane: { axis: Axis; z: number; size: number; center: [number, number] };
   level: Level;
   view: View;
-  /** The quantity that the slices show: |p|, the wave Re(p e^{-jwt}), or the phase. */
+  /** The quantity that the slices show: |p|, the wave Re(p e^{-jwt}), the phase, or the touch of a skin on the slice. */
   quantity: Quantity;
   /** The slot whose field the 3-D view shows. */
   slot: Slot;
@@ -92,11 +98,20 @@ export interface Volume {
   moduli: Float32Array;
 }
 
+/** The predicted touch of a skin: largest strength (1 at the threshold), felt width in m, and largest displacement in m. */
+export interface Touched {
+  most: number;
+  width: number;
+  peak: number;
+}
+
 /** How p becomes a colour: its quantity, the theme, and for |p| a scale. */
 export interface Look {
-  quantity: Quantity;
+  quantity: Shade;
+  /** The lattice is not p: it is the felt strength (drawn as |p|) or the displacement of a skin in m (drawn as a wave). */
+  touch?: TouchQuantity;
   scale: ScaleName;
-  /** The |p| at the top of the scale in Pa. */
+  /** The |p| at the top of the scale in Pa, the strength, or the displacement in m. */
   top: number;
   /** The phase of the wave's animation, w t in rad. */
   turn: number;

@@ -106,6 +106,36 @@ test("a quiet point is not the weakest of a frame", () => {
   }
 });
 
+test("a skin under a circle is felt as the record has it", () => {
+  const record = JSON.parse(readFileSync(`${golden}/touch/ring.json`, "utf8"));
+  const { frames, rate, radius, height, size, side } = record;
+  door.open(JSON.stringify({ array: { preset: record.array }, points: [{ position: [radius, 0, height] }], solver: { name: record.solver } }));
+  const circle = Array.from({ length: frames }, (_, t) => (2 * Math.PI * t) / frames);
+  door.follow(Float64Array.from(circle.flatMap((angle) => [radius * Math.cos(angle), radius * Math.sin(angle), height])), frames);
+  const along = (k: number) => (k / (side - 1) - 0.5) * size;
+  const places = Float64Array.from({ length: 3 * side * side }, (_, k) => {
+    const place = Math.floor(k / 3);
+    return [along(place % side), along(Math.floor(place / side)), height][k % 3];
+  });
+  const { width, peak, strengths } = door.skin(places, rate);
+  expect(20 * Math.log10(Math.max(...strengths))).toBeCloseTo(record.level, 1);
+  expect(width).toBeCloseTo(record.width, 6);
+  record.places.forEach((place: number, k: number) => {
+    const [slow, fast] = [record.slow[k], record.fast[k]];
+    const exact = Math.max(slow, fast) + Math.min(slow, fast) / 2;
+    expect(Math.abs(strengths[place] - exact) / exact).toBeLessThan(3e-3);
+    // The motion is the sum of the lines.
+    const lines = record.displacement[k] as [number, number][];
+    for (const frame of [0, 17]) {
+      const moved = lines.map(([re, im], l) => re * Math.cos(frame * (l + 1) * circle[1]) - im * Math.sin(frame * (l + 1) * circle[1])).reduce((a, b) => a + b);
+      expect(Math.abs(door.moved(frame)[place] - moved)).toBeLessThan(5e-3 * peak);
+    }
+  });
+  expect(() => door.moved(frames)).toThrow(/frame is 72: predict the skin's motion first/);
+  expect(() => door.skin(places, frames * 1001)).toThrow(/^laps is 1001 a second: give at most 1000/);
+  expect(() => door.skin(places.subarray(0, 15), rate)).toThrow(/^places is 5: give the square/);
+});
+
 test("a board's bytes", () => {
   door.open(ring("uniform"));
   door.solve();

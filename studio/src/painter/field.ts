@@ -1,6 +1,6 @@
 /** The field on the graphics card: textures of spline coefficients and of colour maps, and the slices drawn with them. */
 
-import { QUANTITIES, SCALES, type Lattice, type Look } from "../types.ts";
+import { SCALES, SHADES, type Lattice, type Look } from "../types.ts";
 import { type Gl, type Program, program, texture } from "./gl.ts";
 import { coefficients } from "./lattice.ts";
 import { mapOf, RANGE, TABLES } from "./maps.ts";
@@ -179,7 +179,7 @@ export function createField(gl: Gl): FieldPainter {
     to.bind("map", 3, gl.TEXTURE_2D, maps.get(mapOf(look))!);
     to.set("top", look.top);
     to.set("scale", SCALES.indexOf(look.scale));
-    to.set("quantity", QUANTITIES.indexOf(look.quantity));
+    to.set("quantity", SHADES.indexOf(look.quantity));
     to.set("turn", [Math.cos(look.turn), Math.sin(look.turn)]);
   }
 

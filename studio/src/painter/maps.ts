@@ -88,7 +88,13 @@ export function roundStep(least: number): number {
   return power * ([1, 2, 5].find((digit) => digit * power >= least * 0.999) ?? 10);
 }
 
-/** Returns the marks of the colour bar of `look`: |p| or Re p in Pa or kPa, |p| in dB below the top, or the phase in rad. */
+/** Returns a whole number as text, with a minus sign in place of the hyphen. */
+const signed = (value: number) => `${value < 0 ? "\u2212" : ""}${Math.abs(value)}`;
+
+/**
+ * Returns the marks of the colour bar of `look`: |p| or Re p in Pa or kPa, |p| in dB below the top, the phase in rad, felt strength
+ * in dB above the threshold, or displacement in um.
+ */
 export function ticks(look: Look): Tick[] {
   const waves = look.quantity === "wave";
   // At w t = 0 the wave is Re p.
@@ -96,13 +102,21 @@ export function ticks(look: Look): Tick[] {
   if (look.quantity === "phase") {
     return ["\u2212π", "\u2212π/2", "0", "π/2", "π"].map((name, k) => ({ value: (Math.PI * (k - 2)) / 2, at: k / 4, label: k === 2 ? name : `${name} rad` }));
   }
+  if (look.touch === "felt") {
+    const top = 20 * Math.log10(look.top);
+    const first = Math.ceil((top - RANGE) / 10);
+    return Array.from({ length: Math.floor(top / 10) - first + 1 }, (_, k) => {
+      const level = 10 * (first + k);
+      return { value: 10 ** (level / 20), at: 1 + (level - top) / RANGE, label: `${signed(level)} dB` };
+    });
+  }
   if (!waves && look.scale === "decibel") {
     return [-30, -20, -10, 0].map((level) => {
       const at = 1 + level / RANGE;
-      return { value: modulusAt(look, at), at, label: `${level ? `\u2212${-level}` : 0} dB` };
+      return { value: modulusAt(look, at), at, label: `${signed(level)} dB` };
     });
   }
-  const [unit, name] = look.top >= 1000 ? [1000, "kPa"] : [1, "Pa"];
+  const [unit, name] = look.touch ? [1e-6, "µm"] : look.top >= 1000 ? [1000, "kPa"] : [1, "Pa"];
   const step = roundStep(look.top / unit / (waves ? 3 : 5));
   const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
   const count = Math.floor(look.top / unit / step + 1e-6);

@@ -1,6 +1,6 @@
 /** Picture: the content that a painter draws, with WebGL2 (`createPainter`) or without (`createFlat`). */
 
-import type { Lattice, Look, Obstacle, Quantity, Vec3, Volume } from "../types.ts";
+import type { Lattice, Look, Obstacle, Shade, Vec3, Volume } from "../types.ts";
 import type { Camera } from "./camera.ts";
 
 /** A rectangle of the page, in CSS px from its upper left corner. */
@@ -27,7 +27,7 @@ export interface Picture {
   /** re and im of N drives of modulus 0 to 1; null while it is not known. */
   drive: Float32Array | null;
   /** The quantity that colours the transducers: none ("modulus"), the wave, or their phases. */
-  discs: Quantity;
+  discs: Shade;
   /** One slice, or several that cross in their middles; `key` names the texture of the lattice, as in `Painter.slice`. */
   slices: { lattice: Lattice; key: string }[];
   /** The wavelength of sound in m: the length of the bar on the first slice. */
