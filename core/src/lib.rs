@@ -91,7 +91,7 @@ pub use problem::{Beyond, Metrics, Precision, Problem, Reach, Setup, Solution, S
 pub use propagation::gorkov::{Gorkov, gorkov};
 pub use propagation::gradient::{Gradient, gradient};
 pub use propagation::quantity::Quantity;
-pub use propagation::rest::{Rest, rest};
+pub use propagation::rest::{Rest, poised, rest};
 pub use propagation::{Boundary, KeptField, Model, Propagation, field};
 pub use rng::Rng;
 pub use scene::{

@@ -39,6 +39,7 @@ __all__ = [
     "Bead",
     "Boundary",
     "Codec",
+    "Course",
     "Curve",
     "Field",
     "Gorkov",
@@ -50,6 +51,7 @@ __all__ = [
     "Propagation",
     "Pushes",
     "Reach",
+    "Response",
     "Rest",
     "Scene",
     "SceneError",
@@ -295,20 +297,53 @@ class Bead:
         sound_speed: float | None = None,
         gravity: ArrayLike | None = None,
     ) -> Bead: ...
-    factors: Final[NDArray[np.float64]]
     mass: Final[float]
     def needed(self, velocities: ArrayLike, accelerations: ArrayLike) -> NDArray[np.float64]: ...
-    def under(self, force: Sequence[float]) -> dict[str, Any]: ...
+    def keywords(self) -> dict[str, Any]: ...
+    def poised(
+        self, scene: Scene, drive: NDArray[np.complex64], point: Sequence[float], force: Sequence[float]
+    ) -> NDArray[np.float64] | None: ...
+
+@final
+class Response:
+    def __new__(cls, rate: float, tau: float, linear: bool) -> Response: ...
+    def memory(self, frames: int) -> int: ...
+    def repeated(
+        self, last: NDArray[np.complex64], first: NDArray[np.complex64]
+    ) -> NDArray[np.complex128]: ...
+    def inside(
+        self,
+        now: NDArray[np.complex64],
+        following: NDArray[np.complex64],
+        start: NDArray[np.complex128],
+        parts: int,
+        first: int,
+        stop: int,
+    ) -> tuple[NDArray[np.complex64], NDArray[np.complex128]]: ...
+
+@final
+class Course:
+    def __new__(
+        cls,
+        points: NDArray[np.float64],
+        wavelength: float,
+        response: Response,
+        closed: bool,
+        start: NDArray[np.complex128],
+    ) -> Course: ...
+    def play(self, now: NDArray[np.complex64], following: NDArray[np.complex64]) -> None: ...
+    def knots(self, duration: float | None) -> int: ...
+    def speeds(self, points: Sequence[int]) -> NDArray[np.float64]: ...
+    def resting(self, scene: Scene, bead: Bead, points: Sequence[int]) -> NDArray[np.float64]: ...
     def fly(
         self,
-        state: NDArray[np.float64],
-        reach: Sequence[float],
-        forces: NDArray[np.float64],
-        centres: NDArray[np.float64],
-        first: int,
+        scene: Scene,
+        bead: Bead,
         places: NDArray[np.float64],
-        time: tuple[float, int, float],
-    ) -> int: ...
+        speeds: NDArray[np.float64],
+        points: Sequence[int],
+        knots: int,
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]: ...
 
 @final
 class Reach:

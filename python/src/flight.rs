@@ -1,16 +1,18 @@
-//! Beads in flight, for `midair.fly` and `midair.path.fastest`: forces on a bead; simulates eight beads at once.
+//! Beads in flight, for `midair.fly` and `midair.path.fastest`: forces on a bead, the transducers' response, the simulation.
 
-use midair::motion::{Flight, State};
-use midair::{Medium, Particle};
-use numpy::{PyArray1, PyArray2, PyReadonlyArrayDyn, PyReadwriteArrayDyn};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use midair::motion::{BeadStart, Course as Inner, Envelope};
+use midair::{Complex32, Complex64, Medium, Particle, poised};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 
 use crate::ctrl_c::attend;
-use crate::error::{invalid, warn_all};
+use crate::error::{invalid, refused, warn_all};
 use crate::give;
 use crate::gorkov::GRAVITY;
-use crate::instruction_set::instruction_set;
+use crate::limits;
 use crate::read;
 use crate::scene::Scene;
 
@@ -19,9 +21,8 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// A small sphere in the air of a scene, with the properties that `midair.gorkov` takes.
 #[pyclass(frozen, module = "midair._midair")]
 pub(crate) struct Bead {
-    particle: Particle,
+    inner: midair::Bead,
     medium: Medium,
-    gravity: [f64; 3],
 }
 
 #[pymethods]
@@ -48,19 +49,13 @@ impl Bead {
         let gravity = gravity.map_or(Ok(GRAVITY), |gravity| read::place("gravity", gravity))?;
         let medium = scene.get().inner.medium();
         warn_all(scene.py(), particle.remark(medium))?;
-        Ok(Self { particle, medium, gravity })
-    }
-
-    /// The factors (2,) of |p|^2 and -|grad p|^2 in Gor'kov's potential.
-    #[getter]
-    fn factors<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        give::list(py, self.particle.factors(self.medium).to_vec())
+        Ok(Self { inner: midair::Bead { particle, gravity }, medium })
     }
 
     /// Effective mass in kg: the bead's own mass and half the mass of the air that it displaces.
     #[getter]
     fn mass(&self) -> f64 {
-        self.particle.mass(self.medium)
+        self.inner.particle.mass(self.medium)
     }
 
     /// Returns the forces (K, 3) in N, without weight and buoyancy, that cause these velocities and accelerations (K, 3).
@@ -73,59 +68,185 @@ impl Bead {
         let (velocities, accelerations) =
             (read::vectors("velocities", &velocities)?, read::vectors("accelerations", &accelerations)?);
         let each = velocities.iter().zip(&accelerations);
-        let needed: Vec<_> = each.map(|(&v, &a)| self.particle.needed(self.medium, v, a)).collect();
+        let needed: Vec<_> = each.map(|(&v, &a)| self.inner.particle.needed(self.medium, v, a)).collect();
         give::rows(py, &needed)
     }
 
-    /// Returns arguments of `midair.rest` for a bead to which the trap must give a `force` (3,) in N in addition to its
-    /// weight and buoyancy. The gravity in them is increased accordingly.
-    fn under<'py>(&self, py: Python<'py>, force: [f64; 3]) -> PyResult<Bound<'py, PyDict>> {
-        let Particle { radius, density, sound_speed } = self.particle;
-        let heft = self.particle.weight(self.medium, [1.0; 3])[0];
+    /// Returns arguments of `midair.rest` for the bead.
+    fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let Particle { radius, density, sound_speed } = self.inner.particle;
         let keywords = [("radius", radius), ("density", density), ("sound_speed", sound_speed)].into_py_dict(py)?;
-        let gravity = [0, 1, 2].map(|axis| self.gravity[axis] - force[axis] / heft);
-        keywords.set_item("gravity", gravity)?;
+        keywords.set_item("gravity", self.inner.gravity)?;
         Ok(keywords)
     }
 
-    /// Simulates eight beads from step `first` on (the core's `Flight::fly`); returns the last step. All arrays are in C
-    /// order.
-    ///
-    /// state (6, 3, 8): place, velocity and accelerations, updated; reach (8,) in m; forces (K, 84, 3, 8): polynomial
-    /// coefficients in N around centres (steps (K - 1) + 1, 3, 8) in m; places (K, 3, 8): output; step in s, unit in m.
-    #[allow(clippy::too_many_arguments, reason = "as PyO3 gives them")]
-    fn fly<'py>(
+    /// Returns the place (3,) near a point where a trap gives `force` (3,) in N in addition to the weight, or None.
+    fn poised<'py>(
         &self,
-        py: Python<'py>,
-        mut state: PyReadwriteArrayDyn<'py, f64>,
-        reach: [f64; 8],
-        forces: PyReadonlyArrayDyn<'py, f64>,
-        centres: PyReadonlyArrayDyn<'py, f64>,
-        first: usize,
-        mut places: PyReadwriteArrayDyn<'py, f64>,
-        time: (f64, usize, f64),
-    ) -> PyResult<usize> {
-        let (step, steps, unit) = time;
-        let flight = Flight { particle: self.particle, gravity: self.gravity, step, steps, unit };
-        let set = instruction_set()?;
-        let state: &mut State = eights_mut(&mut state)?
-            .as_chunks_mut()
-            .0
-            .try_into()
-            .map_err(|_| invalid("state", "of another shape", "give (6, 3, 8)"))?;
-        let forces = eights(&forces)?.as_chunks().0.as_chunks().0;
-        let centres = eights(&centres)?.as_chunks().0;
-        let places = eights_mut(&mut places)?.as_chunks_mut().0;
-        attend(py, None, |mut control| {
-            flight.fly((set, self.medium), state, reach, forces, centres, first, places, &mut control)
-        })
+        scene: &Bound<'py, Scene>,
+        drive: Bound<'py, PyAny>,
+        point: [f64; 3],
+        force: [f64; 3],
+    ) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
+        let (model, drive) = (scene.get().model(), read::drive("drive", &drive)?);
+        let found =
+            attend(scene.py(), None, |mut control| poised(&model, &drive, point, self.inner, force, &mut control))?;
+        Ok(found.map(|place| give::list(scene.py(), place.to_vec())))
     }
 }
 
-fn eights<'a>(array: &'a PyReadonlyArrayDyn<'_, f64>) -> PyResult<&'a [[f64; 8]]> {
-    Ok(array.as_slice()?.as_chunks().0)
+/// Response of transducers with the time constant `tau` in s to drives at `rate` frames/s, which stay for their frame or, if
+/// `linear`, move to the next one during it. See the core's `Envelope`.
+#[pyclass(frozen, module = "midair._midair")]
+pub(crate) struct Response {
+    inner: Envelope,
 }
 
-fn eights_mut<'a>(array: &'a mut PyReadwriteArrayDyn<'_, f64>) -> PyResult<&'a mut [[f64; 8]]> {
-    Ok(array.as_slice_mut()?.as_chunks_mut().0)
+/// Radiation (T, S, N), and radiation (N,) after the last frame.
+type Played<'py> = (Bound<'py, PyArray3<Complex32>>, Bound<'py, PyArray1<Complex64>>);
+
+#[pymethods]
+impl Response {
+    #[new]
+    fn new(rate: f64, tau: f64, linear: bool) -> Self {
+        Self { inner: Envelope { rate, tau, linear } }
+    }
+
+    /// Returns how many of the last frames of a lap affect what follows the lap.
+    fn memory(&self, frames: usize) -> usize {
+        self.inner.memory(frames)
+    }
+
+    /// Returns the radiation (N,) at the start of a sequence that repeats, from the drives (L, N) of its last `memory` frames
+    /// and the first drive (N,).
+    fn repeated<'py>(
+        &self,
+        py: Python<'py>,
+        last: PyReadonlyArray2<'py, Complex32>,
+        first: PyReadonlyArray1<'py, Complex32>,
+    ) -> PyResult<Bound<'py, PyArray1<Complex64>>> {
+        Ok(give::list(py, self.inner.repeated(last.as_slice()?, first.as_slice()?)))
+    }
+
+    /// Returns the radiation (T, S, N) during frames with the drives `now` (T, N), before the drives `following` (T, N), at the
+    /// starts of the parts `first` to `stop` of each frame, and the radiation after the last frame. `start` (N,) is the
+    /// radiation before the first.
+    #[allow(clippy::too_many_arguments, reason = "as PyO3 gives them")]
+    fn inside<'py>(
+        &self,
+        py: Python<'py>,
+        now: PyReadonlyArray2<'py, Complex32>,
+        following: PyReadonlyArray2<'py, Complex32>,
+        start: PyReadonlyArray1<'py, Complex64>,
+        parts: usize,
+        first: usize,
+        stop: usize,
+    ) -> PyResult<Played<'py>> {
+        let (now, following, mut state) = (now.as_slice()?, following.as_slice()?, start.as_slice()?.to_vec());
+        let (count, steps) = (state.len(), stop - first);
+        let frames = now.len() / count;
+        let mut all = vec![Complex32::ZERO; frames * steps * count];
+        for (frame, (now, following)) in now.chunks(count).zip(following.chunks(count)).enumerate() {
+            let out = &mut all[frame * steps * count..(frame + 1) * steps * count];
+            self.inner.frame(now, following, &mut state, parts, first..stop, out);
+        }
+        Ok((PyArray1::from_vec(py, all).reshape([frames, steps, count])?, give::list(py, state)))
+    }
+}
+
+/// Radiation and points of a sequence at knots in time; see the core's `Course`.
+#[pyclass(frozen, module = "midair._midair")]
+pub(crate) struct Course {
+    inner: Mutex<Inner>,
+}
+
+impl Course {
+    fn inner(&self) -> MutexGuard<'_, Inner> {
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Times (K,) in s, places (K, B, 3) of the beads and of their points in m, and times (B,) at which beads were lost.
+type Tracks<'py> =
+    (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray3<f64>>, Bound<'py, PyArray3<f64>>, Bound<'py, PyArray1<f64>>);
+
+#[pymethods]
+impl Course {
+    #[new]
+    fn new(
+        points: Bound<'_, PyAny>,
+        wavelength: f64,
+        response: &Response,
+        closed: bool,
+        start: PyReadonlyArray1<'_, Complex64>,
+    ) -> PyResult<Self> {
+        let (points, [_, count]) = read::batch_of_points("points", &points)?;
+        let before = start.as_slice()?.to_vec();
+        let inner = Inner::new(&points, count, wavelength, (response.inner, closed), before).map_err(refused)?;
+        Ok(Self { inner: Mutex::new(inner) })
+    }
+
+    /// Plays the next frames with the drives `now` (T, N), before the drives `following` (T, N).
+    fn play<'py>(
+        &self,
+        py: Python<'py>,
+        now: PyReadonlyArray2<'py, Complex32>,
+        following: PyReadonlyArray2<'py, Complex32>,
+    ) -> PyResult<()> {
+        let count = now.as_array().ncols();
+        let (now, following) = (now.as_slice()?, following.as_slice()?);
+        attend(py, None, |mut control| {
+            let mut frames = now.chunks(count).zip(following.chunks(count));
+            frames.try_for_each(|(now, following)| self.inner().play(now, following, &mut control))
+        })
+    }
+
+    /// Returns the number of knots of a flight of `duration` seconds.
+    #[pyo3(signature = (duration))]
+    fn knots(&self, duration: Option<f64>) -> PyResult<usize> {
+        self.inner().knots(duration).map_err(refused)
+    }
+
+    /// Returns the velocities (B, 3) in m/s of some points (B,) at the start.
+    fn speeds<'py>(&self, py: Python<'py>, points: Vec<usize>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let inner = self.inner();
+        give::rows(py, &points.iter().map(|&point| inner.moving(point)[0]).collect::<Vec<_>>())
+    }
+
+    /// Returns the places (B, 3) in m at which beads move with some points (B,) from the start on.
+    fn resting<'py>(
+        &self,
+        scene: &Bound<'py, Scene>,
+        bead: &Bead,
+        points: Vec<usize>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let (py, model) = (scene.py(), scene.get().model());
+        let found = attend(py, None, |mut control| self.inner().resting(&model, bead.inner, &points, &mut control))?;
+        give::rows(py, &found)
+    }
+
+    /// Simulates beads that start at places (B, 3) with velocities (B, 3), each in the trap of its point (B,).
+    fn fly<'py>(
+        &self,
+        scene: &Bound<'py, Scene>,
+        bead: &Bead,
+        places: Bound<'py, PyAny>,
+        speeds: Bound<'py, PyAny>,
+        points: Vec<usize>,
+        knots: usize,
+    ) -> PyResult<Tracks<'py>> {
+        let (py, model) = (scene.py(), scene.get().model());
+        let (places, speeds) = (read::vectors("beads", &places)?, read::vectors("speeds", &speeds)?);
+        let each = places.iter().zip(&speeds).zip(&points);
+        let beads: Vec<_> = each.map(|((&place, &speed), &point)| BeadStart { place, speed, point }).collect();
+        let threads = limits::threads(py)?;
+        let (times, ways, flown) = attend(py, None, |control| {
+            let inner = self.inner();
+            let flown = inner.fly(&model, bead.inner, &beads, knots, &mut control.on(threads))?;
+            Ok((inner.times(knots), inner.ways(knots, &points), flown))
+        })?;
+        let tracks =
+            |places: Vec<[f64; 3]>| PyArray1::from_vec(py, places.into_flattened()).reshape([knots, points.len(), 3]);
+        Ok((PyArray1::from_vec(py, times), tracks(flown.places)?, tracks(ways)?, PyArray1::from_vec(py, flown.lost)))
+    }
 }

@@ -79,7 +79,7 @@ mod _midair {
     #[pymodule_export]
     use super::files::{scene_files, scene_keys, sweep_keys};
     #[pymodule_export]
-    use super::flight::Bead;
+    use super::flight::{Bead, Course, Response};
     #[pymodule_export]
     use super::gorkov::{Gorkov, Rest, gorkov, rest};
     #[pymodule_export]

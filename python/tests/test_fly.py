@@ -11,8 +11,6 @@ import pytest
 
 import midair
 import traps
-from midair._midair import Bead
-from midair._motion.propagation import Forces, monomials
 from oracle import Complex, Real
 
 K = 2 * np.pi / traps.WAVELENGTH
@@ -94,17 +92,6 @@ def ring(radius: float, speed: float, rate: float) -> midair.Sequence:
     gains = midair.Scene(LEVITATOR, points).propagation()
     drives = (gains / abs(gains)).conj() * np.where(POSITIONS[:, 2] > 0, -1, 1)
     return midair.Sequence(LEVITATOR, points[:, None], 1.0, drives, rate=rate, closed=True, signature="trap")
-
-
-def test_polynomials_around_a_place_are_gorkovs_force() -> None:
-    scene = midair.Scene(LEVITATOR, [[0, 0, 0]], signature="trap")
-    drive, place = midair.solve(scene).drive, np.array([1e-3, -0.5e-3, 0.3e-3])
-    forces = Forces(scene, Bead(scene).factors)
-    around = forces.around(place[None], drive[None])[0]
-    within = np.random.default_rng(0).uniform(-1, 1, (100, 3))
-    within = within[np.linalg.norm(within, axis=1) < 1]
-    wanted = midair.gorkov(scene, drive, place + forces.unit * within).force
-    assert np.abs(monomials(within) @ around - wanted).max() < 1e-3 * np.abs(wanted).max()
 
 
 @pytest.mark.slow

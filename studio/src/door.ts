@@ -89,6 +89,16 @@ export interface Touch {
   strengths: Float64Array;
 }
 
+/**
+ * The simulated motion of a bead: the time in s at which it was lost, or NaN; its largest distance from its point in m until
+ * then; and its places (F, 3) in m at the frames of all laps.
+ */
+export interface Flight {
+  lost: number;
+  farthest: number;
+  places: Float64Array;
+}
+
 /** A scene in the WebAssembly module that can be solved, evaluated and played. */
 export interface Door {
   catalogue(): Catalogue;
@@ -129,6 +139,8 @@ export interface Door {
   skin(places: Float64Array, rate: number): Touch;
   /** Returns the displacement of that skin in m at each place, at the start of a frame. */
   moved(frame: number): Float64Array;
+  /** Simulates the bead in the trap of a point while the frames of `follow` repeat at `rate` frames/s. */
+  fly(point: number, rate: number): Flight;
   encode(board: string): Uint8Array;
   silence(board: string): Uint8Array;
   free(): void;
@@ -286,6 +298,11 @@ export function openDoor(module: WebAssembly.Module): Door {
     moved(frame) {
       done(wasm.studio_moved(studio, frame));
       return numbers();
+    },
+    fly(point, rate) {
+      done(wasm.studio_fly(studio, point, rate));
+      const found = numbers();
+      return { lost: found[0], farthest: found[1], places: found.slice(2) };
     },
     encode(board) {
       giveText(board);

@@ -2,6 +2,7 @@
 
 import { announceChanges, announcer } from "./announce.ts";
 import { createBar } from "./bar.ts";
+import { balls } from "./beads.ts";
 import { createCompare } from "./compare.ts";
 import type { Context } from "./context.ts";
 import { element, segments, write } from "./dom.ts";
@@ -237,7 +238,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
       // The glow of |p| would cover the wave or the phase.
       volume: ["slice", "planes"].includes(state.view) || view.frame || (state.view === "both" && state.quantity !== "modulus") ? null : view.volume,
       points: view.frame?.points ?? state.points,
-      obstacles: state.obstacles,
+      obstacles: [...state.obstacles, ...balls(view.frame?.beads ?? [])],
       look: shades,
       theme,
       moving: view.moving,

@@ -1,9 +1,10 @@
 /** Player: animates points on a path frame by frame, A by the solver `glide`, B by its own method; plays, seeks, records. */
 
+import { beadsAt, fateOf } from "./beads.ts";
 import { createChart } from "./chart.ts";
 import type { Context } from "./context.ts";
 import { element, explained, write } from "./dom.ts";
-import type { Frame } from "./door.ts";
+import type { Flight, Frame } from "./door.ts";
 import { gridOf } from "./lattices.ts";
 import { pressure } from "./numbers.ts";
 import { framesOf, lengthOf } from "./paths.ts";
@@ -62,6 +63,9 @@ interface Followed {
   chart: ReturnType<typeof createChart>;
   /** The touch of a skin, once it is predicted. */
   skin: Skin | null;
+  /** Frames per second, and the simulated motion of the beads so far. */
+  rate: number;
+  flights: Flight[];
 }
 
 /** The player and its time line. */
@@ -92,6 +96,8 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
   let mode: "rest" | "pause" | "play" = "rest";
   let followed: Followed | null = null;
   let at = 0;
+  /** The number of laps since the animation began. */
+  let lap = 0;
   /** The number of the newest run; older runs end. */
   let run_ = 0;
   let slowB = false;
@@ -122,6 +128,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
   /** Solves all frames of the path, unless that was done for this state. */
   async function follow(): Promise<Followed> {
     if (followed?.requested === requested()) return followed;
+    followed = null;
     const now = state();
     const path = now.path!;
     const count = countOf(path);
@@ -129,10 +136,32 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
     const places = framesOf(now.points, path, rate, count / rate);
     const frames = await engine.slow.follow(JSON.stringify({ ...sceneOf(now, 0), solver: { name: "glide", rate } }), places, count);
     const { summary, chart } = curvesOf(frames, count / rate);
-    found.replaceChildren(element("p", { className: "summary" }, summary), chart.root);
+    const fate = element("div");
+    found.replaceChildren(element("p", { className: "summary" }, summary), chart.root, fate);
     context.announce(summary);
     [slowB, at] = [false, 0];
-    return (followed = { requested: requested(), state: now, places, frames, chart, skin: null });
+    followed = { requested: requested(), state: now, places, frames, chart, rate, flights: [], skin: null };
+    if (now.signature) void fly(followed, fate);
+    return followed;
+  }
+
+  /** Simulates a bead in each trap, one after another, as long as the state stays the same. */
+  async function fly(path: Followed, fate: HTMLElement) {
+    const tell = (lines: string[]) => fate.replaceChildren(...lines.map((line) => explained(element("p", { className: "summary" }, line), say("beadsTip"))));
+    const { points } = path.state;
+    try {
+      for (let n = 0; n < points.length; n += 1) {
+        tell([say("flying", { n: n + 1, count: points.length })]);
+        const flight = await engine.slow.fly(n, path.rate);
+        if (followed !== path || requested() !== path.requested) return;
+        path.flights.push(flight);
+      }
+      const lines = fateOf(path.flights, say);
+      tell(lines);
+      context.announce(lines.join(". "));
+    } catch (error) {
+      tell([say("failed", { line: (error as Error).message })]);
+    }
   }
 
   /** Predicts the touch of a skin on the slice, unless that was done for these frames. */
@@ -147,7 +176,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
 
   /** Shows a frame of both methods; returns false if the state has changed meanwhile. */
   async function show(all: Followed, t: number, still: () => boolean): Promise<boolean> {
-    const { state: now, places, frames, chart, requested: theirs } = all;
+    const { state: now, places, frames, chart, flights, requested: theirs } = all;
     const quantity = touchOf(state());
     const count = now.points.length;
     const points = now.points.map((_, j) => [...places.subarray(3 * (t * count + j), 3 * (t * count + j) + 3)] as Vec3);
@@ -168,7 +197,8 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
     // The skin is predicted for A's frames only.
     const shown = skin ? (results.map((result, slot) => result && { ...result, lattice: slot ? null : lattice }) as Shown["results"]) : results;
     const touch = skin && { ...skin, quantity };
-    studio.show({ points, results: shown, names: ["glide", b ? "" : say("atRest")], change: frames[t].change, touch });
+    const beads = beadsAt(flights, lap * frames.length + t, frames.length);
+    studio.show({ points, results: shown, names: ["glide", b ? "" : say("atRest")], change: frames[t].change, touch, beads });
     place();
     return true;
   }
@@ -177,13 +207,16 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
     if (!state().path) return;
     const mine = ++run_;
     const still = () => run_ === mine;
+    if (mode === "rest") lap = 0;
     [mode, begun, aside] = ["play", requested(), false];
     place();
     try {
       const all = await follow();
-      const stride = strideOf(all.frames.length);
-      for (let t = from % all.frames.length; still(); t = (t + stride) % all.frames.length) {
+      const count = all.frames.length;
+      const stride = strideOf(count);
+      for (let t = from % count; still(); t = (t + stride) % count) {
         if (!(await show(all, t, still))) break;
+        if (t + stride >= count) lap += 1;
         await new Promise(requestAnimationFrame);
       }
     } catch (error) {
@@ -235,7 +268,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
   /** Saves one turn, frame by frame, as a film. */
   async function save(kind: Film) {
     const mine = ++run_;
-    [mode, begun] = ["play", requested()];
+    [mode, begun, lap] = ["play", requested(), 0];
     place();
     films.forEach((each) => (each.disabled = true));
     try {

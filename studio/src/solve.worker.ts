@@ -180,6 +180,8 @@ const jobs = {
   skin: (grid: Grid, rate: number) => mover.skin(places(grid), rate),
   /** Returns the displacement of that skin in m at the start of a frame. */
   moved: (frame: number) => mover.moved(frame),
+  /** Simulates the bead in the trap of a point while the frames of `follow` repeat. */
+  fly: (point: number, rate: number) => mover.fly(point, rate),
 };
 
 /** The jobs that the page can request. */

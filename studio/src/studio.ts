@@ -7,7 +7,7 @@ import { createHistory } from "./history.ts";
 import { boxOf, gridOf } from "./lattices.ts";
 import { planesOf } from "./plane.ts";
 import type { Grid, Outcome } from "./solve.worker.ts";
-import type { Lattice, Slot, State, Touched, TouchQuantity, Volume } from "./types.ts";
+import type { Lattice, Slot, State, Touched, TouchQuantity, Vec3, Volume } from "./types.ts";
 
 /** The solution of a slot, or the reason why it has none. */
 export interface Result {
@@ -33,6 +33,8 @@ export interface Shown {
   change?: number;
   /** The touch of a skin that A's slice shows, and which of its quantities. */
   touch?: (Touched & { quantity: TouchQuantity }) | null;
+  /** Places of the beads in the traps in m. */
+  beads?: Vec3[];
 }
 
 /** Everything that the page shows. */

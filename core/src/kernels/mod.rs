@@ -5,6 +5,8 @@
 //! every [`InstructionSet`].
 
 #[forbid(unsafe_code)]
+pub(crate) mod around;
+#[forbid(unsafe_code)]
 pub(crate) mod backward;
 #[forbid(unsafe_code)]
 pub(crate) mod cholesky;

@@ -22,25 +22,24 @@ const SPACING: f64 = 8e-3;
 
 /// The force on eight beads at a knot, in N: of x^a y^b z^c up to degree 6 the coefficients along x, y and z, where x, y, z are
 /// the place from a centre in units of [`Flight::unit`]. Monomials stand by degree, and of one by exponents that fall.
-pub type Force = [[[f64; 8]; 3]; 84];
+pub(crate) type Force = [[[f64; 8]; 3]; 84];
 
 /// Place, speed and the last four accelerations of eight beads, the newest first, in SI units.
-pub type State = [[[f64; 8]; 3]; 6];
+pub(crate) type State = [[[f64; 8]; 3]; 6];
 
 /// Properties of beads, and the steps of their time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(clippy::exhaustive_structs, reason = "numbers, checked where they are used")]
-pub struct Flight {
+pub(crate) struct Flight {
     /// The beads, all alike.
-    pub particle: Particle,
+    pub(crate) particle: Particle,
     /// Gravity in m/s^2.
-    pub gravity: [f64; 3],
+    pub(crate) gravity: [f64; 3],
     /// The time from a step to the next, in s.
-    pub step: f64,
+    pub(crate) step: f64,
     /// Steps from a knot to the next.
-    pub steps: usize,
+    pub(crate) steps: usize,
     /// The unit of the coordinates in m.
-    pub unit: f64,
+    pub(crate) unit: f64,
 }
 
 impl Flight {
@@ -59,7 +58,7 @@ impl Flight {
     /// # Errors
     /// Lengths that do not fit; a step, a unit, a number of steps or a particle's value that is not above 0; a stop.
     #[allow(clippy::too_many_arguments, reason = "a slice a thing")]
-    pub fn fly(
+    pub(crate) fn fly(
         &self,
         (set, medium): (InstructionSet, Medium),
         state: &mut State,

@@ -1,5 +1,6 @@
 //! Propagation: the matrix G, one row for each transducer, computed from positions or given by the user.
 
+pub(crate) mod around;
 pub(crate) mod bodies;
 pub(crate) mod boundary;
 pub(crate) mod dense;

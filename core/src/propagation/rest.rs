@@ -12,7 +12,7 @@ use crate::math;
 use crate::propagation::gorkov::{Felt, Trap};
 use crate::propagation::model::Model;
 use crate::scene::geometry::vector;
-use crate::scene::{Particle, distance, dot};
+use crate::scene::{Bead, Particle, distance, dot};
 
 /// The longest step along the force, in wavelengths.
 const STEP: f64 = 1.0 / 48.0;
@@ -101,6 +101,26 @@ pub fn rest(
         basin: all.iter().map(|one| one.basin).collect(),
         restoring: all.iter().map(|one| one.restoring).collect(),
     })
+}
+
+/// Returns the place near a point where a trap gives a bead a `force` in N in addition to its weight and buoyancy, if there
+/// is one: the bead rests there under a gravity that is increased accordingly.
+///
+/// # Errors
+/// As [`rest`].
+pub fn poised(
+    model: &Model,
+    drive: &[Complex32],
+    point: [f64; 3],
+    Bead { particle, gravity }: Bead,
+    force: [f64; 3],
+    control: &mut Control,
+) -> Result<Option<[f64; 3]>, Error> {
+    let heft = particle.weight(model.medium(), [1.0; 3])[0];
+    let gravity = [0, 1, 2].map(|axis| gravity[axis] - force[axis] / heft);
+    let found = rest(model, drive, &[point], particle, gravity, control)?;
+    let near = distance(found.place[0], point) < 0.5 * model.medium().wavelength();
+    Ok((found.held[0] && near).then_some(found.place[0]))
 }
 
 /// The results for one particle.

@@ -36,7 +36,7 @@ pub use body::Body;
 pub use choice::Choice;
 pub use directivity::{Directivity, Parameter};
 pub(crate) use extent::{check_array, check_places};
-pub(crate) use geometry::{check_positions, cross, distance, dot};
+pub(crate) use geometry::{check_positions, cross, distance, dot, minus};
 pub use key::Key;
 pub use medium::{Medium, spl};
 pub use mesh::Mesh;

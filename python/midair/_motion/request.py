@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 from .._midair import Array, Bead, Scene, SceneError, solvers
 from .._support.arguments import number, refused, warn, whole
 from ..path import Path, read
-from ..path._optimal import poised
 from .frames import AIR
 
 if TYPE_CHECKING:
@@ -195,7 +194,7 @@ def warn_of_pull(sequence: JudgedFrames) -> None:
             continue
         frame = int(times[worst])
         force = bead.needed(moving[worst, j][None], pulled[worst, j][None])[0]
-        if poised(scene, sequence.drive(frame), points[frame, j], bead, force) is None:
+        if bead.poised(scene, sequence.drive(frame), points[frame, j], force) is None:
             text = (
                 f"point {j + 1} takes {size[worst]:.3g} m/s^2 in frame {frame}, more than its trap can give"
             )

@@ -18,7 +18,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._midair import Array, Bead, Scene, SceneError, rest, solve
 from .._support.arguments import flag, number, refused, vectors
@@ -235,7 +235,7 @@ def _traps(scene: Scene, curve: _Curve, bead: Bead) -> _Traps:
     found = []
     for place in curve.places[looked]:
         one = scene.replace(points=[place])
-        trap = rest(one, solve(one), **bead.under([0.0, 0.0, 0.0]))
+        trap = rest(one, solve(one), **bead.keywords())
         if not trap.held[0]:
             where = ", ".join(f"{1e3 * x:.1f}" for x in place)
             raise SceneError(
@@ -321,13 +321,3 @@ def _timed(step: float, squares: Numbers, loop: bool) -> Numbers:
     window = np.full(2 * side + 1, 1 / (2 * side + 1))
     once: Numbers = np.convolve(ways, np.convolve(window, window), "valid")
     return once
-
-
-def poised(
-    scene: Scene, drive: NDArray[np.complex64], point: Numbers, bead: Bead, force: Numbers
-) -> Numbers | None:
-    """Return the place (3,) near a point where a trap gives `force` (3,) in N plus the weight, or None."""
-    trap = rest(scene, drive, [point], **bead.under(force.tolist()))
-    place: Numbers = trap.place[0]
-    near = np.linalg.norm(place - point) < scene.sound_speed / scene.frequency / 2
-    return place if trap.held[0] and near else None

@@ -6,6 +6,7 @@
 //! are valid until the next call with the same studio.
 #![allow(clippy::missing_safety_doc, reason = "a module of WebAssembly sees no memory but its own")]
 
+mod beads;
 mod catalogue;
 mod drawn;
 mod lattices;
@@ -221,6 +222,14 @@ pub extern "C" fn studio_skin(studio: &mut Studio, rate: f64) -> u32 {
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_moved(studio: &mut Studio, frame: usize) -> u32 {
     studio.work(|studio| studio.moved(frame))
+}
+
+/// Simulates the bead in the trap of a point while the frames of `studio_follow` repeat at `rate` frames/s. The numbers are the
+/// time in s at which it was lost or NaN, its largest distance from the point in m until then, and its places (F, 3) in m
+/// at the frames of all laps.
+#[unsafe(no_mangle)]
+pub extern "C" fn studio_fly(studio: &mut Studio, point: usize, rate: f64) -> u32 {
+    studio.work(|studio| studio.fly(point, rate))
 }
 
 /// Writes the bytes with which the board named in the text buffer plays the drive; the number is its baud rate, or 0.

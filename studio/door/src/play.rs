@@ -1,6 +1,6 @@
 //! Play: solves frames one after the other, and encodes the bytes with which a board plays a drive.
 
-use midair::{Board, Complex32, Control, Error, Frames, SolveRequest};
+use midair::{Board, Complex32, Control, Error, Frames, Signature, SolveRequest};
 
 use crate::opened::Opened;
 use crate::studio::Studio;
@@ -17,7 +17,11 @@ impl Studio {
         let pressed = scene.request().pressures.as_ref();
         let targets = pressed.map(|each| each.repeat(frames));
         let mut drives = vec![Complex32::ZERO; frames * transducers];
-        let all = Frames { points: &places, targets: targets.as_deref(), count, margin: 0 };
+        // The path repeats. The stiffest traps need one frame before the first and one after the last.
+        let margin = usize::from(pressed.is_none() && scene.signature() == Some(&Signature::Trap));
+        let (start, end) = (&places[..margin * count], &places[places.len() - margin * count..]);
+        let around = [end, &places, start].concat();
+        let all = Frames { points: &around, targets: targets.as_deref(), count, margin };
         let mut kept = SolveRequest { aim: ask.aim, ..SolveRequest::default() };
         session.last().clear();
         session.follow(all, true, &mut kept, &mut drives, &mut Control::none())?;
@@ -32,7 +36,7 @@ impl Studio {
             reported.extend([turned, least, moduli.fold(0.0, f64::max)]);
             before = Some(drive);
         }
-        (self.numbers, self.frames) = (reported, drives);
+        (self.numbers, self.frames, self.places, self.course) = (reported, drives, places, None);
         self.frame(0)
     }
 

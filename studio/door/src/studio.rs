@@ -1,6 +1,7 @@
 //! Studio: the buffers between the page and the core, and the page's operations on a scene.
 
 use midair::files::{read_array, read_drive, write_drive};
+use midair::motion::Course;
 use midair::{Array, Complex32, Control, Error, InstructionSet, Precision, Status, bound, spl};
 
 use crate::lattices::Lattices;
@@ -22,6 +23,9 @@ pub struct Studio {
     pub(crate) frames: Vec<Complex32>,
     /// The motion of the skin under these frames, once it was predicted.
     pub(crate) touch: Option<Touch>,
+    /// Their points (T, M, 3) in m; and their knots in time, made for the first bead.
+    pub(crate) places: Vec<[f64; 3]>,
+    pub(crate) course: Option<Course>,
     /// The factor that the supply voltage or modulation must apply to the drive.
     scale: f32,
     opened: Option<Opened>,
@@ -45,6 +49,7 @@ impl Studio {
         let set = if scalar { InstructionSet::SCALAR } else { InstructionSet::best() };
         self.frames.clear();
         self.touch = None;
+        self.course = None;
         self.drive.clear();
         let opened = self.opened.insert(Opened::read(&self.text_in, toml, set)?);
         self.text = lines(opened.scene.doubts());

@@ -87,6 +87,18 @@ test.each([["WebM", "1a45dfa3"], ["GIF", "47494638"]])("one turn is filmed as %s
   expect(complaints).toEqual([]);
 });
 
+test("beads in moving traps are simulated, and the panel says which stay", async () => {
+  const traps = { array: { preset: "openmpd_pair", tiles: [1, 1] as [number, number] }, quantization: "none" as const, signature: "trap" as const, points: [[-0.02, 0, 0], [0.02, 0, 0]] as Vec3[] };
+  await page.evaluate((state) => window.midair!.set(state), { ...traps, path: { kind: "circle" as const, radius: 0.005, frequency: 10 } });
+  await unfold(page, "Motion");
+  await line().fill("4");
+  await expect.poll(() => page.getByText(/^All beads stay, at most 0\.\d\d mm from their path$/).count(), { timeout: 60_000 }).toBe(1);
+  await page.evaluate(() => window.midair!.set({ path: { kind: "circle", radius: 0.05, frequency: 30 } }));
+  await line().fill("4");
+  await expect.poll(() => page.getByText(/^Bead [12] is lost after \d+ ms$/).count(), { timeout: 60_000 }).toBeGreaterThan(0);
+  expect(complaints).toEqual([]);
+});
+
 test("a drive that comes by file has its own field and numbers beside B's", async () => {
   await page.evaluate(() => window.midair!.set({ path: null }));
   await page.evaluate(() => window.midair!.settled());

@@ -1,0 +1,93 @@
+//! Around: the force on a small sphere at places in a ball, from the pressure on the ball's surface; sixteen balls at once.
+
+#![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
+
+use alloc::vec;
+
+use crate::kernels::flight::TERMS;
+use crate::kernels::lanes::{LANES, Lanes};
+use crate::kernels::simd::Elementwise;
+use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+
+/// Number of values at a place: the pressure, its first derivatives along x, y and z, and its second derivatives along xx,
+/// xy, xz, yy, yz and zz.
+pub(crate) const VALUES: usize = 10;
+
+/// Index of each second derivative among the values, by its two axes.
+const SECOND: [[usize; 3]; 3] = [[4, 5, 6], [5, 7, 8], [6, 8, 9]];
+
+/// Matrices that turn the pressure on a ball into the force in it.
+pub(crate) struct Ball {
+    /// Real and imaginary part (P, [`VALUES`], D): the values at P places for a pressure of 1 in each of D directions.
+    pub(crate) inside: alloc::vec::Vec<[f32; 2]>,
+    /// ([`TERMS`], P): the coefficients of the polynomial fitted to a number of 1 at each place.
+    pub(crate) through: alloc::vec::Vec<f32>,
+    /// The number P of places.
+    pub(crate) places: usize,
+}
+
+/// Writes the polynomials of the force on a sphere with Gor'kov's `factors` into `out`, one ball a lane, from the real and
+/// imaginary pressures (D,) on the balls.
+pub(crate) fn forces(
+    set: InstructionSet,
+    ball: &Ball,
+    factors: [f32; 2],
+    sound: &[[Lanes; 2]],
+    out: &mut [[Lanes; 3]; TERMS],
+) {
+    dispatch!(set, s => {
+        let mut forces = vec![[[0.0; LANES]; 3]; ball.places];
+        for (rows, force) in ball.inside.chunks_exact(VALUES * sound.len()).zip(&mut forces) {
+            let mut values = [[s.splat(0.0); 2]; VALUES];
+            for (pair, rows) in rows.chunks_exact(2 * sound.len()).enumerate() {
+                let [first, second] = product(s, rows, sound);
+                (values[2 * pair], values[2 * pair + 1]) = (first, second);
+            }
+            for axis in 0..3 {
+                let compressed = real(s, values[0], values[1 + axis]);
+                let mut moved = s.splat(0.0);
+                for other in 0..3 {
+                    moved = s.add(moved, real(s, values[1 + other], values[SECOND[axis][other]]));
+                }
+                let [compression, motion] = factors;
+                let pulled = s.mul(compressed, s.splat(-2.0 * compression));
+                s.store(s.fma(moved, s.splat(2.0 * motion), pulled), &mut force[axis]);
+            }
+        }
+        for (shares, out) in ball.through.chunks_exact(ball.places).zip(out) {
+            let mut sums = [s.splat(0.0); 3];
+            for (&share, force) in shares.iter().zip(&forces) {
+                let share = s.splat(share);
+                for axis in 0..3 {
+                    sums[axis] = s.fma(share, s.load(&force[axis]), sums[axis]);
+                }
+            }
+            for axis in 0..3 {
+                s.store(sums[axis], &mut out[axis]);
+            }
+        }
+    });
+}
+
+/// Returns the products of two rows with the pressures. The sums of both rows are independent, so the processor adds them
+/// at the same time.
+#[inline(always)]
+fn product<S: Elementwise>(s: S, rows: &[[f32; 2]], sound: &[[Lanes; 2]]) -> [[S::V; 2]; 2] {
+    let mut sums = [[s.splat(0.0); 2]; 2];
+    let (first, second) = rows.split_at(sound.len());
+    for ((a, b), pressure) in first.iter().zip(second).zip(sound) {
+        let (re, im) = (s.load(&pressure[0]), s.load(&pressure[1]));
+        for (row, sum) in [a, b].into_iter().zip(&mut sums) {
+            let [own_re, own_im] = [s.splat(row[0]), s.splat(row[1])];
+            sum[0] = s.fnma(own_im, im, s.fma(own_re, re, sum[0]));
+            sum[1] = s.fma(own_im, re, s.fma(own_re, im, sum[1]));
+        }
+    }
+    sums
+}
+
+/// Returns the real part of conj(a) b.
+#[inline(always)]
+fn real<S: Elementwise>(s: S, a: [S::V; 2], b: [S::V; 2]) -> S::V {
+    s.fma(a[0], b[0], s.mul(a[1], b[1]))
+}

@@ -1,0 +1,270 @@
+//! Around: the force on a small sphere near a place, as a polynomial of the coordinates relative to the place.
+//!
+//! In a ball without sources, sound is a sum of regular spherical waves of orders l, each of which is a sum of plane waves in
+//! directions d:
+//!
+//! ```text
+//! p(x) = sum_d e^{j k d . x} c_d
+//! c_d = w_d sum_s w_s p(R s) sum_l (2l + 1)/(4 pi)^2 (-j)^l P_l(d . s)/j_l(kR)
+//! ```
+//!
+//! (NIST's Digital Library of Mathematical Functions, 10.60.7 and 14.30.9.) R is the ball's radius, k the wavenumber; d and s
+//! are the directions of a quadrature rule with weights w. Orders up to 6 leave an error of 1e-5 of the pressure. Gor'kov's
+//! potential U = c1 |p|^2 - c2 |grad p|^2 gives the force at some places in a smaller ball. A polynomial of degree 6 fitted
+//! to these forces is accurate to 1e-3.
+
+use alloc::string::ToString;
+use alloc::vec;
+use alloc::vec::Vec;
+use core::f64::consts::PI;
+
+use num_complex::{Complex32, Complex64};
+
+use crate::control::Control;
+use crate::error::Error;
+use crate::kernels::LANES;
+use crate::kernels::around::{Ball, VALUES, forces};
+use crate::kernels::flight::TERMS;
+use crate::math;
+use crate::propagation::field::field;
+use crate::propagation::model::Model;
+use crate::scene::dot;
+
+/// Highest order of the waves, and the ball's radius in wavelengths.
+const ORDERS: usize = 6;
+const BALL: f64 = 1.0 / 6.0;
+
+/// Degree of the polynomials, the radius in wavelengths within which they are used, and the number of places fitted.
+const DEGREE: usize = 6;
+const UNIT: f64 = 1.0 / 7.0;
+const PLACES: usize = 180;
+
+/// Number of terms in the power series of a Bessel function.
+const SERIES: usize = 11;
+
+/// Pairs of axes of the six second derivatives.
+const SECOND: [[usize; 2]; 6] = [[0, 0], [0, 1], [0, 2], [1, 1], [1, 2], [2, 2]];
+
+/// Force in N along x, y and z: coefficients of x^a y^b z^c by degree up to 6, then by falling exponents.
+pub(crate) type Polynomial = [[f64; 3]; TERMS];
+
+/// The forces on a sphere in the fields of drives of one array.
+pub(crate) struct Around<'a> {
+    model: &'a Model,
+    factors: [f64; 2],
+    /// Places on the ball in m, relative to its centre.
+    surface: Vec<[f64; 3]>,
+    ball: Ball,
+    /// Unit of the coordinates in m.
+    pub(crate) unit: f64,
+}
+
+impl<'a> Around<'a> {
+    /// Prepares the forces on a sphere with Gor'kov's factors of |p|^2 and -|grad p|^2.
+    pub(crate) fn new(model: &'a Model, factors: [f64; 2]) -> Self {
+        let medium = model.medium();
+        let wavelength = medium.wavelength();
+        let wavenumber = Complex64::new(2.0 * PI / wavelength, medium.absorption);
+        let (radius, unit) = (BALL * wavelength, UNIT * wavelength);
+        let rule = rule();
+        let surface = rule.iter().map(|(direction, _)| direction.map(|x| radius * x)).collect();
+        let waves = waves(&rule, wavenumber * radius);
+        let places = within();
+        let mut inside = Vec::with_capacity(PLACES * VALUES * rule.len());
+        for place in &places {
+            for value in 0..VALUES {
+                let plane: Vec<Complex64> = rule
+                    .iter()
+                    .map(|(direction, _)| {
+                        let slope = |axis: usize| Complex64::I * wavenumber * direction[axis];
+                        let way = unit * dot(*place, *direction);
+                        let wave = math::phasor(wavenumber.re * way) * math::exp(-wavenumber.im * way);
+                        match value {
+                            0 => wave,
+                            1..4 => wave * slope(value - 1),
+                            _ => SECOND[value - 4].iter().fold(wave, |wave, &axis| wave * slope(axis)),
+                        }
+                    })
+                    .collect();
+                inside.extend((0..rule.len()).map(|s| {
+                    let sum: Complex64 = plane.iter().zip(&waves).map(|(wave, row)| wave * row[s]).sum();
+                    [sum.re as f32, sum.im as f32]
+                }));
+            }
+        }
+        let ball = Ball { inside, through: through(&places), places: PLACES };
+        Self { model, factors, surface, ball, unit }
+    }
+
+    /// Returns the forces around places (P, 3) in m, each in the field of its drive (P, N). The coordinates relative to the
+    /// place are in units of [`Around::unit`].
+    ///
+    /// # Errors
+    /// As [`field`]; a stop.
+    pub(crate) fn at(
+        &self,
+        places: &[[f64; 3]],
+        drives: &[&[Complex32]],
+        control: &mut Control,
+    ) -> Result<Vec<Polynomial>, Error> {
+        let mut found = vec![[[0.0; 3]; TERMS]; places.len()];
+        let parts = found.chunks_mut(LANES).zip(places.chunks(LANES)).zip(drives.chunks(LANES)).collect();
+        control.each(parts, &|((found, places), drives): Part<'_>, control| {
+            let mut sound = vec![[[0.0; LANES]; 2]; self.surface.len()];
+            for (lane, (place, drive)) in places.iter().zip(drives).enumerate() {
+                let around: Vec<[f64; 3]> =
+                    self.surface.iter().map(|way| [0, 1, 2].map(|axis| place[axis] + way[axis])).collect();
+                let pressures = field(self.model, drive, &around, control).map_err(nowhere)?;
+                for (sound, p) in sound.iter_mut().zip(pressures) {
+                    (sound[0][lane], sound[1][lane]) = (p.re, p.im);
+                }
+            }
+            let mut out = [[[0.0; LANES]; 3]; TERMS];
+            forces(self.model.set, &self.ball, self.factors.map(|x| x as f32), &sound, &mut out);
+            for (lane, found) in found.iter_mut().enumerate() {
+                *found = out.map(|term| term.map(|lanes| f64::from(lanes[lane])));
+            }
+            Ok(())
+        })?;
+        Ok(found)
+    }
+}
+
+type Part<'a> = ((&'a mut [Polynomial], &'a [[f64; 3]]), &'a [&'a [Complex32]]);
+
+/// Returns the refusal of a place that a bead has come to.
+fn nowhere(error: Error) -> Error {
+    match error {
+        Error::Invalid { item, value, cure } => {
+            let place = "beads come where there is no force".to_string();
+            Error::File { place, reason: alloc::format!("{item} is {value}: {cure}") }
+        }
+        error => error,
+    }
+}
+
+/// Returns x^a y^b z^c up to degree 6, in the order of a [`Polynomial`].
+pub(crate) fn monomials([x, y, z]: [f64; 3]) -> [f64; TERMS] {
+    let mut all = [1.0; TERMS];
+    let mut next = 0;
+    let power = |x: f64, n: usize| (0..n).fold(1.0, |all, _| all * x);
+    for degree in 0..=DEGREE {
+        for rest in 0..=degree {
+            for c in 0..=rest {
+                all[next] = power(x, degree - rest) * power(y, rest - c) * power(z, c);
+                next += 1;
+            }
+        }
+    }
+    all
+}
+
+/// Returns the amplitudes (D, D) of the plane waves for a pressure of 1 in each direction of the rule; see the module's head.
+/// `size` is kR.
+fn waves(rule: &[([f64; 3], f64)], size: Complex64) -> Vec<Vec<Complex64>> {
+    let bessel = bessel(size);
+    let shares: Vec<Complex64> = (0..=ORDERS)
+        .map(|l| (-Complex64::I).powu(l as u32) * (2 * l + 1) as f64 / (bessel[l] * 16.0 * PI * PI))
+        .collect();
+    let wave = |(d, w): &([f64; 3], f64), (s, v): &([f64; 3], f64)| {
+        let cosine = dot(*d, *s);
+        let (mut before, mut own) = (0.0, 1.0);
+        let mut sum = Complex64::ZERO;
+        for (l, share) in shares.iter().enumerate() {
+            sum += share * own;
+            let next = ((2 * l + 1) as f64 * cosine * own - l as f64 * before) / (l + 1) as f64;
+            (before, own) = (own, next);
+        }
+        sum * (w * v)
+    };
+    rule.iter().map(|own| rule.iter().map(|other| wave(own, other)).collect()).collect()
+}
+
+/// Returns directions and weights (50,) of a quadrature rule on the sphere, exact to degree 11.
+///
+/// V. I. Lebedev, USSR Comput. Math. Math. Phys. 16(2), 10 (1976): the directions of the faces, edges and corners of a cube,
+/// and those of (1, 1, 3).
+fn rule() -> Vec<([f64; 3], f64)> {
+    let mut all = Vec::new();
+    let ways = [-3, -1, 0, 1, 3];
+    for x in ways {
+        for y in ways {
+            for z in ways {
+                let mut shape = [x, y, z].map(i32::abs);
+                shape.sort_unstable();
+                let weight = match shape {
+                    [0, 0, 1] => 4.0 / 315.0,
+                    [0, 1, 1] => 64.0 / 2835.0,
+                    [1, 1, 1] => 27.0 / 1280.0,
+                    [1, 1, 3] => 14641.0 / 725_760.0,
+                    _ => continue,
+                };
+                let way = [x, y, z].map(f64::from);
+                let length = math::sqrt(dot(way, way));
+                all.push((way.map(|x| x / length), 4.0 * PI * weight));
+            }
+        }
+    }
+    all
+}
+
+/// Returns the spherical Bessel functions j_l(z), l = 0 to 6, of a small z by their power series.
+fn bessel(z: Complex64) -> [Complex64; ORDERS + 1] {
+    let mut lead = Complex64::ONE;
+    core::array::from_fn(|order| {
+        let (mut term, mut total) = (lead, lead);
+        for n in 1..=SERIES {
+            term *= -z * z / (2 * n * (2 * (order + n) + 1)) as f64;
+            total += term;
+        }
+        lead *= z / (2 * order + 3) as f64;
+        total
+    })
+}
+
+/// Returns places in the unit ball, denser near its surface, where a fitted polynomial errs most.
+fn within() -> Vec<[f64; 3]> {
+    let place = |k: usize| {
+        let index = k as f64 + 0.5;
+        let (height, angle) = (1.0 - 2.0 * index / PLACES as f64, PI * (1.0 + math::sqrt(5.0)) * index);
+        let across = math::sqrt(1.0 - height * height);
+        let part = index * core::f64::consts::SQRT_2;
+        let depth = math::sin(PI / 2.0 * (part - math::floor(part)));
+        [across * math::cos(angle), across * math::sin(angle), height].map(|x| x * depth)
+    };
+    (0..PLACES).map(place).collect()
+}
+
+/// Returns the matrix ([`TERMS`], P) that fits a polynomial to numbers at P places by least squares: (A^T A)^-1 A^T with the
+/// monomials A (P, [`TERMS`]), by Cholesky's factor of A^T A.
+fn through(places: &[[f64; 3]]) -> Vec<f32> {
+    let rows: Vec<[f64; TERMS]> = places.iter().map(|&place| monomials(place)).collect();
+    let mut factor = vec![[0.0; TERMS]; TERMS];
+    for i in 0..TERMS {
+        for j in 0..=i {
+            let own: f64 = rows.iter().map(|row| row[i] * row[j]).sum();
+            let rest = own - (0..j).map(|k| factor[i][k] * factor[j][k]).sum::<f64>();
+            factor[i][j] = if i == j { math::sqrt(rest) } else { rest / factor[j][j] };
+        }
+    }
+    let mut found = vec![0.0; TERMS * places.len()];
+    for (place, row) in rows.iter().enumerate() {
+        let mut x = *row;
+        for i in 0..TERMS {
+            let above: f64 = (0..i).map(|k| factor[i][k] * x[k]).sum();
+            x[i] = (x[i] - above) / factor[i][i];
+        }
+        for i in (0..TERMS).rev() {
+            let below: f64 = (i + 1..TERMS).map(|k| factor[k][i] * x[k]).sum();
+            x[i] = (x[i] - below) / factor[i][i];
+        }
+        for (term, x) in x.iter().enumerate() {
+            found[term * places.len() + place] = *x as f32;
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+#[path = "tests/around.rs"]
+mod tests;

@@ -1,0 +1,57 @@
+//! Beads: simulates beads in the traps of the frames that `follow` has solved.
+
+use midair::motion::{BeadStart, Course, Envelope};
+use midair::{Control, Error};
+
+use crate::studio::Studio;
+
+/// Time constant of the transducers in s, the default of `midair.fly`.
+const TAU: f64 = 0.2e-3;
+
+impl Studio {
+    /// Simulates the bead in the trap of a point while the frames repeat at `rate` frames/s. The numbers are the time in s at
+    /// which it was lost or NaN, its largest distance from the point in m until then, and its places (F, 3) in m at the frames
+    /// of all laps.
+    pub(crate) fn fly(&mut self, point: usize, rate: f64) -> Result<(), Error> {
+        if self.course.is_none() {
+            let (drives, places) = (core::mem::take(&mut self.frames), core::mem::take(&mut self.places));
+            let how = (Envelope { rate, tau: TAU, linear: false }, true);
+            let course =
+                self.opened().and_then(|opened| Course::of(&places, &drives, &opened.model, how, &mut Control::none()));
+            (self.frames, self.places) = (drives, places);
+            self.course = Some(course?);
+        }
+        let course = self.course.take().ok_or_else(|| Error::invalid("frames", "none", "follow some first"))?;
+        let flown = self.flown(&course, point, rate);
+        self.course = Some(course);
+        self.numbers = flown?;
+        Ok(())
+    }
+
+    /// Returns the numbers of [`Studio::fly`].
+    fn flown(&mut self, course: &Course, point: usize, rate: f64) -> Result<Vec<f64>, Error> {
+        let opened = self.opened()?;
+        if point >= opened.scene.points().len() {
+            return Err(Error::invalid("point", point, "give the number of one, from 0"));
+        }
+        let (model, bead, none) = (&opened.model, opened.scene.bead(), &mut Control::none());
+        let place = course.resting(model, bead, &[point], none)?[0];
+        let start = BeadStart { place, speed: course.moving(point)[0], point };
+        let knots = course.knots(None)?;
+        let flown = course.fly(model, bead, &[start], knots, none)?;
+        let apart = flown.places.iter().zip(course.ways(knots, &[point])).map(|(own, way)| {
+            let square: f64 = own.iter().zip(way).map(|(a, b)| (a - b) * (a - b)).sum();
+            square.sqrt()
+        });
+        let mut numbers = vec![flown.lost[0], apart.fold(0.0, f64::max)];
+        // The times of frames lie between knots, that of the first frame before the first knot.
+        let lasts = course.spacing() * (knots - 1) as f64;
+        for frame in 0..(lasts * rate).round() as usize {
+            let knot = ((frame as f64 / rate - course.time(0.0)) / course.spacing()).max(0.0);
+            let (before, share) = (knot as usize, knot.fract());
+            let [from, to] = [before, before + 1].map(|knot| flown.places[knot.min(knots - 1)]);
+            numbers.extend([0, 1, 2].map(|axis| from[axis] + share * (to[axis] - from[axis])));
+        }
+        Ok(numbers)
+    }
+}

@@ -1,0 +1,60 @@
+// Beads: their simulation by the WebAssembly module, their places in the animation, and the sentences about them.
+import { readFileSync } from "node:fs";
+
+import { expect, test } from "vitest";
+
+import { balls, beadsAt, fateOf } from "../src/beads.ts";
+import { compile, type Flight, openDoor } from "../src/door.ts";
+import { framesOf } from "../src/paths.ts";
+import type { Vec3 } from "../src/types.ts";
+import { say, type Word } from "../src/words.ts";
+
+const door = openDoor(await compile(readFileSync(`${import.meta.dirname}/../built/midair.wasm`)));
+const english = (word: Word, put = {}) => say("en", word, put);
+
+/** Returns the simulated motion of beads that two boards carry around circles. */
+function flown(points: Vec3[], frequency: number, radius = 0.01): Flight[] {
+  const [count, rate] = [Math.round(1000 / frequency), 1000];
+  const scene = { array: { preset: "openmpd_pair", quantization: {} }, points: points.map((position) => ({ position })), signature: "trap", solver: { name: "glide", rate } };
+  door.open(JSON.stringify(scene));
+  door.follow(framesOf(points, { kind: "circle", radius, frequency }, rate, count / rate), count);
+  return points.map((_, n) => door.fly(n, rate));
+}
+
+test("a bead goes around with its trap, for laps of a second", () => {
+  const [flight] = flown([[0, 0, 0]], 4);
+  expect(flight.lost).toBeNaN();
+  expect(flight.farthest).toBeLessThan(1e-3);
+  expect(flight.places).toHaveLength(3 * 1000);
+  const place = beadsAt([flight], 125, 250)[0];
+  expect(Math.hypot(place[0] + 0.01, place[1], place[2])).toBeLessThan(flight.farthest + 1e-5);
+  expect(fateOf([flight], english)).toEqual([`The bead stays, at most ${(1000 * flight.farthest).toFixed(2)} mm from its path`]);
+});
+
+test("a bead that is carried too fast is lost, and is drawn until then", () => {
+  const flights = flown([[0, 0, 0]], 40, 0.03);
+  expect(flights[0].lost).toBeLessThan(0.5);
+  expect(beadsAt(flights, 0, 25)).toHaveLength(1);
+  expect(beadsAt(flights, 999, 25)).toEqual([]);
+  expect(fateOf(flights, english)).toEqual([`Bead 1 is lost after ${(1000 * flights[0].lost).toFixed(0)} ms`]);
+});
+
+test("frames that were not followed are not flown", () => {
+  door.open(JSON.stringify({ array: { preset: "openmpd_pair" }, points: [{ position: [0, 0, 0] }] }));
+  expect(() => door.fly(0, 1000)).toThrow(/drives is 0/);
+});
+
+test("lost beads are named by their time, those beyond three are counted, the others have their distance", () => {
+  const flight = (lost: number, farthest = 1e-4): Flight => ({ lost, farthest, places: new Float64Array(6) });
+  const stays = flight(NaN, 1.2e-4);
+  expect(fateOf([stays, flight(NaN)], english)).toEqual(["All beads stay, at most 0.12 mm from their path"]);
+  expect(fateOf([flight(0.05), stays, flight(0.034)], english)).toEqual(["Bead 3 is lost after 34 ms", "Bead 1 is lost after 50 ms", "The others stay, at most 0.12 mm from their path"]);
+  expect(fateOf([0.1, 0.2, 0.3, 0.4].map((lost) => flight(lost)), english).at(-1)).toBe("1 more are lost");
+});
+
+test("after the last lap it is flown again; balls have the size of a bead", () => {
+  const places = Float64Array.from({ length: 12 }, (_, k) => Math.floor(k / 3));
+  const at = (frame: number) => beadsAt([{ lost: NaN, farthest: 0, places }], frame, 2)[0][0];
+  expect([0, 1, 2, 3, 4, 5, 6].map(at)).toEqual([0, 1, 2, 3, 2, 3, 2]);
+  expect(balls([[1, 2, 3]])).toEqual([{ center: [1, 2, 3], radius: 1e-3, kind: "soft" }]);
+});
