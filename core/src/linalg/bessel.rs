@@ -6,23 +6,24 @@ use num_complex::Complex64;
 
 use crate::math;
 
-/// The series in 1/z is used from this |z| on. There both series have a relative error of about 1e-10.
+/// From this |z| on the series in 1/z is used. At this |z| both series have a relative error of about 1e-10.
 const FAR: f64 = 12.0;
 
-/// Number of terms of the series in 1/z, whose smallest term is the 24th at |z| = 12; most terms of the series in z.
+/// Number of terms of the series in 1/z, whose smallest term is the 24th at |z| = 12; and the largest number of terms
+/// of the series in z.
 const TERMS: u32 = 24;
 const MOST: u32 = 80;
 
 /// Euler's constant.
 const GAMMA: f64 = 0.577_215_664_901_532_9;
 
-/// Returns `K_0` (order 0) or `K_1` (order 1) of z with a real part above 0.
+/// Returns `K_0` (order 0) or `K_1` (order 1) of z, whose real part is above 0.
 pub(crate) fn modified_bessel(order: u32, z: Complex64) -> Complex64 {
     if math::hypot(z.re, z.im) < FAR { near(f64::from(order), z) } else { far(f64::from(order), z) }
 }
 
-/// Returns K of order n by the ascending series (DLMF 10.31): (1/z for n = 1) + (-z/2)^n sum of (z/2)^2k (h - ln(z/2))/(k!
-/// (n + k)!), where h is the mean of digamma(k + 1) and digamma(n + k + 1).
+/// Returns K of order n = 0 or 1 by the ascending series (DLMF 10.31): (1/z for n = 1) + (-z/2)^n sum of (z/2)^2k (h -
+/// ln(z/2))/(k! (n + k)!), where h is the mean of digamma(k + 1) and digamma(n + k + 1).
 fn near(order: f64, z: Complex64) -> Complex64 {
     let half = z / 2.0;
     let (square, logarithm) = (half * half, Complex64::new(math::log(math::hypot(half.re, half.im)), turn(half)));

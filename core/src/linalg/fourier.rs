@@ -1,4 +1,4 @@
-//! Fourier: discrete transforms of lines whose length is a power of two, in place.
+//! Discrete Fourier transforms, in place, of lists whose length n is a power of two.
 
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
@@ -7,7 +7,7 @@ use num_complex::Complex64;
 
 use crate::math;
 
-/// The transforms of one length.
+/// Constants of the transforms of lists of one length n.
 #[derive(Debug)]
 pub(crate) struct Fourier {
     /// e^{-2 pi j k/n} for k < n/2.
@@ -15,7 +15,7 @@ pub(crate) struct Fourier {
 }
 
 impl Fourier {
-    /// Prepares the transforms of lines of `length` numbers, a power of two.
+    /// Creates the constants for lists of `length` numbers, a power of two.
     pub(crate) fn new(length: usize) -> Self {
         debug_assert!(length.is_power_of_two());
         let root = |k| math::phasor(-TAU * k as f64 / length as f64);
@@ -45,7 +45,7 @@ impl Fourier {
         }
     }
 
-    /// Replaces X by n times the x whose [`Fourier::forward`] it is.
+    /// Replaces X by n x, where X is the result of [`Fourier::forward`] for x.
     pub(crate) fn backward(&self, line: &mut [Complex64]) {
         self.forward(line);
         line[1..].reverse();

@@ -1,4 +1,4 @@
-//! Felt: the thresholds of the palm's two tactile channels, and the felt strength of a vibration.
+//! Felt strength of a vibration of the palm, from the thresholds of its two tactile channels.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -8,27 +8,28 @@ use crate::math;
 /// Highest frequency, in Hz, of vibration that the skin perceives.
 pub const HIGHEST: f64 = 1000.0;
 
-/// Distance in m over which the slow channel compares displacements: the radius of the receptive field of a fast-adapting unit,
-/// 13 mm^2 (Johansson and Vallbo 1983).
+/// Distance in m over which the slow channel compares displacements. It is the radius of the receptive field of a
+/// fast-adapting unit, 13 mm^2 (Johansson and Vallbo 1983).
 pub const REACH: f64 = 2e-3;
 
 /// A tactile channel of the palm.
 ///
 /// The thresholds are for a contactor of 2.9 cm^2 and long bursts. Gescheider and Verrillo 1979 (doi
-/// 10.1007/978-1-4613-3039-4_10) state a fall of 12 dB an octave from 40 Hz to the best near 250 Hz. All levels, the slope of
-/// the slow channel and the rise above 500 Hz are from memory, to some 3 dB: the fast channel of Verrillo 1963 (J. Acoust.
-/// Soc. Am. 35, 1962), the slow one of Bolanowski et al. 1988 (84, 1680).
+/// 10.1007/978-1-4613-3039-4_10) state that the threshold of the fast channel falls by 12 dB an octave from 40 Hz to
+/// its minimum near 250 Hz. All levels, the slope of the slow channel and the rise above 500 Hz were written from
+/// memory and are accurate to some 3 dB. Those of the fast channel are from Verrillo 1963 (J. Acoust. Soc. Am. 35,
+/// 1962), those of the slow channel from Bolanowski et al. 1988 (84, 1680).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(clippy::exhaustive_enums, reason = "the model has two")]
 pub enum Channel {
-    /// Non-Pacinian I: senses differences of displacement over [`REACH`].
+    /// Non-Pacinian I channel: senses differences of displacement over [`REACH`].
     Slow,
-    /// Pacinian: senses displacement.
+    /// Pacinian channel: senses displacement.
     Fast,
 }
 
 impl Channel {
-    /// The threshold as (Hz, dB re 1 um peak).
+    /// Returns the points of the threshold curve: frequencies in Hz and peak displacements in dB relative to 1 um.
     fn curve(self) -> &'static [(f64, f64)] {
         match self {
             Self::Slow => &[
@@ -55,8 +56,9 @@ impl Channel {
         }
     }
 
-    /// Returns the smallest vibration that this channel perceives at a frequency in Hz, as peak displacement in m. It is
-    /// interpolated in dB over log frequency, and infinite outside of 1 to 1000 Hz.
+    /// Returns the smallest vibration that this channel perceives at a frequency in Hz, as peak displacement in m. The
+    /// levels in dB are interpolated over the logarithm of the frequency. Outside of 1 to 1000 Hz the result is
+    /// infinite.
     ///
     /// ```
     /// use midair::motion::Channel;
@@ -74,8 +76,9 @@ impl Channel {
         })
     }
 
-    /// Returns how far vibrations exceed the threshold at each of P places: sqrt(sum of |amplitude/threshold|^2) over L lines.
-    /// `squares` (L, P) are |amplitude|^2 in m^2 at the frequencies (L,) in Hz.
+    /// Returns the factor by which vibrations exceed the threshold at each of P places: sqrt(sum of
+    /// |amplitude/threshold|^2) over L spectral lines. `squares` (L, P) are |amplitude|^2 in m^2 at the frequencies
+    /// (L,) in Hz.
     #[must_use]
     pub fn excess(self, frequencies: &[f64], squares: &[f32], places: usize) -> Vec<f64> {
         let mut found = vec![0.0; places];
@@ -88,15 +91,16 @@ impl Channel {
     }
 }
 
-/// Returns the felt strength, 1 at the threshold: the stronger channel plus half of the weaker one (Hollins and Roy,
-/// Somatosens. Motor Res. 13, 1996).
+/// Returns the felt strength for the factors by which a vibration exceeds the thresholds of both channels; it is 1 at
+/// the threshold. It is the larger factor plus half of the smaller one (Hollins and Roy, Somatosens. Motor Res. 13,
+/// 1996).
 #[must_use]
 pub fn strength(slow: f64, fast: f64) -> f64 {
     slow.max(fast) + slow.min(fast) / 2.0
 }
 
-/// Returns twice the distance in m from the place of index `middle` to the nearest place with less than half of its value.
-/// It is infinite if no place has less.
+/// Returns the width of a felt spot in m: twice the distance from the place of index `middle` to the nearest place
+/// whose value is less than half of the value at `middle`. It is infinite if there is no such place.
 #[must_use]
 pub fn felt_width(values: &[f64], places: &[[f64; 3]], middle: usize) -> f64 {
     let apart = |place: &[f64; 3]| {

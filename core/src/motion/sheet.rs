@@ -1,13 +1,15 @@
 //! Sheet: a viscoelastic membrane under periodic pressure, solved for each line of the spectrum.
 //!
-//! With e^(+j w t), the displacement u of a membrane with mass per area m, wave speed c and loss factor eta obeys
+//! At the angular frequency w, with the time factor e^(+j w t), the pressure p displaces the membrane by u. The
+//! membrane has the mass m per area, the wave speed c and the loss factor eta:
 //!
 //! ```text
 //! T (laplacian u - s^2 u) = -p,    T = m c^2 (1 + j eta),    s = j w/(c sqrt(1 + j eta)).
 //! ```
 //!
-//! A point force F gives u = F K_0(s r)/(2 pi T). These waves fall to 1/e in about 2 c/(eta w), so that high
-//! frequencies spread less far than low ones. At 0 Hz an infinite membrane has no solution.
+//! A point force F displaces a place at the distance r by u = F K_0(s r)/(2 pi T), with the modified Bessel function
+//! K_0. These waves decay to 1/e in about 2 c/(eta w), so that high frequencies spread less far than low ones. At 0 Hz
+//! an infinite membrane has no solution.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -21,29 +23,30 @@ use crate::linalg::bessel::{modified_bessel, turn};
 use crate::linalg::fourier::Fourier;
 use crate::math;
 
-/// Table of `K_0`: least and largest |z|, and number of entries. The error is 0.2 % while waves exceed a hundredth.
+/// Limits of |z| in the table of `K_0`(z), and the number of its entries. The relative error is 0.2 % where waves have
+/// not decayed below a hundredth.
 const LEAST: f64 = 1e-5;
 const MOST: f64 = 400.0;
 const ENTRIES: usize = 6000;
 
-/// An infinite membrane.
+/// An infinite membrane, with the symbols of the module's head.
 #[derive(Clone, Debug)]
 pub struct Sheet {
     /// T in N/m.
     tension: Complex64,
     /// s at 1 Hz in 1/m.
     decay: Complex64,
-    /// `K_0` at ENTRIES numbers z with the angle of s, whose log |z| are evenly spaced.
+    /// `K_0`(z) at [`ENTRIES`] numbers z that have the angle of s; log |z| is evenly spaced.
     table: Vec<Complex64>,
 }
 
 impl Sheet {
-    /// Values for skin: wave speed in m/s, of 5 to 8 (Frier et al., EuroHaptics 2018); loss factor, with which waves of 200 Hz
-    /// fall to 1/e in 26 mm; and mass in kg/m^2, fitted to the threshold of 0.4 mN at 200 Hz on the finger (Dalecki et al.
-    /// 1995).
+    /// Values for skin. The wave speed, in m/s, is within the 5 to 8 m/s of Frier et al. (EuroHaptics 2018). With the
+    /// loss factor, waves of 200 Hz decay to 1/e in 26 mm. The mass, in kg/m^2, is fitted to the threshold of 0.4 mN at
+    /// 200 Hz on the finger (Dalecki et al. 1995).
     pub const SKIN: [f64; 3] = [6.0, 0.4, 6.4];
 
-    /// Makes a membrane from its wave speed in m/s, loss factor, and mass in kg/m^2.
+    /// Creates a membrane from its wave speed in m/s, loss factor, and mass in kg/m^2.
     ///
     /// # Errors
     /// Numbers that are not above 0 and finite.
@@ -62,13 +65,13 @@ impl Sheet {
         Ok(Self { tension: mass * speed * speed * elastic, decay, table: (0..ENTRIES).map(entry).collect() })
     }
 
-    /// T in N/m.
+    /// Returns T in N/m.
     #[must_use]
     pub fn tension(&self) -> Complex64 {
         self.tension
     }
 
-    /// Returns s in 1/m for a frequency in Hz: waves decay as e^(-Re(s) r) with the phase Im(s) r.
+    /// Returns s in 1/m for a frequency in Hz: waves decay as e^(-Re(s) r), and their phase falls by Im(s) r.
     #[must_use]
     pub fn decay(&self, frequency: f64) -> Complex64 {
         self.decay * frequency
@@ -85,16 +88,17 @@ impl Sheet {
         (a + (b - a) * (place - below as f64)) / (TAU * self.tension)
     }
 
-    /// Returns the displacement in m of a square of side `step` in m under 1 Pa on it: the mean over a disc of its area.
+    /// Returns the displacement in m/Pa of a square of side `step` in m under pressure on it. The square is replaced by
+    /// a disc of the same area.
     fn own(&self, frequency: f64, step: f64) -> Complex64 {
         let s = self.decay(frequency);
         let z = s * (step / math::sqrt(PI));
         (1.0 - z * modified_bessel(1, z)) / (s * s * self.tension)
     }
 
-    /// Returns displacements (L, R, C) in m for pressure lines (L, R, C) in Pa at `frequencies` (L,) in Hz, on squares of
-    /// side `step` in m. The membrane is infinite: the convolution with the response to a point force uses FFTs of at least
-    /// twice the size.
+    /// Returns displacements (L, R, C) in m for pressure lines (L, R, C) in Pa at `frequencies` (L,) in Hz, on squares
+    /// of side `step` in m. The pressure is convolved with the response to a point force by FFTs of at least twice the
+    /// size, so that the membrane is infinite.
     ///
     /// # Errors
     /// Lists of wrong lengths, a stop, too little memory.
@@ -136,16 +140,17 @@ impl Sheet {
     }
 }
 
-/// The Fourier transforms of a padded rectangle.
+/// The Fourier transforms of a rectangle padded with zeros.
 struct Waves {
     along: Fourier,
     up: Fourier,
-    /// Rows and columns, powers of two.
+    /// Numbers of rows and columns, powers of two.
     size: [usize; 2],
 }
 
 impl Waves {
-    /// Returns a quarter (N/2 + 1, M/2 + 1) of the spectrum of the response to 1 Pa on a square. Both are even along both axes.
+    /// Returns a quarter (N/2 + 1, M/2 + 1) of the spectrum of the response to 1 Pa on a square. Response and spectrum
+    /// are even along both axes, so that a quarter determines the rest.
     fn spectrum(
         &self,
         sheet: &Sheet,
@@ -154,7 +159,7 @@ impl Waves {
         control: &mut Control,
     ) -> Result<Vec<Complex64>, Error> {
         let [half, width] = self.size.map(|side| side / 2 + 1);
-        // A transform and its inverse multiply by the number of squares.
+        // A transform and its inverse together multiply by the number of squares.
         let share = step * step / (self.size[0] * self.size[1]) as f64;
         let mut quarter = vec![Complex64::ZERO; half * width];
         for i in 0..half {
@@ -162,7 +167,7 @@ impl Waves {
             for j in 0..width {
                 quarter[i * width + j] = match (i, j) {
                     (0, 0) => sheet.own(frequency, step) * share / (step * step),
-                    // The response at this distance was computed in row j.
+                    // The response at this distance was computed in row j, because it is symmetric in i and j.
                     _ if j < i && i < width => quarter[j * width + i],
                     _ => sheet.response(frequency, step * math::hypot(i as f64, j as f64)) * share,
                 };
@@ -182,7 +187,8 @@ impl Waves {
         Ok(quarter)
     }
 
-    /// Writes the convolution of a line (R, C) of pressure with the response into `moved`; `response` is its spectrum.
+    /// Writes to `moved` the convolution of a line (R, C) of `pressure` with the response, whose spectrum is
+    /// `response`.
     fn spread(
         &self,
         pressure: &[Complex32],
@@ -211,7 +217,7 @@ impl Waves {
                 *value *= response[i.min(down - i) * (across / 2 + 1) + column];
             }
             self.up.backward(&mut line);
-            // The padding is cut off: only these rows are the skin.
+            // The rows beyond those of the skin are padding.
             wide[k..].iter_mut().step_by(across).zip(&line).for_each(|(to, from)| *to = *from);
         }
         for (row, to) in wide.chunks_exact_mut(across).zip(moved.chunks_exact_mut(columns)) {
@@ -224,7 +230,7 @@ impl Waves {
     }
 }
 
-/// Fills a line of 2 n numbers with n + 1 numbers and the mirror image of those between the first and the last.
+/// Fills `line` with n + 1 numbers, followed by the mirror image of those between the first and the last: 2 n numbers.
 fn mirror(half: impl Iterator<Item = Complex64>, line: &mut Vec<Complex64>) {
     line.clear();
     line.extend(half);

@@ -1,4 +1,5 @@
-//! Skin: the spectrum of radiation pressure in frames that repeat, the motion that it causes, and its felt strength.
+//! Skin: the spectrum of radiation pressure in frames that repeat, the motion that this pressure causes, and its felt
+//! strength.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -16,10 +17,10 @@ use crate::motion::sheet::Sheet;
 /// Spectral lines weaker than this fraction of the strongest one are rounding errors and are left out.
 const QUIET: f32 = 1e-6;
 
-/// Number of places that are summed at once, so that they stay in the cache.
+/// Number of places whose spectra are summed at once, so that they stay in the cache.
 const BLOCK: usize = 256;
 
-/// The spectrum up to 1 kHz of radiation pressure at P places in T frames that repeat for ever.
+/// Spectrum up to 1 kHz of the radiation pressure at P places, in a sequence of T frames that repeats without end.
 #[derive(Clone, Debug)]
 pub struct Pushes {
     count: usize,
@@ -30,7 +31,7 @@ pub struct Pushes {
 }
 
 impl Pushes {
-    /// Makes an empty spectrum for `count` frames at `rate` frames per second.
+    /// Creates a spectrum of zeros for `count` frames at `rate` frames per second.
     ///
     /// # Errors
     /// No frame, no place, or a rate that is not above 0 and finite.
@@ -49,8 +50,8 @@ impl Pushes {
         Ok(Self { count, places, frequencies, mean: vec![0.0; places], lines: vec![Complex32::ZERO; lines * places] })
     }
 
-    /// Adds frames (K, P) of radiation pressure in Pa, from frame `first` on. Each frame is constant, so line h of T frames is
-    /// harmonic h of the samples times sinc(h/T).
+    /// Adds frames (K, P) of radiation pressure in Pa, from frame `first` on. The pressure of a frame is constant
+    /// during the frame, so that line h of T frames is harmonic h of the samples times sinc(h/T).
     ///
     /// # Errors
     /// Frames beyond the last, and rows of another length.
@@ -85,26 +86,28 @@ impl Pushes {
         Ok(())
     }
 
-    /// Frequencies (L,) of the lines in Hz, 0 < f <= 1 kHz; none if the frames repeat faster than that.
+    /// Returns the frequencies f (L,) of the spectral lines in Hz, 0 < f <= 1 kHz. There is none if the sequence
+    /// repeats more often than 1000 times a second.
     #[must_use]
     pub fn frequencies(&self) -> &[f64] {
         &self.frequencies
     }
 
-    /// The mean over time (P,) in Pa.
+    /// Returns the mean pressure over time (P,) in Pa.
     #[must_use]
     pub fn mean(&self) -> &[f32] {
         &self.mean
     }
 
-    /// The amplitudes (L, P) in Pa: the real part times e^(2 pi j f t) is the pressure.
+    /// Returns the complex amplitudes (L, P) in Pa: a line's pressure at time t is the real part of amplitude times
+    /// e^(2 pi j f t).
     #[must_use]
     pub fn lines(&self) -> &[Complex32] {
         &self.lines
     }
 }
 
-/// Returns for each of L lines (L, P) whether it is above rounding errors at some place.
+/// Returns, for each of L spectral lines (L, P), whether it is above rounding errors at any place.
 #[must_use]
 pub fn live_lines(lines: &[Complex32], places: usize) -> Vec<bool> {
     let largest = |line: &[Complex32]| line.iter().map(Complex32::norm_sqr).fold(0.0, f32::max);
@@ -113,23 +116,26 @@ pub fn live_lines(lines: &[Complex32], places: usize) -> Vec<bool> {
     loudest.iter().map(|&each| each > QUIET * most).collect()
 }
 
-/// Motion of a flat skin at each spectral line, and how it is felt.
+/// Motion of a flat skin at each spectral line, and the factors by which it exceeds the thresholds of both tactile
+/// channels.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Skin {
     /// Frequencies (L,) of the lines in Hz.
     pub frequencies: Vec<f64>,
-    /// Displacement (L, P) in m: the real part times e^(2 pi j f t) is the motion.
+    /// Complex displacements (L, P) in m: a line's motion at time t is the real part of displacement times e^(2 pi j f
+    /// t).
     pub displacement: Vec<Complex32>,
-    /// How far the motion exceeds the threshold of the slow channel (P,).
+    /// Factor by which the motion exceeds the threshold of the slow channel (P,).
     pub slow: Vec<f64>,
-    /// How far the motion exceeds the threshold of the fast channel (P,).
+    /// Factor by which the motion exceeds the threshold of the fast channel (P,).
     pub fast: Vec<f64>,
 }
 
 impl Skin {
-    /// Predicts the motion under pressure lines (L, R, C) in Pa at frequencies (L,) in Hz, on squares of side `step` in m. The
-    /// slow channel senses the gradient of the displacement times `reach` in m, the fast one the displacement.
+    /// Predicts the motion under pressure lines (L, R, C) in Pa at frequencies (L,) in Hz, on squares of side `step` in
+    /// m. The slow channel senses the gradient of the displacement times `reach` in m; the fast channel senses the
+    /// displacement.
     ///
     /// # Errors
     /// As [`Sheet::moved`].
@@ -159,7 +165,7 @@ impl Skin {
 }
 
 impl Skin {
-    /// Returns the displacement in m of a range of places at a time in s, without the steady part.
+    /// Returns the displacement in m of a range of places at a time in s, without its mean over time.
     #[must_use]
     pub fn motion(&self, time: f64, places: Range<usize>) -> Vec<f32> {
         let mut moved = vec![0.0; places.len()];
@@ -182,7 +188,7 @@ impl Skin {
     }
 }
 
-/// Returns |gradient|^2 of a line (R, C): central differences inside, one-sided differences at the rims.
+/// Returns |gradient|^2 of a spectral line (R, C): central differences inside, one-sided differences at the edges.
 fn slopes(line: &[Complex32], columns: usize, step: f64) -> Vec<f32> {
     let rows = line.len() / columns;
     let part = |k: usize, at: usize, side: usize, stride: usize| {

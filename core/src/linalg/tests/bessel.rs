@@ -3,7 +3,7 @@ use num_complex::Complex64;
 use super::modified_bessel;
 use crate::math::phasor;
 
-/// Order, |z|, the angle of z in rad, re and im of K by SciPy's `kv`.
+/// Order, |z|, angle of z in rad, and the real and imaginary part of K, computed by SciPy's `kv`.
 #[allow(clippy::unreadable_literal, reason = "as SciPy prints them")]
 const EXACT: [(u32, f64, f64, f64, f64); 14] = [
     (0, 1e-05, 1.37, 11.628856980351426, -1.3699999998450643),
@@ -23,7 +23,7 @@ const EXACT: [(u32, f64, f64, f64, f64); 14] = [
 ];
 
 #[test]
-fn both_are_those_of_another_library() {
+fn bessel_functions_agree_with_scipy() {
     for (order, size, angle, re, im) in EXACT {
         let (found, exact) = (modified_bessel(order, size * phasor(angle)), Complex64::new(re, im));
         assert!((found - exact).norm() < 1e-9 * exact.norm(), "K_{order} at {size} e^{angle}j: {found}");

@@ -8,7 +8,7 @@ use crate::math::phasor;
 use crate::rng::Rng;
 
 #[test]
-fn a_transform_is_the_sum_of_its_definition_and_goes_back() {
+fn a_transform_agrees_with_its_definition_and_is_inverted() {
     for length in [1, 2, 8, 64] {
         let mut rng = Rng::new(length as u64);
         let line: Vec<Complex64> = (0..length).map(|_| Complex64::new(rng.uniform() - 0.5, rng.uniform())).collect();

@@ -1,4 +1,4 @@
-//! Tests of the sheet: the closed form of a point load, and the sum over all places.
+//! Tests of the sheet: the closed form of a point load, and superposition of the loads of all places.
 
 use alloc::string::ToString;
 use alloc::vec;
@@ -17,7 +17,7 @@ fn sheet() -> Sheet {
 }
 
 #[test]
-fn a_point_load_is_the_closed_form() {
+fn a_point_load_moves_the_sheet_as_the_closed_form_says() {
     let (sheet, step, rows, columns) = (sheet(), 1e-3, 40, 50);
     for frequency in [10.0, 80.0, 250.0, 500.0] {
         let mut load = vec![Complex32::ZERO; rows * columns];
@@ -30,7 +30,7 @@ fn a_point_load_is_the_closed_form() {
             let found = Complex64::new(found.re.into(), found.im.into());
             assert!((found - exact).norm() < 2e-3 * exact.norm(), "{frequency} Hz at {i}, {j}: {found} {exact}");
         }
-        // At the load itself, the mean over the square is near the mean over a finer lattice of its parts.
+        // At the load itself the displacement is near the mean of the closed form over a fine lattice in the square.
         let fine = 40;
         let part = |k: usize| step * ((k as f64 + 0.5) / fine as f64 - 0.5);
         let parts = (0..fine * fine).map(|k| sheet.response(frequency, f64::hypot(part(k / fine), part(k % fine))));
@@ -41,7 +41,7 @@ fn a_point_load_is_the_closed_form() {
 }
 
 #[test]
-fn every_place_adds_its_waves_to_all_others() {
+fn the_motion_is_the_sum_of_that_by_each_place_alone() {
     let (sheet, sides, step) = (sheet(), [5_usize, 9], 2e-3);
     let load: Vec<Complex32> = (0..45).map(|k| Complex32::new((k * k % 7) as f32, (k % 5) as f32)).collect();
     let moved = sheet.moved(&[120.0], &load, sides, step, &mut Control::none()).expect("moved");
@@ -59,7 +59,7 @@ fn every_place_adds_its_waves_to_all_others() {
 }
 
 #[test]
-fn a_wrong_sheet_or_load_is_refused() {
+fn a_wrong_sheet_or_load_raises_an_error() {
     let refused = |sheet: Result<Sheet, Error>| sheet.expect_err("refused").to_string();
     assert_eq!(refused(Sheet::new(0.0, 0.4, 6.4)), "speed is 0: give a number above 0");
     assert_eq!(refused(Sheet::new(6.0, 0.4, f64::NAN)), "mass is NaN: give a number above 0");

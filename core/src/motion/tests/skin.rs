@@ -1,4 +1,4 @@
-//! Tests of the skin: lines of frames, the slope, thresholds, strength and width.
+//! Tests of the skin: spectral lines of frames, the slope, thresholds, strength and width.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -11,8 +11,8 @@ use crate::control::Control;
 use crate::motion::{Channel, Sheet, felt_width, strength};
 
 #[test]
-fn kept_frames_have_the_lines_of_their_steps() {
-    // On and off at 40 Hz: a square wave, 2/pi at 40 Hz, a third of that at 120 Hz.
+fn frames_of_a_square_wave_have_its_harmonics() {
+    // A square wave of 40 Hz between 0 and 1 has the amplitude 2/pi at 40 Hz, and a third of it at 120 Hz.
     for count in [2_usize, 60] {
         let mut pushes = Pushes::new(count, 40.0 * count as f64, 3).expect("pushes");
         let frames: Vec<f32> = (0..3 * count).map(|k| if k / 3 < count / 2 { 1.0 } else { 0.0 }).collect();
@@ -33,7 +33,7 @@ fn a_line_is_the_amplitude_of_its_cosine() {
     let mut pushes = Pushes::new(count, 6400.0, 1).expect("pushes");
     let frames: Vec<f32> = (0..count).map(|t| 3.0 + (TAU * t as f64 / 64.0 + 0.7).cos() as f32).collect();
     pushes.add(0, &frames).expect("added");
-    // A frame that lasts is on average half a frame late.
+    // Constant frames reduce the amplitude by sinc(1/64). Time 0 is the middle of the first frame.
     let kept = (PI / 64.0).sin() / (PI / 64.0);
     let exact = Complex32::from_polar(kept as f32, 0.7);
     assert!((pushes.lines()[0] - exact).norm() < 1e-5, "{}", pushes.lines()[0]);
@@ -61,7 +61,7 @@ fn a_quiet_line_moves_nothing() {
 }
 
 #[test]
-fn the_slope_of_a_ramp_is_even() {
+fn the_slope_of_a_ramp_is_constant() {
     let ramp: Vec<Complex32> = (0..20).map(|k| Complex32::new(3.0 * (k % 5) as f32, 4.0 * (k / 5) as f32)).collect();
     for square in slopes(&ramp, 5, 0.5) {
         assert!((square - 100.0).abs() < 1e-3, "{square}");
@@ -99,7 +99,7 @@ fn thresholds_strength_and_width() {
     }
     assert_eq!(Channel::Fast.threshold(0.5), f64::INFINITY);
     assert_eq!(Channel::Slow.threshold(1000.1), f64::INFINITY);
-    // Two lines that are three and four times the threshold add as energies.
+    // Two lines of three and four times the threshold add as the root of the sum of squares.
     let square = |times: f64, frequency: f64| (times * Channel::Fast.threshold(frequency)).powi(2) as f32;
     let excess = Channel::Fast.excess(&[100.0, 250.0], &[square(3.0, 100.0), square(4.0, 250.0)], 1);
     assert!((excess[0] - 5.0).abs() < 1e-5);
