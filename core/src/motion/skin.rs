@@ -1,5 +1,4 @@
-//! Skin: the spectrum of radiation pressure in frames that repeat, the motion that this pressure causes, and its felt
-//! strength.
+//! Skin: the spectrum of radiation pressure in frames that repeat, the motion that it causes, and its felt strength.
 
 use alloc::vec;
 use alloc::vec::Vec;
