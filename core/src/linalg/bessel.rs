@@ -12,6 +12,7 @@ const FAR: f64 = 12.0;
 /// Number of terms of the series in 1/z, whose smallest term is the 24th at |z| = 12; and the largest number of terms
 /// of the series in z.
 const TERMS: u32 = 24;
+/// Largest number of terms of the series in z.
 const MOST: u32 = 80;
 
 /// Euler's constant.
@@ -42,7 +43,7 @@ fn near(order: f64, z: Complex64) -> Complex64 {
     if order > 0.0 { 1.0 / z - half * sum } else { sum }
 }
 
-/// Returns K by the series for large z (DLMF 10.40): sqrt(pi/(2 z)) e^{-z} sum of `a_k`/z^k.
+/// Returns K of the given order for large z by the series in 1/z (DLMF 10.40): sqrt(pi/(2 z)) e^{-z} sum of `a_k`/z^k.
 fn far(order: f64, z: Complex64) -> Complex64 {
     let (mut sum, mut term) = (Complex64::ONE, Complex64::ONE);
     for k in 1..=TERMS {

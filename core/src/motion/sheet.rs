@@ -27,6 +27,7 @@ use crate::math;
 /// not decayed below a hundredth.
 const LEAST: f64 = 1e-5;
 const MOST: f64 = 400.0;
+/// Number of entries of the table. Interpolation has a relative error of about 1e-6 |z|^2: 0.2 % at |z| = 43.
 const ENTRIES: usize = 6000;
 
 /// An infinite membrane, with the symbols of the module's head.

@@ -43,7 +43,7 @@ impl Pushes {
             return Err(Error::invalid("frames", given, "give at least one, and one place"));
         }
         let apart = rate / count as f64;
-        // A line at 1 kHz is kept if rounding has moved it slightly above.
+        // A line at 1 kHz is kept even if rounding has moved its frequency slightly above 1 kHz.
         let lines = (HIGHEST / apart * (1.0 + 1e-9)) as usize;
         let frequencies = (1..=lines).map(|k| k as f64 * apart).collect();
         Ok(Self { count, places, frequencies, mean: vec![0.0; places], lines: vec![Complex32::ZERO; lines * places] })
@@ -137,7 +137,7 @@ impl Skin {
     /// displacement.
     ///
     /// # Errors
-    /// As [`Sheet::moved`].
+    /// The errors of [`Sheet::moved`].
     pub fn on_plane(
         sheet: &Sheet,
         frequencies: &[f64],
@@ -176,7 +176,7 @@ impl Skin {
         moved
     }
 
-    /// Returns the displacement (P,) in m, rms over time.
+    /// Returns the root mean square over time of the displacement (P,) in m.
     #[must_use]
     pub fn rms(&self) -> Vec<f32> {
         let mut squares = vec![0.0; self.slow.len()];

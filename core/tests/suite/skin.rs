@@ -1,4 +1,6 @@
-//! A skin under a circle, by Rust and by an earlier, independent program in Python (NumPy), which wrote golden/touch/ring.json.
+//! Compares the skin under a focus that moves on a circle with results of an earlier program in Python (NumPy).
+//!
+//! The program is independent of this code. Its results are in golden/touch/ring.json.
 
 use std::f64::consts::TAU;
 use std::fs;

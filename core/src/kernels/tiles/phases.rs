@@ -18,8 +18,8 @@ const SILENT: f32 = 1e-5;
 /// first of the `rounds` adds one point after another. Returns the sum of |v_k| times the moduli of those pressures in
 /// the last round.
 ///
-/// If the other points make no wave at a point, its v_k stays unchanged. `powers` are the sums of |G|^2 over the rows; `wave` is
-/// memory for b.
+/// If the other points make no wave at a point, its v_k stays unchanged. `powers` are the sums of |G|^2 over the rows;
+/// `wave` is memory for b.
 ///
 /// # Errors
 /// A requested stop, which is checked once a visit.
