@@ -9,8 +9,7 @@ use crate::math;
 /// From this |z| on the series in 1/z is used. At this |z| both series have a relative error of about 1e-10.
 const FAR: f64 = 12.0;
 
-/// Number of terms of the series in 1/z, whose smallest term is the 24th at |z| = 12; and the largest number of terms
-/// of the series in z.
+/// Number of terms of the series in 1/z: at |z| = 12 the 24th term is the smallest.
 const TERMS: u32 = 24;
 /// Largest number of terms of the series in z.
 const MOST: u32 = 80;

@@ -23,8 +23,7 @@ use crate::linalg::bessel::{modified_bessel, turn};
 use crate::linalg::fourier::Fourier;
 use crate::math;
 
-/// Limits of |z| in the table of `K_0`(z), and the number of its entries. The relative error is 0.2 % where waves have
-/// not decayed below a hundredth.
+/// Least and largest |z| in the table of `K_0`(z).
 const LEAST: f64 = 1e-5;
 const MOST: f64 = 400.0;
 /// Number of entries of the table. Interpolation has a relative error of about 1e-6 |z|^2: 0.2 % at |z| = 43.

@@ -99,7 +99,7 @@ fn thresholds_strength_and_width() {
     }
     assert_eq!(Channel::Fast.threshold(0.5), f64::INFINITY);
     assert_eq!(Channel::Slow.threshold(1000.1), f64::INFINITY);
-    // Two lines of three and four times the threshold add as the root of the sum of squares.
+    // Two lines of three and four times the threshold add as the root of the sum of squares: 5.
     let square = |times: f64, frequency: f64| (times * Channel::Fast.threshold(frequency)).powi(2) as f32;
     let excess = Channel::Fast.excess(&[100.0, 250.0], &[square(3.0, 100.0), square(4.0, 250.0)], 1);
     assert!((excess[0] - 5.0).abs() < 1e-5);
