@@ -18,16 +18,18 @@ const SECOND: [[usize; 3]; 3] = [[4, 5, 6], [5, 7, 8], [6, 8, 9]];
 
 /// Matrices that turn the pressure on a ball into the force in it.
 pub(crate) struct Ball {
-    /// Real and imaginary part (P, [`VALUES`], D): the values at P places for a pressure of 1 in each of D directions.
+    /// The matrix (P, [`VALUES`], D) that converts the pressures in D directions on the ball to the values at P places:
+    /// real and imaginary parts.
     pub(crate) inside: alloc::vec::Vec<[f32; 2]>,
-    /// ([`TERMS`], P): the coefficients of the polynomial fitted to a number of 1 at each place.
+    /// The matrix ([`TERMS`], P) that converts numbers at P places to the coefficients of the polynomial fitted to
+    /// them.
     pub(crate) through: alloc::vec::Vec<f32>,
     /// The number P of places.
     pub(crate) places: usize,
 }
 
-/// Writes the polynomials of the force on a sphere with Gor'kov's `factors` into `out`, one ball a lane, from the real and
-/// imaginary pressures (D,) on the balls.
+/// Writes the polynomials of the force on a sphere with Gor'kov's `factors` into `out`, one ball in each lane, from the
+/// real and imaginary pressures (D,) on the balls.
 pub(crate) fn forces(
     set: InstructionSet,
     ball: &Ball,

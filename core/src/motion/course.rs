@@ -1,4 +1,4 @@
-//! Course: radiation and points of a sequence at knots (interpolation nodes) in time, linear between them.
+//! Course: radiation and points of a sequence at knots (interpolation nodes in time), linear between knots.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -15,18 +15,19 @@ use crate::propagation::rest::poised;
 use crate::scene::Bead;
 use crate::scene::distance;
 
-/// Largest distance between two knots: time in s, and movement of a point in wavelengths. Between such knots, traps deviate
-/// by less than 0.1 % from linear interpolation.
+/// Largest time between two knots in s. Between such knots, traps deviate by less than 0.1 % from linear interpolation.
 const LONGEST: f64 = 1e-3;
+/// Largest movement of a point between two knots, in wavelengths.
 const WAY: f64 = 1.0 / 16.0;
 
-/// Longer frames are divided into parts of this many seconds, shorter than the transducers' settling time.
+/// Largest length in s of a part of a frame: longer frames are divided. It is shorter than the transducers' settling
+/// time.
 const SETTLED: f64 = 0.25e-3;
 
-/// By default a closed sequence is simulated for a second in whole laps, at most for this many.
+/// Largest number of laps in a flight of default duration: one second, rounded up to whole laps of a closed sequence.
 const LAPS: usize = 100;
 
-/// Knots in time: the transducers' radiation at each, and the points' places.
+/// Knots in time: the transducers' radiation at each knot, and the places of the points in each frame.
 #[derive(Clone, Debug)]
 pub struct Course {
     pub(super) envelope: Envelope,
@@ -48,8 +49,8 @@ pub struct Course {
 }
 
 impl Course {
-    /// Makes the knots for `frames` (T, M, 3) in m of M `points`. `before` (N,) is the transducers' radiation at the start of
-    /// the first frame. [`Course::play`] then takes the drive of each frame.
+    /// Creates the knots for `frames` (T, M, 3) in m of M `points`. `before` (N,) is the transducers' radiation at the
+    /// start of the first frame. [`Course::play`] then takes the drive of each frame.
     ///
     /// # Errors
     /// No points, another number of places than T M, a rate or a time constant out of range.
@@ -90,10 +91,10 @@ impl Course {
         })
     }
 
-    /// Makes the knots for a whole sequence: `frames` (T, M, 3) in m and `drives` (T, N).
+    /// Creates the knots for a whole sequence: `frames` (T, M, 3) in m and `drives` (T, N).
     ///
     /// # Errors
-    /// As [`Course::new`]; drives of another number of frames; more memory than allowed; a stop.
+    /// The errors of [`Course::new`]; drives of another number of frames; more memory than allowed; a stop.
     pub fn of(
         frames: &[[f64; 3]],
         drives: &[Complex32],
@@ -168,8 +169,8 @@ impl Course {
         (0..knots).map(|knot| self.time(knot as f64)).collect()
     }
 
-    /// Returns the number of knots of a flight of `duration` seconds. By default the flight lasts as long as the sequence, or
-    /// if it is closed a second in whole laps, at most 100.
+    /// Returns the number of knots of a flight of `duration` seconds. By default the flight lasts as long as an open
+    /// sequence. For a closed sequence it lasts one second, rounded up to whole laps, but at most 100 laps.
     ///
     /// # Errors
     /// An open sequence with fewer than two knots.
@@ -219,7 +220,8 @@ impl Course {
         (0..knots).flat_map(knot).collect()
     }
 
-    /// Returns velocity in m/s and acceleration in m/s^2 of a point at the start; 0 for an open sequence.
+    /// Returns the velocity in m/s and the acceleration in m/s^2 of a point at the start of a closed sequence; 0 for an
+    /// open one.
     #[must_use]
     pub fn moving(&self, point: usize) -> [[f64; 3]; 2] {
         if !self.closed {
@@ -233,11 +235,11 @@ impl Course {
         [speed, [0, 1, 2].map(pulled)]
     }
 
-    /// Returns the places (B, 3) in m at which beads in the traps of some points (B,) move with these from the start on. Where
-    /// there is none, it is the point's place.
+    /// Returns the places (B, 3) in m where beads in the traps of some points (B,) must start, so that they move with
+    /// their points at once. If there is no such place, it is the place of the point.
     ///
     /// # Errors
-    /// As [`crate::rest`].
+    /// The errors of [`crate::rest`].
     pub fn resting(
         &self,
         model: &Model,

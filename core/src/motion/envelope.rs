@@ -24,12 +24,12 @@ pub struct Envelope {
     pub rate: f64,
     /// Time constant in s; with 0 the transducers follow at once.
     pub tau: f64,
-    /// Whether amplitude and phase move in equal steps to those of the next frame during a frame, the phase by the shorter
-    /// way. Otherwise each drive stays for its whole frame.
+    /// Whether each drive changes linearly to the drive of the next frame: amplitude and phase separately, the phase by
+    /// the shorter way. Otherwise each drive stays constant for its whole frame.
     pub linear: bool,
 }
 
-/// The part of y that follows the drive: (constant + slope t) e^(j speed t), t since the frame's start.
+/// The part of y that follows the drive: (constant + slope t) e^(j speed t), with the time t since the frame's start.
 #[derive(Clone, Copy)]
 struct Course {
     constant: Complex64,
@@ -38,7 +38,7 @@ struct Course {
 }
 
 impl Envelope {
-    /// Returns how many of the last frames of a lap of `frames` affect what follows the lap.
+    /// Returns how many of the last frames of a lap of `frames` frames affect the radiation after the lap.
     #[must_use]
     pub fn memory(&self, frames: usize) -> usize {
         frames.min(math::ceil(FORGOTTEN * self.tau * self.rate) as usize + 1)

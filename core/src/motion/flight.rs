@@ -1,8 +1,9 @@
-//! Flight: how beads move in forces that change with time and place.
+//! Flight: the motion of beads in forces that change with time and place.
 //!
-//! A sequence changes its forces thousands of times a second, and each costs a pass over all transducers. Around a place
-//! that moves with a trap the force hardly changes from one millisecond to the next: it is a polynomial of the place there, and
-//! its coefficients go straight from one instant, a knot, to the next.
+//! A sequence changes its forces thousands of times a second, and each force takes a pass over all transducers. Around
+//! a centre that moves with a trap, the force hardly changes within a millisecond. So the force is a polynomial of the
+//! place relative to this centre. Its coefficients are known at knots (interpolation nodes in time), and change
+//! linearly from one knot to the next.
 
 use alloc::format;
 use alloc::vec::Vec;
@@ -15,45 +16,50 @@ use crate::scene::Medium;
 use crate::scene::Particle;
 use crate::scene::geometry::vector;
 
-/// Speeds of the table of drag: up to 8 m/s in steps of 8 mm/s. Between them the drag over the speed is straight to 2e-4 from
-/// .1 m/s on; below that the difference is less than 1e-4 of the weight of a bead of expanded polystyrene.
+/// Number of speeds in the table of drag: it reaches 8 m/s.
 const SPEEDS: usize = 1024;
+/// Step of the speeds in the table in m/s. From 0.1 m/s on, the drag is interpolated with a relative error of 2e-4.
+/// Below 0.1 m/s the error is less than 1e-4 of the weight of a bead of expanded polystyrene.
 const SPACING: f64 = 8e-3;
 
-/// The force on eight beads at a knot, in N: of x^a y^b z^c up to degree 6 the coefficients along x, y and z, where x, y, z are
-/// the place from a centre in units of [`Flight::unit`]. Monomials stand by degree, and of one by exponents that fall.
+/// The force on eight beads at a knot, in N: for each x^a y^b z^c up to degree 6, its coefficients along x, y and z.
+/// The place (x, y, z) is relative to a centre, in units of [`Flight::unit`]. Monomials are ordered by degree, then by
+/// falling exponents.
 pub(crate) type Force = [[[f64; 8]; 3]; 84];
 
-/// Place, speed and the last four accelerations of eight beads, the newest first, in SI units.
+/// Places, velocities and the last four accelerations of eight beads, the newest first, in SI units.
 pub(crate) type State = [[[f64; 8]; 3]; 6];
 
-/// Properties of beads, and the steps of their time.
+/// Properties of the beads, and the time steps of their motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Flight {
-    /// The beads, all alike.
+    /// The properties of each bead: all beads are equal.
     pub(crate) particle: Particle,
     /// Gravity in m/s^2.
     pub(crate) gravity: [f64; 3],
-    /// The time from a step to the next, in s.
+    /// The time step in s.
     pub(crate) step: f64,
-    /// Steps from a knot to the next.
+    /// Number of steps from one knot to the next.
     pub(crate) steps: usize,
     /// The unit of the coordinates in m.
     pub(crate) unit: f64,
 }
 
 impl Flight {
-    /// Moves eight beads under `forces` (K,), one a knot, around `centres` (steps (K - 1) + 1,), one a step, from step `from`
-    /// on, and writes `places` (P,), those at the knots that are reached. Where P is larger than K, forces and centres begin again:
-    /// the last are the first of the next lap. Returns the step that was the last: all of them, or the first after which a bead
-    /// is farther from its centre than its `reach` in m, which is NaN in a lane without a bead. Accelerations of NaN are those of the first forces:
-    /// before them, beads moved as they do then.
+    /// Moves eight beads from step `from` on. `forces` (K,) are given at each knot, `centres` (steps (K - 1) + 1,) at
+    /// each step. Writes the beads' places at the knots that are reached to `places` (P,). If P is larger than K, the
+    /// forces and centres repeat: the last ones are the first ones of the next lap.
+    ///
+    /// Returns the last step: the last of all, or the first step after which a bead is farther from its centre than its
+    /// `reach` in m. `reach` is NaN in a lane without a bead. Accelerations that are NaN are computed from the first
+    /// forces, as if they had been constant before.
     ///
     /// ```text
-    /// m x'' = F(x, t) + weight - buoyancy - drag(|x'|) x'/|x'|,   m = own mass + half that of the air in its place
+    /// m x'' = F(x, t) + weight - buoyancy - drag(|x'|) x'/|x'|,   m = mass of the bead + half the mass of the displaced air
     /// ```
     ///
-    /// by Adams' method of order 4. The mass of the air is that of a sphere that is accelerated in a fluid without friction.
+    /// This equation is integrated by Adams' method of order 4. The mass of the air is that of a sphere that is
+    /// accelerated in a fluid without friction.
     ///
     /// # Errors
     /// Lengths that do not fit; a step, a unit, a number of steps or a particle's value that is not above 0; a stop.

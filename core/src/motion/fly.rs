@@ -20,14 +20,14 @@ use crate::scene::{Bead, distance, dot, minus};
 /// Largest phase in rad that the fastest oscillation advances per step. Its frequency then has an error of 1e-4.
 const ANGLE: f64 = 0.3;
 
-/// Knots (interpolation nodes in time) whose forces are computed together; number of such blocks that are stored for later
-/// laps: about 500 MB, in a browser 80 MB.
+/// Number of knots (interpolation nodes in time) whose forces are computed together, as one block.
 const KNOTS: usize = 1024;
+/// Number of blocks that are stored for later laps: about 500 MB, in a browser 80 MB.
 const KEPT: usize = if cfg!(target_arch = "wasm32") { 5 } else { 32 };
 
-/// Largest number of knots that are simulated in one call; and the number after a bead has left its cell, when it may soon
-/// be lost.
+/// Largest number of knots that are simulated in one call.
 const FLOWN: usize = 8192;
+/// Largest number of further knots in a call after a bead has left its cell, because it may soon be lost.
 const SOON: usize = 16;
 
 /// Distance between neighbouring cells, in radii of a cell, so that every place lies well inside of a cell.
@@ -46,31 +46,31 @@ type Vectors = [[f64; LANES]; 3];
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[allow(clippy::exhaustive_structs, reason = "the state of a bead and its point")]
 pub struct BeadStart {
-    /// Its place in m.
+    /// The place of the bead in m.
     pub place: [f64; 3],
-    /// Its velocity in m/s.
+    /// The velocity of the bead in m/s.
     pub speed: [f64; 3],
-    /// The index of the point whose trap it is in.
+    /// The index of the point in whose trap the bead is.
     pub point: usize,
 }
 
-/// Simulated beads.
+/// The tracks of simulated beads.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Flown {
     /// Places (K, B, 3) in m at the knots; NaN after a bead was lost.
     pub places: Vec<[f64; 3]>,
-    /// Time (B,) in s at which each bead was lost, else NaN.
+    /// Time (B,) in s at which each bead was lost; NaN for a bead that was not lost.
     pub lost: Vec<f64>,
 }
 
 impl Course {
-    /// Simulates beads (B,) for a number of knots. Each obeys m x'' = F + weight - buoyancy - drag, with Gor'kov's force F in
-    /// the field at that time. A bead that is more than half a wavelength from its point is lost.
+    /// Simulates beads (B,) for a number of knots. Each bead obeys m x'' = F + weight - buoyancy - drag, with Gor'kov's
+    /// force F in the field at that time. A bead that is more than half a wavelength from its point is lost.
     ///
     /// # Errors
-    /// A place that is not finite, no bead, fewer than two knots; a place that a bead comes to and [`crate::field`] refuses; a
-    /// stop.
+    /// A place that is not finite, no bead, fewer than two knots; a bead that reaches a place which [`crate::field`]
+    /// rejects; a stop.
     pub fn fly(
         &self,
         model: &Model,
@@ -102,7 +102,8 @@ impl Course {
     }
 }
 
-/// Index of each bead's cell in the lattice of cells around its point; none in a lane without a bead or with a lost one.
+/// Index of each bead's cell in the lattice of cells around its point; `None` in a lane without a bead, and
+/// for a lost bead.
 type Cells = [Option<[i32; 3]>; LANES];
 
 /// Knots of a lap whose forces are computed together.
@@ -125,7 +126,7 @@ struct Group<'a> {
     model: &'a Model,
     flight: Flight,
     points: Vec<usize>,
-    /// The knot after the last one of a lap, or the last of the flight if that is shorter.
+    /// The number of knots of a lap, or the last knot of the flight if the flight is shorter.
     end: usize,
     cells: Cells,
     kept: BTreeMap<(usize, Cells), Found>,
@@ -207,7 +208,8 @@ impl<'a> Group<'a> {
         Stretch { first, count: KNOTS.min(self.end - first) }
     }
 
-    /// Returns the places (K, 3) at knots from `first` on, at most `most` more, and fewer after a bead has left its cell.
+    /// Returns the places (K, 3) at the knot `first` and at up to `most` knots after it; at fewer knots if a bead has
+    /// left its cell.
     fn through(&mut self, first: usize, most: usize, control: &mut Control) -> Result<Vec<Vectors>, Error> {
         let (stretch, lap, steps) = (self.stretch(first), self.course.lap(), self.flight.steps);
         let own = first % lap - stretch.first;
@@ -238,7 +240,8 @@ impl<'a> Group<'a> {
         Ok(places.split_off(own))
     }
 
-    /// Returns the cells' centres (S, 3) at the steps of a stretch, delayed by the transducers' time constant.
+    /// Returns the cells' centres (S, 3) at the steps of a stretch. They follow the points with a delay of the
+    /// transducers' time constant.
     fn centres(&self, stretch: Stretch) -> Vec<Vectors> {
         let steps = self.flight.steps;
         let at = |step: usize| {
@@ -255,7 +258,8 @@ impl<'a> Group<'a> {
         (0..=stretch.count * steps).map(at).collect()
     }
 
-    /// Returns the time in s whose points have their traps at a knot: earlier by the transducers' time constant.
+    /// Returns the time in s at which the points are where the traps are at a knot: traps are late by the transducers'
+    /// time constant.
     fn time(&self, knot: f64) -> f64 {
         self.course.time(knot) - self.course.envelope.tau
     }
@@ -315,7 +319,7 @@ impl<'a> Group<'a> {
             let middle = self.course.place(self.time(knot as f64), self.points[lane]);
             let place = [0, 1, 2].map(|axis| middle[axis] + offset[axis]);
             let drive = self.course.drive(knot);
-            // The knot after the last one of a lap is its first.
+            // The knot after the last knot of a lap is the first knot of the lap.
             if knot == 0 && !places.is_empty() && stretch.first == 0 {
                 which.push(0);
                 continue;

@@ -30,13 +30,16 @@ use crate::propagation::field::field;
 use crate::propagation::model::Model;
 use crate::scene::dot;
 
-/// Highest order of the waves, and the ball's radius in wavelengths.
+/// Highest order of the waves.
 const ORDERS: usize = 6;
+/// Radius of the ball in wavelengths.
 const BALL: f64 = 1.0 / 6.0;
 
-/// Degree of the polynomials, the radius in wavelengths within which they are used, and the number of places fitted.
+/// Degree of the polynomials.
 const DEGREE: usize = 6;
+/// Radius in wavelengths within which the polynomials are used.
 const UNIT: f64 = 1.0 / 7.0;
+/// Number of places to which a polynomial is fitted.
 const PLACES: usize = 180;
 
 /// Number of terms in the power series of a Bessel function.
@@ -45,7 +48,7 @@ const SERIES: usize = 11;
 /// Pairs of axes of the six second derivatives.
 const SECOND: [[usize; 2]; 6] = [[0, 0], [0, 1], [0, 2], [1, 1], [1, 2], [2, 2]];
 
-/// Force in N along x, y and z: coefficients of x^a y^b z^c by degree up to 6, then by falling exponents.
+/// Force in N along x, y and z: the coefficients of x^a y^b z^c, ordered by degree up to 6, then by falling exponents.
 pub(crate) type Polynomial = [[f64; 3]; TERMS];
 
 /// The forces on a sphere in the fields of drives of one array.
@@ -100,7 +103,7 @@ impl<'a> Around<'a> {
     /// place are in units of [`Around::unit`].
     ///
     /// # Errors
-    /// As [`field`]; a stop.
+    /// The errors of [`field`]; a stop.
     pub(crate) fn at(
         &self,
         places: &[[f64; 3]],
@@ -132,7 +135,7 @@ impl<'a> Around<'a> {
 
 type Part<'a> = ((&'a mut [Polynomial], &'a [[f64; 3]]), &'a [&'a [Complex32]]);
 
-/// Returns the refusal of a place that a bead has come to.
+/// Converts an error about a place that a bead has reached, where the field is not known.
 fn nowhere(error: Error) -> Error {
     match error {
         Error::Invalid { item, value, cure } => {
@@ -222,7 +225,7 @@ fn bessel(z: Complex64) -> [Complex64; ORDERS + 1] {
     })
 }
 
-/// Returns places in the unit ball, denser near its surface, where a fitted polynomial errs most.
+/// Returns places in the unit ball, denser near its surface, where a fitted polynomial has the largest errors.
 fn within() -> Vec<[f64; 3]> {
     let place = |k: usize| {
         let index = k as f64 + 0.5;

@@ -103,11 +103,12 @@ pub fn rest(
     })
 }
 
-/// Returns the place near a point where a trap gives a bead a `force` in N in addition to its weight and buoyancy, if there
-/// is one: the bead rests there under a gravity that is increased accordingly.
+/// Returns the place near a point where a trap exerts a `force` in N on a bead in addition to the one against its
+/// weight. This is the place where the bead rests under a gravity that is changed by this force. Returns `None` if
+/// there is none.
 ///
 /// # Errors
-/// As [`rest`].
+/// The errors of [`rest`].
 pub fn poised(
     model: &Model,
     drive: &[Complex32],

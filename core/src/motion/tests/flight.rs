@@ -1,4 +1,4 @@
-//! Tests of `fly`: closed forms of the oscillator, and the same bits by every instruction set.
+//! Tests of `Flight::fly`: closed forms of an oscillator, and the same bits by every instruction set.
 
 use super::*;
 use crate::kernels::simd::doubles::Eight;
@@ -110,7 +110,8 @@ fn every_set_gives_the_same_bits_and_a_flight_that_stops_goes_on_to_the_same() {
     assert!(calls == 4 && again == state && found == places);
 }
 
-/// Flies beads from `places`, in units along x, in a force whose terms of each degree are a tenth of those before.
+/// Returns the state after a flight of beads from `places`, which are along x in units of 1 mm. The terms of the force
+/// of each degree are a tenth of the terms of the degree before.
 fn swung(set: InstructionSet, places: Eight) -> State {
     let mut force = spring([0.02; 8]);
     for (t, term) in force.iter_mut().enumerate().skip(4) {

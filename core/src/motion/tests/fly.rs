@@ -8,7 +8,7 @@ use crate::scene::{Array, Medium};
 const COUNT: usize = 20;
 
 /// Returns two boards that face each other, and a function that gives the drive of a trap at a place: a focus of each board,
-/// that of the upper one with the opposite phase.
+/// with opposite phase for the upper board.
 fn boards() -> (Model, impl Fn([f64; 3]) -> Vec<Complex32>) {
     let array = Array::preset("openmpd_pair", [1, 1]).expect("an array");
     let model = Model::new(&array, Medium::default(), InstructionSet::best()).expect("a model");
