@@ -69,7 +69,7 @@ impl Course {
     /// force F in the field at that time. A bead that is more than half a wavelength from its point is lost.
     ///
     /// # Errors
-    /// A place that is not finite, no bead, fewer than two knots; a bead that reaches a place which [`crate::field`]
+    /// A place that is not finite, no bead, fewer than two knots; a bead that reaches a place which [`crate::field()`]
     /// rejects; a stop.
     pub fn fly(
         &self,
