@@ -8,8 +8,8 @@
 //! ```
 //!
 //! A point force F displaces a place at the distance r by u = F K_0(s r)/(2 pi T), with the modified Bessel function
-//! `K_0`. These waves decay to 1/e in about 2 c/(eta w), so that high frequencies spread less far than low ones. At 0 Hz
-//! an infinite membrane has no solution.
+//! `K_0`. These waves decay to 1/e in about 2 c/(eta w), so that high frequencies spread less far than low ones. At
+//! 0 Hz an infinite membrane has no solution.
 
 use alloc::vec;
 use alloc::vec::Vec;
