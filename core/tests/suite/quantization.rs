@@ -375,7 +375,7 @@ fn a_device_plays_no_point_louder_than_requested_unless_it_misses_less_and_keeps
                     let loudest = pairs.map(|(p, target)| f64::from(p.norm()) / target).fold(0.0, f64::max);
                     let scale = solution.scale;
                     let reported = format!("{name}, M = {count}, {part} on device {k}: {loudest}, {scale}");
-                    // A level above the target is allowed only if it misses the targets less than the even solution.
+                    // A solution may be louder than the target only if it misses the targets less than the even solution.
                     let residual = solution.metrics().residual;
                     assert!(loudest <= 1.0 + 1e-4 || residual < even, "{reported}");
                     even = residual;
