@@ -46,7 +46,8 @@ pub(crate) const ARGUMENTS: [&str; 7] = ["array", "points", "pressures", "weight
 /// signature : str, array_like or list, optional
 ///     Turns the foci into traps: "trap", "twin", "vortex", or complex factors (N,) or (M, N) of modulus 1. They
 ///     multiply the responses c while a scene is solved; pressures are then those of the foci, and `field` and `gorkov`
-///     use the real responses. A list has a name, or None for a focus, for each point.
+///     use the real responses. A list has a name, or None for a focus, for each point. Traps of pressure 0 are then as
+///     stiff as the pressures of the foci allow.
 /// bead : mapping, optional
 ///     Sphere that traps are made for: radius in m, density in kg/m^3, sound_speed in m/s and gravity (3,) in m/s^2. By
 ///     default a bead of expanded polystyrene, and 9.81 down the z axis.

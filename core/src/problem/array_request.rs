@@ -19,6 +19,9 @@ use crate::scene::Request;
 const MOST_TARGET: f64 = 1e15;
 const LEAST_TARGET: f64 = 1e-30;
 
+/// The part of the square of the balanced level that traps of pressure 0 have at least, however high the pressures of the foci are.
+const LEAST_LEFT: f64 = 0.05;
+
 /// The least pressure in Pa of all transducers together at a point. A point with a lower pressure counts as not reached: a
 /// division by this pressure would overflow.
 const LEAST_REACH: f64 = 1e-200;
@@ -40,6 +43,10 @@ pub(crate) struct ArrayRequest {
     pub(crate) relative_weights: Vec<f32>,
     /// The active points: the indices of those with a weight above 0.
     pub(crate) active: Vec<usize>,
+    /// Whether points are traps of pressure 0 beside foci that have a pressure (M,); empty if there is none.
+    free: Vec<bool>,
+    /// The strength of these traps in Pa before they are made stiff: what the foci leave of the balanced level.
+    left: f64,
     /// Whether the caller gave pressures, and whether the caller gave weights.
     pub(crate) given: bool,
     pub(crate) weighted: bool,
@@ -62,6 +69,8 @@ impl ArrayRequest {
             weights: Vec::new(),
             relative_weights: Vec::new(),
             active: Vec::new(),
+            free: Vec::new(),
+            left: 0.0,
             given: false,
             weighted: false,
             balance: 1.0,
@@ -84,6 +93,13 @@ impl ArrayRequest {
         self.weights.extend(all.clone().map(|j| request.weight(j)));
         self.active.clear();
         self.active.extend(all.clone().filter(|&j| self.weights[j] > 0.0));
+        self.free.clear();
+        if self.given
+            && let Some(signature) = self.propagation.signature().filter(|signature| signature.traps())
+            && all.clone().all(|j| !signature.is_trap(j) || self.pascals[j] == 0.0)
+        {
+            self.free.extend(all.clone().map(|j| signature.is_trap(j)));
+        }
         let heaviest = self.weights.iter().copied().fold(0.0, f64::max);
         self.relative_weights.clear();
         self.relative_weights.resize(padded(self.active.len()), 0.0);
@@ -91,6 +107,25 @@ impl ArrayRequest {
             *relative = (self.weights[j] / heaviest) as f32;
         }
         Ok((self.active.len() < all.end).then(|| self.propagation.select(&self.active)))
+    }
+
+    /// Whether there are traps without a pressure of their own.
+    pub(crate) fn frees_traps(&self) -> bool {
+        !self.free.is_empty()
+    }
+
+    fn is_free(&self, j: usize) -> bool {
+        self.free.get(j) == Some(&true)
+    }
+
+    /// The target of a point in Pa by which it is solved.
+    pub(crate) fn target(&self, j: usize) -> f64 {
+        if self.is_free(j) { self.left } else { self.pascals[j] }
+    }
+
+    /// The weight of a point in metrics: a trap without a pressure has none.
+    pub(crate) fn counted(&self, j: usize) -> f64 {
+        if self.is_free(j) { 0.0 } else { self.weights[j] }
     }
 
     /// Whether the targets have phases.
@@ -137,6 +172,14 @@ impl ArrayRequest {
         let loads = pairs.map(|(&j, &reach)| self.pascals[j] / (reach * reference)).filter(|load| *load > 0.0);
         let load = loads.clone().fold(0.0, f64::max);
         self.balance = 1.0 / (load * math::sqrt(loads.map(|own| (own / load) * (own / load)).sum()));
+        if self.frees_traps() {
+            // sum (target/p1)^2 of the foci is 1/balance^2, and 1 of all points.
+            let rest = (1.0 - 1.0 / (self.balance * self.balance)).max(LEAST_LEFT);
+            let traps = self.active.iter().zip(reach).filter(|(j, _)| self.free[**j]);
+            let loads = traps.map(|(_, reach)| 1.0 / (reach * reference)).fold(0.0, math::hypot);
+            self.left = math::sqrt(rest) / loads;
+            self.balance = self.balance.min(1.0);
+        }
         if !self.given {
             if self.balance < LEAST_TARGET * reference {
                 let weakest = self.active.iter().zip(reach).min_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(&j, _)| j);
@@ -153,7 +196,7 @@ impl ArrayRequest {
     /// Writes the targets of the active points times `factor`, in units of the reference, padded with zeros.
     pub(crate) fn scaled(&self, factor: f64, out: &mut [f32]) {
         for (out, &j) in out.iter_mut().zip(&self.active) {
-            *out = (self.pascals[j] * factor / self.propagation.reference()) as f32;
+            *out = (self.target(j) * factor / self.propagation.reference()) as f32;
         }
         out[self.active.len()..].fill(0.0);
     }
@@ -169,7 +212,7 @@ impl ArrayRequest {
         let (mut miss, mut all) = (0.0, 0.0);
         for &j in &self.active {
             // Pressures are divided by the largest target, so that no square of a finite number overflows.
-            let (weight, target) = (self.weights[j] / heaviest, self.pascals[j] / largest);
+            let (weight, target) = (self.counted(j) / heaviest, self.pascals[j] / largest);
             let pressure = Complex64::new(f64::from(pressures[j].re), f64::from(pressures[j].im)) / largest;
             miss += weight * (pressure - target * math::phasor(self.phases[j])).norm_sqr();
             all += weight * target * target;
@@ -179,7 +222,6 @@ impl ArrayRequest {
 
     /// Returns the metrics of pressures |p| (M,) in Pa.
     pub(crate) fn metrics(&self, pressures: impl Iterator<Item = f64> + Clone) -> Metrics {
-        let requested = self.pascals.iter().zip(&self.weights);
-        Metrics::of(pressures.zip(requested).map(|(pressure, (&target, &weight))| (pressure, target, weight)))
+        Metrics::of(pressures.enumerate().map(|(j, pressure)| (pressure, self.pascals[j], self.counted(j))))
     }
 }

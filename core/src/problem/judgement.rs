@@ -13,7 +13,7 @@ use crate::problem::metrics::Metrics;
 use crate::problem::solution::Solution;
 use crate::problem::status::Status;
 use crate::propagation::field_of;
-use crate::scene::{Aim, words};
+use crate::scene::words;
 use crate::workspace::Workspace;
 
 /// Quiet points are reported if their leak exceeds the allowed leak by this factor. A solver checks only some points
@@ -41,8 +41,7 @@ impl Problem {
     /// (`meets`), if targets were not given or are not the aim, or if the solve was stopped. Quiet points may leak the part
     /// `quiet` of the largest target.
     pub(crate) fn missed(&self, meets: bool, quiet: Option<f64>, solution: &Solution) -> Option<f64> {
-        let requested =
-            meets && self.asks_pressures() && self.aim() == Aim::Target && solution.status != Status::Stopped;
+        let requested = meets && self.holds_pressures() && solution.status != Status::Stopped;
         let miss = if requested { self.miss(solution, quiet.unwrap_or(0.0)) } else { 0.0 };
         (miss > MISS).then_some(miss)
     }
@@ -62,7 +61,7 @@ impl Problem {
         let heaviest = active.iter().fold(0.0, |most: f64, &j| most.max(weights[j]));
         let (mut miss, mut all) = (0.0, 0.0);
         for &j in active {
-            let (weight, target) = (weights[j] / heaviest, pascals[j] / largest);
+            let (weight, target) = (self.targets.counted(j) / heaviest, pascals[j] / largest);
             let gap = (math::modulus(solution.pressures[j]) / largest - target).abs();
             let gap = if target > 0.0 { gap } else { (gap - quiet).max(0.0) };
             miss += weight * gap * gap;
@@ -79,7 +78,7 @@ impl Problem {
         let quiet = active.iter().filter(|&&j| pascals[j] == 0.0);
         let targeted = active.iter().filter(|&&j| pascals[j] > 0.0);
         let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
-        let leak = most(&mut quiet.map(|j| modulus(&j) * weights[*j]));
+        let leak = most(&mut quiet.map(|j| modulus(&j) * self.targets.counted(*j)));
         let heaviest = most(&mut targeted.clone().map(|j| weights[*j]));
         let loudest = most(&mut targeted.map(|j| modulus(&j)));
         if leak == 0.0 { 0.0 } else { leak / heaviest / loudest }
@@ -115,10 +114,10 @@ impl Problem {
 
     /// Returns the metrics of a field at the points of weight above 0, in units of the reference.
     pub(crate) fn metrics_of<'a>(&self, field: impl Iterator<Item = (&'a f32, &'a f32)> + Clone) -> Metrics {
-        let ArrayRequest { active, pascals, weights, propagation, .. } = &*self.targets;
+        let ArrayRequest { active, pascals, propagation, .. } = &*self.targets;
         let unit = propagation.reference();
         let point = |((&re, &im), &j): ((&f32, &f32), &usize)| {
-            (math::modulus(Complex32::new(re, im)) * unit, pascals[j], weights[j])
+            (math::modulus(Complex32::new(re, im)) * unit, pascals[j], self.targets.counted(j))
         };
         Metrics::of(field.zip(active).map(point))
     }

@@ -258,10 +258,24 @@ impl Problem {
         self
     }
 
-    /// The aim: by default the targets if pressures were given, else the highest level of the array.
+    /// The aim: by default the targets if pressures were given, else the highest level of the array. It is the highest level
+    /// if traps have a pressure of 0 beside foci.
     #[must_use]
     pub fn aim(&self) -> Aim {
+        if self.targets.frees_traps() {
+            return Aim::Max;
+        }
         self.aim.unwrap_or(if self.targets.given { Aim::Target } else { Aim::Max })
+    }
+
+    /// Whether pressures are requested in Pa, not only their ratios.
+    pub(crate) fn holds_pressures(&self) -> bool {
+        self.targets.given && self.aim.unwrap_or(Aim::Target) == Aim::Target
+    }
+
+    /// Whether there are traps of pressure 0 beside foci that have a pressure: such traps are as stiff as possible.
+    pub(crate) fn frees_traps(&self) -> bool {
+        self.targets.frees_traps()
     }
 
     /// Whether a start was given, as a drive or as phases at the points.
@@ -323,7 +337,7 @@ impl Problem {
 
     /// Targets |p_j| of the points of weight above 0 in Pa, at the balanced level if that was requested.
     pub fn active_targets_in_pascals(&self) -> impl Iterator<Item = f64> + '_ {
-        self.targets.active.iter().map(|&j| self.targets.pascals[j] * self.factor)
+        self.targets.active.iter().map(|&j| self.targets.target(j) * self.factor)
     }
 
     /// Weights of the points of weight above 0, divided by the largest, padded with zeros.

@@ -71,7 +71,7 @@ impl Problem {
         let reference = self.propagation().reference();
         let mut powers = Vec::with_capacity(reach.len());
         for (k, (&j, &reach)) in self.targets.active.iter().zip(reach).enumerate() {
-            let target = (self.targets.pascals[j] * self.factor / reference).min(MOST_EXCESS * reach);
+            let target = (self.targets.target(j) * self.factor / reference).min(MOST_EXCESS * reach);
             // A quiet point may keep a row that is too weak.
             let outside = reach > *MIDDLE.end() || (reach < *MIDDLE.start() && target > 0.0);
             let power = if outside { inverse_power(reach) } else { 1.0 };

@@ -146,20 +146,22 @@ impl Kept {
         Ok(matrix.into())
     }
 
-    /// The stiffness of traps at the points, without the signature. `None` where derivatives of the field are unknown, as on
-    /// the surface of a sphere or a mesh.
+    /// The stiffness of the points that are traps, without the signature; the other points are foci. `None` where derivatives of
+    /// the field are unknown, as on the surface of a sphere or a mesh.
     ///
     /// # Errors
     /// More memory than allowed, a stop by the caller.
     fn stiffness(&self, control: &mut Control) -> Result<Option<Stiffness>, Error> {
         // The best instruction set can be used, because all sets give the same bits.
         let set = InstructionSet::best();
+        let trap = |j: &usize| self.signature.as_ref().is_some_and(|signature| signature.is_trap(*j));
+        let (traps, foci): (Vec<usize>, _) = (0..self.points.len()).partition(trap);
         Stiffness::of(
             (set, self.bead),
             &self.sources,
             self.scattering.as_deref(),
             self.channels.as_ref(),
-            &self.points,
+            (&self.points, [traps, foci]),
             control,
         )
     }

@@ -43,7 +43,7 @@ use crate::kernels::propagate::rows;
 use crate::kernels::{self, ControlPoints, InstructionSet, Row, padded};
 use crate::math;
 use crate::propagation::kept::{Kept, Known};
-use crate::scene::{Array, Bead, Scene, UNITS};
+use crate::scene::{Array, Bead, Scene, Signature, UNITS};
 
 /// The matrix G, one row for each transducer. Rows are computed from positions when needed, or come from a matrix of the user's
 /// own (measured, or computed elsewhere). Solvers work with both alike.
@@ -256,6 +256,11 @@ impl Propagation {
             Rows::Computed { sources, points, .. } => Some((&sources.array, points, None)),
             Rows::Stored { kept, .. } => kept.as_ref().map(|kept| (&kept.sources.array, &*kept.points, Some(&**kept))),
         }
+    }
+
+    /// The signature of the points, if they have one.
+    pub(crate) fn signature(&self) -> Option<&Signature> {
+        self.origin()?.2?.signature.as_ref()
     }
 
     /// The points (M, 3) in m; `None` for a user's own matrix.

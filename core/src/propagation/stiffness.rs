@@ -9,6 +9,8 @@
 //!
 //! C, F and S are constant, q is the drive. K contains eigenvalues and not the stiffness along x, y and z: all three of these
 //! can be above 0 although the trap is open in a direction between two axes.
+//!
+//! Foci beside the traps have rows of C, too. Only the first coefficient of a focus, its pressure, is used.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -37,12 +39,13 @@ const LEAST_STIFFNESS: f64 = 1e-3;
 /// The matrices F for each of [`ENTRIES`], followed by S for each axis.
 type Forms = Vec<[[f64; TERMS]; TERMS]>;
 
-/// C, F and S of some points, for a particle; see the module's head.
+/// C, F and S of some points, for a particle: traps, and after them foci. See the module's head.
 pub(crate) struct Stiffness {
     /// C column by column, one column for each transducer or channel; the rows of point j begin at j [`TERMS`]. Padded, real
     /// and imaginary part, in units of the reference.
     planes: [Vec<f32>; 2],
-    points: usize,
+    /// The indices of the traps and of the foci among the points.
+    chosen: [Vec<usize>; 2],
     /// F in N/m and S in N, for coefficients in the units of `planes`.
     forms: Forms,
     /// The forces in N on the particle at each point besides the sound: weight less buoyancy, minus the forces of
@@ -63,9 +66,10 @@ impl Stiffness {
         sources: &Sources,
         scattering: Option<&Scattering>,
         channels: Option<&Channels>,
-        points: &[[f64; 3]],
+        (places, chosen): (&[[f64; 3]], [Vec<usize>; 2]),
         control: &mut Control,
     ) -> Result<Option<Self>, Error> {
+        let points: Vec<[f64; 3]> = chosen.iter().flatten().map(|&j| places[j]).collect();
         let transducers = sources.array.len();
         let columns = channels.map_or(transducers, Channels::count);
         let lanes = padded(points.len() * TERMS);
@@ -100,9 +104,9 @@ impl Stiffness {
         let finite = re.iter().chain(&im).all(|c| c.is_finite());
         let made = Self {
             planes: [re, im],
-            points: points.len(),
             forms: forms(particle.factors(sources.medium), &units),
-            load: vec![particle.weight(sources.medium, gravity); points.len()],
+            load: vec![particle.weight(sources.medium, gravity); chosen[0].len()],
+            chosen,
             particle,
             medium: sources.medium,
         };
@@ -160,12 +164,27 @@ impl Stiffness {
 
     /// The number of rows of C.
     pub(crate) fn rows(&self) -> usize {
-        self.points * TERMS
+        self.chosen.iter().map(Vec::len).sum::<usize>() * TERMS
+    }
+
+    /// The numbers of the traps and of the foci.
+    pub(crate) fn chosen(&self) -> [&[usize]; 2] {
+        self.chosen.each_ref().map(|chosen| &chosen[..])
+    }
+
+    fn traps(&self) -> usize {
+        self.chosen[0].len()
+    }
+
+    /// The pressures of the foci, in units of the reference: the point in the order of C, re and im.
+    pub(crate) fn foci(&self, field: [&[f32]; 2]) -> impl Iterator<Item = (usize, [f64; 2])> {
+        (self.traps()..self.traps() + self.chosen[1].len())
+            .map(move |j| (j, field.map(|plane| f64::from(plane[j * TERMS]))))
     }
 
     /// The eigenvalues K (3 M,) for coefficients c, given as real and imaginary part.
     pub(crate) fn at(&self, field: [&[f32]; 2]) -> impl Iterator<Item = f64> {
-        (0..self.points).flat_map(move |j| eigen(self.hessian(field, j)).0)
+        (0..self.traps()).flat_map(move |j| eigen(self.hessian(field, j)).0)
     }
 
     /// Returns, for coefficients c, the net force (M, 3) on the particles and the inverse of each |H|. Their product is the
@@ -178,7 +197,7 @@ impl Stiffness {
                 |a: usize, b: usize| values.iter().zip(&vectors).map(|(k, v)| v[a] * v[b] / k.abs().max(least)).sum();
             (self.net(field, j), [0, 1, 2].map(|a| [0, 1, 2].map(|b| entry(a, b))))
         };
-        (0..self.points).map(each).unzip()
+        (0..self.traps()).map(each).unzip()
     }
 
     fn net(&self, field: [&[f32]; 2], j: usize) -> [f64; 3] {
@@ -213,7 +232,7 @@ impl Stiffness {
         }
     }
 
-    /// The matrix H of point j.
+    /// The matrix H of trap j.
     fn hessian(&self, field: [&[f32]; 2], j: usize) -> [[f64; 3]; 3] {
         let parts = field.map(|plane| coefficients(plane, j));
         let mut hessian = [[0.0; 3]; 3];

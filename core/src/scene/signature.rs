@@ -96,10 +96,20 @@ impl Signature {
         KNOWN.iter().find(|(_, known)| known == self).map(|known| known.0)
     }
 
-    /// Whether all points are [`Signature::Trap`].
+    /// Whether point `j` is [`Signature::Trap`].
+    pub(crate) fn is_trap(&self, j: usize) -> bool {
+        match self {
+            Self::Each(each) => each[j] == Self::Trap,
+            own => *own == Self::Trap,
+        }
+    }
+
+    /// Whether there are traps, and all other points are foci.
     pub(crate) fn traps(&self) -> bool {
         match self {
-            Self::Each(each) => each.iter().all(|one| *one == Self::Trap),
+            Self::Each(each) => {
+                each.contains(&Self::Trap) && each.iter().all(|one| matches!(one, Self::Trap | Self::Focus))
+            }
             own => *own == Self::Trap,
         }
     }

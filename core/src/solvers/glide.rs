@@ -34,7 +34,6 @@ use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field;
 use crate::solvers::even_field::answer::Answer;
 use crate::solvers::even_field::run::{Plan, QUIET, SWEEPS};
-use crate::solvers::even_field::traps;
 use crate::solvers::even_field::traps_within::{self, Turn};
 use crate::solvers::even_field::within::{Steps, even_within};
 use crate::solvers::last::Last;
@@ -162,7 +161,7 @@ impl Glide {
         control: &mut Control,
     ) -> Result<Solution, Error> {
         let mut frame = Frame::new(self, free, problem, last, work, control)?;
-        let Some(mut traps) = traps::requested(problem, control)? else {
+        let Some(mut traps) = traps_within::requested(problem, last, control)? else {
             frame.sweep(self, control)?;
             let status = frame.level(self, problem, work, control)?;
             frame.keep_foci(problem, last, work, control)?;

@@ -151,3 +151,28 @@ fn a_potential_can_be_stopped() {
     let answer = gorkov(&model, &drive, &points, Particle::default(), &mut Control::watched(&mut stop));
     assert_eq!(answer.err(), Some(Error::Stopped));
 }
+
+#[test]
+fn traps_of_pressure_0_are_stiff_beside_foci_of_their_pressures() {
+    let points = vec![[0.0; 3], [0.012, 0.0, 0.003], [-0.011, 0.004, -0.002]];
+    let names = [Signature::Trap, Signature::Focus, Signature::Trap];
+    let made = |pressures: [f64; 3]| {
+        let request = Request { pressures: Some(pressures.to_vec()), ..Request::default() };
+        let scene = Scene::new(facing(2), Medium::default(), points.clone(), request);
+        scene.and_then(|scene| scene.with_signature(Some(Signature::Each(names.clone().into())))).expect("a scene")
+    };
+    let softest = |scene: &Scene| {
+        let (model, solution) = (Model::of(scene, InstructionSet::best()), solved(scene));
+        let traps = [points[0], points[2]];
+        let felt = gorkov(&model, &solution.drive, &traps, Particle::default(), &mut Control::none());
+        let stiffness = felt.expect("a force").hessian.into_iter().flat_map(|h| [h[0][0], h[1][1], h[2][2]]);
+        (stiffness.fold(f64::INFINITY, f64::min), solution)
+    };
+    let (free, solution) = softest(&made([0.0, 3000.0, 0.0]));
+    let (equal, _) = softest(&made([3000.0; 3]));
+    assert!(free > 1.5 * equal && equal > 0.0, "{free} {equal}");
+    assert!((solution.pressures[1].norm() - 3000.0).abs() < 15.0);
+    // Of the foci alone.
+    let metrics = solution.metrics();
+    assert!((metrics.accuracy - 1.0).abs() < 5e-3 && metrics.leak == 0.0);
+}

@@ -36,7 +36,8 @@ class Request:
     aim
         "target", or "max" if only points are given.
     stiff
-        Whether the points are traps without requested pressures, which are solved for the largest stiffness.
+        Whether the points are traps, or traps and foci, without requested pressures. Such traps are solved
+        for the largest stiffness.
     """
 
     array: Array
@@ -118,7 +119,9 @@ def request(
     elif aim == "max" and _swells(requested):
         warn('aim is "max", but pressures change between frames: leave it out, it plays each frame in full')
     rad = bound(frames, *bounds)
-    stiff = targets is None and aim == "max" and scene.signature == "trap"
+    names = [scene.signature] if isinstance(scene.signature, str) else scene.signature
+    traps = isinstance(names, list) and "trap" in names and all(name in ("trap", None) for name in names)
+    stiff = targets is None and aim == "max" and traps
     loops = bool(loops if closed is None else closed)
     return Request(array, scene, points, requested, frames, rad, loops, aim, air, options, stiff)
 

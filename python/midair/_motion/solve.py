@@ -79,8 +79,9 @@ def sequence(
         called again with the same arguments, the solve continues and gives the same bits.
     **options
         Options of the solver; the air: frequency, sound_speed, temperature, absorption, density, obstacles.
-        signature="trap" moves traps. Without pressures the traps are as stiff as possible for `bead`; with
-        pressures they are solved like foci, and targets and pressures are those of these foci.
+        signature="trap" moves traps. Without pressures the traps are as stiff as possible for `bead`, and
+        foci beside them keep their level; with pressures they are solved like foci, and targets and
+        pressures are those of these foci.
 
     Returns
     -------

@@ -7,9 +7,9 @@
 //! ds = sum_i Re(dq_i h_i),   h_i = sum_k (ds/dRe c_k - j ds/dIm c_k) C_ki
 //! ```
 //!
-//! where c = C q are the derivatives of the field at the points. Each stiffness K changes in the same way. So each
-//! drive in turn takes one of the three phases around its own: the one with the least |s|^2 less the soft minimum of K.
-//! A pass begins with the present places and stiffnesses.
+//! where c = C q are the derivatives of the field at the points. Each stiffness K changes in the same way, and so does the error v
+//! of each focus ([`crate::solvers::even_field::held`]). So each drive in turn takes one of the three phases around its own: the
+//! one with the least |s|^2 and E of v, less the soft minimum of K. A pass begins with the present places and stiffnesses.
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -24,6 +24,7 @@ use crate::math;
 use crate::propagation::jet::TERMS;
 use crate::propagation::stiffness::Stiffness;
 use crate::scene::dot;
+use crate::solvers::even_field::held::{Held, Off};
 use crate::solvers::even_field::soft_minimum;
 
 /// Number of passes. The first removes nine tenths of the rounding errors, the others the errors of its linear model.
@@ -40,7 +41,7 @@ const SHARPNESS: f64 = 48.0;
 /// stays within this many codes of another drive.
 pub(super) fn bring(
     set: InstructionSet,
-    (traps, unit): (&Stiffness, f64),
+    (traps, held, unit): (&Stiffness, &Held, f64),
     quantization: &Quantization,
     bound: Option<(&[Complex32], f32)>,
     drive: &mut [Complex32],
@@ -63,9 +64,16 @@ pub(super) fn bring(
     for _ in 0..PASSES {
         let field = traps.field(drive);
         let field = field.each_ref().map(|plane| &plane[..]);
-        let (mut values, slopes) = slopes(traps, field);
+        let (mut values, mut slopes) = slopes(traps, field);
         let places = values.len();
         values.extend(traps.at(field));
+        let others = values.len();
+        for Off { row, part, slope } in held.off(traps, field) {
+            values.push(part);
+            let mut pulls = [[0.0; TERMS]; 2];
+            pulls.iter_mut().zip(slope).for_each(|(pull, slope)| pull[0] = slope as f32);
+            slopes.push((row, pulls));
+        }
         let share = 1.0 / (APART * APART * places as f64);
         for (i, q) in drive.iter_mut().enumerate() {
             if *q == Complex32::ZERO {
@@ -79,10 +87,11 @@ pub(super) fn bring(
             };
             let cost = |to: Complex32| {
                 let values = moved(to);
+                let (values, foci) = values.split_at(others);
                 let (shifts, stiffness) = values.split_at(places);
                 let soft = soft_minimum::negated(stiffness.iter().map(|k| k / unit), SHARPNESS);
                 let lost = f64::from((to - requested[i]).norm_sqr()) / requested.len() as f64;
-                share * shifts.iter().map(|s| s * s).sum::<f64>() + soft + lost
+                share * shifts.iter().map(|s| s * s).sum::<f64>() + held.cost(foci.iter().copied()) + soft + lost
             };
             let around = [own, own * back, own * on].into_iter().filter(|&to| to == own || allowed(i, to));
             let nearest = around.map(|to| (cost(to), to)).min_by(|a, b| a.0.total_cmp(&b.0)).map_or(own, |(_, to)| to);

@@ -1,5 +1,7 @@
 //! Traps without pressures: phases turned until the softest of all is as stiff as possible.
 //!
+//! Foci beside them keep their pressures ([`crate::solvers::even_field::held`]).
+//!
 //! The objective is the soft minimum ([`soft_minimum`]) of K_ja, the stiffness at point j along its axis a, over the least at
 //! first.
 //!
@@ -18,10 +20,12 @@ use crate::error::Error;
 use crate::kernels::propagate::rows;
 use crate::math;
 use crate::problem::Problem;
+use crate::propagation::jet::TERMS;
 use crate::propagation::stiffness::Stiffness;
 use crate::scene::{Aim, Signature, dot};
 use crate::solvers::common::phase_descent::{Cost, PhaseDescent};
 use crate::solvers::common::tiled::{Rows, Wave};
+use crate::solvers::even_field::held::{Held, Off};
 use crate::solvers::even_field::rest_on_grid;
 use crate::solvers::even_field::run::Run;
 use crate::solvers::even_field::soft_minimum;
@@ -30,6 +34,10 @@ use crate::workspace::Workspace;
 /// The stages: sharpness of the minimum, weight of the resting places, and number of steps: twice the steps bring 1 % more.
 const STAGES: [(f64, f64); 2] = [(8.0, 0.02), (32.0, 0.1)];
 const STEPS: usize = 30;
+
+/// With foci the last stage is done again, this many times at most, until each is this near to its pressure, relative to it.
+const AGAIN: usize = 3;
+const NEAR: f64 = 3e-4;
 
 /// A distance of resting places in m whose square counts as much as the softest trap, times a stage's weight.
 const APART: f64 = 1e-4;
@@ -40,6 +48,7 @@ const LEAST: f64 = 0.01;
 /// The softest of all traps, negated: smooth, and in parts of `unit`; and how far beads rest from their points.
 pub(super) struct Softest<'a> {
     stiffness: &'a Stiffness,
+    held: &'a Held,
     /// The sharpness of the minimum, and the weight of resting places.
     stage: (f64, f64),
     pub(super) unit: f64,
@@ -51,20 +60,21 @@ pub(super) struct Softest<'a> {
 
 impl<'a> Softest<'a> {
     /// In the last stage, in parts of what a field has.
-    pub(super) fn last(stiffness: &'a Stiffness, field: [&[f32]; 2], beside: Option<[&'a [f32]; 2]>) -> Self {
-        Self { beside, ..Self::new(stiffness, field, STAGES[STAGES.len() - 1]) }
+    pub(super) fn last(traps: (&'a Stiffness, &'a Held), field: [&[f32]; 2], beside: Option<[&'a [f32]; 2]>) -> Self {
+        Self { beside, ..Self::new(traps, field, STAGES[STAGES.len() - 1]) }
     }
 
-    fn new(stiffness: &'a Stiffness, field: [&[f32]; 2], stage: (f64, f64)) -> Self {
+    fn new((stiffness, held): (&'a Stiffness, &'a Held), field: [&[f32]; 2], stage: (f64, f64)) -> Self {
         let now: Vec<f64> = stiffness.at(field).collect();
         let largest = now.iter().fold(0.0, |most: f64, k| most.max(k.abs()));
         let unit = least(&now).max(LEAST * largest).max(f64::MIN_POSITIVE);
-        Self { stiffness, stage, unit, yielding: stiffness.balance(field).1, beside: None }
+        Self { stiffness, held, stage, unit, yielding: stiffness.balance(field).1, beside: None }
     }
 
     /// E of a field.
     pub(super) fn of_field(&self, field: [&[f32]; 2]) -> f64 {
-        soft_minimum::negated(self.parts(field).into_iter(), self.stage.0) + self.apart(field).0
+        let held = self.held.cost(self.held.off(self.stiffness, field).map(|focus| focus.part));
+        soft_minimum::negated(self.parts(field).into_iter(), self.stage.0) + self.apart(field).0 + held
     }
 
     /// The field of a wave, and the values beside it.
@@ -99,28 +109,42 @@ impl Cost for Softest<'_> {
         self.of_field([&field[0], &field[1]])
     }
 
-    fn pull(&self, wave: &Wave, pulls: [&mut [f32]; 2]) {
+    fn pull(&self, wave: &Wave, mut pulls: [&mut [f32]; 2]) {
         let field = self.field_at(wave);
         let field = [&field[0][..], &field[1]];
         let parts = self.parts(field);
         let (least, sum) = soft_minimum::shares(parts.iter().copied(), self.stage.0);
         let share = |k: &f64| math::exp(self.stage.0 * (least - k)) / (-self.unit * sum);
         let weights: Vec<f64> = parts.iter().map(share).collect();
-        self.stiffness.pull(field, &weights, &self.apart(field).1, pulls);
+        self.stiffness.pull(field, &weights, &self.apart(field).1, pulls.each_mut().map(|plane| &mut **plane));
+        for (Off { row, slope, .. }, pulled) in self.held.pulled(self.held.off(self.stiffness, field)) {
+            pulls.iter_mut().zip(slope).for_each(|(plane, slope)| plane[row * TERMS] = (pulled * slope) as f32);
+        }
     }
 }
 
-/// The traps of a problem where nothing but stiff ones is requested of its points.
+/// The traps of a problem where nothing but stiff ones is requested of its traps, and the foci beside them.
 ///
 /// # Errors
 /// More memory than allowed, a stop.
 pub(crate) fn requested(problem: &Problem, control: &mut Control) -> Result<Option<Stiffness>, Error> {
     let kept = problem.propagation().origin().and_then(|(_, _, kept)| kept);
-    let trapping = problem.aim() == Aim::Max && !problem.asks_pressures();
+    let trapping = problem.aim() == Aim::Max && !problem.asks_pressures() || problem.frees_traps();
     match kept.filter(|kept| trapping && kept.signature.as_ref().is_some_and(Signature::traps)) {
         Some(kept) => (kept.make.stiffness)(kept, control),
         None => Ok(None),
     }
+}
+
+/// The level of the foci beside traps in a field, over their targets: that of the weakest. Pressures requested in Pa are the
+/// level themselves.
+pub(super) fn level(traps: &Stiffness, problem: &Problem, field: [&[f32]; 2]) -> f64 {
+    if problem.holds_pressures() {
+        return 1.0;
+    }
+    let targets = traps.chosen()[1].iter().map(|&j| f64::from(problem.targets()[j]));
+    let foci = targets.zip(traps.foci(field)).filter(|(target, _)| *target > 0.0);
+    foci.map(|(target, (_, [re, im]))| math::hypot(re, im) / target).fold(f64::INFINITY, f64::min)
 }
 
 /// C of traps, as kernels read it.
@@ -163,12 +187,17 @@ fn descend(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
     let rows = rows(&traps, problem, work, run.control)?;
     let mut wave = Wave::new(&rows, work);
     wave.play_at_full(&rows, foci.drives(transducers, work).into_iter());
-    let cost = |wave: &Wave, stage: (f64, f64)| Softest::new(&traps, planes(wave), stage);
-    let begun = cost(&wave, STAGES[1]);
+    let requested = Held::of(&traps, problem, level(&traps, problem, planes(&wave)));
+    let begun = Softest::new((&traps, &requested), planes(&wave), STAGES[1]);
     let before = begun.of(&wave);
     let mut descent = PhaseDescent::new(wave, &begun, &rows, work);
-    for stage in STAGES {
-        let cost = cost(&descent.wave, stage);
+    let mut held = requested.clone();
+    for (round, stage) in STAGES.into_iter().chain([STAGES[1]; AGAIN]).enumerate() {
+        let off = if round > 0 { held.learn(&traps, planes(&descent.wave)) } else { 0.0 };
+        if round >= STAGES.len() && off <= NEAR {
+            break;
+        }
+        let cost = Softest::new((&traps, &held), planes(&descent.wave), stage);
         descent.follow(&cost, &rows);
         for _ in 0..STEPS {
             if run.stopped || !run.report(foci) || !descent.step(&cost, &rows) {
@@ -181,8 +210,8 @@ fn descend(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
     }
     let mut drive = descent.wave.drives(transducers, work);
     if let Some(quantization) = problem.quantization() {
-        let unit = cost(&descent.wave, STAGES[1]).unit;
-        rest_on_grid::bring(set, (&traps, unit), quantization, None, &mut drive);
+        let unit = Softest::new((&traps, &held), planes(&descent.wave), STAGES[1]).unit;
+        rest_on_grid::bring(set, (&traps, &held, unit), quantization, None, &mut drive);
     }
     foci.play(run.rows, drive.into_iter());
     Ok(true)

@@ -30,6 +30,7 @@ use crate::propagation::stiffness::Stiffness;
 use crate::scene::{distance, dot};
 use crate::solvers::common::phase_descent::PhaseDescent;
 use crate::solvers::common::tiled::Wave;
+use crate::solvers::even_field::held::Held;
 use crate::solvers::even_field::rest_on_grid;
 use crate::solvers::even_field::traps::{self, Softest, planes};
 use crate::solvers::last::{Last, settled};
@@ -44,6 +45,12 @@ const FURTHEST: f64 = 0.2;
 /// A point that moves further than this part of the wavelength in a frame is another one: no bead would follow.
 const JUMP: f64 = 0.25;
 
+/// The traps of a frame, and the foci beside them.
+pub(crate) struct Moving {
+    traps: Stiffness,
+    held: Held,
+}
+
 /// The range of phases, the number of steps, and the remaining envelope after a frame.
 #[derive(Clone, Copy)]
 pub(crate) struct Turn {
@@ -52,8 +59,27 @@ pub(crate) struct Turn {
     pub(crate) kept: f64,
 }
 
+/// The traps of a frame where nothing but stiff ones is requested of them. The foci beside them keep the level of the first frame,
+/// unless they have pressures in Pa.
+///
+/// # Errors
+/// More memory than allowed, a stop.
+pub(crate) fn requested(problem: &Problem, last: &mut Last, control: &mut Control) -> Result<Option<Moving>, Error> {
+    let Some(traps) = traps::requested(problem, control)? else { return Ok(None) };
+    let foci = !traps.chosen()[1].is_empty();
+    if foci && last.weights.len() != 1 {
+        let field = traps.field(&last.played);
+        last.weights.clear();
+        last.weights.push(traps::level(&traps, problem, [&field[0], &field[1]]) as f32);
+    }
+    let level = if foci { f64::from(last.weights[0]) } else { 1.0 };
+    let held = Held::of(&traps, problem, level);
+    Ok(Some(Moving { traps, held }))
+}
+
 /// Has the particles of traps move with their points, a frame after the last; what is to be remembered of that.
-pub(crate) fn accelerate(traps: &mut Stiffness, problem: &Problem, rate: f64, last: &Last) -> Vec<[f64; 3]> {
+pub(crate) fn accelerate(moving: &mut Moving, problem: &Problem, rate: f64, last: &Last) -> Vec<[f64; 3]> {
+    let traps = &mut moving.traps;
     let places = problem.propagation().control_points().unwrap_or_default();
     let wavelength = problem.setup().medium.wavelength();
     let motion = moved(&last.motion, places, rate, wavelength);
@@ -63,7 +89,8 @@ pub(crate) fn accelerate(traps: &mut Stiffness, problem: &Problem, rate: f64, la
         Some(lists.next()?.iter().copied().zip(lists.next()?.iter().copied()).collect())
     };
     let moving: Vec<_> = known.or_else(so_far).unwrap_or_default();
-    let forces: Vec<_> = moving.iter().map(|&(v, a)| traps.needed(v, a)).collect();
+    let chosen = traps.chosen()[0].iter().filter_map(|&j| moving.get(j));
+    let forces: Vec<_> = chosen.map(|&(v, a)| traps.needed(v, a)).collect();
     carry(traps, &forces, &last.played, wavelength);
     motion
 }
@@ -128,7 +155,7 @@ fn moved(before: &[[f64; 3]], places: &[[f64; 3]], rate: f64, wavelength: f64) -
 /// # Errors
 /// More memory than allowed, a stop.
 pub(crate) fn stiffen(
-    traps: &Stiffness,
+    Moving { traps, held }: &Moving,
     problem: &Problem,
     last: &Last,
     Turn { arc, steps, kept }: Turn,
@@ -149,7 +176,7 @@ pub(crate) fn stiffen(
         own.copy_from_slice(drive);
     }
     own.hear(&rows);
-    let cost = Softest::last(traps, planes(&own), beside);
+    let cost = Softest::last((traps, held), planes(&own), beside);
     let mut descent = if arc[0] > -1.0 {
         PhaseDescent::within(arc, own, &cost, &rows, work)
     } else {
@@ -170,7 +197,7 @@ pub(crate) fn stiffen(
 /// Brings drives (N,), relative to those played last, to the board's grid, and remembers them. Returns them as they are
 /// played, relative to the same.
 pub(crate) fn keep(
-    traps: &Stiffness,
+    moving: &Moving,
     problem: &Problem,
     most: f32,
     relative: &[Complex32],
@@ -179,7 +206,7 @@ pub(crate) fn keep(
     let found: Vec<Complex32> = last.played.iter().zip(relative).map(|(q, d)| settled(q * d)).collect();
     let mut played = found.clone();
     let board = problem.quantization();
-    if board.is_none_or(|board| bring(traps, (problem, board), (last, most), &mut played)) {
+    if board.is_none_or(|board| bring(moving, (problem, board), (last, most), &mut played)) {
         last.wave = found;
     }
     let turned = played.iter().zip(&last.played).map(|(q, old)| q * old.conj()).collect();
@@ -190,16 +217,16 @@ pub(crate) fn keep(
 /// Brings drives (N,) to a board's grid, within this many codes of those played last. Where these are no worse they are taken, and
 /// the answer is false.
 fn bring(
-    traps: &Stiffness,
+    Moving { traps, held }: &Moving,
     (problem, board): (&Problem, &Quantization),
     (last, most): (&Last, f32),
     drive: &mut [Complex32],
 ) -> bool {
     let before = traps.field(&last.played);
     let before = before.each_ref().map(|plane| &plane[..]);
-    let cost = Softest::last(traps, before, None);
+    let cost = Softest::last((traps, held), before, None);
     let set = problem.propagation().instruction_set();
-    rest_on_grid::bring(set, (traps, cost.unit), board, Some((&last.played, most)), drive);
+    rest_on_grid::bring(set, (traps, held, cost.unit), board, Some((&last.played, most)), drive);
     let after = traps.field(drive);
     let better = cost.of_field([&after[0], &after[1]]) < cost.of_field(before);
     if !better {
