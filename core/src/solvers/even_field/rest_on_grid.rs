@@ -7,9 +7,10 @@
 //! ds = sum_i Re(dq_i h_i),   h_i = sum_k (ds/dRe c_k - j ds/dIm c_k) C_ki
 //! ```
 //!
-//! where c = C q are the derivatives of the field at the points. Each stiffness K changes in the same way, and so does the error v
-//! of each focus ([`crate::solvers::even_field::held`]). So each drive in turn takes one of the three phases around its own: the
-//! one with the least |s|^2 and E of v, less the soft minimum of K. A pass begins with the present places and stiffnesses.
+//! where c = C q are the derivatives of the field at the points. Each stiffness K changes in the same way, and so does
+//! the error v of each focus with its cost E ([`crate::solvers::even_field::held`]). Each drive in turn takes one of
+//! the three phases around its own: the one with the least |s|^2 + E less the soft minimum of K. A pass begins with the
+//! present places, stiffnesses and errors.
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 

@@ -1,16 +1,15 @@
-//! Traps without pressures: phases turned until the softest of all is as stiff as possible.
+//! Traps without pressures: turns the phases until the softest of all traps is as stiff as possible.
 //!
-//! Foci beside them keep their pressures ([`crate::solvers::even_field::held`]).
+//! Foci beside the traps keep their pressures ([`crate::solvers::even_field::held`]).
 //!
-//! The objective is the soft minimum ([`soft_minimum`]) of K_ja, the stiffness at point j along its axis a, over the least at
-//! first.
+//! The objective is the soft minimum ([`soft_minimum`]) of K_ja, the stiffness at point j along its axis a, relative to
+//! the least stiffness at first. Subtracted from it is the mean square of the distances |H|^-1 (F - m g) at which the
+//! beads rest, relative to [`APART`], times a weight. H are the second derivatives of the potential in the last stage,
+//! F the force and m g the weight of a bead.
 //!
-//! less the mean square of the distances |H|^-1 (F - m g) at which the beads rest, over [`APART`], times a weight; H is that of
-//! the last stage.
-//!
-//! Equal foci are not equal traps: each lies in the others' waves, and across the boards' axis traps are a tenth as stiff as
-//! along it. Along x and y foci cannot be distinguished, so that their levels alone bring no more than nine tenths of
-//! what direct optimisation finds; from the foci a few steps of [`crate::solvers::common::phase_descent`] bring 96 %.
+//! Equal foci are not equal traps: each is in the waves of the others, and across the boards' axis traps are a tenth as
+//! stiff as along it. Foci do not distinguish x and y, so that their levels alone reach at most nine tenths of what
+//! direct optimisation finds. From the foci a few steps of [`crate::solvers::common::phase_descent`] reach 96 %.
 
 use alloc::borrow::Cow;
 use alloc::vec::Vec;
@@ -31,35 +30,39 @@ use crate::solvers::even_field::run::Run;
 use crate::solvers::even_field::soft_minimum;
 use crate::workspace::Workspace;
 
-/// The stages: sharpness of the minimum, weight of the resting places, and number of steps: twice the steps bring 1 % more.
+/// The stages: sharpness of the minimum and weight of the resting places; and the number of steps in each. Twice the
+/// steps gain 1 %.
 const STAGES: [(f64, f64); 2] = [(8.0, 0.02), (32.0, 0.1)];
 const STEPS: usize = 30;
 
-/// With foci the last stage is done again, this many times at most, until each is this near to its pressure, relative to it.
+/// With foci the last stage is repeated, at most this many times, until the relative error of each pressure is at most
+/// [`NEAR`].
 const AGAIN: usize = 3;
 const NEAR: f64 = 3e-4;
 
-/// A distance of resting places in m whose square counts as much as the softest trap, times a stage's weight.
+/// Distance of resting places in m whose square counts as much as the softest trap, times a stage's weight.
 const APART: f64 = 1e-4;
 
-/// The least stiffness counts as this part of the largest at least: soft traps become stiff, and none is divided by.
+/// Lower bound of the unit of stiffness, relative to the largest stiffness: soft traps then become stiff, and no
+/// division by 0 occurs.
 const LEAST: f64 = 0.01;
 
-/// The softest of all traps, negated: smooth, and in parts of `unit`; and how far beads rest from their points.
+/// The cost of traps: the negative soft minimum of their stiffnesses in parts of `unit`, and a penalty for the
+/// distances of resting beads from their points.
 pub(super) struct Softest<'a> {
     stiffness: &'a Stiffness,
     held: &'a Held,
     /// The sharpness of the minimum, and the weight of resting places.
     stage: (f64, f64),
     pub(super) unit: f64,
-    /// The inverse of |H| of each point.
+    /// The inverse of |H| of each point (see the module's head).
     yielding: Vec<[[f64; 3]; 3]>,
-    /// A field beside that of the drives.
+    /// A field that is added to that of the drives.
     beside: Option<[&'a [f32]; 2]>,
 }
 
 impl<'a> Softest<'a> {
-    /// In the last stage, in parts of what a field has.
+    /// Creates the cost of the last stage, with the unit of stiffness from a field.
     pub(super) fn last(traps: (&'a Stiffness, &'a Held), field: [&[f32]; 2], beside: Option<[&'a [f32]; 2]>) -> Self {
         Self { beside, ..Self::new(traps, field, STAGES[STAGES.len() - 1]) }
     }
@@ -71,13 +74,13 @@ impl<'a> Softest<'a> {
         Self { stiffness, held, stage, unit, yielding: stiffness.balance(field).1, beside: None }
     }
 
-    /// E of a field.
+    /// Returns the cost of a field.
     pub(super) fn of_field(&self, field: [&[f32]; 2]) -> f64 {
         let held = self.held.cost(self.held.off(self.stiffness, field).map(|focus| focus.part));
         soft_minimum::negated(self.parts(field).into_iter(), self.stage.0) + self.apart(field).0 + held
     }
 
-    /// The field of a wave, and the values beside it.
+    /// Returns the field of a wave plus the field `beside`.
     fn field_at<'b>(&self, wave: &'b Wave) -> [Cow<'b, [f32]>; 2] {
         [0, 1].map(|part| match self.beside {
             None => Cow::Borrowed(&wave.field[part][..]),
@@ -89,7 +92,7 @@ impl<'a> Softest<'a> {
         self.stiffness.at(field).map(|k| k / self.unit).collect()
     }
 
-    /// The penalty of resting places, and its slope by the net forces (M, 3).
+    /// Returns the penalty of the resting places, and its derivatives by the net forces (M, 3).
     fn apart(&self, field: [&[f32]; 2]) -> (f64, Vec<[f64; 3]>) {
         let (net, _) = self.stiffness.balance(field);
         let share = self.stage.1 / (APART * APART * net.len() as f64);
@@ -123,7 +126,8 @@ impl Cost for Softest<'_> {
     }
 }
 
-/// The traps of a problem where nothing but stiff ones is requested of its traps, and the foci beside them.
+/// Returns the traps of a problem that requests nothing from its traps but stiffness, together with the foci beside
+/// them; `None` for any other problem.
 ///
 /// # Errors
 /// More memory than allowed, a stop.
@@ -136,8 +140,8 @@ pub(crate) fn requested(problem: &Problem, control: &mut Control) -> Result<Opti
     }
 }
 
-/// The level of the foci beside traps in a field, over their targets: that of the weakest. Pressures requested in Pa are the
-/// level themselves.
+/// Returns the level of the foci beside traps in a field: |P| over the target of the weakest focus. For pressures
+/// requested in Pa it returns 1.
 pub(super) fn level(traps: &Stiffness, problem: &Problem, field: [&[f32]; 2]) -> f64 {
     if problem.holds_pressures() {
         return 1.0;
@@ -147,10 +151,10 @@ pub(super) fn level(traps: &Stiffness, problem: &Problem, field: [&[f32]; 2]) ->
     foci.map(|(target, (_, [re, im]))| math::hypot(re, im) / target).fold(f64::INFINITY, f64::min)
 }
 
-/// C of traps, as kernels read it.
+/// Returns C, the matrix from drives to derivatives of the field at the traps, in the layout of the kernels.
 ///
 /// # Errors
-/// More memory than allowed, a stop.
+/// More memory than allowed is needed, or a stop.
 pub(super) fn rows<'w>(
     traps: &Stiffness,
     problem: &Problem,
@@ -162,11 +166,11 @@ pub(super) fn rows<'w>(
     Rows::packed(set, rows::Rows::Stored { re, im }, problem.propagation().transducers(), order, work, control)
 }
 
-/// Makes the wave of even foci that of equal traps where the problem is one of traps and asks for no pressures. Returns
-/// whether it did; after a stop the foci stay.
+/// Changes a wave of even foci to one of equally stiff traps, if the problem requests such traps (see [`requested`]).
+/// Returns whether it did. After a stop the foci stay.
 ///
 /// # Errors
-/// More memory than allowed.
+/// More memory than allowed is needed.
 pub(super) fn stiffen(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
     match if run.stopped { Ok(false) } else { descend(run, foci) } {
         Err(Error::Stopped) => {
@@ -177,7 +181,7 @@ pub(super) fn stiffen(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
     }
 }
 
-// Inlined it would enlarge the stack of every solve.
+// Inlined, this function would enlarge the stack of every solve.
 #[inline(never)]
 fn descend(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
     let (problem, work) = (run.problem, run.work);

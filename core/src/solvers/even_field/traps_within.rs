@@ -1,20 +1,22 @@
 //! Traps in motion: as stiff as possible with every phase within an arc around the last frame's.
 //!
-//! Points move by a hundredth of a wavelength a frame, so that the stiffest traps are near the last ones: a few steps of
-//! [`PhaseDescent`] within the bound find them. A bead that is to follow its point needs the force m a + drag(v): its inertia
-//! is part of what the traps carry, as its weight is. Where the points h frames before and after are known,
+//! Points move by a hundredth of a wavelength a frame. So the stiffest traps are near the last ones, and a few steps of
+//! [`PhaseDescent`] within the bound find them. A bead that follows its point needs the force m a + drag(v) for its
+//! velocity v and acceleration a. The trap carries this force like the bead's weight. If the places x-, x+ of the
+//! points h frames before and after are known,
 //!
 //! ```text
 //! v = (x+ - x-) rate/(2 h),   a = (x+ - 2 x + x-) (rate/h)^2
 //! ```
 //!
-//! else both are estimated from the places so far, a smoothed over less than a bead's period,
+//! Otherwise both are estimated from the places so far, with a smoothed over less than a bead's period:
 //!
 //! ```text
 //! v = (x - x') rate,   a' + (1 - e^{-1/(rate T)}) ((v - v') rate - a'),   T = 1 ms
 //! ```
 //!
-//! and too late by as much: a bead then strays. The force is no larger than what a trap can carry.
+//! (primes are values of the last frame). This estimate is late by as much, so that beads are off their points. The
+//! force is limited to what a trap can carry.
 
 use alloc::vec::Vec;
 
@@ -36,13 +38,14 @@ use crate::solvers::even_field::traps::{self, Softest, planes};
 use crate::solvers::last::{Last, settled};
 use crate::workspace::Workspace;
 
-/// T in s: a bead of expanded polystyrene swings in some 20 ms.
+/// T in s (see the module's head). A bead of expanded polystyrene swings with a period of some 20 ms.
 const SMOOTHED: f64 = 1e-3;
 
-/// The force moves a bead no further than this part of the wavelength: it is pulled back over a quarter.
+/// Largest displacement of a bead by the force, relative to the wavelength: a trap pulls it back within a quarter.
 const FURTHEST: f64 = 0.2;
 
-/// A point that moves further than this part of the wavelength in a frame is another one: no bead would follow.
+/// Largest movement of a point in a frame, relative to the wavelength. A larger one is a jump to another point, which
+/// no bead would follow.
 const JUMP: f64 = 0.25;
 
 /// The traps of a frame, and the foci beside them.
@@ -51,7 +54,7 @@ pub(crate) struct Moving {
     held: Held,
 }
 
-/// The range of phases, the number of steps, and the remaining envelope after a frame.
+/// The range of phases, the number of steps, and the part of an envelope that remains after a frame.
 #[derive(Clone, Copy)]
 pub(crate) struct Turn {
     pub(crate) arc: Arc,
@@ -59,8 +62,8 @@ pub(crate) struct Turn {
     pub(crate) kept: f64,
 }
 
-/// The traps of a frame where nothing but stiff ones is requested of them. The foci beside them keep the level of the first frame,
-/// unless they have pressures in Pa.
+/// Returns the traps of a frame that requests nothing from its traps but stiffness; `None` for any other frame. The
+/// foci beside the traps keep the level that they had in the first frame, unless their pressures are in Pa.
 ///
 /// # Errors
 /// More memory than allowed, a stop.
@@ -77,7 +80,8 @@ pub(crate) fn requested(problem: &Problem, last: &mut Last, control: &mut Contro
     Ok(Some(Moving { traps, held }))
 }
 
-/// Has the particles of traps move with their points, a frame after the last; what is to be remembered of that.
+/// Adds to traps the forces that their particles need to move with their points, a frame after `last`. Returns the
+/// motion to be stored for the next frame.
 pub(crate) fn accelerate(moving: &mut Moving, problem: &Problem, rate: f64, last: &Last) -> Vec<[f64; 3]> {
     let traps = &mut moving.traps;
     let places = problem.propagation().control_points().unwrap_or_default();
@@ -129,7 +133,7 @@ fn carry(traps: &mut Stiffness, forces: &[[f64; 3]], drive: &[Complex32], wavele
     traps.pull_by(&carried.collect::<Vec<_>>());
 }
 
-/// Places (M, 3), and, once they are known, their velocities and accelerations, after those of the frame before.
+/// Returns places (M, 3), and once they are known their velocities and accelerations, given those of the frame before.
 fn moved(before: &[[f64; 3]], places: &[[f64; 3]], rate: f64, wavelength: f64) -> Vec<[f64; 3]> {
     let near = |(x, last): (&[f64; 3], &[f64; 3])| distance(*x, *last) < JUMP * wavelength;
     let known = [1, 2, 3].map(|lists| lists * places.len());
@@ -150,7 +154,7 @@ fn moved(before: &[[f64; 3]], places: &[[f64; 3]], rate: f64, wavelength: f64) -
     motion
 }
 
-/// Turns the drives relative to those played last.
+/// Turns the drives, which are relative to those played last, so that the traps become as stiff as possible.
 ///
 /// # Errors
 /// More memory than allowed, a stop.
@@ -194,8 +198,8 @@ pub(crate) fn stiffen(
     Ok(())
 }
 
-/// Brings drives (N,), relative to those played last, to the board's grid, and remembers them. Returns them as they are
-/// played, relative to the same.
+/// Rounds drives (N,), given relative to those played last, to the board's grid, and stores them in `last`. Returns
+/// them as they are played, relative to the same drives.
 pub(crate) fn keep(
     moving: &Moving,
     problem: &Problem,
@@ -214,8 +218,8 @@ pub(crate) fn keep(
     turned
 }
 
-/// Brings drives (N,) to a board's grid, within this many codes of those played last. Where these are no worse they are taken, and
-/// the answer is false.
+/// Rounds drives (N,) to a board's grid, within `most` codes of those played last. If the drives played last are no
+/// worse, they are taken instead, and the result is false.
 fn bring(
     Moving { traps, held }: &Moving,
     (problem, board): (&Problem, &Quantization),
