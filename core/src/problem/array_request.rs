@@ -19,7 +19,8 @@ use crate::scene::Request;
 const MOST_TARGET: f64 = 1e15;
 const LEAST_TARGET: f64 = 1e-30;
 
-/// The part of the square of the balanced level that traps of pressure 0 have at least, however high the pressures of the foci are.
+/// Least part of the square of the balanced level that is left to traps of pressure 0, however high the pressures of
+/// the foci are.
 const LEAST_LEFT: f64 = 0.05;
 
 /// The least pressure in Pa of all transducers together at a point. A point with a lower pressure counts as not reached: a
@@ -43,7 +44,8 @@ pub(crate) struct ArrayRequest {
     pub(crate) relative_weights: Vec<f32>,
     /// The active points: the indices of those with a weight above 0.
     pub(crate) active: Vec<usize>,
-    /// Whether points are traps of pressure 0 beside foci that have a pressure (M,); empty if there is none.
+    /// Whether each point is a trap of pressure 0 beside foci that have a pressure (M,); empty if there is no such
+    /// trap.
     free: Vec<bool>,
     /// The strength of these traps in Pa before they are made stiff: what the foci leave of the balanced level.
     left: f64,
@@ -118,12 +120,12 @@ impl ArrayRequest {
         self.free.get(j) == Some(&true)
     }
 
-    /// The target of a point in Pa by which it is solved.
+    /// The target in Pa with which a point is solved.
     pub(crate) fn target(&self, j: usize) -> f64 {
         if self.is_free(j) { self.left } else { self.pascals[j] }
     }
 
-    /// The weight of a point in metrics: a trap without a pressure has none.
+    /// The weight of a point in metrics; 0 for a trap without a pressure.
     pub(crate) fn counted(&self, j: usize) -> f64 {
         if self.is_free(j) { 0.0 } else { self.weights[j] }
     }
@@ -173,7 +175,7 @@ impl ArrayRequest {
         let load = loads.clone().fold(0.0, f64::max);
         self.balance = 1.0 / (load * math::sqrt(loads.map(|own| (own / load) * (own / load)).sum()));
         if self.frees_traps() {
-            // sum (target/p1)^2 of the foci is 1/balance^2, and 1 of all points.
+            // The sum of (target/p1)^2 over the foci is 1/balance^2; over all points it must be 1.
             let rest = (1.0 - 1.0 / (self.balance * self.balance)).max(LEAST_LEFT);
             let traps = self.active.iter().zip(reach).filter(|(j, _)| self.free[**j]);
             let loads = traps.map(|(_, reach)| 1.0 / (reach * reference)).fold(0.0, math::hypot);

@@ -167,7 +167,7 @@ impl Stiffness {
         self.chosen.iter().map(Vec::len).sum::<usize>() * TERMS
     }
 
-    /// The numbers of the traps and of the foci.
+    /// The indices of the traps and of the foci among the points.
     pub(crate) fn chosen(&self) -> [&[usize]; 2] {
         self.chosen.each_ref().map(|chosen| &chosen[..])
     }
@@ -176,7 +176,8 @@ impl Stiffness {
         self.chosen[0].len()
     }
 
-    /// The pressures of the foci, in units of the reference: the point in the order of C, re and im.
+    /// Returns for each focus its index in the order of C, and its pressure in units of the reference: real and
+    /// imaginary part.
     pub(crate) fn foci(&self, field: [&[f32]; 2]) -> impl Iterator<Item = (usize, [f64; 2])> {
         (self.traps()..self.traps() + self.chosen[1].len())
             .map(move |j| (j, field.map(|plane| f64::from(plane[j * TERMS]))))

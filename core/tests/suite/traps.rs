@@ -172,7 +172,7 @@ fn traps_of_pressure_0_are_stiff_beside_foci_of_their_pressures() {
     let (equal, _) = softest(&made([3000.0; 3]));
     assert!(free > 1.5 * equal && equal > 0.0, "{free} {equal}");
     assert!((solution.pressures[1].norm() - 3000.0).abs() < 15.0);
-    // Of the foci alone.
+    // The metrics are those of the foci alone.
     let metrics = solution.metrics();
     assert!((metrics.accuracy - 1.0).abs() < 5e-3 && metrics.leak == 0.0);
 }

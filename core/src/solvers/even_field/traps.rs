@@ -3,9 +3,9 @@
 //! Foci beside the traps keep their pressures ([`crate::solvers::even_field::held`]).
 //!
 //! The objective is the soft minimum ([`soft_minimum`]) of K_ja, the stiffness at point j along its axis a, relative to
-//! the least stiffness at first. Subtracted from it is the mean square of the distances |H|^-1 (F - m g) at which the
-//! beads rest, relative to [`APART`], times a weight. H are the second derivatives of the potential in the last stage,
-//! F the force and m g the weight of a bead.
+//! the least stiffness at the start of a stage. Subtracted from it is the mean square of the distances |H|^-1 (F - m g)
+//! at which the beads rest, relative to [`APART`], times a weight. H are the second derivatives of the potential at the
+//! start of the stage, F the force and m g the weight of a bead.
 //!
 //! Equal foci are not equal traps: each is in the waves of the others, and across the boards' axis traps are a tenth as
 //! stiff as along it. Foci do not distinguish x and y, so that their levels alone reach at most nine tenths of what
@@ -30,17 +30,18 @@ use crate::solvers::even_field::run::Run;
 use crate::solvers::even_field::soft_minimum;
 use crate::workspace::Workspace;
 
-/// The stages: sharpness of the minimum and weight of the resting places; and the number of steps in each. Twice the
-/// steps gain 1 %.
+/// For each stage, the sharpness of the soft minimum and the weight of the resting places.
 const STAGES: [(f64, f64); 2] = [(8.0, 0.02), (32.0, 0.1)];
+/// Largest number of steps in a stage: twice as many gain only 1 %.
 const STEPS: usize = 30;
 
-/// With foci the last stage is repeated, at most this many times, until the relative error of each pressure is at most
-/// [`NEAR`].
+/// Largest number of times that the last stage is repeated if there are foci.
 const AGAIN: usize = 3;
+/// The last stage is repeated until the relative error of each focus is at most this.
 const NEAR: f64 = 3e-4;
 
-/// Distance of resting places in m whose square counts as much as the softest trap, times a stage's weight.
+/// Distance in m of beads from their points that costs as much as the loss of all stiffness, times the weight of the
+/// stage.
 const APART: f64 = 1e-4;
 
 /// Lower bound of the unit of stiffness, relative to the largest stiffness: soft traps then become stiff, and no
@@ -52,8 +53,9 @@ const LEAST: f64 = 0.01;
 pub(super) struct Softest<'a> {
     stiffness: &'a Stiffness,
     held: &'a Held,
-    /// The sharpness of the minimum, and the weight of resting places.
+    /// The sharpness of the minimum, and the weight of the resting places.
     stage: (f64, f64),
+    /// The unit of stiffness: the least stiffness at the start of the stage, see [`LEAST`].
     pub(super) unit: f64,
     /// The inverse of |H| of each point (see the module's head).
     yielding: Vec<[[f64; 3]; 3]>,

@@ -12,7 +12,7 @@
 //! Otherwise both are estimated from the places so far, with a smoothed over less than a bead's period:
 //!
 //! ```text
-//! v = (x - x') rate,   a' + (1 - e^{-1/(rate T)}) ((v - v') rate - a'),   T = 1 ms
+//! v = (x - x') rate,   a = a' + (1 - e^{-1/(rate T)}) ((v - v') rate - a'),   T = 1 ms
 //! ```
 //!
 //! (primes are values of the last frame). This estimate is late by as much, so that beads are off their points. The
