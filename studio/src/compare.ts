@@ -162,7 +162,7 @@ export function createCompare(context: Context): Compare {
         const still = frame !== null && !frame.results[slot];
         const felt = slot === 0 && touchOf(state()) ? sentenceOf(studio.view) : null;
         const shown = felt ? say(felt.word, felt.put) : answer && !still ? say("summary", { pressure: pressure(weakest(results[slot])), evenness: percent(answer.metrics.uniformity) }) : "";
-        write(summary, [frame?.names[slot], shown].filter(Boolean).join("  "));
+        write(summary, [frame?.names[slot], shown].filter(Boolean).join(felt ? ": " : "  "));
         parts[slot].root.classList.toggle("still", still);
         write(refusal, refused && say("unsolved", { line: plain(refused) }));
         refusal.hidden = refused === "";

@@ -118,3 +118,44 @@ test("a drive that comes by file has its own field and numbers beside B's", asyn
   await page.evaluate(() => window.midair!.set({ methods: ["greedy", "uniform"] }));
   await expect.poll(() => summary("A")).not.toContain("half.csv");
 });
+
+test("a path moves a skin: its felt strength, its motion, and back to |p|", async () => {
+  const path = { kind: "circle" as const, radius: 0.02, frequency: 56 };
+  await page.evaluate((state) => window.midair!.set(state), { array: { preset: "autd3", tiles: [1, 1] as [number, number] }, points: [[0, 0, 0.15]] as Vec3[], path });
+  await page.evaluate(() => window.midair!.settled());
+  const quantity = (name: string) => page.getByRole("group", { name: "What the slices show" }).getByRole("button", { name, exact: true });
+  const touch = () => page.evaluate(() => window.midair!.state().touch as { level: number; width: number; peak: number } | null);
+  await quantity("Felt").click();
+  await expect.poll(touch, { timeout: 60_000 }).not.toBeNull();
+  const { level, width } = (await touch())!;
+  // By midair.skin, of a focus in each frame.
+  expect(Math.abs(level - 31.25)).toBeLessThan(0.1);
+  expect(await summary("A")).toBe(`glide: Strongest ${Math.round(level)} dB above threshold; felt ${Math.round(1000 * width)} mm wide`);
+  expect(await page.evaluate(() => window.midair!.state().plane)).toEqual({ axis: "z", z: 0.15, size: 0.08, center: [0, 0] });
+  const ticks = () => page.locator(".ticks").first().innerText();
+  expect(await ticks()).toMatch(/20 dB/);
+  await quantity("Skin").click();
+  await expect.poll(ticks, { timeout: 60_000 }).toMatch(/\d µm/);
+  await quantity("|p|").click();
+  await expect.poll(() => summary("A")).not.toMatch(/^glide/);
+  expect(await touch()).toBeNull();
+  // A frame that was sought stays.
+  await quantity("Skin").click();
+  await line().fill("100");
+  await expect.poll(() => page.locator(".timeline output").innerText()).toBe("5 / 18 ms");
+  await expect.poll(touch).toMatchObject({ level, width });
+  await quantity("|p|").click();
+  await expect.poll(() => summary("A")).toMatch(/^glide [\d.]+ kPa/);
+  expect(await touch()).toBeNull();
+  expect(await page.getByRole("alert").innerText()).toBe("");
+  expect(complaints).toEqual([]);
+});
+
+test("a skin without a path, or on too wide a slice, is refused in one line", async () => {
+  await page.evaluate(() => window.midair!.set({ quantity: "felt", plane: { size: 0.4 } }));
+  await expect.poll(() => page.getByRole("alert").innerText(), { timeout: 60_000 }).toMatch(/^Did not work: The slice is too wide for a skin: make it at most \d+ mm wide/);
+  await page.evaluate(() => window.midair!.set({ quantity: "skin", path: null }));
+  await expect.poll(() => page.getByRole("alert").innerText()).toMatch(/^Did not work: A skin needs points that move again and again/);
+  expect(await page.evaluate(() => window.midair!.state().quantity)).toBe("modulus");
+  await expect.poll(() => page.getByRole("button", { name: "Felt", exact: true }).isVisible()).toBe(false);
+});
