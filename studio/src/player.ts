@@ -42,6 +42,9 @@ const STILL = 1e-6;
 /** Time in ms without a change, after which the touch of a skin is predicted. */
 const REST = 200;
 
+/** The fewest turns a second whose skin is predicted: slower turns have too many spectral lines. */
+const SLOWEST = 2;
+
 /** Returns the number of frames from one picture to the next. */
 const strideOf = (count: number) => Math.max(1, Math.min(STRIDE, Math.floor(count / PICTURES)));
 
@@ -170,6 +173,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
     const { state: now, frames } = all;
     const transducers = studio.view.positions.length / 3;
     const { size } = limitsOf(transducers);
+    if (now.path!.frequency < SLOWEST) throw new Error(say("skinSlow", { turns: SLOWEST }));
     if (now.plane.size > size) throw new Error(say("skinWide", { size: Math.floor(1000 * size) }));
     return (all.skin = await predict(engine.slow, now, transducers, frames.length * now.path!.frequency));
   }
@@ -262,7 +266,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
     soon = window.setTimeout(() => {
       touched = key;
       void seek(at, true);
-    }, REST);
+    }, quantity ? REST : 0);
   }
 
   /** Saves one turn, frame by frame, as a film. */

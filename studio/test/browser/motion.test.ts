@@ -146,14 +146,16 @@ test("a path moves a skin: its felt strength, its motion, and back to |p|", asyn
   await expect.poll(touch).toMatchObject({ level, width });
   await quantity("|p|").click();
   await expect.poll(() => summary("A")).toMatch(/^glide [\d.]+ kPa/);
-  expect(await touch()).toBeNull();
+  await expect.poll(touch).toBeNull();
   expect(await page.getByRole("alert").innerText()).toBe("");
   expect(complaints).toEqual([]);
 });
 
-test("a skin without a path, or on too wide a slice, is refused in one line", async () => {
+test("a skin without a path, on too wide a slice or under slow points is refused in one line", async () => {
   await page.evaluate(() => window.midair!.set({ quantity: "felt", plane: { size: 0.4 } }));
   await expect.poll(() => page.getByRole("alert").innerText(), { timeout: 60_000 }).toMatch(/^Did not work: The slice is too wide for a skin: make it at most \d+ mm wide/);
+  await page.evaluate(() => window.midair!.set({ quantity: "felt", plane: { size: 0.1 }, path: { kind: "circle", radius: 0.01, frequency: 0.5 } }));
+  await expect.poll(() => page.getByRole("alert").innerText(), { timeout: 60_000 }).toMatch(/^Did not work: The points are too slow for a skin/);
   await page.evaluate(() => window.midair!.set({ quantity: "skin", path: null }));
   await expect.poll(() => page.getByRole("alert").innerText()).toMatch(/^Did not work: A skin needs points that move again and again/);
   expect(await page.evaluate(() => window.midair!.state().quantity)).toBe("modulus");
