@@ -170,12 +170,12 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
   /** Predicts the touch of a skin on the slice, unless that was done for these frames. */
   async function feel(all: Followed): Promise<Skin> {
     if (all.skin) return all.skin;
-    const { state: now, frames } = all;
+    const { state: now, rate } = all;
     const transducers = studio.view.positions.length / 3;
     const { size } = limitsOf(transducers);
     if (now.path!.frequency < SLOWEST) throw new Error(say("skinSlow", { turns: SLOWEST }));
     if (now.plane.size > size) throw new Error(say("skinWide", { size: Math.floor(1000 * size) }));
-    return (all.skin = await predict(engine.slow, now, transducers, frames.length * now.path!.frequency));
+    return (all.skin = await predict(engine.slow, now, transducers, rate));
   }
 
   /** Shows a frame of both methods; returns false if the state has changed meanwhile. */
