@@ -13,7 +13,7 @@ const LAYERS = [
   ["solve.worker", "lattices", "engine", "studio", "skin", "serial", "served"],
   ["painter/", "eye", "look", "numbers"],
   [
-    "context", "announce", "refusals", "chart", "recording", "player", "readout", "instrument", "viewing", "handles", "slicechoice", "phasekey", "stage", "compare", "exchange", "boardbutton", "gallerybox", "bar", "table", "arraypicker",
+    "context", "announce", "refusals", "chart", "beads", "recording", "player", "readout", "instrument", "viewing", "handles", "slicechoice", "phasekey", "stage", "compare", "exchange", "boardbutton", "gallerybox", "bar", "table", "arraypicker",
     "shaping", "motion", "panels", "sheet", "sentence", "ghost",
   ],
   ["page", "hook", "main", "widget"],
