@@ -4,8 +4,14 @@ import type { Context } from "./context.ts";
 import type { Flight } from "./door.ts";
 import type { Obstacle, Vec3 } from "./types.ts";
 
+/** The flight of a bead, and the point, from 0, whose trap it is in. */
+export type BeadFlight = Flight & { point: number };
+
 /** Radius of the core's default bead in m. */
 const RADIUS = 1e-3;
+
+/** The smallest radius of a drawn bead, in px. */
+const LEAST = 4.5;
 
 /** The most lost beads that are named; the others are counted. */
 const NAMED = 3;
@@ -20,12 +26,13 @@ export function beadsAt(flights: Flight[], frame: number, turn: number): Vec3[] 
   });
 }
 
-/** Returns beads as obstacles, which the painter draws. */
-export const balls = (places: Vec3[]): Obstacle[] => places.map((center) => ({ center, radius: RADIUS, kind: "soft" }));
+/** Returns beads as obstacles, which the painter draws; `pixel` returns the length of a pixel in m at a place. */
+export const balls = (places: Vec3[], pixel: (place: Vec3) => number): Obstacle[] =>
+  places.map((center) => ({ center, radius: Math.max(RADIUS, LEAST * pixel(center)), kind: "rigid" }));
 
 /** Returns sentences: which beads are lost and when, and how far the others are from their path at most. */
-export function fateOf(flights: Flight[], say: Context["say"]): string[] {
-  const lost = flights.flatMap(({ lost }, k) => (Number.isNaN(lost) ? [] : [{ n: k + 1, lost }])).sort((a, b) => a.lost - b.lost);
+export function fateOf(flights: BeadFlight[], say: Context["say"]): string[] {
+  const lost = flights.flatMap(({ lost, point }) => (Number.isNaN(lost) ? [] : [{ n: point + 1, lost }])).sort((a, b) => a.lost - b.lost);
   const most = Math.max(...flights.filter(({ lost }) => Number.isNaN(lost)).map(({ farthest }) => farthest));
   const far = { most: (1000 * most).toFixed(2) };
   if (!lost.length) return [say(flights.length === 1 ? "beadStays" : "beadsStay", far)];

@@ -2,6 +2,7 @@
 
 import type { Catalogue } from "./door.ts";
 import { MOST_POINTS } from "./initial.ts";
+import { fits as suits, isSignature } from "./signature.ts";
 import { AXES, type Axis, LEVELS, QUANTITIES, SCALES, type State, VIEWS } from "./types.ts";
 
 type Rule = [fits: (value: unknown) => boolean, cure: string];
@@ -58,7 +59,7 @@ const RULES: Record<keyof State, Rule> = {
   ],
   filled: [(value) => Array.isArray(value) && value.every((each) => Number.isInteger(each) && each >= 0), "give a list of numbers of points, from 0"],
   methods: [(value) => Array.isArray(value) && value.length === 2, 'give two names, such as ["uniform", "naive"]'],
-  signature: oneOf("", "trap", "twin", "vortex"),
+  signature: [isSignature, 'give "", "trap", "twin" or "vortex", or names for each point joined by dots, such as "trap.focus"'],
   obstacles: [(value) => Array.isArray(value) && value.every(isObstacle), "give a list of walls and balls"],
   ear: [(value) => value === null || isPlace(value), "give a place [x, y, z] in m, or null"],
   plane: [isPlane, 'give { axis: "x", "y" or "z", z, size, center: [x, y] } in m'],
@@ -79,7 +80,7 @@ export function faultOf(state: State, { presets, solvers }: Catalogue): string {
     const value = state[key as keyof State];
     if (!fits(value)) return `${key} is ${quoted(value)}: ${cure}`;
   }
-  const { array, methods, points, pressures } = state;
+  const { array, methods, points, pressures, signature } = state;
   if ("preset" in array) {
     const preset = presets.find(({ name }) => name === array.preset);
     if (!preset) return `array is ${quoted(array.preset)}: give one of ${presets.map(({ name }) => name).join(", ")}`;
@@ -87,6 +88,7 @@ export function faultOf(state: State, { presets, solvers }: Catalogue): string {
   }
   const method = methods.find((name) => !solvers.some((solver) => solver.name === name));
   if (method !== undefined) return `methods has ${quoted(method)}: give two of ${solvers.map(({ name }) => name).join(", ")}`;
+  if (!suits(signature, points.length)) return `signature is ${quoted(signature)}: give one name, or one for each of ${points.length} points`;
   if (pressures && pressures.length !== points.length) {
     return `pressures has ${pressures.length} entries: give one for each of ${points.length} points, or null`;
   }

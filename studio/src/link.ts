@@ -6,7 +6,7 @@
 // | key | meaning | key | meaning |
 // |---|---|---|---|
 // | `v` | 1 | `z` | slice: height,size or height,size,x,y of its middle |
-// | `a` | preset, or preset.2x2 boards | `f` | signature: trap, twin, vortex |
+// | `a` | preset, or preset.2x2 boards | `f` | signature: trap, twin, vortex, or trap.focus |
 // | `l` | phases and amplitudes: board, none | `o` | wall,x,y,z,nx,ny,nz,rigid_ball,x,y,z,radius,soft |
 // | `t` | temperature, or temperature,Np/m,kg/m^3 of the air | `e` | ear: x,y,z |
 // | `m` | methods A.B | `g` | path: circle,radius,Hz or line,length,Hz |
@@ -18,11 +18,11 @@
 
 import { decimal } from "./decimal.ts";
 import { initial, MOST_POINTS } from "./initial.ts";
+import { isSignature } from "./signature.ts";
 import { AXES, LEVELS, QUANTITIES, SCALES, VIEWS } from "./types.ts";
 import type { Obstacle, State, Vec3 } from "./types.ts";
 
 const QUANTIZATIONS = ["board", "none"] as const;
-const SIGNATURES = ["trap", "twin", "vortex"] as const;
 const SLOTS = ["a", "b"] as const;
 const KINDS = ["rigid", "soft"] as const;
 const PATHS = ["circle", "line"] as const;
@@ -151,7 +151,7 @@ const READERS: Record<string, (text: string, state: State) => Partial<State>> = 
   c: (text) => (word("c", text, ["viridis", "cividis", "magma"]), {}),
   k: (text) => ({ scale: word("k", text, SCALES) }),
   s: (text) => ({ slot: word("s", text, SLOTS) === "a" ? 0 : 1 }),
-  f: (text) => ({ signature: word("f", text, SIGNATURES) }),
+  f: (text) => ({ signature: text && isSignature(text) ? text : wrong("f", text, "give trap, twin, vortex, or one of these or focus for each point, such as trap.focus") }),
   o: (text) => ({ obstacles: readObstacles(text) }),
   e: (text) => ({ ear: place("e", cells("e", text, [3], "x,y,z in mm")) }),
   g: (text) => ({ path: readPath(text) }),

@@ -86,7 +86,7 @@ export function sentenceOf(view: View): { word: Word; put: Record<string, string
     evenness: percent(a.answer.metrics.uniformity),
     time: Number.isNaN(a.milliseconds) ? "…" : duration(a.milliseconds),
   };
-  const kind = state.signature ? "traps" : count === 1 ? "focus" : "foci";
+  const kind = state.signature.includes(".") ? "mixed" : state.signature ? "traps" : count === 1 ? "focus" : "foci";
   return { word: frame ? "inMotion" : kind, put };
 }
 

@@ -12,6 +12,7 @@ import { exportSheet, open } from "./exchange.ts";
 import { haunt } from "./ghost.ts";
 import { wavelength } from "./lattices.ts";
 import { discsOf, lookOf, turnAt } from "./look.ts";
+import { FOCAL } from "./painter/camera.ts";
 import { createFlat } from "./painter/canvas2d.ts";
 import { createPainter } from "./painter/painter.ts";
 import type { Painter } from "./painter/picture.ts";
@@ -238,7 +239,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
       // The glow of |p| would cover the wave or the phase.
       volume: ["slice", "planes"].includes(state.view) || view.frame || (state.view === "both" && state.quantity !== "modulus") ? null : view.volume,
       points: view.frame?.points ?? state.points,
-      obstacles: [...state.obstacles, ...balls(view.frame?.beads ?? [])],
+      obstacles: [...state.obstacles, ...balls(view.frame?.beads ?? [], (place) => stage.seen(place)[2] / (FOCAL * space.height))],
       look: shades,
       theme,
       moving: view.moving,

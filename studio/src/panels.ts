@@ -9,6 +9,7 @@ import { createMotion } from "./motion.ts";
 import type { Player } from "./player.ts";
 import { createPointTable } from "./table.ts";
 import { createShapes } from "./shaping.ts";
+import { TRAPS } from "./signature.ts";
 import { HEIGHT } from "./initial.ts";
 import { type Level, SCALES, type Obstacle, type State, VIEWS } from "./types.ts";
 import type { Word } from "./words.ts";
@@ -52,14 +53,19 @@ export function createPanels(context: Context, compare: Compare, player: Player,
     if ("preset" in now) change(standing({ ...now, tiles: [across, up] }));
   });
   /** Makes a select for a part of the state that has a few allowed values. */
-  const pick = <Key extends "quantization" | "scale" | "view" | "signature">(key: Key, pairs: (readonly [State[Key], Word])[]) => {
+  const pick = <Key extends "quantization" | "scale" | "view">(key: Key, pairs: (readonly [State[Key], Word])[]) => {
     const select = choice(pairs.map(([value, word]) => [value, say(word)]), state()[key], (value) => change({ [key]: value }));
     return { select, show: () => (select.value = state()[key]) };
   };
   const levels = pick("quantization", [["board", "levelsBoard"], ["none", "levelsNone"]]);
   const scale = pick("scale", SCALES.map((name) => [name, name]));
   const views = pick("view", VIEWS.map((name) => [name, VIEW_WORDS[name]]));
-  const traps = pick("signature", (["", "trap", "twin", "vortex"] as const).map((name) => [name, name || "none"]));
+  const traps = choice([], "", (signature) => change({ signature }));
+  const showTraps = () => {
+    const { signature } = state();
+    const pairs = ["" as const, ...TRAPS].map((name): [string, string] => [name, say(name || "none")]);
+    offer(traps, signature.includes(".") ? [...pairs, [signature, say("eachPoint")]] : pairs, signature);
+  };
   const slots = choice(["A", "B"].map((name, k) => [String(k), name]), "0", (slot) => change({ slot: Number(slot) as State["slot"] }));
   const slider = (min: number, max: number, step: number, set: (value: number) => void) => {
     const input = element("input", { type: "range", min, max, step, oninput: () => (studio.moving(true), set(+input.value)) });
@@ -138,7 +144,7 @@ export function createPanels(context: Context, compare: Compare, player: Player,
           labelled(say("shownSlot"), slots),
         ],
       ],
-      ["air", "array", ["engineer"], false, [labelled(say("temperature"), temperature, air, say("temperatureTip")), labelled(say("signature"), traps.select), labelled(say("obstacle"), obstacle)]],
+      ["air", "array", ["engineer"], false, [labelled(say("temperature"), temperature, air, say("temperatureTip")), labelled(say("signature"), traps), labelled(say("obstacle"), obstacle)]],
       ["motion", "motion", ["engineer"], false, [motion.root]],
       ["listen", "motion", ["engineer"], false, [labelled(say("ear"), ear), ears]],
       ["numbers", "methods", ["compare", "engineer"], true, compare.numbers],
@@ -198,7 +204,8 @@ export function createPanels(context: Context, compare: Compare, player: Player,
       write(heightText, `${millimetres(now.plane.z)} mm`);
       width.value = String(now.plane.size * 1000);
       write(widthText, `${millimetres(now.plane.size)} mm`);
-      for (const { show } of [levels, scale, views, traps]) show();
+      for (const { show } of [levels, scale, views]) show();
+      showTraps();
       slots.value = String(now.slot);
       obstacle.value = now.obstacles.length === 0 ? "none" : "center" in now.obstacles[0] ? "ball" : "wall";
       ear.checked = now.ear !== null;

@@ -1,16 +1,17 @@
 /** Player: animates points on a path frame by frame, A by the solver `glide`, B by its own method; plays, seeks, records. */
 
-import { beadsAt, fateOf } from "./beads.ts";
+import { type BeadFlight, beadsAt, fateOf } from "./beads.ts";
 import { createChart } from "./chart.ts";
 import type { Context } from "./context.ts";
 import { element, explained, write } from "./dom.ts";
-import type { Flight, Frame } from "./door.ts";
+import type { Frame } from "./door.ts";
 import { gridOf } from "./lattices.ts";
 import { pressure } from "./numbers.ts";
 import { framesOf, lengthOf } from "./paths.ts";
 import { planesOf } from "./plane.ts";
 import { type Film, FILMS, type Part, record } from "./recording.ts";
 import { sceneOf } from "./scene_file.ts";
+import { isTrap } from "./signature.ts";
 import { limitsOf, predict, type Skin } from "./skin.ts";
 import { resultOf, type Shown } from "./studio.ts";
 import { isTouch, touchOf } from "./touch.ts";
@@ -68,7 +69,7 @@ interface Followed {
   skin: Skin | null;
   /** Frames per second, and the simulated motion of the beads so far. */
   rate: number;
-  flights: Flight[];
+  flights: BeadFlight[];
 }
 
 /** The player and its time line. */
@@ -151,11 +152,12 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
   /** Simulates a bead in each trap, one after another, as long as the state stays the same. */
   async function fly(path: Followed, fate: HTMLElement) {
     const tell = (lines: string[]) => fate.replaceChildren(...lines.map((line) => explained(element("p", { className: "summary" }, line), say("beadsTip"))));
-    const { points } = path.state;
+    const { points, signature } = path.state;
+    const traps = [...points.keys()].filter((point) => isTrap(signature, point));
     try {
-      for (let n = 0; n < points.length; n += 1) {
-        tell([say("flying", { n: n + 1, count: points.length })]);
-        const flight = await engine.slow.fly(n, path.rate);
+      for (const [n, point] of traps.entries()) {
+        tell([say("flying", { n: n + 1, count: traps.length })]);
+        const flight = { point, ...(await engine.slow.fly(point, path.rate)) };
         if (followed !== path || requested() !== path.requested) return;
         path.flights.push(flight);
       }

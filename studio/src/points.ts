@@ -1,5 +1,6 @@
 /** Points: the changes of a state when points are moved, added or removed, with their targets. */
 
+import { signatureOf } from "./signature.ts";
 import type { State, Vec3 } from "./types.ts";
 
 /** Rounds a point to 1 um and limits it to 10 m, as links do. */
@@ -20,6 +21,7 @@ export function added(state: State, place: Vec3): Partial<State> {
   const { points, pressures, filled } = state;
   return {
     points: [...points, rounded(place)],
+    signature: signatureOf(state, [...points.keys()], 1),
     ...(pressures && { pressures: [...pressures, pressures.at(-1) || loudest(pressures)], filled: [...filled, points.length] }),
   };
 }
@@ -31,7 +33,8 @@ export function removed(state: State, ...which: number[]): Partial<State> {
   const points = left.map((k) => state.points[k]);
   const filled = left.flatMap((k, now) => (state.filled.includes(k) ? [now] : []));
   const pressures = state.pressures && left.map((k) => state.pressures![k]);
-  return { points, ...(pressures?.some((pressure) => pressure > 0) && filled.length < left.length ? { pressures, filled } : { pressures: null }) };
+  const signature = signatureOf(state, left);
+  return { points, signature, ...(pressures?.some((pressure) => pressure > 0) && filled.length < left.length ? { pressures, filled } : { pressures: null }) };
 }
 
 /**

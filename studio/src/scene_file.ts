@@ -2,6 +2,7 @@
 
 import { MOST_POINTS } from "./initial.ts";
 import { middleOf, SIDES, through } from "./plane.ts";
+import { read, written } from "./signature.ts";
 import type { ArrayChoice, Axis, Obstacle, Slot, State, Vec3 } from "./types.ts";
 
 /** A JSON scene; the WebAssembly binding writes any scene file in this form. */
@@ -68,7 +69,7 @@ export function sceneOf(state: State, slot: Slot): SceneFile {
       ...(pressures ? { pressure: pressures[k] } : {}),
     })),
     ...(obstacles.length ? { obstacles: obstacles.map(writeObstacle) } : {}),
-    ...(signature ? { signature } : {}),
+    ...(signature ? { signature: written(signature) } : {}),
     solver: { name: state.methods[slot] },
     plane: writePlane(plane),
   };
@@ -108,8 +109,8 @@ function check(scene: SceneFile): void {
     if (keys === "center,radius" || keys === "normal,point") return;
     refuse(`obstacles[${k}]`, "vertices" in each ? "a mesh" : keys, cure);
   });
-  if (signature !== undefined && typeof signature !== "string") {
-    refuse("signature", signature, 'give "trap", "twin" or "vortex"');
+  if (signature !== undefined && read(signature) === null) {
+    refuse("signature", signature, 'give "trap", "twin" or "vortex", or a list of these or "focus", one for each point');
   }
   if (points.length && (plane.z ?? plane.at) === undefined && Object.keys(plane).length) {
     refuse("plane", plane, "give z, or axis and at");
@@ -175,7 +176,7 @@ export function stateOf(scene: SceneFile, state: State): State {
     filled: [],
     pressures: loud ? points.map(({ pressure = 0 }) => pressure) : null,
     methods,
-    signature: signature as State["signature"],
+    signature: read(signature) ?? "",
     obstacles: (obstacles as Obstacle[]).map((each) => ({ ...each, kind: each.kind ?? "rigid" })),
     plane: readPlane(scene, state.plane),
     path: null,

@@ -6,6 +6,7 @@ import { sceneOf } from "./scene_file.ts";
 import { createHistory } from "./history.ts";
 import { boxOf, gridOf } from "./lattices.ts";
 import { planesOf } from "./plane.ts";
+import { fits, signatureOf } from "./signature.ts";
 import type { Grid, Outcome } from "./solve.worker.ts";
 import type { Lattice, Slot, State, Touched, TouchQuantity, Vec3, Volume } from "./types.ts";
 
@@ -255,6 +256,8 @@ export function createStudio(engine: Engine, initial: State): Studio {
       const before = view.state;
       view.state = { ...before, ...partial };
       if (!view.state.pressures) view.state.filled = [];
+      // Other points than those of the list are all like the first one.
+      if (!fits(view.state.signature, view.state.points.length)) view.state.signature = signatureOf(view.state, [0]);
       history.keep(view.state, gesture);
       moved(before);
     },

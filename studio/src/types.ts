@@ -56,8 +56,8 @@ export interface State {
   /** The numbers, from 0, of the points whose targets the page filled in. */
   filled: number[];
   methods: [string, string];
-  /** The signature that makes traps of the points, or "" for foci. */
-  signature: "" | "trap" | "twin" | "vortex";
+  /** The signature that makes traps of the points, or "" for foci; or names for each point, joined by dots. */
+  signature: string;
   obstacles: Obstacle[];
   /** The place of an ear. */
   ear: Vec3 | null;

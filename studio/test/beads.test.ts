@@ -3,8 +3,8 @@ import { readFileSync } from "node:fs";
 
 import { expect, test } from "vitest";
 
-import { balls, beadsAt, fateOf } from "../src/beads.ts";
-import { compile, type Flight, openDoor } from "../src/door.ts";
+import { type BeadFlight, balls, beadsAt, fateOf } from "../src/beads.ts";
+import { compile, openDoor } from "../src/door.ts";
 import { framesOf } from "../src/paths.ts";
 import type { Vec3 } from "../src/types.ts";
 import { say, type Word } from "../src/words.ts";
@@ -13,12 +13,12 @@ const door = openDoor(await compile(readFileSync(`${import.meta.dirname}/../buil
 const english = (word: Word, put = {}) => say("en", word, put);
 
 /** Returns the simulated motion of beads that two boards carry around circles. */
-function flown(points: Vec3[], frequency: number, radius = 0.01): Flight[] {
+function flown(points: Vec3[], frequency: number, radius = 0.01): BeadFlight[] {
   const [count, rate] = [Math.round(1000 / frequency), 1000];
   const scene = { array: { preset: "openmpd_pair", quantization: {} }, points: points.map((position) => ({ position })), signature: "trap", solver: { name: "glide", rate } };
   door.open(JSON.stringify(scene));
   door.follow(framesOf(points, { kind: "circle", radius, frequency }, rate, count / rate), count);
-  return points.map((_, n) => door.fly(n, rate));
+  return points.map((_, point) => ({ point, ...door.fly(point, rate) }));
 }
 
 test("a bead goes around with its trap, for laps of a second", () => {
@@ -45,16 +45,17 @@ test("frames that were not followed are not flown", () => {
 });
 
 test("lost beads are named by their time, those beyond three are counted, the others have their distance", () => {
-  const flight = (lost: number, farthest = 1e-4): Flight => ({ lost, farthest, places: new Float64Array(6) });
-  const stays = flight(NaN, 1.2e-4);
-  expect(fateOf([stays, flight(NaN)], english)).toEqual(["All beads stay, at most 0.12 mm from their path"]);
-  expect(fateOf([flight(0.05), stays, flight(0.034)], english)).toEqual(["Bead 3 is lost after 34 ms", "Bead 1 is lost after 50 ms", "The others stay, at most 0.12 mm from their path"]);
-  expect(fateOf([0.1, 0.2, 0.3, 0.4].map((lost) => flight(lost)), english).at(-1)).toBe("1 more are lost");
+  const flight = (lost: number, point: number): BeadFlight => ({ point, lost, farthest: 1.2e-4, places: new Float64Array(6) });
+  const stays = flight(NaN, 1);
+  expect(fateOf([stays, flight(NaN, 2)], english)).toEqual(["All beads stay, at most 0.12 mm from their path"]);
+  expect(fateOf([flight(0.05, 0), stays, flight(0.034, 2)], english)).toEqual(["Bead 3 is lost after 34 ms", "Bead 1 is lost after 50 ms", "The others stay, at most 0.12 mm from their path"]);
+  expect(fateOf([0.1, 0.2, 0.3, 0.4].map(flight), english).at(-1)).toBe("1 more are lost");
 });
 
-test("after the last lap it is flown again; balls have the size of a bead", () => {
+test("after the last lap it is flown again; balls have the size of a bead, or of some pixels", () => {
   const places = Float64Array.from({ length: 12 }, (_, k) => Math.floor(k / 3));
   const at = (frame: number) => beadsAt([{ lost: NaN, farthest: 0, places }], frame, 2)[0][0];
   expect([0, 1, 2, 3, 4, 5, 6].map(at)).toEqual([0, 1, 2, 3, 2, 3, 2]);
-  expect(balls([[1, 2, 3]])).toEqual([{ center: [1, 2, 3], radius: 1e-3, kind: "soft" }]);
+  expect(balls([[1, 2, 3]], ([x]) => 1e-4 * x)).toEqual([{ center: [1, 2, 3], radius: 1e-3, kind: "rigid" }]);
+  expect(balls([[1, 2, 3]], () => 2e-3)[0]).toMatchObject({ radius: 4.5 * 2e-3 });
 });

@@ -9,7 +9,7 @@ const SOURCES = join(import.meta.dirname, "../src");
 /** The layers, lowest first; a name that ends with / is a folder. */
 const LAYERS = [
   ["types", "gifenc.d", "door", "words", "dom", "tips", "changes", "decimal", "numbering"],
-  ["initial", "scene_file", "files", "link", "gallery", "history", "points", "paths", "plane", "touch", "contours", "lettering", "glyphs", "drawing", "pixels", "check"],
+  ["initial", "signature", "scene_file", "files", "link", "gallery", "history", "points", "paths", "plane", "touch", "contours", "lettering", "glyphs", "drawing", "pixels", "check"],
   ["solve.worker", "lattices", "engine", "studio", "skin", "serial", "served"],
   ["painter/", "eye", "look", "numbers"],
   [

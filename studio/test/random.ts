@@ -41,7 +41,7 @@ export function randomState(random: () => number): State {
     pressures,
     filled: pressures ? points.map((_, k) => k).filter(() => random() < 0.3) : [],
     methods: [one(["uniform", "greedy"]), one(["naive", "gspat"])],
-    signature: one(["", "trap", "twin", "vortex"]),
+    signature: one(["", "trap", "twin", "vortex", ...(points.length > 1 ? [points.map((_, k) => ["trap", "focus"][k % 2]).join(".")] : [])]),
     obstacles: Array.from({ length: below(3) }, obstacle),
     ear: random() < 0.5 ? null : place(),
     plane: {

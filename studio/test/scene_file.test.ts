@@ -71,6 +71,7 @@ test.each<[Partial<SceneFile>, string]>([
   [{ points: [point, { ...point, phase: 1 }] }, "points[1].phase is 1"],
   [{ obstacles: [{ vertices: [] }] }, "obstacles[0]"],
   [{ signature: [[1, 0]] }, "signature is [[1,0]]"],
+  [{ signature: ["trap", "twim"] }, 'signature is ["trap","twim"]: give "trap"'],
   [{ plane: { size: 0.1 } }, "plane is"],
 ])("what a state has no place for is refused: %j", (change, line) => {
   expect(() => stateOf({ ...GOOD, ...change }, initial)).toThrow(line);

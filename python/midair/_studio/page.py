@@ -93,7 +93,8 @@ def shown_scene(state: dict[str, Any]) -> Scene:
     if state["quantization"] == "none":
         document["array"]["quantization"] = {}
     if state["signature"]:
-        document["signature"] = state["signature"]
+        names = state["signature"].split(".")
+        document["signature"] = names if len(names) > 1 else names[0]
     return Scene.parse(json.dumps(document), name="the studio's scene")
 
 

@@ -1,0 +1,34 @@
+// Signature: one name, or one for each point, in scene files, in links and as points are added and removed.
+import { readFileSync } from "node:fs";
+
+import { expect, test } from "vitest";
+
+import { compile, openDoor } from "../src/door.ts";
+import { initial } from "../src/initial.ts";
+import { readLink, writeLink } from "../src/link.ts";
+import { added, removed } from "../src/points.ts";
+import { sceneOf, stateOf } from "../src/scene_file.ts";
+import { isTrap, signatureOf } from "../src/signature.ts";
+import type { State } from "../src/types.ts";
+
+const state: State = { ...initial, array: { preset: "openmpd_pair", tiles: [1, 1] }, points: [[-0.02, 0, 0], [0.02, 0, 0], [0, 0.02, 0]], pressures: null, filled: [], signature: "trap.focus.vortex" };
+
+test("a list goes to the core and comes back", async () => {
+  const door = openDoor(await compile(readFileSync(`${import.meta.dirname}/../built/midair.wasm`)));
+  expect(sceneOf(state, 0).signature).toEqual(["trap", "focus", "vortex"]);
+  door.open(JSON.stringify(sceneOf(state, 0)));
+  door.solve();
+  expect(stateOf(JSON.parse(door.save(false)), state).signature).toBe("trap.focus.vortex");
+  const link = readLink(writeLink(state));
+  expect(typeof link !== "string" && link.signature).toBe("trap.focus.vortex");
+});
+
+test("a list follows its points; a single focus is no trap", () => {
+  expect(added(state, [0, 0, 0]).signature).toBe("trap.focus.vortex.vortex");
+  expect(removed(state, 0).signature).toBe("focus.vortex");
+  expect(removed(state, 0, 2).signature).toBe("");
+  expect(removed(state, 1, 2).signature).toBe("trap");
+  expect(signatureOf({ ...state, signature: "twin" }, [0], 2)).toBe("twin");
+  expect([0, 1, 2].map((point) => isTrap(state.signature, point))).toEqual([true, false, true]);
+  expect([isTrap("trap", 5), isTrap("", 0)]).toEqual([true, false]);
+});
