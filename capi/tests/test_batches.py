@@ -1,4 +1,4 @@
-"""Batches of a session and of several scenes have the bits of `midair.solve_batch` and `midair.solve`."""
+"""Batches of a session and of scenes have the same bits as `midair.solve_batch` and `midair.solve`."""
 
 from ctypes import c_char_p, c_void_p
 

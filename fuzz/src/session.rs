@@ -1,4 +1,4 @@
-//! Tests requests of changing sizes in one session, and as a batch: each result has the bits of a single solve.
+//! Tests requests of changing sizes in one session, and as a batch: each result has the same bits as a single solve.
 
 use std::sync::Arc;
 

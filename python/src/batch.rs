@@ -209,7 +209,7 @@ getters! {
     elapsed(self) -> f64 = self.elapsed;
 }
 
-/// Solve B problems at once, each with the bits of `solve`.
+/// Solve B problems at once, each with the same bits as `solve`.
 ///
 /// Parameters
 /// ----------

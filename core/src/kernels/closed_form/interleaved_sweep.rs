@@ -2,7 +2,7 @@
 //!
 //! The loop is that of [`crate::kernels::closed_form`]. Here a list of points has one lane group for each point, and
 //! each lane belongs to one problem. Each lane repeats the operations of the sweep of its single problem in their
-//! order, and adds the points in the tree of [`Simd::reduce_add`]. So every problem gets the bits of its single sweep.
+//! order, and adds the points in the tree of [`Simd::reduce_add`]. So the result has the same bits.
 //! Points that a problem lacks have target and weight 0 and add +0.
 //!
 //! 1. No lane is padding and nothing is summed across lanes: with M = 4 points a problem takes half of the time

@@ -11,7 +11,7 @@
 //! ```
 //!
 //! Each lane repeats the operations of its single problem in their order. An update that the lanes do not decide is
-//! left to the search of the single pass. So every problem gets the bits of its single pass.
+//! left to the search of the single pass. So every result has the same bits as that of a single pass.
 //!
 //! 1. Nothing is summed across lanes, and 16 problems wait together for one chain of operations. A problem takes a
 //!    fifth of the time of its single pass at M = 4 points, and half of it at M = 16.

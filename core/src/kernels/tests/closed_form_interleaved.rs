@@ -1,4 +1,4 @@
-//! The interleaved sweep has the bits of single sweeps, and its drives reach the right problems.
+//! The interleaved sweep has the same bits as single sweeps, and its drives reach the right problems.
 
 use alloc::vec;
 use alloc::vec::Vec;

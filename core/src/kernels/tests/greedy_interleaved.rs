@@ -1,4 +1,4 @@
-//! The interleaved greedy pass has the bits of single passes.
+//! The interleaved greedy pass has the same bits as single passes.
 
 use alloc::vec;
 

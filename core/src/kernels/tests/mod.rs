@@ -194,7 +194,7 @@ impl Shot {
         assert!(few_re[..some.count] == re[..some.count] && few_im[..some.count] == im[..some.count], "{set}");
     }
 
-    /// Asserts that the tile of this transducer and a second one in phase has the bits of their rows, and 0 elsewhere.
+    /// Asserts that the tile of this transducer and a second one in phase has the same bits as their rows, else 0.
     fn check_tile(&self, set: InstructionSet, row: [&[f32]; 2]) {
         let sources = SourceList::new(&[self.source, Source { turns: 0.0, ..self.source }]);
         let order: Vec<u32> = (0..self.count as u32).collect();

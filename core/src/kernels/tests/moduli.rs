@@ -1,4 +1,4 @@
-//! Sums of |G| compared with f64; the sums of an interleaved batch have the bits of its problems.
+//! Sums of |G| compared with f64; the sums of an interleaved batch have the same bits as those of its problems alone.
 
 use alloc::vec;
 use alloc::vec::Vec;
