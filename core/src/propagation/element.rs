@@ -254,7 +254,7 @@ fn phasor(z: Complex64) -> Complex64 {
 /// Returns e^{turned d} for distances d within an element, by Taylor polynomials: all six cost about as much as one call of the
 /// library.
 fn near_phasors(turned: Complex64, distances: [f64; 6]) -> [Complex64; 6] {
-    // The error is 1e-8 up to an angle of 2.5 rad, less than half a wavelength.
+    // The error of cosine and sine is 1e-7 at an angle of 2.5 rad, a distance of 0.4 wavelengths, and falls towards 0.
     const TERMS: usize = 8;
     let angles = distances.map(|d| turned.im * d);
     let squares = angles.map(|angle| angle * angle);

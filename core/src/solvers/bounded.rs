@@ -147,7 +147,7 @@ struct Barrier<'w> {
     gradient: Vector<'w>,
     step: Vector<'w>,
     field: Vector<'w>,
-    /// Columns of J, the real form of G, for some transducers; and the matrix I + J D^-1 J^T.
+    /// Columns of J, the real form of W^(1/2) G, for some transducers; and the matrix I + J D^-1 J^T.
     columns: Buffer<'w, f64>,
     matrix: Buffer<'w, f64>,
     dual: Buffer<'w, f64>,
@@ -252,7 +252,8 @@ impl<'w> Barrier<'w> {
         self.derive();
         self.factor(control)?;
         let lanes = self.step[0].len();
-        // With the gradient h and the dual y = (I + J D^-1 J^T)^-1 J D^-1 h, the step is -D^-1 (h - G^H y).
+        // J is the real form of W^(1/2) G. With the gradient h and the dual y = (I + J D^-1 J^T)^-1 J D^-1 h, the step
+        // is -D^-1 (h - J^T y).
         for i in 0..lanes {
             let own = self.apply_inverse(i, at(&self.gradient, i));
             set(&mut self.step, i, own);

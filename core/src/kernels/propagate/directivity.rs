@@ -28,8 +28,8 @@ pub(crate) trait Ahead {
     fn directivity<S: Elementwise>(&self, s: S, along: S::V, inverse: S::V) -> S::V;
 }
 
-/// Polynomial coefficients, the highest power first. The variable is c^2 - 1/2 where D is an entire function of
-/// sin(theta)^2 or an even power of c, else c - 1/2. So no f32 digits are lost at either end.
+/// Polynomial coefficients, the highest power first. With c = cos(theta), the variable is c^2 - 1/2 where D is an
+/// entire function of sin(theta)^2 or an even power of c, else c - 1/2. So no f32 digits are lost at either end.
 #[derive(Clone, Debug)]
 pub(crate) struct Polynomial<const EVEN: bool, const N: usize>(pub(crate) [f32; N]);
 

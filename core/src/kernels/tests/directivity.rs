@@ -57,7 +57,7 @@ fn narrow_beams_are_accurate_up_to_a_rounding_of_the_cosine() {
         for directivity in [piston(x), sinc(x)] {
             for set in InstructionSet::all() {
                 let error = error(set, directivity, 100_000);
-                // The slope of D over the squared cosine is at most x^2/6; that of a piston is at most x^2/8.
+                // The derivative of D by cos(theta)^2 is at most x^2/6 for a sinc and x^2/8 for a piston.
                 assert!(error < 1e-6 + x * x / 6.0 * ROUNDING, "{set}: {directivity:?} is missed by {error:e}");
             }
         }
