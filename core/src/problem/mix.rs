@@ -63,7 +63,7 @@ pub(crate) fn mix<'w>(
 ) -> Option<Planar<'w>> {
     let quantization = request.setup.quantization.as_deref().filter(|_| request.given);
     let pair = quantization?.between(level)?;
-    // The caller's rounding may have put a drive on either of two amplitudes; all get back the amplitude `own`.
+    // The caller's rounding may have moved some drives to another amplitude of the board; they get the amplitude `own` again.
     let square = (own * own) as f32;
     for q in drive.iter_mut().filter(|q| (q.norm_sqr() - square).abs() > 2.0 * ALIKE * square && **q != Complex32::ZERO)
     {

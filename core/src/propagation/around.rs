@@ -99,8 +99,8 @@ impl<'a> Around<'a> {
         Self { model, factors, surface, ball, unit }
     }
 
-    /// Returns the forces around places (P, 3) in m, each in the field of its drive (P, N). The coordinates relative to the
-    /// place are in units of [`Around::unit`].
+    /// Returns for each of the places (P, 3) in m the force around it, in the field of its drive (P, N). The variables of the
+    /// polynomials are the coordinates relative to the place, in units of [`Around::unit`].
     ///
     /// # Errors
     /// The errors of [`field`]; a stop.

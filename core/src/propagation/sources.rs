@@ -70,8 +70,8 @@ impl Sources {
                 axis[j] = x;
             }
         }
-        // The kernels compute the padding too. Points of zeros as padding may lie so far away that absorption makes their
-        // results denormal numbers, each of which takes a hundred cycles.
+        // The kernels compute the padding too, so it repeats the last point. Padding with zeros may lie so far from the
+        // array that absorption makes its results denormal numbers, each of which takes a hundred cycles.
         for axis in frame {
             let (own, padding) = axis.split_at_mut(points.len());
             if let Some(&last) = own.last() {

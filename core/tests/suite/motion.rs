@@ -81,7 +81,7 @@ fn points_in_motion_are_even_within_the_bound() {
 
 #[test]
 fn above_the_speed_limit_points_are_still_even() {
-    // Sixteen points at 6 m/s, although the bound only allows 1.6 m/s.
+    // Sixteen points move at 6 m/s. The largest phase change, pi/32 per frame, is enough for only 1.6 m/s.
     let at = |t: usize, j: usize| {
         let angle = 6.0 / 0.01 * t as f64 / 10e3 + j as f64;
         let middle = [j % 4, j / 4].map(|k| 0.03 * k as f64 - 0.045);

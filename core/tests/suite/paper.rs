@@ -95,9 +95,9 @@ fn a_strong_focus_is_ideal_in_any_order() {
 
 #[test]
 fn a_weak_focus_is_smeared_along_x_by_the_fixed_order() {
-    // The first columns already give |p| = 1. The waves of the remaining columns come alternately from both sides and
-    // keep |P| constant. Their order depends on near-ties of the symmetric scene: the width is 42 mm here, 38 mm in
-    // f64, and about 40 mm in the paper's figure.
+    // The first columns already give |p| = 1. The remaining columns add waves at nearly right angles to p, now 90 degrees
+    // ahead, now behind, and so keep |p| constant. Which comes next depends on near-ties of the symmetric scene: the
+    // width is 42 mm here, 38 mm in f64, and about 40 mm in the paper's figure.
     let widths = [0, 1].map(|axis| width(axis, &columns(), 1.0, false));
     assert!((0.035..0.045).contains(&widths[0]) && widths[1] < 0.02, "{widths:?}");
 }

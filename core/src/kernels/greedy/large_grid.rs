@@ -252,11 +252,11 @@ fn direction([re, im]: [f32; 2]) -> usize {
 
 /// Bounds that say which candidates may be as good as the best one.
 struct Rivals {
-    /// Difference of two changes up to which rounding leaves their order open.
+    /// If two changes of the energy differ by less than this, rounding leaves their order open.
     rounding: f32,
-    /// Difference of two changes that is ignored.
+    /// If two changes of the energy differ by less than this, the candidates count as equally good.
     matters: f32,
-    /// Remainder of the difference of two changes for each unit of distance between the drives.
+    /// Bound of the remainder in the difference of two changes, for each unit of distance between the two candidates.
     steep: f32,
 }
 

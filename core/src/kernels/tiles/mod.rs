@@ -88,7 +88,7 @@ pub(crate) struct Wave<'a> {
     pub(crate) field: [&'a mut [f32]; 2],
 }
 
-/// Returns whether each of the first `transducers` reaches the first point, as nearly all do, and has a drive.
+/// Returns whether each of the first `transducers` has a drive other than 0 and a G other than 0 at the first point.
 pub(crate) fn all_sound(set: InstructionSet, tiles: Tiles<'_>, drive: [&[f32]; 2], transducers: usize) -> bool {
     dispatch!(set, s => {
         let [qr, qi] = drive.map(groups);

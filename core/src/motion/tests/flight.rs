@@ -110,8 +110,8 @@ fn every_set_gives_the_same_bits_and_a_flight_that_stops_goes_on_to_the_same() {
     assert!(calls == 4 && again == state && found == places);
 }
 
-/// Returns the state after a flight of beads from `places`, which are along x in units of 1 mm. The terms of the force
-/// of each degree are a tenth of the terms of the degree before.
+/// Returns the state after a flight of beads that start on the x axis at `places`, in mm. The force has a linear
+/// spring's terms and terms of higher degrees; each degree has terms a tenth as large as the degree before.
 fn swung(set: InstructionSet, places: Eight) -> State {
     let mut force = spring([0.02; 8]);
     for (t, term) in force.iter_mut().enumerate().skip(4) {

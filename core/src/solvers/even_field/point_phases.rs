@@ -18,11 +18,11 @@ use crate::solvers::even_field::coincident::merge;
 use crate::solvers::even_field::run::Plan;
 use crate::workspace::{Buffer, Workspace};
 
-/// Rounds over the points with the matrix: in trials eight reach the energy within a thousandth.
+/// Number of rounds over the points with the M x M matrix: in trials eight reach the energy within a thousandth.
 const ROUNDS: usize = 8;
 
-/// Number of rounds with G itself, each as long as a sweep. In trials, two more or two fewer change the level by a
-/// thousandth at 64 points.
+/// Number of rounds over the points with G itself instead of the matrix. Each takes as long as a sweep. In trials, two
+/// rounds more or fewer change the level by a thousandth at 64 points.
 const ROUNDS_ALONE: usize = 8;
 
 /// Up to this number of points the matrix takes less time than the rounds with G.
