@@ -202,7 +202,7 @@ impl Boundary {
         PyArray1::from_vec(py, matrix).reshape([self.inner.elements(); 2])
     }
 
-    /// Returns the right-hand sides of the equations (E, N).
+    /// Returns the right-hand sides of the equations (E, N): the incident wave of each transducer at each element.
     fn incident<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
         let threads = limits::threads(py)?;
         let incident = attend(py, None, |control| self.inner.incident(&mut control.on(threads)))?;

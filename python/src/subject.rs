@@ -62,7 +62,7 @@ pub(crate) enum Subject {
     Given(midair::Propagation, Arc<Setup>, midair::Request),
 }
 
-/// Returns a matrix with its mask applied, and the data of its array.
+/// Returns a matrix with the mask of the keywords applied, and a setup with their quantization and positions.
 pub(crate) fn given(
     propagation: &midair::Propagation,
     Beside { quantization, mask, positions, .. }: Beside<'_, '_>,

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from .._support.ctrl_c import interruptibly
 from .model import AIR, CLOCK, LOUDNESS, SPEED, Belief, Complex, Model, Real
 
-#: Assumed noise at the start, relative to the readings' rms; largest change of this noise per step, as a
-#: factor. Without it the fit ends in a local minimum if the noise is small and readings are few.
+#: Noise that the first step assumes, relative to the readings' rms; a later step assumes at least TIGHTER
+#: times the noise of the step before. If the assumed noise fell faster, the fit would end in a local minimum
+#: where the noise is small and readings are few.
 FIRST_TRUST, TIGHTER = 0.3, 0.6
 #: A reading more than OUTLYING standard deviations from the model is an outlier. This happens to one normally
 #: distributed reading in 10^9. The standard deviation is at least LEAST_SCATTER times the median reading.

@@ -166,7 +166,7 @@ class JudgedFrames(Frames):
         return self._scene.replace(points=self._points[frame][there], pressures=self._targets[frame][there])
 
     def field(self, frame: int, plane: Plane | None = None) -> Field:
-        """Compute the field of a frame at rest.
+        """Compute the field of a frame if its drive is kept.
 
         Parameters
         ----------
@@ -189,7 +189,7 @@ class JudgedFrames(Frames):
 
     @cached_property
     def pressures(self) -> NDArray[np.float64]:
-        """|p| (T, M) in Pa of each frame's drive at its points, at rest: p_j(t) = sum_i G_ji(t) q_i(t)."""
+        """|p| (T, M) in Pa at each frame's points if its drive is kept: p_j(t) = sum_i G_ji(t) q_i(t)."""
         return _fixed(pressures(self._scene, self._points, self._drives))
 
     @property
@@ -227,7 +227,7 @@ class JudgedFrames(Frames):
 
     @cached_property
     def metrics(self) -> SequenceMetrics:
-        """Metrics of the frames at rest; the noise is that of constant drives with tau = 0.2 ms."""
+        """Metrics of `pressures`; the noise is that of constant drives with tau = 0.2 ms."""
         return self.judge()
 
     @SETTLING
@@ -237,7 +237,8 @@ class JudgedFrames(Frames):
         Parameters
         ----------
         tau : float, optional
-            Time constant in s of the transducers. By default frames are at rest; only the noise uses 0.2 ms.
+            Time constant in s of the transducers. By default the metrics are those of `pressures`; only
+            the noise uses 0.2 ms.
         hold, substeps
             As for `between`; the targets of a frame apply to all of its sub-steps.
 
