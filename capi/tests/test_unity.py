@@ -111,7 +111,8 @@ def test_points_at_rest_are_not_solved_again(solved: str) -> None:
 
 def test_the_gizmo_shows_the_field_of_its_plane(solved: str) -> None:
     (values,), (alphas,) = numbers(solved, "values"), numbers(solved, "alphas")
-    # The plane is turned like the array: its x and y are midair's x and z, at half of Unity's lengths.
+    # The plane is turned with the array: its x and y are midair's x and z. The array's scale is 2, so lengths
+    # in midair are half of those in Unity.
     x, z = ((np.arange(count) - 0.5 * (count - 1)) * 0.005 for count in (6, 5))
     places = [[across, 0, 0.15 + up] for up in z for across in x]
     expected = np.abs(solution(numbers(solved, "last")[0]).field(places).pressure)

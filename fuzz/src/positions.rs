@@ -3,7 +3,7 @@
 use crate::one_line;
 use midair::files::{read_array, read_drive, write_drive};
 
-/// Runs the test that the bytes describe.
+/// Runs the test with these bytes as the content of a CSV file.
 pub fn check(bytes: &[u8]) {
     let rows = bytes.split(|&byte| byte == b'\n' || byte == b'\r').count();
     if let Some(array) = one_line(read_array(bytes, "bowl.csv")) {

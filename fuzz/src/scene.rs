@@ -10,7 +10,7 @@ const MOST: usize = 4096;
 /// Only documents with this word can be a motion.
 const MOTION: &[u8] = b"motion";
 
-/// Runs the test that the bytes describe.
+/// Runs the test with these bytes as the text of a file.
 pub fn check(bytes: &[u8]) {
     for format in [Format::Toml, Format::Json] {
         if let Some(scene) = one_line(read(bytes, format))

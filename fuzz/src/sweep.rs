@@ -3,7 +3,7 @@
 use crate::one_line;
 use midair::files::{Format, Node, Source, placed, read_sweep};
 
-/// Runs the test that the bytes describe.
+/// Runs the test with these bytes as the text of a file.
 pub fn check(bytes: &[u8]) {
     for format in [Format::Toml, Format::Json] {
         let Some(tables) = one_line(read_sweep(bytes, format, Source::default())) else { continue };

@@ -257,7 +257,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
     const now = state();
     clearTimeout(soon);
     if (isTouch(now.quantity) && !now.path) {
-      // The page is just being placed.
+      // `fail` changes the state, which places the page again. So it waits until the page has been placed for this state.
       return queueMicrotask(() => fail(new Error(say("skinNeedsPath")), isTouch(state().quantity) && !state().path));
     }
     const quantity = touchOf(now);

@@ -51,7 +51,7 @@ function openBeside(scene: string): void {
   other = scene;
 }
 
-/** Returns the outcome of a solution: its slices, and |p| at the ear. */
+/** Returns the outcome of a solution: its slices, and |p| at the ear; 0 if the scene shows no ear. */
 function looked(by: Door, answer: Answer, warnings: string[], grids: Grid[], ear: Vec3 | null): Outcome {
   const [re, im] = ear ? by.field(Float64Array.from(ear)) : [0, 0];
   const lattices = grids.map((grid) => ({ ...grid, values: by.field(places(grid)) }));
@@ -178,7 +178,7 @@ const jobs = {
   frame: (index: number, scene: string, grids: Grid[], ear: Vec3 | null) => judged(scene, mover.frame(index), grids, ear),
   /** Predicts the touch of a skin under the frames that `follow` has solved, repeated at `rate` frames per second. */
   skin: (grid: Grid, rate: number) => mover.skin(places(grid), rate),
-  /** Returns the displacement of that skin in m at the start of a frame. */
+  /** Returns the displacement in m of the skin that `skin` has predicted, at the start of a frame. */
   moved: (frame: number) => mover.moved(frame),
   /** Simulates the bead in the trap of a point while the frames of `follow` repeat. */
   fly: (point: number, rate: number) => mover.fly(point, rate),

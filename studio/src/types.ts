@@ -59,7 +59,7 @@ export interface State {
   /** The signature that makes traps of the points, or "" for foci; or names for each point, joined by dots. */
   signature: string;
   obstacles: Obstacle[];
-  /** The place of an ear. */
+  /** The place of an ear, where the page reports the sound level; null: no ear. */
   ear: Vec3 | null;
   /** The slice: the axis normal to it, height and x, y of its middle, the length of its sides. */
   plane: { axis: Axis; z: number; size: number; center: [number, number] };

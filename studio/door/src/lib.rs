@@ -232,7 +232,8 @@ pub extern "C" fn studio_fly(studio: &mut Studio, point: usize, rate: f64) -> u3
     studio.work(|studio| studio.fly(point, rate))
 }
 
-/// Writes the bytes with which the board named in the text buffer plays the drive; the number is its baud rate, or 0.
+/// Writes the bytes with which the board named in the text buffer plays the drive. The only number is the board's baud rate, or
+/// 0 if it has none.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_encode(studio: &mut Studio) -> u32 {
     studio.work(Studio::encode)
