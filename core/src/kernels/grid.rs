@@ -279,8 +279,8 @@ impl Grid {
         new
     }
 
-    /// Divides every drive by `factor` and rounds it. A modulus that is then `most` becomes the amplitude `common`.
-    /// Returns whether every result equals its drive times `common`, bit for bit.
+    /// Divides every drive by `factor` and rounds it to the grid. The largest modulus after the division is `most`; it
+    /// is rounded to the amplitude `common`. Returns whether every result equals its drive times `common`, bit for bit.
     pub(crate) fn round(
         &self,
         set: InstructionSet,

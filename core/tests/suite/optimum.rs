@@ -134,8 +134,8 @@ fn no_field_exceeds_the_bound_of_any_number_of_points() {
 
 #[test]
 fn the_climb_ends_no_lower_than_it_began_and_where_it_did() {
-    // The levels of `best` when it was first implemented, in units of the balanced level. Before the ascent, `uniform` reached
-    // 0.92 to 0.98 of them for unequal targets.
+    // The levels of `best` when it was first implemented, in units of the balanced level. For unequal targets,
+    // `uniform` reached only 0.92 to 0.98 of them before it had the ascent.
     for (count, most, seed, kept) in KEPT {
         let (scene, targets) = apart(Array::grid(18, 14, 10e-3).expect("a grid"), count, most, seed);
         let problem = problem(&scene);

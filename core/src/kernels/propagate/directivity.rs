@@ -83,7 +83,7 @@ pub(crate) struct Pieces {
     pub(crate) coefficients: [Lanes; 5],
 }
 
-/// Offset of the variable: x is c less this value.
+/// Offset of the variable of [`Pieces`]: x is cos(theta) less this value.
 pub(crate) const MIDDLE: f32 = 0.25;
 
 /// Coefficients a and b of a piece's position in the tables, (a x + b) x + 1. Ten degrees near 90 degrees have one

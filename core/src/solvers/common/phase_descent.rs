@@ -27,10 +27,10 @@ const ENOUGH: f64 = 1e-4;
 /// Number of trials of a step; each is at most half as long as the one before.
 const TRIALS: usize = 12;
 
-/// The largest rotation of a first step, in rad.
+/// The largest entry of a first step. Its arc tangent, the rotation, is 0.29 rad.
 const FIRST: f32 = 0.3;
 
-/// The largest rotation before its arc tangent is taken, which is less than a quarter turn.
+/// The largest entry of a later step. The drive rotates by its arc tangent, which is always less than a quarter turn.
 const LONGEST: f32 = 2.0;
 
 /// A drive is at an end of its arc if its cosine differs from that of the end by at most this.

@@ -164,8 +164,9 @@ impl<'w> Search<'w> {
         Ok(())
     }
 
-    /// Raises the loudest fields of separate points. For few points it continues from the best start, which is known;
-    /// for more it uses the soft minimum.
+    /// Raises the levels of separate points by ascents. Few points without quiet ones start from the best point phases,
+    /// which [`few`] finds. Others start from the loudest fields found. If there are no quiet points, the soft minimum
+    /// of these fields is raised first.
     ///
     /// # Errors
     /// More memory than allowed is needed.
