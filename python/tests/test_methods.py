@@ -92,7 +92,8 @@ def test_sdp_reaches_the_optimum_of_its_relaxation(count: int) -> None:
         _, Q = methods.sdp_parts(*exact(count, seed))
         optimum, _ = methods.relaxed(Q)
         begun = np.trace(Q).real
-        # The trace starts at X = 1; all entries but the last are tr(Q X)/tr(Q) during the descent.
+        # The relaxation minimises tr(Q X) over matrices X, from the unit matrix on. All entries of
+        # `solution.trace` but the last are tr(Q X)/tr(Q) during the descent.
         solution = midair.solve(scene(count, seed), "sdp", steps=20000, lambda_=0.9999, trace=True)
         reached = solution.trace[-2] * begun
         # At M = 2 the optimum is only a percent below tr(Q), so the error is compared with the reduction.

@@ -247,7 +247,8 @@ fn sharp_and_steep_directivities_are_accurate() {
         let sharp = [("piston", 0.1), ("piston", 0.02), ("sinc", 0.2), ("cos", 0.5), ("cos", 2.5), ("cos", 70.0)];
         for (name, parameter) in sharp {
             let pattern = Directivity::named(name, Some(parameter)).expect("a directivity");
-            // The steepest slope: D = 1 - x^2/6 with x = (k d/2) sin(theta); twice that for a piston; n for cos^n.
+            // The slope of D over cos(theta) is at most (k d)^2/12 for a sinc of width d, (k a)^2/4 for a piston of
+            // radius a, and n for cos^n with n of 1 or more. The test allows more than that.
             let steepness = if name == "cos" { parameter.max(10.0) } else { (WAVENUMBER * parameter).powi(2) / 2.0 };
             let shot = Shot::new(&mut Rng::new(3), pattern, 0.0, 67);
             Shot { steepness, ..shot }.check(set);

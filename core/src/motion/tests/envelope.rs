@@ -39,7 +39,7 @@ fn frames_agree_with_the_differential_equation() {
         let mut ends = [Complex32::ZERO; 2];
         for k in 0..drives.len() - 1 {
             envelope.frame(&drives[k..=k], &drives[k + 1..k + 2], &mut state, 2, 0..2, &mut ends);
-            // y in the middle of the first frame is the end of a frame of half the length.
+            // y in the middle of the first frame is also y at the end of a frame that takes half the time.
             if k == 0 {
                 let half = Envelope { rate: 2.0 * envelope.rate, ..envelope };
                 let halves = [drives[0], if linear { middle(drives[0], drives[1]) } else { drives[0] }];

@@ -3,7 +3,7 @@
 use super::*;
 use crate::math;
 
-/// Returns a bound on the fourth Taylor coefficient of D for a sharpness s.
+/// Returns a bound on the fourth Taylor coefficient of D in cos(theta); `s` is the square of the law's sharpness.
 fn most(s: f64) -> f64 {
     1.0 + s * s + 0.1 * s * s * s + 1e-4 * s * s * s * s
 }
