@@ -90,7 +90,7 @@ export interface Touch {
 }
 
 /**
- * The simulated motion of a bead: the time in s at which it was lost, or NaN; its largest distance from its point in m until
+ * The simulated motion of a bead: the time in s at which it was lost, or NaN; its largest distance from its path in m until
  * then; and its places (F, 3) in m at the frames of all laps.
  */
 export interface Flight {

@@ -43,7 +43,7 @@ const STILL = 1e-6;
 /** Time in ms without a change, after which the touch of a skin is predicted. */
 const REST = 200;
 
-/** The fewest turns a second whose skin is predicted: slower turns have too many spectral lines. */
+/** The fewest turns a second whose skin is predicted, and whose beads are simulated: slower turns take too long. */
 const SLOWEST = 2;
 
 /** Returns the number of frames from one picture to the next. */
@@ -153,6 +153,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
   async function fly(path: Followed, fate: HTMLElement) {
     const tell = (lines: string[]) => fate.replaceChildren(...lines.map((line) => explained(element("p", { className: "summary" }, line), say("beadsTip"))));
     const { points, signature } = path.state;
+    if (path.state.path!.frequency < SLOWEST) return tell([say("beadsSlow", { turns: SLOWEST })]);
     const traps = [...points.keys()].filter((point) => isTrap(signature, point));
     try {
       for (const [n, point] of traps.entries()) {

@@ -225,7 +225,7 @@ pub extern "C" fn studio_moved(studio: &mut Studio, frame: usize) -> u32 {
 }
 
 /// Simulates the bead in the trap of a point while the frames of `studio_follow` repeat at `rate` frames/s. The numbers are the
-/// time in s at which it was lost or NaN, its largest distance from the point in m until then, and its places (F, 3) in m
+/// time in s at which it was lost or NaN, its largest distance from the path in m until then, and its places (F, 3) in m
 /// at the frames of all laps.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_fly(studio: &mut Studio, point: usize, rate: f64) -> u32 {

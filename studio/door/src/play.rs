@@ -17,7 +17,8 @@ impl Studio {
         let pressed = scene.request().pressures.as_ref();
         let targets = pressed.map(|each| each.repeat(frames));
         let mut drives = vec![Complex32::ZERO; frames * transducers];
-        // The path repeats. The stiffest traps need one frame before the first and one after the last.
+        // The path repeats. The stiffest traps need the points of the frames before and after, for the acceleration. One frame
+        // on each side suffices, because the studio's paths are smooth.
         let margin = usize::from(pressed.is_none() && scene.signature() == Some(&Signature::Trap));
         let (start, end) = (&places[..margin * count], &places[places.len() - margin * count..]);
         let around = [end, &places, start].concat();
