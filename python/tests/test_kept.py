@@ -234,3 +234,18 @@ def test_what_is_written_reaches_the_disk_before_its_name(
     kept.save(tmp_path / "a.npz", "a", {"x": np.zeros(3)})
     assert [name.endswith(".part") for name in seen] == [True, False]
     assert seen[1] == tmp_path.name
+
+
+def test_a_file_with_another_content_is_never_replaced(tmp_path: Path, whole: midair.Sequence) -> None:
+    finished, sequence, text, solution = (tmp_path / f"{name}.npz" for name in "abcd")
+    assert solved(finished) == whole
+    whole.save(sequence)
+    text.write_text("notes")
+    midair.solve(midair.Scene(BOARD, [[0, 0, 0.1]])).save(solution)
+    contents = {file: file.read_bytes() for file in tmp_path.iterdir()}
+    for file, more in ((finished, {"change": 0.1}), (sequence, {}), (text, {}), (solution, {})):
+        with pytest.raises(midair.SceneError, match="resume is .*: it does not contain the result of this"):
+            solved(file, **more)
+    # The same call reads the finished file.
+    assert solved(finished, progress=lambda *_: pytest.fail("solved again")) == whole
+    assert {file: file.read_bytes() for file in tmp_path.iterdir()} == contents

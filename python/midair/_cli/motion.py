@@ -12,6 +12,7 @@ from .. import SceneError, Sequence
 from .._motion.animation import ENDINGS
 from .._motion.document import Document, read
 from .._motion.request import solver_name
+from .._motion.store import Output
 from .._support import output
 from .._support.text import counted
 from .progress import progress_bar
@@ -85,8 +86,9 @@ def motion_command(
 def _solved(requested: Document, name: str, file: Path | None) -> Sequence:
     # With ahead="all" all frames are found together, so the file is written at the end.
     together = requested.settings.get("ahead") == "all"
+    pieces = None if together or file is None else Output(file)
     with progress_bar(f"solving by {name}") as tell:
-        found = requested.solve(solver=name, progress=tell, resume=None if together else file)
+        found = requested.solve(solver=name, progress=tell, resume=pieces)
     if together and file is not None:
         found.save(file)
     return found

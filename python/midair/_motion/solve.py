@@ -76,7 +76,8 @@ def sequence(
         Called with (frames done, frames).
     resume : str or path, optional
         An .npz file, written while frames are solved, so that memory needs only a block. If stopped and
-        called again with the same arguments, the solve continues and gives the same bits.
+        called again with the same arguments, the solve continues and gives the same bits. A file with another
+        content is rejected, never replaced.
     **options
         Options of the solver; the air: frequency, sound_speed, temperature, absorption, density, obstacles.
         signature="trap" moves traps. Without pressures the traps are as stiff as possible for `bead`, and

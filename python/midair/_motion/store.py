@@ -7,7 +7,7 @@ import re
 import warnings
 import zipfile
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from os import PathLike
 from pathlib import Path
@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 
 from .._midair import Scene, SceneError, SceneWarning
 from .._support import kept, output
-from .._support.arguments import path_of
+from .._support.arguments import path_of, refused
+from .._support.text import arrays
 from . import files
 from .horizon import Found
 from .request import Request
@@ -28,11 +29,22 @@ from .sequence import Sequence
 #: Suffix of the name of the folder.
 ENDING = ".resume"
 
-#: Name of the file that identifies the request; prefix of the names of arrays that store the solver's state.
+#: Name of the file, and of the array of a finished file, that identifies the request; prefix of the names of
+#: arrays that store the solver's state.
 REQUEST, STATE = "request", "state."
 
 #: Names of files that this module writes.
 OWN = re.compile(r"request|\d{12}\.npz")
+
+
+@dataclass(frozen=True)
+class Output(PathLike[str]):
+    """Name of a file that may be replaced, whatever it contains, like the outputs of commands."""
+
+    path: Path
+
+    def __fspath__(self) -> str:
+        return str(self.path)
 
 
 def sequence_of(
@@ -63,13 +75,23 @@ def solved(
     block: int,
     progress: Callable[[int, int], object] | None,
 ) -> Sequence:
-    """Solve the missing frames of a sequence piece by piece, then join the pieces into the file."""
+    """Solve the missing frames of a sequence piece by piece, then join the pieces into the file.
+
+    Returns the sequence of a file that already contains the result, and rejects any other file.
+    """
     target = path_of("resume", path)
     output.check(target, (".npz",))
+    request = _fingerprint(requested, setting, block)
+    if target.exists():
+        if _finished(target) == request:
+            return Sequence.load(target)
+        if not isinstance(path, Output):
+            cure = "it does not contain the result of this request, give another file or remove it"
+            raise refused("resume", target, cure)
     folder = target.with_name(target.name + ENDING)
     total = len(requested.points)
     with kept.locked(folder):
-        pieces = Pieces(folder, _fingerprint(requested, setting, block))
+        pieces = Pieces(folder, request)
         done = 0
         while done < total and (piece := pieces.load(done)) is not None:
             state, done = piece[1], done + block
@@ -82,6 +104,14 @@ def solved(
         _assemble(target, pieces, requested, setting, found.board, block)
         kept.remove(folder, OWN)
     return Sequence.load(target)
+
+
+def _finished(target: Path) -> str:
+    """Return the hash of the request whose result a file contains; "" for any other file."""
+    try:
+        return str(arrays(target, [REQUEST])[REQUEST])
+    except (KeyError, OSError, ValueError):
+        return ""
 
 
 def _fingerprint(requested: Request, setting: dict[str, Any], block: int) -> str:
@@ -100,7 +130,7 @@ class Pieces:
 
     def __init__(self, folder: Path, request: str) -> None:
         self._folder = folder
-        self._request = request
+        self.request = request
         path = folder / REQUEST
         with kept.refusing(path):
             other = path.read_bytes() if path.is_file() else b""
@@ -125,7 +155,7 @@ class Pieces:
         return drives, {name.removeprefix(STATE): value for name, value in arrays.items()}
 
     def _named(self, first: int) -> tuple[Path, str]:
-        return self._folder / f"{first:012d}.npz", f"{self._request}/{first}"
+        return self._folder / f"{first:012d}.npz", f"{self.request}/{first}"
 
 
 def _assemble(
@@ -140,7 +170,11 @@ def _assemble(
     shape = (len(requested.points), len(requested.array))
     two = replace(requested, points=requested.points[:2], targets=np.ones(requested.targets[:2].shape))
     empty = sequence_of(two, np.ones((2, shape[1]), np.complex64), setting["solver"], board)
-    texts = {"scene": empty.scene(0).json(), "setting": output.to_json(empty.setting())}
+    texts = {
+        "scene": empty.scene(0).json(),
+        "setting": output.to_json(empty.setting()),
+        REQUEST: pieces.request,
+    }
     with files.whole(target, (".npz",)) as part, zipfile.ZipFile(part, "w", allowZip64=True) as archive:
         small = {"points": requested.points, "targets": requested.targets}
         for name, values in {**small, **{name: np.asarray(text) for name, text in texts.items()}}.items():
