@@ -15,7 +15,8 @@ from matplotlib import pyplot as plt
 from numpy.typing import NDArray
 
 import midair
-from midair._judging.haptic import _Curve, _Judge
+from midair._judging.haptic import _Judge
+from midair._judging.schedule import Curve
 from midair._midair import HIGHEST, Sheet, threshold
 
 HEIGHT = 0.2
@@ -161,7 +162,7 @@ def chosen() -> None:
                     f"{found.gain:+.1f} dB, {found.technique}"
                 )
             if rate > 1e3:
-                judge = _Judge(array, _Curve.of(shape, closed=False), rate, 0.014, {})
+                judge = _Judge(array, Curve.of(shape, closed=False), rate, 0.014, Sheet(), {})
                 foci = judge.foci
                 best = max(foci.strengths(foci.climb(start, "strong")).mean() for start in judge.starts())
                 above = 20 * np.log10(foci.frames * bound(foci.answers) / best)

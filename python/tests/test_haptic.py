@@ -93,12 +93,35 @@ def test_even_is_at_least_as_strong_where_it_is_weakest() -> None:
 def test_ears_are_spared_at_a_lower_level() -> None:
     ears = {"ear": [0, 0.05, 0.3]}
     loud = midair.haptic(LINE, ARRAY, rate=4e3, ears=ears, limit=160.0)
-    spared = midair.haptic(LINE, ARRAY, rate=4e3, ears=ears, limit=loud.exposure["ear"].spl - 6)
-    assert spared.exposure["ear"].spl == pytest.approx(loud.exposure["ear"].spl - 6, abs=0.05)
-    with pytest.raises(midair.SceneError, match="and the board has one amplitude: move away"):
+    # The largest amplitude of the board below half of the largest one.
+    half = 20 * np.log10(127 / 255)
+    spared = midair.haptic(LINE, ARRAY, rate=4e3, ears=ears, limit=loud.exposure["ear"].spl - 6.05)
+    assert spared.exposure["ear"].spl == pytest.approx(loud.exposure["ear"].spl + half, abs=0.05)
+    with pytest.raises(midair.SceneError, match="limit is 60: the least amplitude of the board gives"):
         midair.haptic(LINE, midair.Array.preset("sonicsurface"), rate=89, ears=ears, limit=60)
-    # The ears' limit lowers the pressure by 6 dB. The force is proportional to the square of the pressure.
-    assert spared.strength == pytest.approx(loud.strength - 12, abs=0.1)
+    # The force is proportional to the square of the pressure. The technique is the best within the limit.
+    assert spared.strength >= loud.strength + 2 * half - 0.1
+    assert spared.strength == pytest.approx(along(spared.skin, np.linspace(*np.array(LINE), 20)), abs=1e-6)
+
+
+def test_drives_within_a_limit_are_those_of_the_board() -> None:
+    array = midair.Array.grid(8, 8, 0.01, quantization={"phases": 16, "amplitudes": [0.0, 0.1, 0.35, 1.0]})
+    ears = {"ear": [0, 0.05, 0.3]}
+    loud = midair.haptic(LINE, array, rate=500, ears=ears, limit=160.0)
+    limit = loud.exposure["ear"].spl - 6
+    found = midair.haptic(LINE, array, rate=500, ears=ears, limit=limit)
+    assert found.exposure["ear"].spl <= limit
+    assert midair.exposure(found.sequence, ears)["ear"].spl == found.exposure["ear"].spl
+    apart = np.abs(np.abs(found.sequence.drives)[..., None] - [0, 0.1, 0.35, 1]).min(axis=-1)
+    assert apart.max() < 1e-6
+    # The usual techniques are within the limit, too: each is weaker than at full level, and none is stronger
+    # than the result.
+    assert max(found.standards.values()) <= found.strength + 1e-9
+    assert found.standards["LM at 100 Hz, 4 foci"] < loud.standards["LM at 100 Hz, 4 foci"]
+    with pytest.raises(
+        midair.SceneError, match=r'limit is 20: the least amplitude of the board gives .* "ear"'
+    ):
+        midair.haptic(LINE, array, rate=500, ears=ears, limit=20)
 
 
 @pytest.mark.slow
@@ -126,6 +149,27 @@ def test_the_bound_is_kept_and_a_slow_board_has_its_frames() -> None:
             lambda: midair.haptic(midair.path.still([0, 0, Z], duration=1), ARRAY, rate=4e3),
             'shape is "0 m long"',
         ),
+        (
+            lambda: midair.haptic(1e3 * np.array(LINE), ARRAY, rate=4e3),
+            'shape is "40 m large": give places in m',
+        ),
+        (
+            lambda: midair.haptic([LINE[0], [0, np.nan, Z]], ARRAY, rate=4e3),
+            r"shape\[1\] is \[0.0, nan, 0.15\]: give finite coordinates in m",
+        ),
+        (
+            lambda: midair.haptic([[0, 0, -Z], [0.02, 0, -Z]], ARRAY, rate=4e3),
+            r'shape is "\(.*, 0, -0.15\) m": no transducer reaches it',
+        ),
+        (
+            lambda: midair.haptic(LINE, ARRAY, rate=4e3, limit="acgih ear"),
+            'limit is "acgih ear": give howard',
+        ),
+        (
+            lambda: midair.haptic(LINE, ARRAY, rate=4e3, ears=[0, 0.1, 0.4]),
+            r"ears is \[0, 0.1, 0.4\]: give a dict of names",
+        ),
+        (lambda: midair.haptic(LINE, ARRAY, rate=4e3, loss=0), "loss is 0: give a number of at least 0.1"),
     ],
 )
 def test_what_is_no_shape_is_refused_in_one_line(ask: Callable[[], Any], reported: str) -> None:

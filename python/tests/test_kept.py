@@ -244,7 +244,7 @@ def test_a_file_with_another_content_is_never_replaced(tmp_path: Path, whole: mi
     midair.solve(midair.Scene(BOARD, [[0, 0, 0.1]])).save(solution)
     contents = {file: file.read_bytes() for file in tmp_path.iterdir()}
     for file, more in ((finished, {"change": 0.1}), (sequence, {}), (text, {}), (solution, {})):
-        with pytest.raises(midair.SceneError, match="resume is .*: it does not contain the result of this"):
+        with pytest.raises(midair.SceneError, match=r"resume is .*: it does not contain the result of this"):
             solved(file, **more)
     # The same call reads the finished file.
     assert solved(finished, progress=lambda *_: pytest.fail("solved again")) == whole

@@ -3,25 +3,25 @@
 from __future__ import annotations
 
 import math
+import re
 import warnings
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from html import escape
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Plane, SceneError, SceneWarning, Sheet, solve_batch
+from .._midair import Array, Plane, Scene, SceneError, SceneWarning, Sheet, solve_batch, unknown
 from .._motion import Sequence, Skin, sequence, skin
+from .._motion.drives import lowered
 from .._motion.request import bound
-from .._support.arguments import flag, number, real, refused, word
+from .._motion.skin import model_of
+from .._support.arguments import number, refused, word
 from ..path import Path
-from .exposure import Exposure, exposure
-from .schedule import Foci
-
-#: Places of a focus along the shape: their distance in m, and their largest number.
-STEP, MOST = 2e-3, 200
+from .exposure import Exposure, exposure, limit_of
+from .schedule import SPEEDS, Curve, Foci, Technique, drawn, usual
 
 #: The skin is a square grid of points: their number per side, and the margin in m between shape and edge.
 COARSE, MARGIN = 33, 0.015
@@ -32,27 +32,11 @@ LAPS = 5.0
 #: Initial schedules of the ascent: jumps per period, their frequency in Hz, the length in m they cover.
 JUMPS = ((5, 285.0, 0.03), (2, 285.0, 0.018))
 
-#: Draw speeds in m/s: of the usual techniques, and further ones that are tried if there is a bound.
-USUAL, SPEEDS = 7.0, (5.0, 6.0, 8.0, 10.0)
+#: Names of the arguments of the model.
+MODEL = ("speed", "loss", "mass", "reach", "tau")
 
-
-@dataclass(frozen=True)
-class Technique:
-    """Positions of the foci along a shape in each frame.
-
-    Attributes
-    ----------
-    name
-        Name for the report.
-    ways
-        (T, M): place of each focus as a fraction of the shape's length, 0 to 1.
-    amplitudes
-        (T,): amplitude of the drive.
-    """
-
-    name: str
-    ways: NDArray[np.float64]
-    amplitudes: NDArray[np.float64]
+#: Largest number of times that a level is lowered. Frames with one amplitude need one.
+LOWERINGS = 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,8 +56,8 @@ class Haptic:
     strength, weakest : float
         Strength in dB above the threshold: the mean along the shape, and at its weakest place.
     standards : dict of str to float
-        The four usual techniques, by name, with the same array, rate and bound: their `strength`, or their
-        `weakest` if the aim is "even".
+        The four usual techniques, by name, with the same array, rate, bound and limit at the ears: their
+        `strength`, or their `weakest` if the aim is "even"; -inf where the board cannot meet the limit.
     exposure : midair.Exposure or None
         Levels at the ears, if any were given.
 
@@ -155,8 +139,8 @@ def haptic(
     beside : float, optional
         Largest distance in m of foci from the shape, by default half a wavelength on the skin; 0: none.
     ears : mapping, optional
-        Places, as `midair.exposure` takes them, that must not be louder than a limit. Otherwise the level is
-        lowered, which needs a board with amplitudes.
+        Places, as `midair.exposure` takes them, that must not be louder than a limit. The level of each
+        technique that is louder is lowered to amplitudes of the board, before the techniques are compared.
     limit : str or float, optional
         The limit at the ears, as `midair.exposure` takes it.
     **model
@@ -194,132 +178,118 @@ def haptic(
     if word("aim", aim) not in ("strong", "even"):
         raise refused("aim", aim, 'give "strong" or "even"')
     reach = number("beside", beside, least=0)
-    curve = _Curve.of(shape, closed)
-    judge = _Judge(array, curve, frames, reach, dict(model))
-    standards = [(t.name, *judge.felt(t, most)) for t in _usual(curve, frames)]
+    for name in model.keys() - set(MODEL):
+        known = ["rate", "aim", "change", "closed", "beside", "ears", "limit", *MODEL]
+        raise TypeError(unknown("argument of midair.haptic", name, known)[1])
+    sheet, _, _ = model_of(**model)
+    curve = Curve.of(shape, closed)
+    _check(curve.check(array), ears, limit)
+    judge = _Judge(array, curve, frames, reach, sheet, dict(model))
+    standards = [(t.name, *judge.felt(t, most)) for t in usual(curve, frames)]
     if most < math.pi:
-        drawn = (_drawn(curve, frames, speed, 1) for speed in SPEEDS)
-        tried = [(t.name, *judge.felt(t, most)) for t in drawn]
+        others = (drawn(curve, frames, speed, 1) for speed in SPEEDS)
+        tried = [(t.name, *judge.felt(t, most)) for t in others]
     else:
         tried = list(judge.climbed(aim))
 
-    def score(touch: Skin) -> float:
+    def score(touch: Skin | None) -> float:
+        if touch is None:
+            return -math.inf
         along = judge.along(touch)
         return float(along.mean() if aim == "strong" else along.min())
 
-    name, played, touch = max([*tried, *standards], key=lambda one: score(one[2]))
-    loudness = None
+    found = [_Found(name, played, touch) for name, played, touch in [*tried, *standards]]
     if ears is not None:
-        played, loudness = _spared(played, ears, limit)
-        touch = judge.skin(played)
-    along = judge.along(touch)
+        found = [judge.spared(one, ears, limit) for one in found]
+    best = max(found, key=lambda one: score(one.skin))
+    if best.skin is None:
+        raise _too_loud(best, ears, limit)
+    along = judge.along(best.skin)
     return Haptic(
-        played,
-        touch,
-        name,
+        best.played,
+        best.skin,
+        best.name,
         aim,
         _decibels(along.mean()),
         _decibels(along.min()),
-        {usual: _decibels(score(one)) for usual, _, one in standards},
-        loudness,
+        {one.name: _decibels(score(one.skin)) for one in found[len(tried) :]},
+        best.exposure,
     )
-
-
-def _spared(played: Sequence, ears: Mapping[str, Any], limit: str | float) -> tuple[Sequence, Exposure]:
-    """Return the sequence at a level within the limit at the ears, and the exposure there."""
-    found = exposure(played, ears, limit=limit)
-    above = found.worst.spl - found.limit.spl
-    if above <= 0:
-        return played, found
-    steps = (played.quantization or {}).get("amplitudes")
-    if steps is not None and np.count_nonzero(steps) == 1:
-        raise SceneError(f"ears get {above:.1f} dB too much, and the board has one amplitude: move away")
-    factor = np.float32(10 ** (-above / 20) * (1 - 1e-6))
-    softer = Sequence(
-        played.array,
-        played.points,
-        played.targets * factor,
-        played.drives * factor,
-        obstacles=played._scene.obstacles,
-        **played.setting(),
-    )
-    return softer, exposure(softer, ears, limit=limit)
 
 
 @dataclass(frozen=True)
-class _Curve:
-    """Places (P, 3) in m at equal distances along a shape, its length in m, and whether it is closed."""
+class _Found:
+    """A technique, its frames and the skin's motion (None if the board cannot meet the limit at the ears)."""
 
-    places: NDArray[np.float64]
-    length: float
-    closed: bool
-
-    @classmethod
-    def of(cls, shape: Path | ArrayLike, closed: bool) -> _Curve:
-        loops = flag("closed", closed)
-        if isinstance(shape, Path):
-            if shape.points != 1:
-                raise refused("shape", shape, "give a path of one point, or places (K, 3)")
-            corners = shape.at(np.linspace(0, shape.duration, 2000, endpoint=False))[:, 0]
-            loops = shape.closed
-        else:
-            corners = real("shape", shape, "give a midair.path, or places (K, 3) in m")
-            if corners.ndim != 2 or corners.shape[1] != 3 or len(corners) < 2:
-                raise refused("shape", shape, "give at least two places (K, 3) in m")
-        if loops:
-            corners = np.concatenate([corners, corners[:1]])
-        ways = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))])
-        length = float(ways[-1])
-        if not 0 < length < math.inf:
-            raise refused("shape", f"{length:g} m long", "give places that are apart")
-        count = min(max(round(length / STEP), 2), MOST)
-        at = np.linspace(0, length, count, endpoint=not loops)
-        places = np.stack([np.interp(at, ways, column) for column in corners.T], axis=1)
-        return cls(places, length, loops)
-
-    def index(self, ways: NDArray[np.float64]) -> NDArray[np.int64]:
-        """Return the index of the place at a fraction of the length. An open curve is run back and forth."""
-        count = len(self.places)
-        if self.closed:
-            return np.rint(ways * count).astype(np.int64) % count
-        back = np.abs((ways + 1) % 2 - 1)
-        found: NDArray[np.int64] = np.rint(back * (count - 1)).astype(np.int64)
-        return found
+    name: str
+    played: Sequence
+    skin: Skin | None
+    exposure: Exposure | None = None
 
 
-def _times(rate: float, frequency: float) -> NDArray[np.float64]:
-    """Return the times of a period's frames, as fractions of the period, which is rounded to whole frames."""
-    count = max(round(rate / frequency), 2)
-    return np.arange(count) / count
+def _check(scene: Scene, ears: Mapping[str, Any] | None, limit: str | float) -> None:
+    """Reject ears and limits that `exposure` does not take, and give its warnings, before any work."""
+    if ears is None:
+        if limit != "howard":
+            limit_of(scene, limit)
+        return
+    try:
+        exposure(scene, np.zeros(len(scene.array), np.complex64), ears, limit=limit)
+    except SceneError as error:
+        raise SceneError(re.sub("^places", "ears", str(error))) from None
 
 
-def _drawn(curve: _Curve, rate: float, speed: float, points: int) -> Technique:
-    """Return the technique of foci that move along a curve at `speed` m/s, back and forth if it is open."""
-    laps = 1 if curve.closed else 2
-    t = _times(rate, speed / (laps * curve.length))
-    ways = laps * t[:, None] + laps * np.arange(points) / points
-    name = f"STM at {laps * curve.length * rate / len(t):.3g} m/s"
-    return Technique(name if points == 1 else f"{name}, {points} foci", ways, np.ones(len(t)))
+def _exposure(played: Sequence, ears: Mapping[str, Any], limit: str | float) -> Exposure:
+    """Return the levels at the ears, without the warnings that `_check` has given."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SceneWarning)
+        return exposure(played, ears, limit=limit)
 
 
-def _usual(curve: _Curve, rate: float) -> Iterator[Technique]:
-    """Yield the four usual techniques: amplitude and lateral modulation, one and two foci that move along."""
-    spread = max(round(curve.length / 0.01), 2)
-    rest = (np.arange(spread) + 0.5 * (not curve.closed)) / spread
-    t = _times(rate, 200.0)
-    amplitudes = np.sqrt((1 + np.cos(2 * np.pi * t)) / 2)
-    still = np.tile(rest, (len(t), 1))
-    yield Technique(f"AM at {rate / len(t):.4g} Hz, {spread} foci", still, amplitudes)
-    t = _times(rate, 100.0)
-    ways = rest + 0.25 / spread * np.sin(2 * np.pi * t)[:, None]
-    yield Technique(f"LM at {rate / len(t):.4g} Hz, {spread} foci", ways, np.ones(len(t)))
-    yield from (_drawn(curve, rate, USUAL, points) for points in (1, 2))
+def _spared(
+    played: Sequence, ears: Mapping[str, Any], limit: str | float
+) -> tuple[Sequence, Exposure] | None:
+    """Return frames that the board can play within the limit at the ears, and the levels there, or None."""
+    softer, found, factor = played, _exposure(played, ears, limit), 1.0
+    steps = (played.quantization or {}).get("amplitudes")
+    for _ in range(LOWERINGS):
+        above = found.worst.spl - found.limit.spl
+        if above <= 0:
+            return softer, found
+        factor *= 10 ** (-above / 20) * (1 - 1e-6)
+        amplitudes = np.abs(played.drives) * factor
+        parts = amplitudes if steps is None else lowered(amplitudes, steps)
+        if not parts.any():
+            return None
+        drives = played.drives * (parts / np.maximum(np.abs(played.drives), 1e-30)).astype(np.float32)
+        softer = Sequence(
+            played.array,
+            played.points,
+            played.targets * factor,
+            drives,
+            obstacles=played._scene.obstacles,
+            **played.setting(),
+        )
+        found = _exposure(softer, ears, limit)
+    return None
+
+
+def _too_loud(found: _Found, ears: Mapping[str, Any] | None, limit: str | float) -> SceneError:
+    """Return the error for a limit that no amplitude of the board meets."""
+    levels, drives = found.exposure, np.abs(found.played.drives)
+    assert levels is not None
+    steps = np.asarray((found.played.quantization or {})["amplitudes"])
+    least = levels.worst.spl + _decibels(steps[steps > 0].min() / drives.max())
+    cure = f'the least amplitude of the board gives {least:.1f} dB at "{levels.worst.name}", move away'
+    return refused("limit", limit, cure)
 
 
 class _Judge:
     """Computes the strength of techniques along a curve, by a model of the skin."""
 
-    def __init__(self, array: Array, curve: _Curve, rate: float, reach: float, model: dict[str, Any]) -> None:
+    def __init__(
+        self, array: Array, curve: Curve, rate: float, reach: float, sheet: Sheet, model: dict[str, Any]
+    ) -> None:
         self._array, self._curve, self._rate, self._model = array, curve, rate, model
         middle = (curve.places.min(axis=0) + curve.places.max(axis=0)) / 2
         normal = int(np.abs(middle - array.positions.mean(axis=0)).argmax())
@@ -328,12 +298,24 @@ class _Judge:
         center = (float(middle[across[0]]), float(middle[across[1]]))
         at = float(middle[normal])
         self._plane = Plane(axis="xyz"[normal], at=at, size=size, pixels=COARSE, center=center)
-        sheet = Sheet(**{name: model[name] for name in ("speed", "loss", "mass") if name in model})
         frames = max(round(rate / LAPS), 4)
         self.foci = Foci.beside(array, curve.places, self._plane, reach, sheet, rate, frames)
 
     def skin(self, played: Sequence) -> Skin:
         return skin(played, self._plane, **self._model)
+
+    def spared(self, found: _Found, ears: Mapping[str, Any], limit: str | float) -> _Found:
+        """Return a technique at a level within the limit at the ears."""
+        softer = _spared(found.played, ears, limit)
+        if softer is None:
+            return replace(found, skin=None, exposure=_exposure(found.played, ears, limit))
+        played, levels = softer
+        return replace(
+            found,
+            played=played,
+            skin=found.skin if played is found.played else self.skin(played),
+            exposure=levels,
+        )
 
     def along(self, touch: Skin) -> NDArray[np.float64]:
         return touch.along(self._curve.places)
@@ -382,7 +364,7 @@ class _Judge:
         else:
             sets, which = np.unique(index, axis=0, return_inverse=True)
             drives = solve_batch(self._array, self._curve.places[sets], solver="fast").drives[which.ravel()]
-        amplitudes = technique.amplitudes[:, None]
+        amplitudes = self._on_board(technique.amplitudes)[:, None]
         played = Sequence(
             self._array,
             points,
@@ -394,6 +376,15 @@ class _Judge:
         )
         return played, self.skin(played)
 
+    def _on_board(self, amplitudes: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the board's amplitudes, or 0, that are nearest to the given ones."""
+        steps = (self._array.quantization or {}).get("amplitudes")
+        if steps is None:
+            return amplitudes
+        table = np.r_[0.0, steps]
+        nearest: NDArray[np.float64] = table[np.abs(table - amplitudes[:, None]).argmin(axis=1)]
+        return nearest
+
 
 def _decibels(strength: float) -> float:
-    return float(20 * np.log10(max(strength, 1e-10)))
+    return -math.inf if strength == -math.inf else float(20 * np.log10(max(strength, 1e-10)))

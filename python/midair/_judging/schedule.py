@@ -11,13 +11,27 @@ so choosing the focus with the largest tangent in each frame never reduces it.
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from .._midair import HIGHEST, Array, Plane, Scene, Sheet, solve_batch, threshold
+from .._midair import HIGHEST, Array, Plane, Scene, SceneError, SceneWarning, Sheet, solve_batch, threshold
 from .._motion.sheet import squares
+from .._support.arguments import flag, real, refused
+from ..path import Path
+
+#: Places of a focus along the shape: their distance in m, and their largest number.
+STEP, MOST = 2e-3, 200
+
+#: Largest extent of a shape in m. Larger ones are not on a hand; their places are probably in mm.
+LARGEST = 1.0
+
+#: Draw speeds in m/s: of the usual techniques, and further ones that are tried if there is a bound.
+USUAL, SPEEDS = 7.0, (5.0, 6.0, 8.0, 10.0)
+
 
 #: Foci beside a curve: their least distance in m, and their largest number, approximately.
 APART, BESIDE = 4e-3, 250
@@ -67,7 +81,10 @@ class Foci:
         frames: int,
     ) -> Foci:
         """Return foci at the places of a curve (P, 3), followed by others in its plane within `reach` m."""
-        places = np.concatenate([curve, _around(curve, plane, reach)])
+        around = _around(curve, plane, reach)
+        if len(around):
+            around = around[(Scene(array, around).propagation() != 0).any(axis=1)]
+        places = np.concatenate([curve, around])
         solved = solve_batch(array, places[:, None], solver="fast")
         skin, step = squares(plane), plane.size / max(plane.pixels - 1, 1)
         pushes = np.square(np.abs(Scene(array, skin).propagation() @ solved.drives.T))
@@ -145,3 +162,114 @@ def _around(curve: NDArray[np.float64], plane: Plane, reach: float) -> NDArray[n
         if len(inside) <= BESIDE:
             return inside
         apart *= 1.2
+
+
+@dataclass(frozen=True)
+class Technique:
+    """Positions of the foci along a shape in each frame.
+
+    Attributes
+    ----------
+    name
+        Name for the report.
+    ways
+        (T, M): place of each focus as a fraction of the shape's length, 0 to 1.
+    amplitudes
+        (T,): amplitude of the drive.
+    """
+
+    name: str
+    ways: NDArray[np.float64]
+    amplitudes: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Places (P, 3) in m at equal distances along a shape, its length in m, and whether it is closed."""
+
+    places: NDArray[np.float64]
+    length: float
+    closed: bool
+
+    @classmethod
+    def of(cls, shape: Path | ArrayLike, closed: bool) -> Curve:
+        loops = flag("closed", closed)
+        if isinstance(shape, Path):
+            if shape.points != 1:
+                raise refused("shape", shape, "give a path of one point, or places (K, 3)")
+            corners = shape.at(np.linspace(0, shape.duration, 2000, endpoint=False))[:, 0]
+            loops = shape.closed
+        else:
+            corners = real("shape", shape, "give a midair.path, or places (K, 3) in m")
+            if corners.ndim != 2 or corners.shape[1] != 3 or len(corners) < 2:
+                raise refused("shape", shape, "give at least two places (K, 3) in m")
+            for k in np.flatnonzero(~np.isfinite(corners).all(axis=1))[:1]:
+                raise refused(f"shape[{k}]", corners[k].tolist(), "give finite coordinates in m")
+        extent = float(np.ptp(corners, axis=0).max())
+        if extent > LARGEST:
+            raise refused("shape", f"{extent:.4g} m large", f"give places in m, at most {LARGEST:g} m apart")
+        if loops:
+            corners = np.concatenate([corners, corners[:1]])
+        ways = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))])
+        length = float(ways[-1])
+        if length == 0:
+            raise refused("shape", f"{length:g} m long", "give places that are apart")
+        count = min(max(round(length / STEP), 2), MOST)
+        at = np.linspace(0, length, count, endpoint=not loops)
+        places = np.stack([np.interp(at, ways, column) for column in corners.T], axis=1)
+        return cls(places, length, loops)
+
+    def check(self, array: Array) -> Scene:
+        """Return a scene of the array; rejects a shape with a place that is on or behind the transducers."""
+        for place in self.places:
+            at = f"({', '.join(f'{x:.4g}' for x in place)})"
+            try:
+                # No warning about `points`, which a caller does not give.
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore", SceneWarning)
+                    scene = Scene(array, [place])
+                received = np.abs(scene.propagation()).max()
+            except SceneError as error:
+                raise SceneError(str(error).replace("points[0]", f"shape at {at} m")) from None
+            if received == 0:
+                cure = "no transducer reaches it, give places in front of the array"
+                raise refused("shape", f"{at} m", cure)
+        return scene
+
+    def index(self, ways: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Return the index of the place at a fraction of the length. An open curve is run back and forth."""
+        count = len(self.places)
+        if self.closed:
+            return np.rint(ways * count).astype(np.int64) % count
+        back = np.abs((ways + 1) % 2 - 1)
+        found: NDArray[np.int64] = np.rint(back * (count - 1)).astype(np.int64)
+        return found
+
+
+def _times(rate: float, frequency: float) -> NDArray[np.float64]:
+    """Return the times of a period's frames, as fractions of the period, which is rounded to whole frames."""
+    count = max(round(rate / frequency), 2)
+    return np.arange(count) / count
+
+
+def drawn(curve: Curve, rate: float, speed: float, points: int) -> Technique:
+    """Return the technique of foci that move along a curve at `speed` m/s, back and forth if it is open."""
+    laps = 1 if curve.closed else 2
+    t = _times(rate, speed / (laps * curve.length))
+    ways = laps * t[:, None] + laps * np.arange(points) / points
+    name = f"STM at {laps * curve.length * rate / len(t):.3g} m/s"
+    return Technique(name if points == 1 else f"{name}, {points} foci", ways, np.ones(len(t)))
+
+
+def usual(curve: Curve, rate: float) -> Iterator[Technique]:
+    """Yield the four usual techniques: amplitude and lateral modulation, one and two foci that move along."""
+    spread = max(round(curve.length / 0.01), 2)
+    rest = (np.arange(spread) + 0.5 * (not curve.closed)) / spread
+    t = _times(rate, 200.0)
+    amplitudes = np.sqrt((1 + np.cos(2 * np.pi * t)) / 2)
+    still = np.tile(rest, (len(t), 1))
+    yield Technique(f"AM at {rate / len(t):.4g} Hz, {spread} foci", still, amplitudes)
+    t = _times(rate, 100.0)
+    ways = rest + 0.25 / spread * np.sin(2 * np.pi * t)[:, None]
+    yield Technique(f"LM at {rate / len(t):.4g} Hz, {spread} foci", ways, np.ones(len(t)))
+    yield from (drawn(curve, rate, USUAL, points) for points in (1, 2))

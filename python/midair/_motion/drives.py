@@ -12,7 +12,7 @@ from typing import Any
 from weakref import finalize
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Array, SceneError
 from .._support.arguments import refused
@@ -150,6 +150,15 @@ def _check(block: NDArray[Any], first: int, phases: int | None) -> None:
     if not within.all():
         frame, one = np.argwhere(~within)[0]
         raise refused(f"drives[{first + frame}, {one}]", block[frame, one], "give |q| of at most 1")
+
+
+def lowered(amplitudes: NDArray[Any], table: ArrayLike) -> NDArray[np.float64]:
+    """Return the largest amplitude of a board, or 0, that is not above each given one."""
+    levels = np.asarray(table, np.float64)
+    found: NDArray[np.float64] = np.r_[0.0, levels][
+        np.searchsorted(levels, amplitudes * (1 + 1e-9), side="right")
+    ]
+    return found
 
 
 class Stored:

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from .._midair import Array, Scene, SceneError, Solver, tracks
 from .._support.arguments import real, refused
 from ..path._piece import changing_pressures
-from .drives import Drives, coded, narrow, sounding
+from .drives import Drives, coded, lowered, narrow, sounding
 from .frames import AIR
 from .propagation import pressures
 from .request import Request
@@ -128,8 +128,7 @@ class Tracks:
                 over = np.where(targets > 0, got / targets, 0).max(axis=1)
         part = np.where((targets > 0).any(axis=1), 1 / np.maximum(over, 1), 0)
         if self.board.get("amplitudes") is not None:
-            table = np.asarray(self.board["amplitudes"])
-            part = np.r_[0.0, table][np.searchsorted(table, part * (1 + 1e-9), side="right")]
+            part = lowered(part, self.board["amplitudes"])
         return full[:] * part[:, None].astype(np.float32)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from html import escape
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -96,10 +96,7 @@ def skin(
     """
     if not isinstance(sequence, Sequence):
         raise refused("sequence", sequence, "give a midair.Sequence")
-    sheet = Sheet(
-        number("speed", speed, above=0), number("loss", loss, least=0.1), number("mass", mass, above=0)
-    )
-    width, tau = number("reach", reach, above=0), arguments.time_constant(tau)
+    sheet, width, tau = model_of(speed, loss, mass, reach, tau)
     if hand is None:
         hand = _around(sequence)
     if isinstance(hand, Plane):
@@ -128,6 +125,16 @@ def skin(
     else:
         raise refused("hand", hand, "give a midair.Plane or a midair.Mesh")
     return Skin(places, hand, pressure.astype(np.float64), frequencies, displacement, slow, fast)
+
+
+def model_of(
+    speed: Any = SPEED, loss: Any = LOSS, mass: Any = MASS, reach: Any = REACH, tau: Any = 0.0
+) -> tuple[Sheet, float, float]:
+    """Check the arguments of the model; return the membrane, `reach` in m and `tau` in s."""
+    sheet = Sheet(
+        number("speed", speed, above=0), number("loss", loss, least=0.1), number("mass", mass, above=0)
+    )
+    return sheet, number("reach", reach, above=0), arguments.time_constant(tau)
 
 
 @dataclass(frozen=True, eq=False)
