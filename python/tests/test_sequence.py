@@ -191,7 +191,7 @@ def test_units_taken_for_others_are_reported_once():
 @pytest.mark.parametrize(
     ("frames", "given", "reported"),
     [
-        ([[0, 0, 0.1]], {}, "frame is [0, 0, 0.1]: give points x 3 numbers in m"),
+        ([[0, 0, 0.1]], {}, "frames[0] is [0, 0, 0.1]: give points x 3 numbers in m"),
         ([[[[0, 0, 0.1]], [500]]], {}, "pressures if any as the second of a pair"),
         (5, {}, "frames is 5: give points (M, 3) in m, frame after frame"),
         (midair.path.line([0, 0, 0.1], [0, 0, 0.2], speed=1), {}, "give path.frames(rate)[0]"),

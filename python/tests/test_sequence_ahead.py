@@ -6,6 +6,7 @@ import hashlib
 import os
 import subprocess
 import sys
+import warnings
 
 import numpy as np
 import pytest
@@ -209,10 +210,26 @@ def test_errors_name_the_frame_of_all_frames() -> None:
     ):
         solved(points, 3)
     frames = iter([points[0], points[1], np.full((3, 3), np.nan)])
-    with pytest.raises(midair.SceneError, match=r"^points\[0\]"):
+    with pytest.raises(midair.SceneError, match=r"^frames\[2\]: points\[0\]"):
         list(midair.stream(BOARD, frames, rate=RATE, ahead=1))
     for bad in ([], [[0, 0]], "hand", [[0, 0, 0.1], [0, 0.1]]):
-        with pytest.raises(midair.SceneError, match=r"^frame is"):
+        with pytest.raises(midair.SceneError, match=r"^frames\[\d\] is"):
             list(midair.stream(BOARD, [bad], rate=RATE, ahead=1))
     with pytest.raises(midair.SceneError, match=r'^ahead is "all": give a whole number'):
         midair.stream(BOARD, [points[0]], rate=RATE, ahead="all")
+
+
+def test_errors_of_a_stream_name_its_frame() -> None:
+    frames = [*fast(3), np.full((3, 3), np.nan)]
+    with pytest.raises(midair.SceneError, match=r"^frames\[3\]: points\[0\]"):
+        list(midair.stream(BOARD, frames, rate=RATE))
+
+
+def test_a_bound_of_zero_is_reported_and_solvers_without_a_bound_are_not() -> None:
+    ring = midair.path.circle([0, 0, 0.15], 0.02, speed=7)
+    with pytest.warns(midair.SceneWarning, match=r"change is 0, and no phase changes: 6.96 m/s needs"):
+        midair.sequence(BOARD, ring, rate=1e3, change=0)
+    with warnings.catch_warnings(record=True) as reported:
+        warnings.simplefilter("always")
+        midair.sequence(BOARD, ring, "naive", rate=1e3)
+    assert not [one for one in reported if "rad a frame" in str(one.message)]

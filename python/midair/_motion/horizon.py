@@ -12,6 +12,7 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import chain, islice
 from typing import Any, Literal, Protocol
@@ -241,7 +242,7 @@ def streamed(
     air = {name: options[name] for name in AIR if name in options}
     given = options.get("quantization")
     board = board_of(array.quantization if given is None else given)
-    coming = (_read(array, air, frame) for frame in frames)
+    coming = (_read(array, air, frame, count) for count, frame in enumerate(frames))
     for first in coming:
         tracks = Tracks(Scene(array, first[0], **air), change, board, lowered=aim != "max", coded=False)
         horizon = Horizon(tracks, chain([first], coming), ahead)
@@ -250,12 +251,26 @@ def streamed(
             yield tracks.played(points[None], targets[None], codes[None])[0]
 
 
-def _read(array: Array, air: dict[str, Any], frame: Any) -> Frame:
+def _read(array: Array, air: dict[str, Any], frame: Any, count: int) -> Frame:
     """Return points and targets of a frame. Missing pressures become the balanced level of its points."""
-    points, pressures = read_frame(frame)
-    if pressures is None:
-        return points, np.full(len(points), Scene(array, points, **air).reach().level)
-    return points, pressures
+    with numbered(count):
+        points, pressures = read_frame(frame)
+        if pressures is None:
+            return points, np.full(len(points), Scene(array, points, **air).reach().level)
+        return points, pressures
+
+
+@contextmanager
+def numbered(count: int) -> Iterator[None]:
+    """Name frame number `count` of a stream in errors about it."""
+    try:
+        yield
+    except SceneError as error:
+        text = str(error)
+        if text.startswith(("points", "pressures")):
+            raise SceneError(f"frames[{count}]: {text}") from None
+        # A solver counts the frames of one call, which is one frame.
+        raise SceneError(re.sub(r"^frames?(\[0\])?(?=[ :])", f"frames[{count}]", text)) from None
 
 
 def read_frame(frame: Any) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:

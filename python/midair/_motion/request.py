@@ -132,7 +132,7 @@ def _swells(targets: NDArray[np.float64]) -> bool:
     return level.size > 0 and bool(level.max() > 1.01 * level.min())
 
 
-def warn_of_speed(requested: Request, phases: int | None) -> None:
+def warn_of_speed(requested: Request, phases: int | None, solver: str) -> None:
     """Warn if points move faster than a focus can follow within the bound (docs/motion.md).
 
     On a board's grid the bound is a whole number of phase steps; if none fits, the solver reports that. Let a
@@ -140,10 +140,17 @@ def warn_of_speed(requested: Request, phases: int | None) -> None:
     The phase of transducer i changes by k d (u_i . e). A common phase of all transducers is free, so half the
     spread of k d (u_i . e) is needed.
     """
+    info = solvers().get(solver)
+    if info is not None and "change" not in info.options:
+        return
     needed, speed = _needed(requested)
     step = 0.0 if phases is None else 2 * pi / phases
     allowed = step * floor(requested.change / step + 1e-9) if step else requested.change
-    if needed <= allowed * (1 + 1e-9) or allowed == 0:
+    if needed <= allowed * (1 + 1e-9) or (allowed == 0 and requested.change > 0):
+        return
+    if allowed == 0:
+        needs = f"{speed:.3g} m/s needs {needed:.2g} rad a frame"
+        warn(f"change is 0, and no phase changes: {needs}, give as much, or pi for no bound")
         return
     faster = ceil(requested.rate * needed / allowed / 100) / 10
     wanted = step * ceil(needed / step) if step else needed

@@ -16,8 +16,9 @@ from ..path import Path
 from ..path._path import Shape, wave
 from ..path._piece import ROUNDING
 from . import store
+from .arguments import time_constant
 from .frames import AIR
-from .horizon import Followed, Foreseen, Found, Tracks, board_of, check, read_frame, streamed
+from .horizon import Followed, Foreseen, Found, Tracks, board_of, check, numbered, read_frame, streamed
 from .request import Request, bound, request, sight, solver_name, warn_of_pull, warn_of_speed
 from .sequence import Sequence
 
@@ -118,7 +119,8 @@ def sequence(
     solver = solver_name(solver)
     requested = request(array, path, rate, (change, change_rate), closed, pressures, aim, dict(options))
     known = sight(ahead, bool(closed))
-    warn_of_speed(requested, (requested.board if known == 0 else board_of(requested.board)).get("phases"))
+    board = requested.board if known == 0 else board_of(requested.board)
+    warn_of_speed(requested, board.get("phases"), solver)
     if known is None:
         if resume is not None:
             raise SceneError(
@@ -295,9 +297,11 @@ def stream(
 
 
 def _streamed(found: Solver, frames: Iterable[Any]) -> Iterator[NDArray[np.complex64]]:
-    for frame in frames:
-        points, pressures = read_frame(frame)
-        yield found.follow(points[None], None if pressures is None else pressures[None])[0]
+    for count, frame in enumerate(frames):
+        with numbered(count):
+            points, pressures = read_frame(frame)
+            drive = found.follow(points[None], None if pressures is None else pressures[None])[0]
+        yield drive
 
 
 def _frames(given: Any, options: dict[str, Any]) -> Iterator[Any]:
@@ -335,4 +339,7 @@ def _solver(
         options = {name: value for name, value in options.items() if name != "aim"}
     own = {"change": change, "tau": tau, "rate": rate}
     given = {name: value for name, value in own.items() if value is not None and name in known}
-    return Solver(array, solver, **{**given, **options})
+    made = Solver(array, solver, **{**given, **options})
+    if tau is not None:
+        time_constant(tau)
+    return made
