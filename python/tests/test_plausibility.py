@@ -54,6 +54,24 @@ SLIPS: dict[str, tuple[Callable[[], object], str]] = {
 }
 
 
+LINE = [[-0.02, 0, 0.15], [0.02, 0, 0.15]]
+SMALL = midair.Array.grid(8, 8, 0.01)
+STILL = midair.path.still([0, 0, 0.1], duration=0.01)
+
+SLIPS |= {
+    "time constant": (lambda: midair.sequence(SMALL, STILL, rate=1e3, tau=0.2), "tau is 0.2 s"),
+    "of a skin": (
+        lambda: midair.skin(midair.sequence(SMALL, STILL, rate=1e3), tau=0.2),
+        "tau is 0.2 s, longer than of any transducer: give 0.0002 if ms are meant",
+    ),
+    "reach of a skin": (
+        lambda: midair.skin(midair.sequence(SMALL, STILL, rate=1e3), reach=2),
+        "reach is 2 m",
+    ),
+    "beside a shape": (lambda: midair.haptic(LINE, SMALL, rate=100, beside=14), "beside is 14 m"),
+}
+
+
 @pytest.mark.parametrize("slip", SLIPS)
 def test_a_slip_is_reported_once(slip: str) -> None:
     make, start = SLIPS[slip]

@@ -318,6 +318,8 @@ def test_pictures_show_pressure_motion_and_spectrum() -> None:
         (lambda s: midair.skin(s, speed=0), "speed is 0: give a number above 0"),
         (lambda s: midair.skin(s, loss=0.01), "loss is 0.01: give a number of at least 0.1"),
         (lambda s: midair.skin(s, PLANE).width([0, 0]), "place is"),
+        (lambda s: midair.skin(s, PLANE).spectrum([10, 0, 0.15]), "place is .* mm from the skin, give one"),
+        (lambda s: midair.skin(s, PLANE).spectrum(MIDDLE + np.array([0, 0, 5])), "it is 5000 mm from"),
     ],
 )
 def test_what_is_no_skin_is_refused_in_one_line(ask: Callable[[Any], Any], reported: str) -> None:

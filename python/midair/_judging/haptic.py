@@ -15,10 +15,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Array, Plane, Scene, SceneError, SceneWarning, Sheet, solve_batch, unknown
 from .._motion import Sequence, Skin, sequence, skin
+from .._motion.arguments import time_constant
 from .._motion.drives import lowered
 from .._motion.request import bound
-from .._motion.skin import model_of
-from .._support.arguments import number, refused, word
+from .._motion.sheet import model_of
+from .._support.arguments import number, refused, warn, word
 from ..path import Path
 from .exposure import Exposure, exposure, limit_of
 from .schedule import SPEEDS, Curve, Foci, Technique, drawn, usual
@@ -31,6 +32,9 @@ LAPS = 5.0
 
 #: Initial schedules of the ascent: jumps per period, their frequency in Hz, the length in m they cover.
 JUMPS = ((5, 285.0, 0.03), (2, 285.0, 0.018))
+
+#: Largest plausible `beside` in m.
+WIDEST = 0.1
 
 #: Names of the arguments of the model.
 MODEL = ("speed", "loss", "mass", "reach", "tau")
@@ -178,10 +182,13 @@ def haptic(
     if word("aim", aim) not in ("strong", "even"):
         raise refused("aim", aim, 'give "strong" or "even"')
     reach = number("beside", beside, least=0)
+    if reach > WIDEST:
+        warn(f"beside is {reach:g} m, wider than a hand: give {reach * 1e-3:g} if mm are meant")
     for name in model.keys() - set(MODEL):
         known = ["rate", "aim", "change", "closed", "beside", "ears", "limit", *MODEL]
         raise TypeError(unknown("argument of midair.haptic", name, known)[1])
-    sheet, _, _ = model_of(**model)
+    sheet, _, tau = model_of(**model)
+    time_constant(tau)
     curve = Curve.of(shape, closed)
     _check(curve.check(array), ears, limit)
     judge = _Judge(array, curve, frames, reach, sheet, dict(model))
@@ -297,12 +304,18 @@ class _Judge:
         size = float(np.ptp(curve.places, axis=0)[across].max()) + 2 * MARGIN
         center = (float(middle[across[0]]), float(middle[across[1]]))
         at = float(middle[normal])
+        #: The places of the curve, moved along the normal into the plane of the skin.
+        self._under = np.array(curve.places)
+        self._under[:, normal] = at
         self._plane = Plane(axis="xyz"[normal], at=at, size=size, pixels=COARSE, center=center)
         frames = max(round(rate / LAPS), 4)
         self.foci = Foci.beside(array, curve.places, self._plane, reach, sheet, rate, frames)
 
     def skin(self, played: Sequence) -> Skin:
-        return skin(played, self._plane, **self._model)
+        with warnings.catch_warnings():
+            # `haptic` has warned of the arguments.
+            warnings.simplefilter("ignore", SceneWarning)
+            return skin(played, self._plane, **self._model)
 
     def spared(self, found: _Found, ears: Mapping[str, Any], limit: str | float) -> _Found:
         """Return a technique at a level within the limit at the ears."""
@@ -318,7 +331,7 @@ class _Judge:
         )
 
     def along(self, touch: Skin) -> NDArray[np.float64]:
-        return touch.along(self._curve.places)
+        return touch.along(self._under)
 
     def starts(self) -> Iterator[NDArray[np.int64]]:
         """Yield initial schedules: the focus jumps within a piece of the curve, and the piece moves on."""

@@ -8,8 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import Array, SceneError
-from .._support.arguments import number, refused, whole
+from .._support.arguments import number, refused, warn, whole
 from .envelope import Hold
+
+#: Largest plausible time constant in s; transducers of 40 kHz have 0.1 to 1 ms.
+SLOWEST = 20e-3
 
 
 def points(given: Any) -> NDArray[np.float64]:
@@ -53,7 +56,10 @@ def quantization(given: Any, array: Array) -> dict[str, Any] | None:
 
 def time_constant(given: Any) -> float:
     """Return a time constant tau in s; 0 means that transducers follow their drives at once."""
-    return number("tau", given, least=0)
+    tau = number("tau", given, least=0)
+    if tau > SLOWEST:
+        warn(f"tau is {tau:g} s, longer than of any transducer: give {tau * 1e-3:g} if ms are meant")
+    return tau
 
 
 def hold(given: Any) -> Hold:

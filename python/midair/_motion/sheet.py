@@ -12,10 +12,33 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Mesh, Plane, SceneError, Sheet, Shifted
+from .._midair import REACH, SKIN, Mesh, Plane, SceneError, Sheet, Shifted
+from .._support.arguments import number, warn
 
 #: Mode of SuperLU for symmetric matrices, with pivots on the diagonal.
 SYMMETRIC = {"SymmetricMode": True}
+
+#: Largest plausible `reach` in m.
+WIDEST = 0.02
+
+#: Default wave speed in m/s, loss factor, and mass in kg/m^2.
+SPEED: float
+LOSS: float
+MASS: float
+SPEED, LOSS, MASS = SKIN
+
+
+def model_of(
+    speed: Any = SPEED, loss: Any = LOSS, mass: Any = MASS, reach: Any = REACH, tau: Any = 0.0
+) -> tuple[Sheet, float, float]:
+    """Check the arguments of the model; return the membrane, `reach` in m and `tau` in s."""
+    sheet = Sheet(
+        number("speed", speed, above=0), number("loss", loss, least=0.1), number("mass", mass, above=0)
+    )
+    width = number("reach", reach, above=0)
+    if width > WIDEST:
+        warn(f"reach is {width:g} m, wider than a finger: give {width * 1e-3:g} if mm are meant")
+    return sheet, width, number("tau", tau, least=0)
 
 
 def on_mesh(

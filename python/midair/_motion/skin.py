@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from html import escape
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import REACH, SKIN, Mesh, Plane, Sheet, excess, felt_width, live_lines, strength
+from .._midair import REACH, Mesh, Plane, excess, felt_width, live_lines, strength
 from .._pictures.colours import MAPS
-from .._support.arguments import number, refused, vector
+from .._support.arguments import refused, vector
 from ..path._piece import instants
 from . import arguments
 from .picture import touched
 from .sequence import Sequence
-from .sheet import on_mesh, squares, triangles
+from .sheet import LOSS, MASS, SPEED, model_of, on_mesh, squares, triangles
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,9 +29,6 @@ if TYPE_CHECKING:
 
 #: Default hand: places per side of the plane, and its margin around the points in m.
 SIDE, MARGIN = 64, 0.02
-
-#: Default wave speed in m/s, loss factor, and mass in kg/m^2.
-SPEED, LOSS, MASS = SKIN
 
 #: The panels of a skin's picture.
 Panel = Literal["pressure", "motion", "spectrum"]
@@ -127,16 +125,6 @@ def skin(
     return Skin(places, hand, pressure.astype(np.float64), frequencies, displacement, slow, fast)
 
 
-def model_of(
-    speed: Any = SPEED, loss: Any = LOSS, mass: Any = MASS, reach: Any = REACH, tau: Any = 0.0
-) -> tuple[Sheet, float, float]:
-    """Check the arguments of the model; return the membrane, `reach` in m and `tau` in s."""
-    sheet = Sheet(
-        number("speed", speed, above=0), number("loss", loss, least=0.1), number("mass", mass, above=0)
-    )
-    return sheet, number("reach", reach, above=0), arguments.time_constant(tau)
-
-
 @dataclass(frozen=True, eq=False)
 class Skin:
     """Motion of the skin at each spectral line, and its felt strength; from `midair.skin`.
@@ -212,7 +200,7 @@ class Skin:
         Raises
         ------
         SceneError
-            For a wrong place.
+            For a wrong place, and for one that is not on the skin.
         """
         return np.abs(self.displacement[:, self._nearest(place)]).astype(np.float64)
 
@@ -232,7 +220,7 @@ class Skin:
         Raises
         ------
         SceneError
-            For wrong places.
+            For wrong places, and for those that are not on the skin.
         """
         return self.strength[[self._nearest(place) for place in arguments.places(places)]]
 
@@ -346,7 +334,22 @@ class Skin:
         return figure
 
     def _nearest(self, place: ArrayLike) -> int:
-        return int(np.square(self.places - vector("place", place)).sum(axis=1).argmin())
+        at = vector("place", place)
+        away = np.linalg.norm(self.places - at, axis=1)
+        nearest = int(away.argmin())
+        if away[nearest] > self._apart:
+            apart, most = 1e3 * away[nearest], 1e3 * self._apart
+            cure = f"it is {apart:.4g} mm from the skin, give one within {most:.2g} mm"
+            raise refused("place", at.tolist(), cure)
+        return nearest
+
+    @cached_property
+    def _apart(self) -> float:
+        """Distance in m between neighbouring pixels of the plane, or the longest edge of the mesh."""
+        if isinstance(self.hand, Plane):
+            return self.hand.size / max(self.hand.pixels - 1, 1) * 1.001
+        corners = self.places[np.asarray(self.hand.faces)]
+        return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max())
 
     def _width(self, values: NDArray[np.float64], place: ArrayLike | None) -> float:
         middle = int(values.argmax()) if place is None else self._nearest(place)
