@@ -3,6 +3,7 @@ sequences that jump where they repeat.
 """
 
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -68,3 +69,24 @@ def test_a_bound_above_half_a_turn_may_be_in_degrees():
     array = midair.Array.preset("autd3")
     with pytest.warns(midair.SceneWarning, match=r"change is 5 rad, and above pi binds nothing: give 0.0873"):
         midair.sequence(array, [[[0, 0, 0.15]], [[0, 0, 0.151]]], rate=100, change=5, pressures=1000)
+
+
+def test_an_array_of_another_board_gets_the_phases_of_this_one() -> None:
+    foreign = midair.Array.preset("autd3")
+    with pytest.warns(midair.SceneWarning, match="256 phases, a sonicsurface board 32: board.array has"):
+        board = midair.Board("sonicsurface", array=foreign)
+    assert (board.array.quantization or {})["phases"] == 32
+    # Fewer phases than the board's are no fault.
+    coarse = midair.Array.preset("sonicsurface", quantization={"phases": 8})
+    assert (midair.Board("sonicsurface", array=coarse).array.quantization or {})["phases"] == 8
+
+
+def test_a_drive_that_a_board_rounds_to_nothing_is_a_warning(tmp_path: Path) -> None:
+    board = midair.Board("sonicsurface")
+    weak = np.full(len(board.array), 0.2, complex)
+    with pytest.warns(midair.SceneWarning, match="largest amplitude is 0.2, which a sonicsurface board"):
+        midair.write(tmp_path / "weak.bin", weak, board=board)
+    with midair.connect("sonicsurface:loop") as surface:
+        with pytest.warns(midair.SceneWarning, match="all transducers are off; solve for board.array"):
+            surface.send(weak)
+        surface.send(np.zeros(len(board.array), complex))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from os import PathLike, fspath
 from typing import Any
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Array, Codec, Solution, presets
-from .._support.arguments import refused
+from .._support.arguments import refused, warn
 from .layout import changed
 
 
@@ -176,6 +176,15 @@ class Board:
         """
         return self._codec.encode(drive.drive if isinstance(drive, Solution) else drive)
 
+    def warn_of_silence(self, drive: ArrayLike | Solution, frame: bytes) -> None:
+        """Warn if a frame turns all transducers off although its drive does not."""
+        largest = float(np.abs(drive.drive if isinstance(drive, Solution) else drive).max())
+        if largest > 0 and frame == self.off_frame:
+            warn(
+                f"the largest amplitude is {largest:.2g}, which a {self.name} board rounds to 0: "
+                "all transducers are off; solve for board.array"
+            )
+
     def decode(self, frame: bytes) -> NDArray[np.complex64]:
         """Return the drive that a frame plays.
 
@@ -239,11 +248,31 @@ def _from_files(
 
 
 def _on_board(array: Array, codec: Codec) -> Array:
-    """Return the array; quantization, response and frequency that it lacks are those of the board."""
+    """Return the array; quantization, response and frequency that it lacks are those of the board.
+
+    So is a quantization with phases or amplitudes that the board does not have; this gives a warning.
+    """
     own: dict[str, Any] = {"quantization": dict(codec.quantization), "response": codec.response}
     missing = {
         name: value for name, value in own.items() if value is not None and getattr(array, name) is None
     }
+    if array.quantization is not None and (reason := _unplayable(array.quantization, codec)):
+        warn(f"array.quantization has {reason}: board.array has the phases and amplitudes of the board")
+        missing["quantization"] = own["quantization"]
     made = changed(array, **missing) if missing else array
     hardware = array._hardware and codec.frequency
     return made if hardware == made._hardware else made._with_hardware(hardware)
+
+
+def _unplayable(given: Mapping[str, Any], codec: Codec) -> str | None:
+    """Return the phases or amplitudes of a quantization that the board rounds to others."""
+    grid = codec.quantization
+    phases, most = given.get("phases"), grid["phases"]
+    if phases is not None and most is not None and most % phases:
+        return f"{phases} phases, a {codec.name} board {most}"
+    amplitudes = given.get("amplitudes")
+    if amplitudes is not None and grid["amplitudes"] is not None:
+        apart = np.abs(np.subtract.outer(np.asarray(amplitudes), np.asarray(grid["amplitudes"]))).min(axis=1)
+        if apart.max() > 1e-6:
+            return f"{len(amplitudes)} amplitudes that a {codec.name} board does not have"
+    return None

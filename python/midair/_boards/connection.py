@@ -93,7 +93,9 @@ class Connection:
         BoardError
             For a drive above the limit, and if the connection is closed; BoardLost if the board is gone.
         """
-        self._call(Kind.PLAY, wire.WHEN.pack(0.0, 0.0, Late.WAIT) + self._encode(drive))
+        frame = self._encode(drive)
+        self.board.warn_of_silence(drive, frame)
+        self._call(Kind.PLAY, wire.WHEN.pack(0.0, 0.0, Late.WAIT) + frame)
 
     def stream(
         self,

@@ -24,9 +24,16 @@ def write(path: Path, drives: Played, board: Board | None) -> None:
     """Write each drive as a frame of the board."""
     if board is None:
         raise SceneError(f"board is left out, and .bin holds the frames of one: {CURE}")
+    largest: NDArray[Any] = np.zeros(1)
+    off = True
     with path.open("wb") as stream:
         for drive in drives:
-            stream.write(board.encode(drive.astype(np.complex64)))
+            frame = board.encode(drive.astype(np.complex64))
+            largest = max(largest, drive, key=lambda drive: float(np.abs(drive).max()))
+            off = off and frame == board.off_frame
+            stream.write(frame)
+    if off:
+        board.warn_of_silence(largest, board.off_frame)
 
 
 def read(path: str | PathLike[str], board: Board | None) -> NDArray[np.complex64]:
