@@ -4,10 +4,14 @@ and the published limits by their names.
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import midair
+from midair import _cli as cli
 from midair._judging.exposure import LIMITS
 
 ARRAY = midair.Array.grid(12, 10, 10e-3)
@@ -157,3 +161,16 @@ def test_places_without_a_drive_are_an_error_that_shows_the_call() -> None:
     scene = midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15]])
     with pytest.raises(midair.SceneError, match=r"give exposure\(scene, solution, places\)"):
         midair.exposure(scene, {"ear": [0, 0, 0.3]})
+
+
+def test_silence_and_open_bands_are_null_in_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "scene.toml"
+    array = midair.Array.grid(2, 2, 0.01, directivity="piston")
+    midair.Scene(array, [[0, 0, 0.1]]).save(path)
+    command = ["exposure", str(path), "--at=0,0,-0.3", "--limit", "100", "--json"]
+    with pytest.raises(SystemExit) as left:
+        cli.main(command)
+    found = json.loads(capsys.readouterr().out)
+    assert left.value.code == 0
+    assert found["limit"]["band"] == [0, None]
+    assert found["places"]["spl"] == [None]

@@ -46,7 +46,7 @@ pub use origin::Origin;
 pub use part::{Part, PartKind, PartValue};
 pub use plane::{Axis, Plane};
 pub use plausibility::Doubt;
-pub(crate) use plausibility::{Vicinity, beside, contrary, short};
+pub(crate) use plausibility::{Vicinity, beside, contrary, distant, short};
 pub use request::Request;
 pub use signature::Signature;
 pub use start::Start;
@@ -234,6 +234,7 @@ impl Scene {
         let mut doubts = Vec::new();
         let far = Vicinity::of(&self.array).doubt(&self.points, |j| format!("points[{j}].position"));
         doubts.extend(far.or_else(|| beside(&self.array, self.medium, &self.points)));
+        doubts.extend(distant(&self.array, self.obstacles.given()));
         doubts.extend(contrary(self.medium, &self.points, &self.request));
         doubts.extend(self.plane.and_then(|plane| plane.doubt()));
         doubts

@@ -9,10 +9,12 @@ use alloc::vec::Vec;
 use core::fmt;
 use core::ops::RangeInclusive;
 
+use crate::math::sqrt;
 use crate::scene::array::Array;
-use crate::scene::geometry::distance;
+use crate::scene::geometry::{distance, dot};
 use crate::scene::medium::Medium;
 use crate::scene::neighbours::Neighbours;
+use crate::scene::obstacle::Obstacle;
 use crate::scene::origin::Origin;
 use crate::scene::plane::Plane;
 use crate::scene::request::Request;
@@ -275,6 +277,25 @@ pub(crate) fn beside(array: &Array, medium: Medium, points: &[[f64; 3]]) -> Opti
     let (j, (value, cure)) = points.iter().enumerate().find_map(|(j, point)| Some((j, found(point)?)))?;
     let [x, y, z] = points[j].map(short);
     Some(doubt(format!("points[{j}].position"), format!("[{x}, {y}, {z}] m{value}"), cure))
+}
+
+/// Returns the first obstacle that is farther away than any room is large.
+pub(crate) fn distant(array: &Array, obstacles: &[Obstacle]) -> Option<Doubt> {
+    let centre = array.centre();
+    let away = |obstacle: &Obstacle| match (obstacle, obstacle.bounds()) {
+        (Obstacle::Wall { point, normal, .. }, _) => {
+            let apart: [f64; 3] = core::array::from_fn(|axis| centre[axis] - point[axis]);
+            dot(apart, *normal).abs() / sqrt(dot(*normal, *normal))
+        }
+        (_, Some(bounds)) => {
+            let nearest: [f64; 3] = core::array::from_fn(|axis| centre[axis].clamp(bounds[axis][0], bounds[axis][1]));
+            distance(nearest, centre)
+        }
+        _ => 0.0,
+    };
+    let most = LARGEST.max(largest(&array.bounds()));
+    let (k, length) = obstacles.iter().map(away).enumerate().find(|(_, length)| *length > most)?;
+    Some(doubt(format!("obstacles[{k}]"), format!("{} m from the array", short(length)), metres(length, &(0.01..=2.0))))
 }
 
 /// Returns two points that are too close for their different pressures: over a distance d, the pressure of a wave changes by at

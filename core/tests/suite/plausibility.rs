@@ -1,7 +1,7 @@
 //! Tests of warnings about probable mistakes: each mistake gives one warning with its unit, usual arrays give none.
 
 use midair::presets::PRESETS;
-use midair::{Array, Medium, Plane, Request, Scene, Transducer};
+use midair::{Array, Medium, Obstacle, Plane, Request, Scene, Surface, Transducer};
 
 use crate::scenes::{preset, random_points, smiley};
 
@@ -199,4 +199,22 @@ fn points_beside_a_transducer_are_doubted() {
     let text = "points[0].position is [0.005, 0.005, 0.002] m, 0.002 m from transducer 3: nearer than a quarter";
     assert!(near(5e-3, 2e-3)[0].starts_with(text), "{:?}", near(5e-3, 2e-3));
     assert!(near(0.0, 2e-3).is_empty() && near(5e-3, 3e-3).is_empty());
+}
+
+#[test]
+fn obstacles_in_millimetres_are_doubted() {
+    let scene = || Scene::new(grid(0.01), Medium::default(), points(), Request::default()).unwrap();
+    let reported = |obstacle| {
+        scene().with_obstacles(vec![obstacle]).unwrap().doubts().iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    let wall = |x| Obstacle::Wall { point: [x, 0.0, 0.0], normal: [-2.0, 0.0, 0.0], kind: Surface::Rigid };
+    let text = &reported(wall(45.0))[0];
+    assert!(text.starts_with("obstacles[0] is 45 m from the array: give m (45 mm are 0.045 m)"), "{text}");
+    assert!(reported(wall(5.0)).is_empty());
+    let sphere = |z| Obstacle::Sphere { center: [0.0, 0.0, z], radius: 0.02, kind: Surface::Rigid };
+    assert!(
+        reported(sphere(150.0))[0].starts_with("obstacles[0] is 150 m from the array"),
+        "{:?}",
+        reported(sphere(150.0))
+    );
 }

@@ -55,7 +55,7 @@ def exposure_command(
     request = SceneFile(scene).scene()
     with progress_bar("solving"):
         solution = solve(request, solver)
-    with progress_bar("listening"):
+    with progress_bar("computing levels"):
         found = exposure(request, solution, places, limit=_limit(limit))
     if json:
         print(output.to_json({"limit": vars(found.limit), "places": found.to_dict()}))

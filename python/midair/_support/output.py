@@ -171,8 +171,8 @@ def summary(scene: Scene, solution: Solution) -> str:
 
 
 def to_json(record: Any) -> str:
-    """Return JSON text: arrays as lists, complex numbers as [re, im]."""
-    return json.dumps(record, default=_plain, allow_nan=False)
+    """Return JSON text: arrays as lists, complex numbers as [re, im], infinite numbers and NaN as null."""
+    return json.dumps(_plain(record), allow_nan=False)
 
 
 def _record(scene: Scene, solution: Solution) -> dict[str, Any]:
@@ -197,8 +197,18 @@ def _record(scene: Scene, solution: Solution) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Return an array as nested lists, complex numbers as [re, im]."""
+    """Return a value as JSON's types, as `to_json` describes."""
+    if isinstance(value, dict):
+        return {key: _plain(part) for key, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(part) for part in value]
+    if value is None or isinstance(value, str | bool | int):
+        return value
     array = np.asarray(value)
     if np.iscomplexobj(array):
         array = np.stack([array.real, array.imag], axis=-1)
+    finite = np.isfinite(array)
+    if not finite.all():
+        array = array.astype(object)
+        array[~finite] = None
     return array.tolist()
