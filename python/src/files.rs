@@ -19,7 +19,7 @@ use crate::toolbox;
 fn os_error(error: &std::io::Error, path: &Path) -> PyErr {
     let text = error.to_string();
     let text = text.split(" (os error").next().unwrap_or_default().to_owned();
-    PyOSError::new_err((error.raw_os_error(), text, path.to_path_buf()))
+    PyOSError::new_err((error.raw_os_error(), text, path.to_string_lossy().into_owned()))
 }
 
 pub(crate) fn bytes_of(path: &Path) -> PyResult<Vec<u8>> {

@@ -150,7 +150,7 @@ impl Scene {
     #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
     fn new(
         py: Python<'_>,
-        array: &Bound<'_, Array>,
+        array: &Bound<'_, PyAny>,
         points: &Bound<'_, PyAny>,
         pressures: Argument<'_, '_>,
         weights: Argument<'_, '_>,
@@ -159,6 +159,10 @@ impl Scene {
         obstacles: Argument<'_, '_>,
         keys: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
+        let array = array.cast::<Array>().map_err(|_| {
+            let kind = array.get_type().qualname().map_or_else(|_| "this".into(), |name| name.to_string());
+            PyTypeError::new_err(format!("expected a midair.Array first, not {kind}: give midair.Scene(array, points)"))
+        })?;
         let keywords = Keywords::of(py, keys)?;
         let medium = keywords.medium(None, array.get())?;
         let array = keywords.array(array.get().clone())?;

@@ -144,6 +144,9 @@ def _run(arguments: Sequence[str]) -> int:
         return status if isinstance(status, int) else 0
     except BrokenPipeError:
         return UNREAD
+    except SystemExit as left:
+        # Rich ends with status 1 if no program reads its text; nothing else ends with it here.
+        return UNREAD if left.code == 1 else int(left.code or 0)
     except UnusedCliTokensError as error:
         unused = " ".join(error.unused_tokens or ())
         cure = "leave it out, or write the numbers of an option without spaces, as in --at 0,0,0.15"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -68,5 +69,5 @@ def new_command(scene: Path = Path("scene.toml")) -> int:
         raise SceneError(f'"{scene}" is there already: give another name, as in midair new my-scene.toml')
     output.check(scene, (".toml",))
     output.write(scene, starter.encode())
-    print_written(f"{scene}; solve it with: midair solve {scene}")
+    print_written(f"{scene}; solve it with: midair solve {shlex.quote(str(scene))}")
     return 0

@@ -107,6 +107,10 @@ def _guided(function: Callable[..., Any], name: str, signed: Any = None) -> Call
         except (TypeError, SceneError) as error:
             if keywords and (slip := _slip(signed or call, name, arguments, keywords, error)):
                 raise slip from None
+            # Python's own errors name the private function.
+            private = f"{getattr(function, '__qualname__', name)}()"
+            if isinstance(error, TypeError) and str(error).startswith(private):
+                raise TypeError(str(error).replace(private, f"{name}()", 1)) from None
             raise
 
     if _takes_declared(function):
