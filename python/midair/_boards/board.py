@@ -176,7 +176,7 @@ class Board:
         """
         return self._codec.encode(drive.drive if isinstance(drive, Solution) else drive)
 
-    def warn_of_silence(self, drive: ArrayLike | Solution, frame: bytes) -> None:
+    def _warn_of_silence(self, drive: ArrayLike | Solution, frame: bytes) -> None:
         """Warn if a frame turns all transducers off although its drive does not."""
         largest = float(np.abs(drive.drive if isinstance(drive, Solution) else drive).max())
         if largest > 0 and frame == self.off_frame:

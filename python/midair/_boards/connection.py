@@ -94,7 +94,7 @@ class Connection:
             For a drive above the limit, and if the connection is closed; BoardLost if the board is gone.
         """
         frame = self._encode(drive)
-        self.board.warn_of_silence(drive, frame)
+        self.board._warn_of_silence(drive, frame)
         self._call(Kind.PLAY, wire.WHEN.pack(0.0, 0.0, Late.WAIT) + frame)
 
     def stream(

@@ -145,8 +145,10 @@ def _run(arguments: Sequence[str]) -> int:
     except BrokenPipeError:
         return UNREAD
     except SystemExit as left:
-        # Rich ends with status 1 if no program reads its text; nothing else ends with it here.
-        return UNREAD if left.code == 1 else int(left.code or 0)
+        # Rich ends with status 1 if no program reads its text.
+        if left.code == 1:
+            return UNREAD
+        raise
     except UnusedCliTokensError as error:
         unused = " ".join(error.unused_tokens or ())
         cure = "leave it out, or write the numbers of an option without spaces, as in --at 0,0,0.15"
@@ -170,8 +172,6 @@ def _run(arguments: Sequence[str]) -> int:
     except KeyboardInterrupt:
         tell("interrupted")
         return INTERRUPTED
-    except SystemExit:
-        raise
     except BaseException as error:
         from .. import BoardError
 

@@ -33,7 +33,7 @@ def write(path: Path, drives: Played, board: Board | None) -> None:
             off = off and frame == board.off_frame
             stream.write(frame)
     if off:
-        board.warn_of_silence(largest, board.off_frame)
+        board._warn_of_silence(largest, board.off_frame)
 
 
 def read(path: str | PathLike[str], board: Board | None) -> NDArray[np.complex64]:
