@@ -57,6 +57,7 @@ __all__ = [
     "SceneError",
     "SceneWarning",
     "Sheet",
+    "Shifted",
     "Solution",
     "Solver",
     "SolverInfo",
@@ -115,7 +116,7 @@ STEP: float
 @final
 class Sheet:
     tension: Final[complex]
-    def __new__(cls, speed: float = 6.0, loss: float = 0.4, mass: float = 6.4) -> Sheet: ...
+    def __new__(cls, speed: float = ..., loss: float = ..., mass: float = ...) -> Sheet: ...
     def decay(self, frequencies: NDArray[np.float64]) -> NDArray[np.complex128]: ...
     def response(self, frequency: float, distances: NDArray[np.float64]) -> NDArray[np.complex128]: ...
     def on_plane(

@@ -133,7 +133,8 @@ mod _midair {
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("HIGHEST", HIGHEST)?;
         module.add("REACH", REACH)?;
-        module.add("SKIN", Membrane::SKIN)?;
+        let [speed, loss, mass] = Membrane::SKIN;
+        module.add("SKIN", (speed, loss, mass))?;
         module.add("STEP", midair::points::STEP)?;
         module.add("MOST_POINTS", midair::points::MOST)?;
         super::bodies::add_bodies(module)?;
