@@ -52,16 +52,16 @@ def test_traps_beside_foci_are_stiff_and_the_foci_have_their_pressures(
     array = midair.Array(*traps.openmpd(), quantization=quantization)
     for seed in (20, 21):
         points = scattered(traps_ + foci, BOX, APART, seed)
-        held, heard = points[:traps_], points[traps_:]
+        trapped, focused = points[:traps_], points[traps_:]
         pressures = [0.0] * traps_ + [1000.0, 3000.0][:foci]
         scene = midair.Scene(array, points, pressures, signature=["trap"] * traps_ + [None] * foci)
         solution = midair.solve(scene)
         found = Field(solution.drive)
         assert solution.status == "done"
-        np.testing.assert_allclose(abs(found.pressure(heard)), pressures[traps_:], rtol=5e-3)
-        assert found.apart(held) < 0.03e-3
-        alone = Field(midair.solve(midair.Scene(array, held, signature="trap")).drive)
-        assert found.softest(held) > 0.8 * alone.softest(held)
+        np.testing.assert_allclose(abs(found.pressure(focused)), pressures[traps_:], rtol=5e-3)
+        assert found.apart(trapped) < 0.03e-3
+        alone = Field(midair.solve(midair.Scene(array, trapped, signature="trap")).drive)
+        assert found.softest(trapped) > 0.8 * alone.softest(trapped)
         # Metrics are those of the foci.
         assert solution.metrics.accuracy == pytest.approx(1, abs=5e-3)
         assert solution.metrics.leak == 0

@@ -24,7 +24,7 @@ pub(crate) mod coincident;
 pub(crate) mod common_level;
 pub(crate) mod cones;
 pub(crate) mod few;
-mod held;
+mod fixed_foci;
 pub(crate) mod leaders;
 pub(crate) mod nearest;
 pub(crate) mod on_grid;

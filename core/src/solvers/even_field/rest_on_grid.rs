@@ -8,7 +8,7 @@
 //! ```
 //!
 //! where c = C q are the derivatives of the field at the points. Each stiffness K changes in the same way, and so does
-//! the error v of each focus with its cost E ([`crate::solvers::even_field::held`]). Each drive in turn takes one of
+//! the error v of each focus with its cost E ([`crate::solvers::even_field::fixed_foci`]). Each drive in turn takes one of
 //! the three phases around its own: the one with the least |s|^2 + E less the soft minimum of K. A pass begins with the
 //! present places, stiffnesses and errors.
 
@@ -25,7 +25,7 @@ use crate::math;
 use crate::propagation::jet::TERMS;
 use crate::propagation::stiffness::Stiffness;
 use crate::scene::dot;
-use crate::solvers::even_field::held::{Held, Off};
+use crate::solvers::even_field::fixed_foci::{FixedFoci, Off};
 use crate::solvers::even_field::soft_minimum;
 
 /// Number of passes. The first removes nine tenths of the rounding errors, the others the errors of its linear model.
@@ -42,7 +42,7 @@ const SHARPNESS: f64 = 48.0;
 /// stays within this many codes of another drive.
 pub(super) fn bring(
     set: InstructionSet,
-    (traps, held, unit): (&Stiffness, &Held, f64),
+    (traps, fixed, unit): (&Stiffness, &FixedFoci, f64),
     quantization: &Quantization,
     bound: Option<(&[Complex32], f32)>,
     drive: &mut [Complex32],
@@ -69,7 +69,7 @@ pub(super) fn bring(
         let places = values.len();
         values.extend(traps.at(field));
         let others = values.len();
-        for Off { row, part, slope } in held.off(traps, field) {
+        for Off { row, part, slope } in fixed.off(traps, field) {
             values.push(part);
             let mut pulls = [[0.0; TERMS]; 2];
             pulls.iter_mut().zip(slope).for_each(|(pull, slope)| pull[0] = slope as f32);
@@ -92,7 +92,7 @@ pub(super) fn bring(
                 let (shifts, stiffness) = values.split_at(places);
                 let soft = soft_minimum::negated(stiffness.iter().map(|k| k / unit), SHARPNESS);
                 let lost = f64::from((to - requested[i]).norm_sqr()) / requested.len() as f64;
-                share * shifts.iter().map(|s| s * s).sum::<f64>() + held.cost(foci.iter().copied()) + soft + lost
+                share * shifts.iter().map(|s| s * s).sum::<f64>() + fixed.cost(foci.iter().copied()) + soft + lost
             };
             let around = [own, own * back, own * on].into_iter().filter(|&to| to == own || allowed(i, to));
             let nearest = around.map(|to| (cost(to), to)).min_by(|a, b| a.0.total_cmp(&b.0)).map_or(own, |(_, to)| to);

@@ -1,6 +1,6 @@
 //! Traps without pressures: turns the phases until the softest of all traps is as stiff as possible.
 //!
-//! Foci beside the traps keep their pressures ([`crate::solvers::even_field::held`]).
+//! Foci beside the traps keep their pressures ([`crate::solvers::even_field::fixed_foci`]).
 //!
 //! The objective is the soft minimum ([`soft_minimum`]) of K_ja, the stiffness at point j along its axis a, relative to
 //! the least stiffness at the start of a stage. Subtracted from it is the mean square of the distances |H|^-1 (F - m g)
@@ -24,7 +24,7 @@ use crate::propagation::stiffness::Stiffness;
 use crate::scene::{Aim, Signature, dot};
 use crate::solvers::common::phase_descent::{Cost, PhaseDescent};
 use crate::solvers::common::tiled::{Rows, Wave};
-use crate::solvers::even_field::held::{Held, Off};
+use crate::solvers::even_field::fixed_foci::{FixedFoci, Off};
 use crate::solvers::even_field::rest_on_grid;
 use crate::solvers::even_field::run::Run;
 use crate::solvers::even_field::soft_minimum;
@@ -52,7 +52,7 @@ const LEAST: f64 = 0.01;
 /// distances of resting beads from their points.
 pub(super) struct Softest<'a> {
     stiffness: &'a Stiffness,
-    held: &'a Held,
+    fixed: &'a FixedFoci,
     /// The sharpness of the minimum, and the weight of the resting places.
     stage: (f64, f64),
     /// The unit of stiffness: the least stiffness at the start of the stage, see [`LEAST`].
@@ -65,21 +65,25 @@ pub(super) struct Softest<'a> {
 
 impl<'a> Softest<'a> {
     /// Creates the cost of the last stage, with the unit of stiffness from a field.
-    pub(super) fn last(traps: (&'a Stiffness, &'a Held), field: [&[f32]; 2], beside: Option<[&'a [f32]; 2]>) -> Self {
+    pub(super) fn last(
+        traps: (&'a Stiffness, &'a FixedFoci),
+        field: [&[f32]; 2],
+        beside: Option<[&'a [f32]; 2]>,
+    ) -> Self {
         Self { beside, ..Self::new(traps, field, STAGES[STAGES.len() - 1]) }
     }
 
-    fn new((stiffness, held): (&'a Stiffness, &'a Held), field: [&[f32]; 2], stage: (f64, f64)) -> Self {
+    fn new((stiffness, fixed): (&'a Stiffness, &'a FixedFoci), field: [&[f32]; 2], stage: (f64, f64)) -> Self {
         let now: Vec<f64> = stiffness.at(field).collect();
         let largest = now.iter().fold(0.0, |most: f64, k| most.max(k.abs()));
         let unit = least(&now).max(LEAST * largest).max(f64::MIN_POSITIVE);
-        Self { stiffness, held, stage, unit, yielding: stiffness.balance(field).1, beside: None }
+        Self { stiffness, fixed, stage, unit, yielding: stiffness.balance(field).1, beside: None }
     }
 
     /// Returns the cost of a field.
     pub(super) fn of_field(&self, field: [&[f32]; 2]) -> f64 {
-        let held = self.held.cost(self.held.off(self.stiffness, field).map(|focus| focus.part));
-        soft_minimum::negated(self.parts(field).into_iter(), self.stage.0) + self.apart(field).0 + held
+        let fixed = self.fixed.cost(self.fixed.off(self.stiffness, field).map(|focus| focus.part));
+        soft_minimum::negated(self.parts(field).into_iter(), self.stage.0) + self.apart(field).0 + fixed
     }
 
     /// Returns the field of a wave plus the field `beside`.
@@ -122,7 +126,7 @@ impl Cost for Softest<'_> {
         let share = |k: &f64| math::exp(self.stage.0 * (least - k)) / (-self.unit * sum);
         let weights: Vec<f64> = parts.iter().map(share).collect();
         self.stiffness.pull(field, &weights, &self.apart(field).1, pulls.each_mut().map(|plane| &mut **plane));
-        for (Off { row, slope, .. }, pulled) in self.held.pulled(self.held.off(self.stiffness, field)) {
+        for (Off { row, slope, .. }, pulled) in self.fixed.pulled(self.fixed.off(self.stiffness, field)) {
             pulls.iter_mut().zip(slope).for_each(|(plane, slope)| plane[row * TERMS] = (pulled * slope) as f32);
         }
     }
@@ -193,17 +197,17 @@ fn descend(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
     let rows = rows(&traps, problem, work, run.control)?;
     let mut wave = Wave::new(&rows, work);
     wave.play_at_full(&rows, foci.drives(transducers, work).into_iter());
-    let requested = Held::of(&traps, problem, level(&traps, problem, planes(&wave)));
+    let requested = FixedFoci::of(&traps, problem, level(&traps, problem, planes(&wave)));
     let begun = Softest::new((&traps, &requested), planes(&wave), STAGES[1]);
     let before = begun.of(&wave);
     let mut descent = PhaseDescent::new(wave, &begun, &rows, work);
-    let mut held = requested.clone();
+    let mut fixed = requested.clone();
     for (round, stage) in STAGES.into_iter().chain([STAGES[1]; AGAIN]).enumerate() {
-        let off = if round > 0 { held.learn(&traps, planes(&descent.wave)) } else { 0.0 };
+        let off = if round > 0 { fixed.learn(&traps, planes(&descent.wave)) } else { 0.0 };
         if round >= STAGES.len() && off <= NEAR {
             break;
         }
-        let cost = Softest::new((&traps, &held), planes(&descent.wave), stage);
+        let cost = Softest::new((&traps, &fixed), planes(&descent.wave), stage);
         descent.follow(&cost, &rows);
         for _ in 0..STEPS {
             if run.stopped || !run.report(foci) || !descent.step(&cost, &rows) {
@@ -216,8 +220,8 @@ fn descend(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
     }
     let mut drive = descent.wave.drives(transducers, work);
     if let Some(quantization) = problem.quantization() {
-        let unit = Softest::new((&traps, &held), planes(&descent.wave), STAGES[1]).unit;
-        rest_on_grid::bring(set, (&traps, &held, unit), quantization, None, &mut drive);
+        let unit = Softest::new((&traps, &fixed), planes(&descent.wave), STAGES[1]).unit;
+        rest_on_grid::bring(set, (&traps, &fixed, unit), quantization, None, &mut drive);
     }
     foci.play(run.rows, drive.into_iter());
     Ok(true)

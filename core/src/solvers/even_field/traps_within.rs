@@ -32,7 +32,7 @@ use crate::propagation::stiffness::Stiffness;
 use crate::scene::{distance, dot};
 use crate::solvers::common::phase_descent::PhaseDescent;
 use crate::solvers::common::tiled::Wave;
-use crate::solvers::even_field::held::Held;
+use crate::solvers::even_field::fixed_foci::FixedFoci;
 use crate::solvers::even_field::rest_on_grid;
 use crate::solvers::even_field::traps::{self, Softest, planes};
 use crate::solvers::last::{Last, settled};
@@ -51,7 +51,7 @@ const JUMP: f64 = 0.25;
 /// The traps of a frame, and the foci beside them.
 pub(crate) struct Moving {
     traps: Stiffness,
-    held: Held,
+    fixed: FixedFoci,
 }
 
 /// The range of phases, the number of steps, and the part of an envelope that remains after a frame.
@@ -76,8 +76,8 @@ pub(crate) fn requested(problem: &Problem, last: &mut Last, control: &mut Contro
         last.weights.push(traps::level(&traps, problem, [&field[0], &field[1]]) as f32);
     }
     let level = if foci { f64::from(last.weights[0]) } else { 1.0 };
-    let held = Held::of(&traps, problem, level);
-    Ok(Some(Moving { traps, held }))
+    let fixed = FixedFoci::of(&traps, problem, level);
+    Ok(Some(Moving { traps, fixed }))
 }
 
 /// Adds to traps the forces that their particles need to move with their points, a frame after `last`. Returns the
@@ -159,7 +159,7 @@ fn moved(before: &[[f64; 3]], places: &[[f64; 3]], rate: f64, wavelength: f64) -
 /// # Errors
 /// More memory than allowed, a stop.
 pub(crate) fn stiffen(
-    Moving { traps, held }: &Moving,
+    Moving { traps, fixed }: &Moving,
     problem: &Problem,
     last: &Last,
     Turn { arc, steps, kept }: Turn,
@@ -180,7 +180,7 @@ pub(crate) fn stiffen(
         own.copy_from_slice(drive);
     }
     own.hear(&rows);
-    let cost = Softest::last((traps, held), planes(&own), beside);
+    let cost = Softest::last((traps, fixed), planes(&own), beside);
     let mut descent = if arc[0] > -1.0 {
         PhaseDescent::within(arc, own, &cost, &rows, work)
     } else {
@@ -221,16 +221,16 @@ pub(crate) fn keep(
 /// Rounds drives (N,) to a board's grid, within `most` codes of those played last. If the drives played last are no
 /// worse, they are taken instead, and the result is false.
 fn bring(
-    Moving { traps, held }: &Moving,
+    Moving { traps, fixed }: &Moving,
     (problem, board): (&Problem, &Quantization),
     (last, most): (&Last, f32),
     drive: &mut [Complex32],
 ) -> bool {
     let before = traps.field(&last.played);
     let before = before.each_ref().map(|plane| &plane[..]);
-    let cost = Softest::last((traps, held), before, None);
+    let cost = Softest::last((traps, fixed), before, None);
     let set = problem.propagation().instruction_set();
-    rest_on_grid::bring(set, (traps, held, cost.unit), board, Some((&last.played, most)), drive);
+    rest_on_grid::bring(set, (traps, fixed, cost.unit), board, Some((&last.played, most)), drive);
     let after = traps.field(drive);
     let better = cost.of_field([&after[0], &after[1]]) < cost.of_field(before);
     if !better {

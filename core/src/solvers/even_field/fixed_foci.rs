@@ -21,7 +21,7 @@ const WEIGHT: f64 = 100.0;
 
 /// The pressures that foci keep, in the order of [`Stiffness::foci`].
 #[derive(Clone)]
-pub(super) struct Held {
+pub(super) struct FixedFoci {
     /// p_j in units of the reference, and the divisor of |P_j| - p_j in v_j.
     targets: Vec<[f64; 2]>,
     multipliers: Vec<f64>,
@@ -35,7 +35,7 @@ pub(super) struct Off {
     pub(super) slope: [f64; 2],
 }
 
-impl Held {
+impl FixedFoci {
     /// Creates the foci beside traps, at `level` times their targets.
     pub(super) fn of(traps: &Stiffness, problem: &Problem, level: f64) -> Self {
         let foci = traps.chosen()[1].iter().map(|&j| level * f64::from(problem.targets()[j]));
