@@ -34,16 +34,27 @@ of the paper with the new numbers: {outcomes}.
 - **The task.** An array has to make a given sound pressure at several points at once. The paper's greedy
   search sets one transducer after the other. For each it tries K amplitudes and L phases and keeps the best.
 - **Symbols.** N is the number of transducers, M the number of points, q the drive of a transducer (a complex
-  number) and p a sound pressure.
+  number) and p a sound pressure. P0 is the pressure of a transducer at full drive times the distance, in
+  Pa m.
 - **Accuracy** is the sum of the pressures over the sum of the requested pressures, the targets. 100 % means
   that the targets are met.
 - **Variation**, sigma, is the spread of the pressures between the points. 0 is best.
 - **The methods** are explained in [how to choose](how-to-choose.md#one-paragraph-each). They have the
   settings of the authors' public code, without balancing (which raises weak targets before the search).
+  LM is Levenberg-Marquardt, EVD uses an eigenvector, and SDP+BCD is semidefinite relaxation solved by block
+  coordinate descent. GS is Gerchberg-Saxton, and GS-PAT its variant on an M x M matrix. `uniform` and `best`
+  are methods of midair.
+- **Variants of greedy.** The label "l1" means absolute instead of squared errors. This variant evaluates
+  every candidate in full, and is also the row "plain brute force". The other rows of greedy evaluate in full
+  only the candidates that an approximation leaves.
 - **Full drive.** Some methods return amplitudes above 1, which no transducer can play. One of three rules
   limits them: reduce amplitudes above 1 to 1 (clamp), divide all by the largest (normalize), or set all to
   1 (|q| = 1). Each legend names the rule, because in fig. 3 the rule matters more than the method.
-- **Random points** are the same for every method. Intervals contain the mean with 95 % probability.
+- **Random points** are the same for every method. A ± value is half of an interval that contains the mean
+  with 95 % probability.
+- **Statements.** Each section compares statements of the paper with the new numbers. "(ours)" marks a
+  statement of this page, and "points" are percentage points of accuracy. Code names such as lm are the
+  methods' names in midair.
 
 `make paper` writes this page from the tables in [docs/paper](paper). `midair reproduce all --trials
 {trials}` makes these tables and the pictures.
@@ -59,55 +70,101 @@ WORDS = {
     "fig2": (
         "Fig. 2: a pattern of 38 points",
         "36 x 36 transducers play a smiley of 38 points at z = 150 mm. The target is |p| = 1 at each"
-        " point, with lengths in mm. A point counts as lost if its pressure is below half of the"
-        " method's mean.",
+        " point, in the authors' unit with lengths in mm (1 Pa for P0 = 1e-3 Pa m). A point counts as"
+        " lost if its pressure is below half of the method's mean.",
     ),
     "fig3": (
         "Fig. 3: accuracy",
         "20 x 20 transducers play M random points above the array at z = 150 mm. Each has the target"
         " p1/sqrt(M), where p1 is the pressure of a single focus in the middle. Accuracy is eq. (12) and"
-        " may exceed 100 %. In percent:",
+        " may exceed 100 %. The table has the mean accuracy in percent:",
     ),
     "fig4": (
         "Fig. 4: variation",
-        "The trials are those of fig. 3. sigma is eq. (13), with 1/M where the paper prints 1/N:",
+        "The trials are those of fig. 3. sigma is eq. (13), with 1/M where the paper prints 1/N. The table"
+        " has the mean sigma:",
     ),
     "fig5": (
         "Fig. 5: time over the number of points",
-        "20 x 20 transducers, greedy in fixed order. The table has the median CPU time of a whole"
-        " solve, with the times of all threads added. The methods take turns on the same scenes. All are"
-        " implemented in midair. In ms:",
+        "The array has 20 x 20 transducers and plays M random points. Greedy treats the transducers in a"
+        " fixed order. The methods run alternately on the same scenes, and all are implemented in midair."
+        " The first table has the median CPU time of a whole solve in ms, with the times of all threads"
+        " added. The second table has the slope of log time over log M, for all M and for M of 64 and more."
+        " A slope of 1 means that the time is linear in M:",
     ),
     "fig6": (
         "Fig. 6: time over the number of transducers",
-        "M = 64 random points in a square that grows with the array. Median CPU time in ms:",
+        "M = 64 random points lie in a square that grows with the array. The first table has the median"
+        " CPU time in ms, the second the slope of log time over log N. A slope of 1 means that the time is"
+        " linear in N:",
     ),
     "fig7": (
         "Fig. 7: weak and strong targets, the order of the transducers",
         "36 x 36 transducers play one point at (0, 0, 150 mm) by greedy with K = 1, L = 16. Width is"
         " the distance between the outermost places where |p| is above half its maximum, within 60 mm."
         " An artefact is the highest |p| farther than 13.4 mm from the point, relative to the point."
-        " Power is the mean of |q|². All are medians over the orders. The third row of panels is not in"
-        " the paper: it shows the cure that its section V asks for.",
+        " Power is the mean of |q|². The table has medians over the orders in which greedy treats the"
+        " transducers. A focus is ideal if its width is that of diffraction, 1.2 wavelengths over twice the"
+        " numerical aperture, within 5 %. The third row of panels (e and f) is not in the paper: it shows the"
+        " cure that section V of the paper asks for.",
     ),
 }
 
-DIFFERENCES = r"""## Differences between the paper's text, its authors' code and this page
-
-| item | paper | authors' code | here |
-| --- | --- | --- | --- |
-| unit of length | none | mm | P0 = 1e-3 Pa m, so that \|p\| = 1 Pa is 1 in mm |
-| greedy's objective | squared errors (eq. 7, alg. 1) | absolute errors | `l2`; `l1` as a curve of its own |
-| sigma, eq. (13) | 1/N | 1/M | 1/M |
-| first line of algs. 1 and 2 | the pressures p start at 0 | - | the drives start at 0 |
-| amplitudes (k+1)/K | no "off" | no "off" | as printed: this makes the background of fig. 7 (a) |
-| fixed order | columns first, from the corner | x fastest | y fastest: only then is fig. 7 (b) wide in x |
-| random order | a fresh one | unseeded shuffle | a seed for each trial |
-| EVD | gamma = 1 | a row of the eigenvector matrix; q times mean(\|Gq\|/a); clamp | an eigenvector; clamp |
-| SDP+BCD | "as in the original" | moduli of the eigenvector as they are; divided by max \|q\| | as the code |
-| LM | phases only | phases of drives and points unknown, \|q\| = 1, 200 steps | as the code |
-| GS-PAT | 100 iterations | the amplitude enters the back-propagation twice; clamp | once (equal); clamp |
-"""
+#: The rows of the last table but one: item, paper, authors' code, here.
+DIFFERENCES = (
+    (
+        "unit of length",
+        "none",
+        "mm",
+        "P0 = 1e-3 Pa m, so |p| = 1 Pa is the 1 of the authors' code, with lengths in mm",
+    ),
+    (
+        "greedy's objective",
+        "squared errors (eq. 7, alg. 1)",
+        "absolute errors",
+        'squared errors; absolute errors in the rows "l1"',
+    ),
+    ("sigma, eq. (13)", "1/N", "1/M", "1/M"),
+    ("first line of algs. 1 and 2", "the pressures p start at 0", "not stated here", "the drives start at 0"),
+    (
+        "amplitudes (k+1)/K",
+        'no "off"',
+        'no "off"',
+        'as in the paper: without an "off", weak targets make the background of fig. 7 (a)',
+    ),
+    (
+        "fixed order",
+        "columns first, from the corner",
+        "x changes fastest",
+        "y changes fastest: only then is fig. 7 (b) wide in x",
+    ),
+    ("random order", "a fresh order", "a shuffle without a seed", "a shuffle with a seed for each trial"),
+    (
+        "EVD",
+        "regularisation gamma = 1",
+        "a row of the eigenvector matrix instead of an eigenvector; q times mean(|Gq|/a), with the targets a;"
+        " clamp",
+        "an eigenvector; clamp",
+    ),
+    (
+        "SDP+BCD",
+        '"as in the original"',
+        "moduli of the eigenvector as they are; divided by max |q|",
+        "as in the authors' code",
+    ),
+    (
+        "LM",
+        "phases only",
+        "phases of drives and points unknown, |q| = 1, 200 steps",
+        "as in the authors' code",
+    ),
+    (
+        "GS-PAT",
+        "100 iterations",
+        "the amplitude enters the back-propagation twice; clamp",
+        "the amplitude enters once, with equal results; clamp",
+    ),
+)
 
 
 def build(folder: Path, docs: Path) -> None:
@@ -145,7 +202,9 @@ def text(place: Path) -> str:
             TABLES[name](rows[name]),
             table(["the paper says", "we find", "by these numbers"], judged),
         ]
-    parts.append(DIFFERENCES)
+    title = "## Differences between the paper's text, its authors' code and this page"
+    head = ["item", "paper", "authors' code", "here"]
+    parts.append(f"{title}\n\n{table(head, DIFFERENCES)}")
     if "uniform" in tables.labels(rows["fig3"]):
         parts.append(ours(rows))
     return "\n".join(parts)
