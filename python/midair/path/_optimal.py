@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._midair import Array, Bead, Scene, SceneError, rest, solve
-from .._support.arguments import flag, number, refused, vectors
+from .._support.arguments import flag, number, real, refused
 from ._path import Path
 from ._piece import Numbers
 from ._samples import Samples
@@ -105,7 +105,7 @@ def fastest(
         raise refused("array", array, "give a midair.Array or a midair.Scene")
     bead = Bead(scene, radius, density, sound_speed, gravity)
     loop = flag("closed", closed)
-    curve = _smooth(vectors("points", points), loop)
+    curve = _smooth(_places(points), loop)
     traps = _traps(scene, curve, bead)
     speeds = _speeds(curve, traps, bead, share, loop)
     places = curve.at(_timed(curve.step, speeds, loop), loop)
@@ -157,12 +157,24 @@ class _Curve(NamedTuple):
         return found
 
 
+def _places(given: ArrayLike) -> Numbers:
+    """Return at least 4 places (K, 3) in m, each apart from the next."""
+    cure = "give at least 4 points (K, 3) in m"
+    points = real("points", given, cure)
+    if points.ndim != 2 or points.shape[1] != 3 or len(points) < 4:
+        raise refused("points", given, cure)
+    for k in np.flatnonzero(~np.isfinite(points).all(axis=1))[:1]:
+        raise refused(f"points[{k}]", points[k].tolist(), "give three finite numbers")
+    return points
+
+
 def _smooth(points: Numbers, loop: bool) -> _Curve:
     """Return the cubic spline through points, at steps of equal length."""
     if loop and np.allclose(points[0], points[-1], atol=1e-9):
         points = points[:-1]
-    if len(points) < 4:
-        raise refused("points.shape", points.shape, "give at least 4 points (K, 3) in m")
+        if len(points) < 4:
+            cure = "the curve closes by itself, give at least 4 other points"
+            raise refused(f"points[{len(points)}]", points[0].tolist(), cure)
     corners = np.concatenate([points, points[:1]]) if loop else points
     chords = np.linalg.norm(np.diff(corners, axis=0), axis=1)
     if not (chords > 0).all():
