@@ -142,9 +142,20 @@ def test_a_bead_that_begins_as_its_trap_moves_stays_with_it() -> None:
         ({"speeds": [[0, 0]]}, "speeds.shape"),
         ({"duration": 0.0}, "duration is 0.0"),
         ({"radius": -1.0}, "radius is -1"),
+        ({"radius": 1e-9}, "radius is 1e-09: air stops such a bead within"),
+        ({"beads": [[5e-3, 0, 0], [0, np.nan, 0]]}, r"beads\[1\] is \[0.0, nan, 0.0\]: give three finite"),
+        ({"speeds": [1e3, 0, 0]}, 'speeds is "1000 m/s": faster than sound'),
         ({"tau": -1.0}, "tau is -1"),
     ],
 )
 def test_what_is_not_in_order_is_refused(keywords: dict[str, Any], refusal: str) -> None:
     with pytest.raises(midair.SceneError, match=refusal):
         midair.fly(ring(5e-3, 0.1, 500.0), **keywords)
+
+
+def test_a_bead_out_of_reach_of_its_trap_is_reported() -> None:
+    with pytest.warns(midair.SceneWarning, match=r"beads\[1\] is 10 mm from point 1 \(and 1 more\): it"):
+        flight = midair.fly(ring(0.01, 0.1, 500.0), [[0.01, 0, 0], [0, 0, 0], [0, 0, 9]], duration=0.01)
+    assert flight.held.tolist() == [True, False, False]
+    with pytest.raises(MemoryError, match=r"duration is 1e\+09 s: the tracks of the beads need \d+"):
+        midair.fly(ring(0.01, 0.1, 500.0), duration=1e9)

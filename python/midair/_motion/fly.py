@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Bead, Course, SceneError
-from .._support.arguments import number, real, refused
+from .._support.arguments import number, real, refused, warn
 from .envelope import Hold
 from .judged import SETTLING, TAU
 from .sequence import Flight, Sequence
+
+#: Distance in wavelengths from its point beyond which a bead is lost, as in the core.
+LOST = 0.5
+
+#: Delays of a bead behind the air in s, below which drag may change too much within a step of a flight.
+SOONEST = 2.5e-3
 
 
 @SETTLING
@@ -87,8 +95,36 @@ def fly(
         course.play(now, following)
     knots = course.knots(None if duration is None else number("duration", duration, above=0))
     places, own, points = _start(sequence, course, bead, beads, speeds)
-    times, flown, ways, lost = course.fly(scene, bead, places, own, points.tolist(), knots)
+    try:
+        times, flown, ways, lost = course.fly(scene, bead, places, own, points.tolist(), knots)
+    except MemoryError as error:
+        if duration is None:
+            raise
+        cure = "give a shorter one, or a higher limit (MIDAIR_MEMORY in the environment)"
+        raise MemoryError(f"duration is {duration:g} s: {_needs(error)}, {cure}") from None
+    except SceneError:
+        if (delay := _delay(bead)) > SOONEST:
+            raise
+        cure = (
+            f"air stops such a bead within {delay:.2g} s, too soon for a flight, give a larger or denser one"
+        )
+        raise refused("radius", bead.keywords()["radius"], cure) from None
     return Flight(times, flown, ways, lost, points)
+
+
+def _needs(error: MemoryError) -> str:
+    """Return the part of a message about memory that has the size."""
+    found = re.search(r"needs ([\d.]+ GB)", str(error))
+    return f"the tracks of the beads need {found[1] if found else 'more memory'}"
+
+
+def _delay(bead: Bead) -> float:
+    """Return the time constant in s with which a slow bead takes the velocity of the air."""
+    rest, slow = np.zeros((1, 3)), np.array([[1e-3, 0, 0]])
+    weight = bead.needed(rest, rest)
+    # Drag of slow beads is linear, so the same number serves as velocity and as acceleration.
+    delay = (bead.needed(rest, slow) - weight)[0, 0] / (bead.needed(slow, rest) - weight)[0, 0]
+    return float(delay)
 
 
 def _start(
@@ -103,10 +139,22 @@ def _start(
         places = course.resting(sequence.scene(0), bead, which.tolist())
     else:
         places = np.atleast_2d(real("beads", beads, "give places (B, 3) in m"))
-        if places.ndim != 2 or places.shape[1] != 3 or not np.isfinite(places).all():
+        if places.ndim != 2 or places.shape[1] != 3:
             raise refused("beads", beads, "give places (B, 3) in m")
-        which = np.linalg.norm(places[:, None] - points, axis=2).argmin(axis=1)
+        for bad in np.flatnonzero(~np.isfinite(places).all(axis=1))[:1]:
+            raise refused(f"beads[{bad}]", places[bad].tolist(), "give three finite numbers")
+        away = np.linalg.norm(places[:, None] - points, axis=2)
+        which, away = away.argmin(axis=1), away.min(axis=1)
+        reach = LOST * sequence.scene(0).wavelength
+        if len(far := np.flatnonzero(away > reach)):
+            first, near = int(far[0]), f"give a place within half a wavelength, {1e3 * reach:.2g} mm"
+            others = f" (and {len(far) - 1} more)" if len(far) > 1 else ""
+            apart = f"{1e3 * away[first]:.4g} mm from point {which[first] + 1}"
+            warn(f"beads[{first}] is {apart}{others}: it is lost at once, {near}")
     own = course.speeds(which.tolist()) if speeds is None else real("speeds", speeds, "give (B, 3) in m/s")
     if own.shape not in ((3,), places.shape) or not np.isfinite(own).all():
         raise refused("speeds.shape", own.shape, f"give {places.shape}, finite, in m/s")
+    fastest = float(np.linalg.norm(own, axis=-1).max())
+    if fastest > sequence.scene(0).sound_speed:
+        raise refused("speeds", f"{fastest:.4g} m/s", "faster than sound, give slower beads")
     return places, np.broadcast_to(own, places.shape), which
