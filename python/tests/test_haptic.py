@@ -4,6 +4,7 @@ and levels at ears are limited.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -102,6 +103,14 @@ def test_ears_are_spared_at_a_lower_level() -> None:
     # The force is proportional to the square of the pressure. The technique is the best within the limit.
     assert spared.strength >= loud.strength + 2 * half - 0.1
     assert spared.strength == pytest.approx(along(spared.skin, np.linspace(*np.array(LINE), 20)), abs=1e-6)
+
+
+def test_a_shape_far_away_is_reported_once() -> None:
+    array = midair.Array.grid(8, 8, 0.01)
+    with warnings.catch_warnings(record=True) as reported:
+        warnings.simplefilter("always")
+        midair.haptic([[0, 0, 6], [0.02, 0, 6]], array, rate=100)
+    assert [str(one.message).partition(" m")[0] for one in reported] == ["shape[0] is [0, 0, 6]"]
 
 
 def test_drives_within_a_limit_are_those_of_the_board() -> None:

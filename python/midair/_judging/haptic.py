@@ -191,10 +191,18 @@ def haptic(
     time_constant(tau)
     curve = Curve.of(shape, closed)
     _check(curve.check(array), ears, limit)
-    judge = _Judge(array, curve, frames, reach, sheet, dict(model))
-    standards = [(t.name, *judge.felt(t, most)) for t in usual(curve, frames)]
+    with warnings.catch_warnings():
+        # The arguments have caused their warnings. A movement too fast for the bound gives a weak result,
+        # which is not chosen.
+        warnings.simplefilter("ignore", SceneWarning)
+        return _best(_Judge(array, curve, frames, reach, sheet, dict(model)), aim, most, ears, limit)
+
+
+def _best(judge: _Judge, aim: str, most: float, ears: Mapping[str, Any] | None, limit: str | float) -> Haptic:
+    """Return the best technique within a bound in rad per frame, and within the limit at the ears."""
+    standards = [(t.name, *judge.felt(t, most)) for t in usual(judge.curve, judge.rate)]
     if most < math.pi:
-        others = (drawn(curve, frames, speed, 1) for speed in SPEEDS)
+        others = (drawn(judge.curve, judge.rate, speed, 1) for speed in SPEEDS)
         tried = [(t.name, *judge.felt(t, most)) for t in others]
     else:
         tried = list(judge.climbed(aim))
@@ -246,18 +254,11 @@ def _check(scene: Scene, ears: Mapping[str, Any] | None, limit: str | float) -> 
         raise SceneError(re.sub("^places", "ears", str(error))) from None
 
 
-def _exposure(played: Sequence, ears: Mapping[str, Any], limit: str | float) -> Exposure:
-    """Return the levels at the ears, without the warnings that `_check` has given."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SceneWarning)
-        return exposure(played, ears, limit=limit)
-
-
 def _spared(
     played: Sequence, ears: Mapping[str, Any], limit: str | float
 ) -> tuple[Sequence, Exposure] | None:
     """Return frames that the board can play within the limit at the ears, and the levels there, or None."""
-    softer, found, factor = played, _exposure(played, ears, limit), 1.0
+    softer, found, factor = played, exposure(played, ears, limit=limit), 1.0
     steps = (played.quantization or {}).get("amplitudes")
     for _ in range(LOWERINGS):
         above = found.worst.spl - found.limit.spl
@@ -277,7 +278,7 @@ def _spared(
             obstacles=played._scene.obstacles,
             **played.setting(),
         )
-        found = _exposure(softer, ears, limit)
+        found = exposure(softer, ears, limit=limit)
     return None
 
 
@@ -297,7 +298,7 @@ class _Judge:
     def __init__(
         self, array: Array, curve: Curve, rate: float, reach: float, sheet: Sheet, model: dict[str, Any]
     ) -> None:
-        self._array, self._curve, self._rate, self._model = array, curve, rate, model
+        self._array, self.curve, self.rate, self._model = array, curve, rate, model
         middle = (curve.places.min(axis=0) + curve.places.max(axis=0)) / 2
         normal = int(np.abs(middle - array.positions.mean(axis=0)).argmax())
         across = [axis for axis in range(3) if axis != normal]
@@ -312,16 +313,13 @@ class _Judge:
         self.foci = Foci.beside(array, curve.places, self._plane, reach, sheet, rate, frames)
 
     def skin(self, played: Sequence) -> Skin:
-        with warnings.catch_warnings():
-            # `haptic` has warned of the arguments.
-            warnings.simplefilter("ignore", SceneWarning)
-            return skin(played, self._plane, **self._model)
+        return skin(played, self._plane, **self._model)
 
     def spared(self, found: _Found, ears: Mapping[str, Any], limit: str | float) -> _Found:
         """Return a technique at a level within the limit at the ears."""
         softer = _spared(found.played, ears, limit)
         if softer is None:
-            return replace(found, skin=None, exposure=_exposure(found.played, ears, limit))
+            return replace(found, skin=None, exposure=exposure(found.played, ears, limit=limit))
         played, levels = softer
         return replace(
             found,
@@ -335,11 +333,11 @@ class _Judge:
 
     def starts(self) -> Iterator[NDArray[np.int64]]:
         """Yield initial schedules: the focus jumps within a piece of the curve, and the piece moves on."""
-        t, curve = np.arange(self.foci.frames), self._curve
+        t, curve = np.arange(self.foci.frames), self.curve
         for jumps, frequency, piece in JUMPS:
             part = min(piece / curve.length, 0.5)
             lap = t / len(t) if curve.closed else (1 - part) * np.abs(1 - 2 * t / len(t))
-            period = t * (min(frequency, self._rate / 2) / self._rate) % 1
+            period = t * (min(frequency, self.rate / 2) / self.rate) % 1
             yield curve.index(lap + part * np.floor(period * jumps) / jumps)
 
     def climbed(self, aim: str) -> Iterator[tuple[str, Sequence, Skin]]:
@@ -352,38 +350,35 @@ class _Judge:
                 self.foci.places[chosen][:, None],
                 self.foci.levels[chosen][:, None] * on,
                 self.foci.drives[chosen] * on,
-                rate=self._rate,
+                rate=self.rate,
                 closed=True,
                 solver="haptic",
             )
             count = len(np.unique(chosen[chosen >= 0]))
             yield (
-                f"schedule of {count} foci, {self._rate / len(chosen):.3g} laps/s",
+                f"schedule of {count} foci, {self.rate / len(chosen):.3g} laps/s",
                 played,
                 self.skin(played),
             )
 
     def felt(self, technique: Technique, change: float) -> tuple[Sequence, Skin]:
         """Return the technique's frames, solved within the bound, and the motion of the skin."""
-        index = self._curve.index(technique.ways)
-        points = self._curve.places[index]
+        index = self.curve.index(technique.ways)
+        points = self.curve.places[index]
         if change < math.pi:
-            with warnings.catch_warnings():
-                # No warning: a movement too fast for the bound gives a weak result, which is not chosen.
-                warnings.simplefilter("ignore", SceneWarning)
-                drives = sequence(self._array, points, rate=self._rate, change=change).drives
+            drives = sequence(self._array, points, rate=self.rate, change=change).drives
         elif index.shape[1] == 1:
             drives = self.foci.drives[index[:, 0]]
         else:
             sets, which = np.unique(index, axis=0, return_inverse=True)
-            drives = solve_batch(self._array, self._curve.places[sets], solver="fast").drives[which.ravel()]
+            drives = solve_batch(self._array, self.curve.places[sets], solver="fast").drives[which.ravel()]
         amplitudes = self._on_board(technique.amplitudes)[:, None]
         played = Sequence(
             self._array,
             points,
             self.foci.levels[index] * amplitudes / math.sqrt(index.shape[1]),
             drives * amplitudes.astype(np.float32),
-            rate=self._rate,
+            rate=self.rate,
             closed=True,
             solver="haptic",
         )

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._midair import HIGHEST, Array, Plane, Scene, SceneError, SceneWarning, Sheet, solve_batch, threshold
 from .._motion.sheet import squares
-from .._support.arguments import flag, real, refused
+from .._support.arguments import flag, real, refused, warn
 from ..path import Path
 
 #: Places of a focus along the shape: their distance in m, and their largest number.
@@ -234,6 +234,8 @@ class Curve:
             if received == 0:
                 cure = "no transducer reaches it, give places in front of the array"
                 raise refused("shape", f"{at} m", cure)
+        if far := scene._far("shape", self.places):
+            warn(far)
         return scene
 
     def index(self, ways: NDArray[np.float64]) -> NDArray[np.int64]:
