@@ -185,15 +185,19 @@ class Technique:
 
 @dataclass(frozen=True)
 class Curve:
-    """Places (P, 3) in m at equal distances along a shape, its length in m, and whether it is closed."""
+    """Places (P, 3) in m at equal distances along a shape, its length in m, and whether it is closed.
 
+    `given` has the places (K, 3) that a caller gave; none for a path.
+    """
+
+    given: NDArray[np.float64]
     places: NDArray[np.float64]
     length: float
     closed: bool
 
     @classmethod
     def of(cls, shape: Path | ArrayLike, closed: bool) -> Curve:
-        loops = flag("closed", closed)
+        loops, given = flag("closed", closed), np.empty((0, 3))
         if isinstance(shape, Path):
             if shape.points != 1:
                 raise refused("shape", shape, "give a path of one point, or places (K, 3)")
@@ -203,6 +207,7 @@ class Curve:
             corners = real("shape", shape, "give a midair.path, or places (K, 3) in m")
             if corners.ndim != 2 or corners.shape[1] != 3 or len(corners) < 2:
                 raise refused("shape", shape, "give at least two places (K, 3) in m")
+            given = corners
             for k in np.flatnonzero(~np.isfinite(corners).all(axis=1))[:1]:
                 raise refused(f"shape[{k}]", corners[k].tolist(), "give finite coordinates in m")
         extent = float(np.ptp(corners, axis=0).max())
@@ -217,12 +222,12 @@ class Curve:
         count = min(max(round(length / STEP), 2), MOST)
         at = np.linspace(0, length, count, endpoint=not loops)
         places = np.stack([np.interp(at, ways, column) for column in corners.T], axis=1)
-        return cls(places, length, loops)
+        return cls(given, places, length, loops)
 
     def check(self, array: Array) -> Scene:
         """Return a scene of the array; rejects a shape with a place that is on or behind the transducers."""
-        for place in self.places:
-            at = f"({', '.join(f'{x:.4g}' for x in place)})"
+        for k, place in enumerate([*self.given, *self.places]):
+            item = f"shape[{k}]" if k < len(self.given) else "shape"
             try:
                 # No warning about `points`, which a caller does not give.
                 with warnings.catch_warnings():
@@ -230,10 +235,10 @@ class Curve:
                     scene = Scene(array, [place])
                 received = np.abs(scene.propagation()).max()
             except SceneError as error:
-                raise SceneError(str(error).replace("points[0]", f"shape at {at} m")) from None
+                raise SceneError(str(error).replace("points[0]", item)) from None
             if received == 0:
                 cure = "no transducer reaches it, give places in front of the array"
-                raise refused("shape", f"{at} m", cure)
+                raise refused(item, place.tolist(), cure)
         if far := scene._far("shape", self.places):
             warn(far)
         return scene
