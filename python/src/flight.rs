@@ -240,13 +240,18 @@ impl Course {
         let each = places.iter().zip(&speeds).zip(&points);
         let beads: Vec<_> = each.map(|((&place, &speed), &point)| BeadStart { place, speed, point }).collect();
         let threads = limits::threads(py)?;
-        let (times, ways, flown) = attend(py, None, |control| {
+        let (times, flown) = attend(py, None, |control| {
             let inner = self.inner();
             let flown = inner.fly(&model, bead.inner, &beads, knots, &mut control.on(threads))?;
-            Ok((inner.times(knots), inner.ways(knots, &points), flown))
+            Ok((inner.times(knots), flown))
         })?;
         let tracks =
             |places: Vec<[f64; 3]>| PyArray1::from_vec(py, places.into_flattened()).reshape([knots, points.len(), 3]);
-        Ok((PyArray1::from_vec(py, times), tracks(flown.places)?, tracks(ways)?, PyArray1::from_vec(py, flown.lost)))
+        Ok((
+            PyArray1::from_vec(py, times),
+            tracks(flown.places)?,
+            tracks(flown.points)?,
+            PyArray1::from_vec(py, flown.lost),
+        ))
     }
 }

@@ -215,9 +215,11 @@ impl Course {
     /// Returns the places (K, B, 3) of some points (B,) at the first `knots` knots.
     #[must_use]
     pub fn ways(&self, knots: usize, points: &[usize]) -> Vec<[f64; 3]> {
-        let lap = self.lap();
-        let knot = |k: usize| points.iter().map(move |&point| self.place(self.time((k % lap) as f64), point));
-        (0..knots).flat_map(knot).collect()
+        let lap = knots.min(self.lap());
+        let knot = |k: usize| points.iter().map(move |&point| self.place(self.time(k as f64), point));
+        let own: Vec<[f64; 3]> = (0..lap).flat_map(knot).collect();
+        // The points of later laps are those of the first.
+        own.iter().cycle().take(knots * points.len()).copied().collect()
     }
 
     /// Returns the velocity in m/s and the acceleration in m/s^2 of a point at the start of a closed sequence; 0 for an

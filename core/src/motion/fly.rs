@@ -60,6 +60,8 @@ pub struct BeadStart {
 pub struct Flown {
     /// Places (K, B, 3) in m at the knots; NaN after a bead was lost.
     pub places: Vec<[f64; 3]>,
+    /// Places (K, B, 3) in m of the points whose traps they are in.
+    pub points: Vec<[f64; 3]>,
     /// Time (B,) in s at which each bead was lost; NaN for a bead that was not lost.
     pub lost: Vec<f64>,
 }
@@ -88,15 +90,13 @@ impl Course {
         one_each("drives", model.array().len(), "transducers", self.drive(0).len(), "of the course")?;
         control.room("the tracks of beads", [model.array().len(), knots], bytes(48, &[knots, beads.len()]))?;
         let around = Around::new(model, bead.particle.factors(model.medium()));
-        let mut flown = Flown { places: vec![[f64::NAN; 3]; knots * beads.len()], lost: vec![f64::NAN; beads.len()] };
+        let mut flown = Flown {
+            places: vec![[f64::NAN; 3]; knots * beads.len()],
+            points: self.ways(knots, &points),
+            lost: vec![f64::NAN; beads.len()],
+        };
         for (first, some) in (0..).step_by(LANES).zip(beads.chunks(LANES)) {
-            let ways = self.ways(knots, &points[first..first + some.len()]);
-            let mut group = Group::new(self, &around, (model, bead), some, knots, control)?;
-            let (places, lost) = group.flown(&ways, control)?;
-            flown.lost[first..first + some.len()].copy_from_slice(&lost);
-            for (all, own) in flown.places.chunks_mut(beads.len()).zip(places.chunks(some.len())) {
-                all[first..first + some.len()].copy_from_slice(own);
-            }
+            Group::new(self, &around, (model, bead), some, knots, control)?.fly(&mut flown, first, control)?;
         }
         Ok(flown)
     }
@@ -173,33 +173,26 @@ impl<'a> Group<'a> {
         Ok(own)
     }
 
-    /// Returns the beads' places (K, B, 3) at the knots, and the time at which each bead was lost, else NaN; `ways` (K, B, 3)
-    /// are the points' places.
-    fn flown(&mut self, ways: &[[f64; 3]], control: &mut Control) -> Result<(Vec<[f64; 3]>, Vec<f64>), Error> {
-        let count = self.points.len();
-        let (mut flown, mut lost) = (vec![[f64::NAN; 3]; ways.len()], vec![f64::NAN; count]);
-        let most = LOST * self.model.medium().wavelength();
-        let last = ways.len() / count - 1;
+    /// Simulates the beads, of which the first is the bead `own` of the flight, and writes their places and losses.
+    fn fly(&mut self, flown: &mut Flown, own: usize, control: &mut Control) -> Result<(), Error> {
+        let (count, most) = (flown.lost.len(), LOST * self.model.medium().wavelength());
+        let last = flown.points.len() / count - 1;
         let mut first = 0;
         while first < last && self.cells.iter().any(Option::is_some) {
             let places = self.through(first, last - first, control)?;
-            for lane in 0..count {
+            for lane in 0..self.points.len() {
                 for (knot, all) in (first..).zip(&places) {
-                    let (place, at) = ([0, 1, 2].map(|axis| all[axis][lane]), knot * count + lane);
-                    if self.cells[lane].is_none() {
-                        flown[at] = [f64::NAN; 3];
-                    } else if distance(place, ways[at]) > most {
-                        lost[lane] = self.course.time(knot as f64);
+                    let (place, at) = (of(all, lane), knot * count + own + lane);
+                    if self.cells[lane].is_some() && distance(place, flown.points[at]) > most {
+                        flown.lost[own + lane] = self.course.time(knot as f64);
                         self.cells[lane] = None;
-                        flown[at] = [f64::NAN; 3];
-                    } else {
-                        flown[at] = place;
                     }
+                    flown.places[at] = if self.cells[lane].is_some() { place } else { [f64::NAN; 3] };
                 }
             }
             first += places.len() - 1;
         }
-        Ok((flown, lost))
+        Ok(())
     }
 
     /// Returns the stretch that contains a knot.
