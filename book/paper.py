@@ -15,7 +15,7 @@ from textwrap import fill
 
 from PIL import Image
 
-from midair._reproduce import FIGURES, fig2, tables, timing
+from midair._reproduce import FIGURES, fig2, fig5, tables, timing
 from midair._reproduce.tables import Outcome
 from midair._support import output
 
@@ -35,15 +35,19 @@ of the paper with the new numbers: {outcomes}.
   search sets one transducer after the other. For each it tries K amplitudes and L phases and keeps the best.
 - **Symbols.** N is the number of transducers, M the number of points, q the drive of a transducer (a complex
   number) and p a sound pressure. P0 is the pressure of a transducer at full drive times the distance, in
-  Pa m.
-- **Accuracy** is the sum of the pressures over the sum of the requested pressures, the targets. 100 % means
-  that the targets are met.
+  Pa m. Equations (eq.), algorithms (alg.) and figures have the paper's numbers.
+- **Accuracy** is the sum of the pressures over the sum of the requested pressures, the targets. At 100 % the
+  two sums are equal.
 - **Variation**, sigma, is the spread of the pressures between the points. 0 is best.
+- **Uniformity** is the smallest pressure over the largest, each relative to its target. 1 is best.
 - **The methods** are explained in [how to choose](how-to-choose.md#one-paragraph-each). They have the
   settings of the authors' public code, without balancing (which raises weak targets before the search).
   LM is Levenberg-Marquardt, EVD uses an eigenvector, and SDP+BCD is semidefinite relaxation solved by block
   coordinate descent. GS is Gerchberg-Saxton, and GS-PAT its variant on an M x M matrix. `uniform` and `best`
   are methods of midair.
+- **Raw moduli** in the label of SDP+BCD: the method multiplies each target by an entry of an eigenvector. It
+  keeps the moduli of these entries, and a point whose modulus is small is lost. midair's `sdp` can also set
+  all moduli to 1, which this page does not show.
 - **Variants of greedy.** The label "l1" means absolute instead of squared errors. This variant evaluates
   every candidate in full, and is also the row "plain brute force". The other rows of greedy evaluate in full
   only the candidates that an approximation leaves.
@@ -51,10 +55,11 @@ of the paper with the new numbers: {outcomes}.
   limits them: reduce amplitudes above 1 to 1 (clamp), divide all by the largest (normalize), or set all to
   1 (|q| = 1). Each legend names the rule, because in fig. 3 the rule matters more than the method.
 - **Random points** are the same for every method. A ± value is half of an interval that contains the mean
-  with 95 % probability.
-- **Statements.** Each section compares statements of the paper with the new numbers. "(ours)" marks a
-  statement of this page, and "points" are percentage points of accuracy. Code names such as lm are the
-  methods' names in midair.
+  with 95 % probability. After a slope, ± is the standard error of the fitted slope.
+- **Statements.** Each section compares statements of the paper with the new numbers. They compare only the
+  paper's five methods: greedy with K = 1 and L = 16, LM, EVD, SDP+BCD and GS-PAT. Other rows count only where
+  a statement or its numbers name them. "(ours)" marks a statement of this page, and "points" are percentage
+  points of accuracy. Code names such as lm are the methods' names in midair.
 
 `make paper` writes this page from the tables in [docs/paper](paper). `midair reproduce all --trials
 {trials}` makes these tables and the pictures.
@@ -90,23 +95,26 @@ WORDS = {
         " fixed order. The methods run alternately on the same scenes, and all are implemented in midair."
         " The first table has the median CPU time of a whole solve in ms, with the times of all threads"
         " added. The second table has the slope of log time over log M, for all M and for M of 64 and more."
-        " A slope of 1 means that the time is linear in M:",
+        " A slope of 1 means that the time is linear in M. In the third table, a time counts as linear if the"
+        f" slope from M = {fig5.LARGE} on differs from 1 by at most {fig5.LINEAR}. At smaller M, the work for"
+        " each transducer that does not depend on M takes most of the time:",
     ),
     "fig6": (
         "Fig. 6: time over the number of transducers",
         "M = 64 random points lie in a square that grows with the array. The first table has the median"
         " CPU time in ms, the second the slope of log time over log N. A slope of 1 means that the time is"
-        " linear in N:",
+        " linear in N. In the third table, a time counts as linear if its slope differs from 1 by at most"
+        f" {fig5.LINEAR}:",
     ),
     "fig7": (
         "Fig. 7: weak and strong targets, the order of the transducers",
         "36 x 36 transducers play one point at (0, 0, 150 mm) by greedy with K = 1, L = 16. Width is"
         " the distance between the outermost places where |p| is above half its maximum, within 60 mm."
         " An artefact is the highest |p| farther than 13.4 mm from the point, relative to the point."
-        " Power is the mean of |q|². The table has medians over the orders in which greedy treats the"
-        " transducers. A focus is ideal if its width is that of diffraction, 1.2 wavelengths over twice the"
-        " numerical aperture, within 5 %. The third row of panels (e and f) is not in the paper: it shows the"
-        " cure that section V of the paper asks for.",
+        " Power is the mean of |q|². Targets are in the authors' unit, as in fig. 2. The table has medians over"
+        " the orders in which greedy treats the transducers. A focus is ideal if its width is that of"
+        " diffraction, 1.2 wavelengths over twice the numerical aperture, within 5 %. The third row of panels (e"
+        " and f) is not in the paper: it shows the cure that section V of the paper asks for.",
     ),
 }
 
@@ -125,9 +133,9 @@ DIFFERENCES = (
         'squared errors; absolute errors in the rows "l1"',
     ),
     ("sigma, eq. (13)", "1/N", "1/M", "1/M"),
-    ("first line of algs. 1 and 2", "the pressures p start at 0", "not stated here", "the drives start at 0"),
+    ("first line of algs. 1 and 2", "the pressures p start at 0", "not compared", "the drives start at 0"),
     (
-        "amplitudes (k+1)/K",
+        "amplitudes (k+1)/K, k from 0 to K-1",
         'no "off"',
         'no "off"',
         'as in the paper: without an "off", weak targets make the background of fig. 7 (a)',

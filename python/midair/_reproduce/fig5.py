@@ -43,7 +43,7 @@ def judge(rows: tables.Rows) -> list[Verdict]:
         Verdict(
             "greedy and GS-PAT are more than ten times as fast as the others",
             outcome(*(bool((ratio[key] > 10).all()) for key in slow)),
-            "times the slower of the two: "
+            "time over that of the slower of greedy and GS-PAT: "
             + ", ".join(f"{key} {ratio[key].min():.1f} to {ratio[key].max():.1f}" for key in slow),
         ),
         Verdict(
