@@ -111,10 +111,10 @@ WORDS = {
         "36 x 36 transducers play one point at (0, 0, 150 mm) by greedy with K = 1, L = 16. Width is"
         " the distance between the outermost places where |p| is above half its maximum, within 60 mm."
         " An artefact is the highest |p| farther than 13.4 mm from the point, relative to the point."
-        " Power is the mean of |q|². Targets are in the authors' unit, as in fig. 2. The table has medians over"
-        " the orders in which greedy treats the transducers. A focus is ideal if its width is that of"
-        " diffraction, 1.2 wavelengths over twice the numerical aperture, within 5 %. The third row of panels (e"
-        " and f) is not in the paper: it shows the cure that section V of the paper asks for.",
+        " Power is the mean of |q|². Targets are in the authors' unit, as in fig. 2. The table has medians"
+        " over the orders in which greedy treats the transducers. A focus is ideal if its width is that of"
+        " diffraction, 1.2 wavelengths over twice the numerical aperture, within 5 %. The third row of panels"
+        " (e and f) is not in the paper: it shows the cure that section V of the paper asks for.",
     ),
 }
 
