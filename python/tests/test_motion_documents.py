@@ -205,3 +205,18 @@ def test_a_focus_that_stays_is_a_path_of_a_file(tmp_path: Path) -> None:
     assert (len(solved), solved.closed) == (20, True)
     assert np.all(solved.points == [0, 0, 0.15])
     assert solved.targets.max() > 1.5 * solved.targets.min()
+
+
+@pytest.mark.parametrize(
+    ("modulation", "fault"),
+    [
+        ("frequency = 201", "line 17, column 20: motion.path[0].am.frequency is 201.0: the closed path"),
+        ('shape = "sqrt"', "line 17, column 6: motion.path[0].am.frequency is left out: am needs frequency"),
+        ('frequency = 200, shape = "sin"', 'line 17, column 33: motion.path[0].am.shape is "sin": give one'),
+    ],
+)
+def test_a_fault_of_a_modulation_is_reported_in_its_line(tmp_path: Path, modulation: str, fault: str) -> None:
+    text = SCENE.replace("pressure = 100", f"am = {{ {modulation} }}")
+    with pytest.raises(midair.SceneError) as refusal:
+        read(tmp_path, text)
+    assert str(refusal.value).startswith(f"{tmp_path / 'scene.toml'}, {fault}")

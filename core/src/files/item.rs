@@ -39,7 +39,9 @@ impl<'a> Item<'a> {
     /// of this table.
     pub(super) fn reported(&self, refusal: &str) -> Fault {
         let parts = refusal.split_once(" is ").and_then(|(key, rest)| Some((key, rest.split_once(": ")?)));
-        match parts.filter(|(key, _)| schema::keys(&self.path).any(|known| known == *key)) {
+        // A key such as `am.frequency` is one of an inner table.
+        let known = |key: &str| schema::keys(&self.path).any(|known| key.split('.').next() == Some(known));
+        match parts.filter(|(key, _)| known(key)) {
             Some((key, (value, cure))) => {
                 let path = format!("{}.{key}", self.path);
                 Fault::at(path.as_str(), Error::invalid(path.as_str(), value, cure))

@@ -237,6 +237,7 @@ impl Scene {
         doubts.extend(distant(&self.array, self.obstacles.given()));
         doubts.extend(contrary(self.medium, &self.points, &self.request));
         doubts.extend(self.plane.and_then(|plane| plane.doubt()));
+        doubts.extend(self.bead.doubt(self.medium));
         doubts
     }
 

@@ -11,6 +11,7 @@ use core::ops::RangeInclusive;
 
 use crate::math::sqrt;
 use crate::scene::array::Array;
+use crate::scene::bead::{Bead, Particle};
 use crate::scene::geometry::{distance, dot};
 use crate::scene::medium::Medium;
 use crate::scene::neighbours::Neighbours;
@@ -86,6 +87,21 @@ fn in_unit(value: f64, unit: &str, others: &[(&str, f64)], range: &RangeInclusiv
 /// The cure of [`in_unit`] for a length in m.
 fn metres(value: f64, range: &RangeInclusive<f64>) -> String {
     in_unit(value, "m", &[("mm", 1e-3), ("cm", 1e-2)], range)
+}
+
+impl Bead {
+    /// Returns a probable mistake in a bead: a radius larger than the wavelength. The default bead, which most scenes do not
+    /// use, is not judged.
+    #[must_use]
+    pub(crate) fn doubt(&self, medium: Medium) -> Option<Doubt> {
+        let (radius, wavelength) = (self.particle.radius, medium.wavelength());
+        let given = self.particle != Particle::default() && is_sure(medium);
+        (given && radius > wavelength).then(|| {
+            let cure = metres(radius, &(1e-5..=wavelength));
+            let cure = format!("larger than the wavelength of {} m: {cure}", short(wavelength));
+            doubt("bead.radius", format!("{} m", short(radius)), cure)
+        })
+    }
 }
 
 impl Plane {

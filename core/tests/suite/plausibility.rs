@@ -1,7 +1,7 @@
 //! Tests of warnings about probable mistakes: each mistake gives one warning with its unit, usual arrays give none.
 
 use midair::presets::PRESETS;
-use midair::{Array, Medium, Obstacle, Plane, Request, Scene, Surface, Transducer};
+use midair::{Array, Bead, Medium, Obstacle, Particle, Plane, Request, Scene, Surface, Transducer};
 
 use crate::scenes::{preset, random_points, smiley};
 
@@ -153,6 +153,23 @@ fn two_pressures_in_one_place_are_reported_and_what_a_wave_can_do_is_not() {
     let request = Request { pressures: Some(vec![500.0, 0.0]), weights: Some(vec![1.0, 0.0]), ..Request::default() };
     let scene = Scene::new(preset("autd3"), air, vec![[0.0, 0.0, 0.15]; 2], request).expect("a scene");
     assert_eq!(scene.doubts(), []);
+}
+
+#[test]
+fn beads_in_millimetres_are_reported() {
+    let doubts = |radius: f64, frequency: f64| {
+        let medium = Medium { frequency, ..Medium::default() };
+        let scene = Scene::new(preset("autd3"), medium, points(), Request::default()).expect("a scene");
+        let bead = Bead { particle: Particle { radius, ..Particle::default() }, ..Bead::default() };
+        scene.with_bead(bead).expect("a bead").doubts().iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    assert_eq!(
+        doubts(1.0, 40e3),
+        ["bead.radius is 1 m: larger than the wavelength of 0.0085 m: give m (1 mm are 0.001 m)"]
+    );
+    assert!(doubts(5e-3, 40e3).is_empty());
+    // The default bead is not judged, even where it is larger than the wavelength.
+    assert!(!doubts(1e-3, 500e3).iter().any(|text| text.starts_with("bead")));
 }
 
 #[test]

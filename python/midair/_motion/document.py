@@ -159,4 +159,13 @@ def path_of(table: dict[str, Any], folder: Path) -> Moving:
     if modulation is not None and not isinstance(modulation, dict):
         raise refused("am", modulation, 'give am = { frequency = 200, shape = "sqrt" }')
     path: Moving = called(KINDS[kind], kind, table, folder)
-    return path if modulation is None else called(path.with_am, "am", modulation, folder)
+    if modulation is None:
+        return path
+    try:
+        modulated: Moving = called(path.with_am, "am", modulation, folder)
+    except SceneError as error:
+        # The path may have a key of the same name.
+        key, _, rest = str(error).partition(" ")
+        named = key in modulation or rest.startswith("is left out")
+        raise SceneError(f"am.{error}" if named else str(error)) from None
+    return modulated
