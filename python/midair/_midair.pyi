@@ -93,6 +93,7 @@ __all__ = [
     "solve_batch",
     "solver_name",
     "solvers",
+    "stiffen",
     "strength",
     "sweep_keys",
     "threshold",
@@ -592,6 +593,18 @@ def excess(
 def live_lines(lines: NDArray[np.complex64]) -> NDArray[np.bool_]: ...
 def strength(slow: NDArray[np.float64], fast: NDArray[np.float64]) -> NDArray[np.float64]: ...
 def felt_width(values: NDArray[np.float64], places: NDArray[np.float64], middle: int) -> float: ...
+def stiffen(
+    scene: Scene,
+    points: ArrayLike,
+    codes: NDArray[np.uint16],
+    *,
+    change: float,
+    phases: int,
+    closed: bool,
+    rate: float,
+    margin: int,
+    progress: Callable[[int, int, float], object] | None = None,
+) -> NDArray[np.uint16]: ...
 def register(toolbox: object) -> None: ...
 def solvers() -> dict[str, SolverInfo]: ...
 def presets() -> dict[str, PresetInfo]: ...

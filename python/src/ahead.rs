@@ -1,7 +1,7 @@
 //! Phase tracks over a whole sequence or a window of frames, for `midair.sequence`; saving and restoring `glide`'s state.
 
 use midair::Complex32;
-use midair::motion::{Ahead, Ends, ahead};
+use midair::motion::{Ahead, Ends, ahead, stiffen as stiffen_tracks};
 use midair::solvers::{Last, Remark};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -59,6 +59,35 @@ pub(crate) fn tracks<'py>(
     let threads = limits::threads(py)?;
     let codes = attend(py, progress, |control| {
         ahead(&model, &points, &targets, frames, &how, start, &mut control.on(threads))
+    })?;
+    give::table(py, codes, [frames, model.array().len()])
+}
+
+/// Codes (T, N) of `tracks` for traps, uint16: as stiff as possible within the bound, each giving the force that its bead needs at
+/// `rate` frames a second, by the points `margin` frames before and after. progress is called with (step, steps, 0).
+#[pyfunction]
+#[pyo3(signature = (scene, points, codes, *, change, phases, closed, rate, margin, progress=None))]
+#[allow(clippy::too_many_arguments, reason = "Python's keywords")]
+pub(crate) fn stiffen<'py>(
+    py: Python<'py>,
+    scene: &Bound<'py, Scene>,
+    points: Argument<'_, 'py>,
+    codes: PyReadonlyArray2<'py, u16>,
+    change: f64,
+    phases: u32,
+    closed: bool,
+    rate: f64,
+    margin: usize,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyArray2<u16>>> {
+    let model = scene.get().model();
+    let (points, [frames, _]) = read::batch_of_points("points", points)?;
+    let ends = if closed { Ends::Closed } else { Ends::Open };
+    let how = Ahead { change, phases, ends, rounds: 1 };
+    let mut codes = codes.as_slice()?.to_vec();
+    let threads = limits::threads(py)?;
+    let codes = attend(py, progress, |control| {
+        stiffen_tracks(&model, &points, &how, (rate, margin), &mut codes, &mut control.on(threads)).map(|()| codes)
     })?;
     give::table(py, codes, [frames, model.array().len()])
 }

@@ -63,7 +63,7 @@ mod _midair {
     use pyo3::prelude::*;
 
     #[pymodule_export]
-    use super::ahead::tracks;
+    use super::ahead::{stiffen, tracks};
     #[pymodule_export]
     use super::array::{Array, PresetInfo, directivities, presets};
     #[pymodule_export]

@@ -31,6 +31,59 @@ def test_traps_in_motion_stay_stiff_and_carry_their_beads(count: int, quantizati
         assert bounded > (0.7 if count == 2 else 0.6) * alone
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [1, 2])
+def test_laps_of_traps_known_in_advance_close_and_carry_their_beads(count: int) -> None:
+    positions, normals = traps.openmpd()
+    array = midair.Array(positions, normals, source_pressure=2.3)
+    # Of 707 whole frames a lap, .8 m/s.
+    ring = midair.path.circle([0, 0, 0], 0.009, frequency=10e3 / 707, points=count, normal=(0, 1, 0))
+    steps: list[tuple[int, int]] = []
+    moved = midair.sequence(
+        array, ring, rate=10e3, signature="trap", ahead="all", progress=lambda *step: steps.append(step)
+    )
+    assert moved.closed
+    assert steps[-1][0] == steps[-1][1]
+    turns = np.angle(moved.drives[:] * np.roll(moved.drives[:], 1, axis=0).conj())
+    assert abs(turns).max() <= np.pi / 16 * (1 + 1e-5)
+    points, drives = np.tile(moved.points, (3, 1, 1)), np.tile(moved.drives[:], (3, 1))
+    begin = midair.rest(moved.scene(0), moved.drives[0]).place
+    speed = (moved.points[1] - moved.points[-1]) * 10e3 / 2
+    air = beads.Air(positions, 2.3)
+    assert air.stray(drives[:-1], points, begin, 10e3, speed).max() < 0.5e-3
+    for t in range(0, 707, 101):
+        scene = midair.Scene(array, moved.points[t], signature="trap")
+        alone, bounded = (
+            np.linalg.eigvalsh(midair.gorkov(scene, drive).hessian).min()
+            for drive in (midair.solve(scene), moved.drives[t])
+        )
+        assert bounded > (0.98 if count == 1 else 0.7) * alone
+
+
+def test_an_open_sequence_of_traps_known_in_advance_is_stiffer_than_foci_and_can_be_stopped() -> None:
+    array = midair.Array(*traps.tinylev(), quantization={"phases": 64})
+    points = beads.circle(2, 0.2, 2e3)[:40, :, [0, 1, 2]] * 0.2
+    keywords: dict[str, Any] = {"rate": 2e3, "change": np.pi / 8, "signature": "trap", "ahead": "all"}
+    stiff = midair.sequence(array, points, closed=False, **keywords)
+    foci = midair.sequence(array, points, closed=False, pressures=1000.0, aim="max", **keywords)
+    for moved in (stiff, foci):
+        assert moved.metrics.largest_change <= np.pi / 8 * (1 + 1e-5)
+    for t in (0, 13, 26, 39):
+        softest = [
+            np.linalg.eigvalsh(midair.gorkov(moved.scene(t), moved.drives[t]).hessian).min()
+            for moved in (stiff, foci)
+        ]
+        assert softest[0] > softest[1]
+
+    def progress(step: int, steps: int) -> None:
+        # The sweeps of traps, after the rounds of tracks.
+        if steps > 20 and step == 3:
+            raise RuntimeError("no more")
+
+    with pytest.raises(RuntimeError, match="no more"):
+        midair.sequence(array, points, closed=False, progress=progress, **keywords)
+
+
 def test_traps_that_stand_still_keep_their_codes() -> None:
     array = midair.Array(*traps.tinylev(), quantization={"phases": 32})
     points = np.broadcast_to([[0.0, 0, 0.002], [0.005, 0, -0.01]], (12, 2, 3))

@@ -119,7 +119,7 @@ pub fn ahead(
 }
 
 impl Ahead {
-    fn circle(&self) -> Result<Circle, Error> {
+    pub(super) fn circle(&self) -> Result<Circle, Error> {
         let change = real("change", self.change, 0.0, false)?;
         if !(2..=1 << 16).contains(&self.phases) {
             return Err(Error::invalid("phases", self.phases, "give 2 to 65536"));
@@ -147,7 +147,7 @@ fn check_start(start: &[u16], count: usize, transducers: usize, phases: u32) -> 
 }
 
 /// Writes the transpose of `from`, which has `rows` rows.
-fn transpose(from: &[u16], rows: usize, to: &mut [u16]) {
+pub(super) fn transpose(from: &[u16], rows: usize, to: &mut [u16]) {
     let columns = from.len() / rows;
     for (k, out) in to.iter_mut().enumerate() {
         *out = from[k % rows * columns + k / rows];

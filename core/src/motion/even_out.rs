@@ -68,7 +68,7 @@ pub(super) fn even_out(
 }
 
 /// Returns the frames before and after a frame; `None` where there is no such frame.
-fn neighbours(frame: usize, count: usize, closed: bool) -> [Option<usize>; 2] {
+pub(super) fn neighbours(frame: usize, count: usize, closed: bool) -> [Option<usize>; 2] {
     let round = |other: usize| closed.then_some(other);
     let before = frame.checked_sub(1).or(round(count - 1));
     [before, if frame + 1 < count { Some(frame + 1) } else { round(0) }]

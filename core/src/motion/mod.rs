@@ -12,6 +12,7 @@ pub(crate) mod fly;
 pub(crate) mod frames;
 pub(crate) mod sheet;
 pub(crate) mod skin;
+pub(crate) mod stiff;
 pub(crate) mod track;
 
 pub use ahead::{Ahead, ahead};
@@ -21,4 +22,5 @@ pub use felt::{Channel, HIGHEST, REACH, felt_width, strength};
 pub use fly::{BeadStart, Flown};
 pub use sheet::Sheet;
 pub use skin::{Pushes, Skin, live_lines};
+pub use stiff::stiffen;
 pub use track::Ends;

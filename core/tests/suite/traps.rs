@@ -2,6 +2,7 @@
 
 use core::ops::ControlFlow;
 
+use midair::motion::{Ahead, Ends, ahead, stiffen};
 use midair::solvers::Uniform;
 use midair::{
     Array, Complex32, Complex64, Control, Directivity, Error, InstructionSet, Medium, Model, Particle, Problem,
@@ -175,4 +176,42 @@ fn traps_of_pressure_0_are_stiff_beside_foci_of_their_pressures() {
     // The metrics are those of the foci alone.
     let metrics = solution.metrics();
     assert!((metrics.accuracy - 1.0).abs() < 5e-3 && metrics.leak == 0.0);
+}
+
+#[test]
+fn traps_of_a_lap_become_stiffer_within_the_bound() {
+    const FRAMES: usize = 25;
+    let (levels, reach) = (64, 4);
+    let lap: Vec<[f64; 3]> = (0..2 * FRAMES)
+        .map(|k| {
+            let angle = std::f64::consts::TAU * (k / 2) as f64 / FRAMES as f64 + if k % 2 == 0 { 0.0 } else { 3.1 };
+            [0.004 * angle.cos(), 0.001 * (k % 2) as f64, 0.004 * angle.sin()]
+        })
+        .collect();
+    let whole = scene(2, &lap[..2], Signature::Trap);
+    let model = Model::of(&whole, InstructionSet::best());
+    let change = std::f64::consts::TAU * f64::from(reach) / f64::from(levels);
+    let how = Ahead { change, phases: levels, ends: Ends::Closed, rounds: 5 };
+    let codes = ahead(&model, &lap, &[1.0; 2 * FRAMES], FRAMES, &how, None, &mut Control::none()).expect("tracks");
+    let mut stiff = codes.clone();
+    stiffen(&model, &lap, &how, (100.0, 1), &mut stiff, &mut Control::none()).expect("stiff tracks");
+    let turned = |t: usize, i: usize| {
+        let steps = i32::from(stiff[(t + 1) % FRAMES * 128 + i]) - i32::from(stiff[t * 128 + i]);
+        steps.rem_euclid(64).min((-steps).rem_euclid(64))
+    };
+    assert!((0..FRAMES).all(|t| (0..128).all(|i| turned(t, i) <= reach)));
+    let softest = |codes: &[u16], t: usize| {
+        let phase = |&code: &u16| std::f32::consts::TAU * f32::from(code) / 64.0;
+        let drive: Vec<_> = codes[t * 128..(t + 1) * 128].iter().map(|code| Complex32::cis(phase(code))).collect();
+        let felt = gorkov(&model, &drive, &lap[2 * t..2 * t + 2], Particle::default(), &mut Control::none());
+        let stiffness = felt.expect("a force").hessian.into_iter().flat_map(|h| [h[0][0], h[1][1], h[2][2]]);
+        stiffness.fold(f64::INFINITY, f64::min)
+    };
+    let mean = |codes: &[u16]| (0..FRAMES).map(|t| softest(codes, t)).sum::<f64>() / FRAMES as f64;
+    assert!(mean(&stiff) > 1.05 * mean(&codes), "{} {}", mean(&stiff), mean(&codes));
+    let mut stop = Stop;
+    let stopped = stiffen(&model, &lap, &how, (100.0, 1), &mut stiff, &mut Control::watched(&mut stop));
+    assert_eq!(stopped.err(), Some(Error::Stopped));
+    let short = stiffen(&model, &lap, &how, (100.0, 1), &mut stiff[1..], &mut Control::none());
+    assert!(short.expect_err("a refusal").to_string().starts_with("codes is 3199 of them"));
 }

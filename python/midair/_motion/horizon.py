@@ -20,7 +20,7 @@ from typing import Any, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Array, Scene, SceneError, Solver, tracks
+from .._midair import Array, Scene, SceneError, Solver, stiffen, tracks
 from .._support.arguments import real, refused
 from ..path._piece import changing_pressures
 from .drives import Drives, coded, lowered, narrow, sounding
@@ -44,6 +44,11 @@ ROUNDS_CLOSED = 20
 
 #: Iterations if the initial guess is known from the last window.
 ROUNDS_MORE = 5
+
+
+def looks(rate: float) -> int:
+    """Return the number of frames on each side from which the acceleration of points is known."""
+    return max(round(LOOK * rate), 1)
 
 
 @dataclass(frozen=True)
@@ -114,6 +119,28 @@ class Tracks:
             if found is None:
                 raise
             raise SceneError(f"{found[1]}[{int(found[2]) + first}{found[3]}") from None
+
+    def stiffened(
+        self,
+        points: NDArray[np.float64],
+        codes: NDArray[np.uint16],
+        rate: float,
+        *,
+        closed: bool,
+        progress: Callable[[int, int], object] | None = None,
+    ) -> NDArray[np.uint16]:
+        """Codes (T, N) of traps as stiff as possible, which carry their beads at `rate` frames a second."""
+        return stiffen(
+            self.scene,
+            points,
+            codes,
+            change=self.change,
+            phases=self.board["phases"],
+            closed=closed,
+            rate=rate,
+            margin=looks(rate),
+            progress=None if progress is None else lambda step, steps, _: progress(step, steps),
+        )
 
     def played(
         self, points: NDArray[np.float64], targets: NDArray[np.float64], codes: NDArray[np.uint16]
@@ -323,7 +350,7 @@ class Followed:
         targets = None if self._stiff else requested.targets[frames]
         # Traps need the points before and after, for the acceleration. Outside an open sequence the points
         # stand still.
-        margin = max(round(LOOK * requested.rate), 1) if self._stiff else 0
+        margin = looks(requested.rate) if self._stiff else 0
         first, last, _ = frames.indices(len(requested.points))
         around = np.arange(first - margin, last + margin)
         mode: Literal["wrap", "clip"] = "wrap" if requested.closed else "clip"

@@ -68,6 +68,7 @@ def sequence(
         is within the bound, too, and closed=True requires this; else `metrics.seam` reports it.
     ahead : int or "all", optional
         0: only earlier frames are known; n: also the next n frames; "all": all frames are solved together.
+        Traps are as stiff as possible with 0 and "all"; with n their foci are equal.
     pressures : float, (M,) or (T, M) array_like, optional
         Targets in Pa, 0 where a point is absent. By default the path's own, else the balanced level of
         the first frame, times modulation and fades.
@@ -128,6 +129,10 @@ def sequence(
             )
         tracks = _tracks(requested, solver, tau)
         codes = tracks.find(requested.points, requested.targets, closed=requested.closed, progress=progress)
+        if requested.stiff and requested.scene.signature == "trap" and len(codes) > 1:
+            codes = tracks.stiffened(
+                requested.points, codes, requested.rate, closed=requested.closed, progress=progress
+            )
         played = tracks.played(requested.points, requested.targets, codes)
         return _made(store.sequence_of(requested, played, solver, tracks.board))
     found: Found = (

@@ -82,12 +82,15 @@ fn a_turn_ends_within_the_arc() {
         let scene = Scene::new(count, TRANSDUCERS, set);
         let from = phasors(rng);
         let turns: Vec<f32> = (0..TRANSDUCERS).map(|_| (2.0 * rng.uniform() - 1.0) as f32).collect();
+        // Each drive has an arc of its own.
+        let own = |i: usize| change * (1.0 + (i % 3) as f64) / 3.0;
         let [drive, _] = scene.play(|wave| {
-            tiles::unit::turn_within(set, scene.tiles(), [&from[0], &from[1]], &turns, arc(change), wave);
+            let (cos, sin): (Vec<f32>, Vec<f32>) = (0..TRANSDUCERS).map(|i| arc(own(i)).into()).unzip();
+            tiles::unit::turn_within(set, scene.tiles(), [&from[0], &from[1]], &turns, [&cos, &sin], wave);
         });
         let turned = |i: usize| {
             let q = Complex64::new(wide(from[0][i]), wide(from[1][i]));
-            clipped(q * Complex64::from_polar(1.0, libm::atan(wide(turns[i]))), change)
+            clipped(q * Complex64::from_polar(1.0, libm::atan(wide(turns[i]))), own(i))
         };
         near(&drive, turned, &format!("{set} {count} {change}"));
     });

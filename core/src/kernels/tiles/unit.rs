@@ -19,11 +19,13 @@ fn unit<S: Simd>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
 /// cos and sin of the largest angle of a drive from 1.
 pub(crate) type Arc = [f32; 2];
 
+/// The same for each drive.
+pub(crate) type Arcs<'a> = [&'a [f32]; 2];
+
 /// Moves a phasor outside of an arc around 1 to the nearer end of the arc. It moves 0 too, which has no effect because
 /// G is 0 there.
 #[inline(always)]
-fn within<S: Simd>(s: S, [re, im]: [S::V; 2], arc: Arc) -> [S::V; 2] {
-    let [cos, sin] = arc.map(|part| s.splat(part));
+fn within<S: Simd>(s: S, [re, im]: [S::V; 2], [cos, sin]: [S::V; 2]) -> [S::V; 2] {
     let end = s.select_less(im, s.splat(0.0), s.sub(s.splat(0.0), sin), sin);
     [s.max(re, cos), s.select_less(re, cos, end, im)]
 }
@@ -114,7 +116,7 @@ fn swept<S: Simd, const WITHIN: bool>(
     for t in (0..qr.len()).step_by(2) {
         let q = correlated(s, tiles, t, [pr, pi]).map(
             #[inline(always)]
-            |b| if WITHIN { within(s, unit(s, b), arc) } else { unit(s, b) },
+            |b| if WITHIN { within(s, unit(s, b), arc.map(|part| s.splat(part))) } else { unit(s, b) },
         );
         for (tile, [real, imag]) in q.into_iter().enumerate() {
             s.store(real, &mut qr[t + tile]);
@@ -148,19 +150,20 @@ pub(crate) fn turn(
     factor: f32,
     wave: Wave<'_>,
 ) {
-    dispatch!(set, s => turned::<_, false>(s, tiles, from, (turns, factor, [-1.0, 0.0]), wave));
+    // The arcs are not read.
+    dispatch!(set, s => turned::<_, false>(s, tiles, from, (turns, factor, [turns; 2]), wave));
 }
 
-/// Does the same as [`turn`] with factor 1, and each q limited to an arc around 1.
+/// Does the same as [`turn`] with factor 1, and each q limited to an arc around 1 of its own.
 pub(crate) fn turn_within(
     set: InstructionSet,
     tiles: Tiles<'_>,
     from: [&[f32]; 2],
     turns: &[f32],
-    arc: Arc,
+    arcs: Arcs<'_>,
     wave: Wave<'_>,
 ) {
-    dispatch!(set, s => turned::<_, true>(s, tiles, from, (turns, 1.0, arc), wave));
+    dispatch!(set, s => turned::<_, true>(s, tiles, from, (turns, 1.0, arcs), wave));
 }
 
 #[inline(always)]
@@ -168,16 +171,17 @@ fn turned<S: Simd, const WITHIN: bool>(
     s: S,
     tiles: Tiles<'_>,
     from: [&[f32]; 2],
-    (turns, factor, arc): (&[f32], f32, Arc),
+    (turns, factor, arcs): (&[f32], f32, Arcs<'_>),
     wave: Wave<'_>,
 ) {
-    let ([re, im], turns) = (from.map(groups), groups(turns));
+    let ([re, im], [cos, sin], turns) = (from.map(groups), arcs.map(groups), groups(turns));
     let [qr, qi] = wave.drive.map(groups_mut);
-    for (((re, im), turn), (qr, qi)) in re.iter().zip(im).zip(turns).zip(qr.iter_mut().zip(&mut *qi)) {
+    let limited = turns.iter().zip(cos.iter().zip(sin));
+    for (((re, im), (turn, (cos, sin))), (qr, qi)) in re.iter().zip(im).zip(limited).zip(qr.iter_mut().zip(&mut *qi)) {
         let (re, im) = (s.load(re), s.load(im));
         let turn = s.mul(s.splat(factor), s.load(turn));
         let q = unit(s, [s.fnma(turn, im, re), s.fma(turn, re, im)]);
-        let [real, imag] = if WITHIN { within(s, q, arc) } else { q };
+        let [real, imag] = if WITHIN { within(s, q, [s.load(cos), s.load(sin)]) } else { q };
         s.store(real, qr);
         s.store(imag, qi);
     }

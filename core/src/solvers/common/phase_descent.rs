@@ -15,7 +15,6 @@
 //! direction.
 
 use crate::kernels::tiles;
-use crate::kernels::tiles::unit::Arc;
 use crate::math::{sqrtf, unit};
 use crate::solvers::common::quasi_newton::{QuasiNewton, dot};
 use crate::solvers::common::tiled::{Rows, Wave};
@@ -59,8 +58,8 @@ pub(crate) struct PhaseDescent<'w> {
     trial: Wave<'w>,
     /// With free amplitudes, the pairs of the wave, and of the trial.
     pairs: Option<[Pairs<'w>; 2]>,
-    /// The arc around 1 in which drives must stay.
-    arc: Option<Arc>,
+    /// Cosine and sine of the arc around 1 in which each drive must stay.
+    arcs: Option<[Buffer<'w, f32>; 2]>,
     gradient: Buffer<'w, f32>,
     newton: QuasiNewton<'w>,
     pulls: [Buffer<'w, f32>; 2],
@@ -74,8 +73,14 @@ impl<'w> PhaseDescent<'w> {
     }
 
     /// Begins a descent by phases within an arc around 1, |q| = 1.
-    pub(crate) fn within(arc: Arc, wave: Wave<'w>, cost: &impl Cost, rows: &Rows, work: &'w Workspace) -> Self {
-        Self::by(None, Some(arc), wave, cost, rows, work)
+    pub(crate) fn within(
+        arcs: [Buffer<'w, f32>; 2],
+        wave: Wave<'w>,
+        cost: &impl Cost,
+        rows: &Rows,
+        work: &'w Workspace,
+    ) -> Self {
+        Self::by(None, Some(arcs), wave, cost, rows, work)
     }
 
     /// Begins a descent by phases and amplitudes, |q| <= 1.
@@ -89,7 +94,7 @@ impl<'w> PhaseDescent<'w> {
 
     fn by(
         pairs: Option<[Pairs<'w>; 2]>,
-        arc: Option<Arc>,
+        arcs: Option<[Buffer<'w, f32>; 2]>,
         wave: Wave<'w>,
         cost: &impl Cost,
         rows: &Rows,
@@ -100,7 +105,7 @@ impl<'w> PhaseDescent<'w> {
             trial: Wave::new(rows, work),
             wave,
             pairs,
-            arc,
+            arcs,
             cost: 0.0,
             gradient: work.floats.take(phases),
             newton: QuasiNewton::new(work),
@@ -134,10 +139,10 @@ impl<'w> PhaseDescent<'w> {
 
     /// Sets the entries to 0 that would turn drives out of their arc, along `sign` times the direction.
     fn hold(&self, direction: &mut [f32], sign: f32) {
-        let Some([cos, _]) = self.arc.filter(|[cos, _]| *cos > -1.0) else { return };
+        let Some([cos, _]) = &self.arcs else { return };
         let [re, im] = &self.wave.drive;
-        for ((re, im), x) in re.iter().zip(&im[..]).zip(direction) {
-            if *re <= cos + AT_END && sign * *x * im > 0.0 {
+        for (((re, im), cos), x) in re.iter().zip(&im[..]).zip(&cos[..]).zip(direction) {
+            if *cos > -1.0 && *re <= cos + AT_END && sign * *x * im > 0.0 {
                 *x = 0.0;
             }
         }
@@ -145,10 +150,10 @@ impl<'w> PhaseDescent<'w> {
 
     /// Writes the wave after a part of a step to the trial.
     fn turn(&mut self, rows: &Rows, direction: &[f32], part: f32) {
-        if let Some(arc) = self.arc {
+        if let Some([cos, sin]) = &self.arcs {
             let mut turns = self.newton.work.floats.take_any(direction.len());
             turns.iter_mut().zip(direction).for_each(|(turn, x)| *turn = part * x);
-            return self.trial.rotate_within(rows, &self.wave, &turns, arc);
+            return self.trial.rotate_within(rows, &self.wave, &turns, [cos, sin]);
         }
         let Some([own, trial]) = &mut self.pairs else {
             return self.trial.rotate(rows, &self.wave, direction, part);
@@ -200,7 +205,7 @@ impl<'w> PhaseDescent<'w> {
                         for (change, gradient) in change.iter_mut().zip(&self.gradient) {
                             *change = gradient - *change;
                         }
-                        match self.arc {
+                        match self.arcs {
                             None => direction.iter_mut().for_each(|x| *x = libm::atanf(part * *x)),
                             Some(_) => self.turned(&mut direction),
                         }

@@ -11,7 +11,7 @@ use crate::kernels::lanes::BLOCK;
 use crate::kernels::propagate::rows;
 use crate::kernels::tiles;
 use crate::kernels::tiles::Tiles;
-use crate::kernels::tiles::unit::Arc;
+use crate::kernels::tiles::unit::{Arc, Arcs};
 use crate::linalg::Planar;
 use crate::math::sqrtf;
 use crate::problem::{Problem, Solution, Status};
@@ -129,6 +129,15 @@ impl<'w> Rows<'w> {
         }
     }
 
+    /// The same arc for each drive.
+    pub(crate) fn arcs(&self, arc: Arc, work: &'w Workspace) -> [Buffer<'w, f32>; 2] {
+        arc.map(|part| {
+            let mut list = work.floats.take_any(self.lanes);
+            list.fill(part);
+            list
+        })
+    }
+
     pub(crate) fn tiles(&self) -> Tiles<'_> {
         let [re, im] = &self.planes;
         Tiles { planes: [re, im], lanes: self.lanes }
@@ -210,10 +219,10 @@ impl<'w> Wave<'w> {
         self.set(|wave| tiles::unit::turn(rows.set, rows.tiles(), [re, im], rotations, factor, wave));
     }
 
-    /// Does the same as [`Wave::rotate`] with factor 1, and each q within an arc around 1.
-    pub(crate) fn rotate_within(&mut self, rows: &Rows, from: &Wave<'_>, rotations: &[f32], arc: Arc) {
+    /// Does the same as [`Wave::rotate`] with factor 1, and each q within its arc around 1.
+    pub(crate) fn rotate_within(&mut self, rows: &Rows, from: &Wave<'_>, rotations: &[f32], arcs: Arcs<'_>) {
         let [re, im] = &from.drive;
-        self.set(|wave| tiles::unit::turn_within(rows.set, rows.tiles(), [re, im], rotations, arc, wave));
+        self.set(|wave| tiles::unit::turn_within(rows.set, rows.tiles(), [re, im], rotations, arcs, wave));
     }
 
     pub(crate) fn copy(&mut self, other: &Wave<'_>) {

@@ -20,7 +20,7 @@ use crate::propagation::stiffness::Stiffness;
 const WEIGHT: f64 = 100.0;
 
 /// The pressures that foci keep, in the order of [`Stiffness::foci`].
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(super) struct FixedFoci {
     /// p_j in units of the reference, and the divisor of |P_j| - p_j in v_j.
     targets: Vec<[f64; 2]>,

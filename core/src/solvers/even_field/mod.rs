@@ -38,6 +38,7 @@ pub(crate) mod silence;
 pub(crate) mod soft_minimum;
 pub(crate) mod targets;
 pub(crate) mod traps;
+pub(crate) mod traps_between;
 pub(crate) mod traps_within;
 pub(crate) mod weighted_sweeps;
 pub(crate) mod within;

@@ -38,13 +38,13 @@ const APART: f64 = 2.7e-4;
 /// Sharpness of the soft minimum of the stiffnesses K.
 const SHARPNESS: f64 = 48.0;
 
-/// Rounds drives of modulus 1 to a grid, pass after pass. K is measured in parts of `unit`. With a `bound` each drive
-/// stays within this many codes of another drive.
+/// Rounds drives of modulus 1 to a grid, pass after pass. K is measured in parts of `unit`. Each drive stays
+/// within this many `codes` of that of each of the `others`.
 pub(super) fn bring(
     set: InstructionSet,
     (traps, fixed, unit): (&Stiffness, &FixedFoci, f64),
     quantization: &Quantization,
-    bound: Option<(&[Complex32], f32)>,
+    (others, codes): (&[&[Complex32]], f32),
     drive: &mut [Complex32],
 ) {
     let requested: Vec<Complex32> = drive.to_vec();
@@ -56,19 +56,17 @@ pub(super) fn bring(
         Complex32::new(turn.re as f32, turn.im as f32)
     });
     // The bound is half a code larger, so that rounding does not exclude the last code.
-    let most = bound.map_or(f64::INFINITY, |(_, codes)| (f64::from(codes) + 0.5) * TAU / f64::from(count));
+    let most = (f64::from(codes) + 0.5) * TAU / f64::from(count);
     let [cos, sin] = [math::cos(most.min(PI)), math::sin(most.min(FRAC_PI_2))].map(|x| x as f32);
-    let allowed = |i: usize, to: Complex32| {
-        let turn = bound.map_or(Complex32::ONE, |(last, _)| to * last[i].conj());
-        most >= PI || turn.re > cos.min(0.0) && (turn.im.abs() < sin || cos < 0.0)
-    };
+    let near = |turn: Complex32| most >= PI || turn.re > cos.min(0.0) && (turn.im.abs() < sin || cos < 0.0);
+    let allowed = |i: usize, to: Complex32| others.iter().all(|other| near(to * other[i].conj()));
     for _ in 0..PASSES {
         let field = traps.field(drive);
         let field = field.each_ref().map(|plane| &plane[..]);
         let (mut values, mut slopes) = slopes(traps, field);
         let places = values.len();
         values.extend(traps.at(field));
-        let others = values.len();
+        let known = values.len();
         for Off { row, part, slope } in fixed.off(traps, field) {
             values.push(part);
             let mut pulls = [[0.0; TERMS]; 2];
@@ -88,7 +86,7 @@ pub(super) fn bring(
             };
             let cost = |to: Complex32| {
                 let values = moved(to);
-                let (values, foci) = values.split_at(others);
+                let (values, foci) = values.split_at(known);
                 let (shifts, stiffness) = values.split_at(places);
                 let soft = soft_minimum::negated(stiffness.iter().map(|k| k / unit), SHARPNESS);
                 let lost = f64::from((to - requested[i]).norm_sqr()) / requested.len() as f64;

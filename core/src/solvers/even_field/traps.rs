@@ -16,6 +16,7 @@ use alloc::vec::Vec;
 
 use crate::control::Control;
 use crate::error::Error;
+use crate::kernels::InstructionSet;
 use crate::kernels::propagate::rows;
 use crate::math;
 use crate::problem::Problem;
@@ -163,13 +164,13 @@ pub(super) fn level(traps: &Stiffness, problem: &Problem, field: [&[f32]; 2]) ->
 /// More memory than allowed is needed, or a stop.
 pub(super) fn rows<'w>(
     traps: &Stiffness,
-    problem: &Problem,
+    (set, transducers): (InstructionSet, usize),
     work: &'w Workspace,
     control: &mut Control,
 ) -> Result<Rows<'w>, Error> {
-    let (set, [re, im]) = (problem.propagation().instruction_set(), traps.planes());
+    let [re, im] = traps.planes();
     let order = work.counting(traps.rows());
-    Rows::packed(set, rows::Rows::Stored { re, im }, problem.propagation().transducers(), order, work, control)
+    Rows::packed(set, rows::Rows::Stored { re, im }, transducers, order, work, control)
 }
 
 /// Changes a wave of even foci to one of equally stiff traps, if the problem requests such traps (see [`requested`]).
@@ -194,7 +195,7 @@ fn descend(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
     let traps = if problem.has_start() { None } else { requested(problem, run.control)? };
     let Some(traps) = traps else { return Ok(false) };
     let (set, transducers) = (run.rows.set, problem.propagation().transducers());
-    let rows = rows(&traps, problem, work, run.control)?;
+    let rows = rows(&traps, (set, transducers), work, run.control)?;
     let mut wave = Wave::new(&rows, work);
     wave.play_at_full(&rows, foci.drives(transducers, work).into_iter());
     let requested = FixedFoci::of(&traps, problem, level(&traps, problem, planes(&wave)));
@@ -221,7 +222,7 @@ fn descend(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
     let mut drive = descent.wave.drives(transducers, work);
     if let Some(quantization) = problem.quantization() {
         let unit = Softest::new((&traps, &fixed), planes(&descent.wave), STAGES[1]).unit;
-        rest_on_grid::bring(set, (&traps, &fixed, unit), quantization, None, &mut drive);
+        rest_on_grid::bring(set, (&traps, &fixed, unit), quantization, (&[], f32::INFINITY), &mut drive);
     }
     foci.play(run.rows, drive.into_iter());
     Ok(true)

@@ -87,21 +87,31 @@ pub(crate) fn accelerate(moving: &mut Moving, problem: &Problem, rate: f64, last
     let places = problem.propagation().control_points().unwrap_or_default();
     let wavelength = problem.setup().medium.wavelength();
     let motion = moved(&last.motion, places, rate, wavelength);
-    let known = known(&last.around, places, rate, wavelength);
+    let known = known((&last.around.0, last.around.1), places, rate, wavelength);
     let so_far = || {
         let mut lists = motion.chunks_exact(places.len()).skip(1);
         Some(lists.next()?.iter().copied().zip(lists.next()?.iter().copied()).collect())
     };
     let moving: Vec<_> = known.or_else(so_far).unwrap_or_default();
-    let chosen = traps.chosen()[0].iter().filter_map(|&j| moving.get(j));
-    let forces: Vec<_> = chosen.map(|&(v, a)| traps.needed(v, a)).collect();
-    carry(traps, &forces, &last.played, wavelength);
+    carry(traps, &moving, &last.played, wavelength);
     motion
+}
+
+/// Has the particles of traps move with their points, whose places (2 M, 3) `apart` frames before and after are known.
+pub(crate) fn carry_along(
+    traps: &mut Stiffness,
+    (places, around, apart): (&[[f64; 3]], &[[f64; 3]], usize),
+    rate: f64,
+    drive: &[Complex32],
+    wavelength: f64,
+) {
+    let moving = known((around, apart), places, rate, wavelength).unwrap_or_default();
+    carry(traps, &moving, drive, wavelength);
 }
 
 /// Velocities and accelerations of points from their places `apart` frames before and after, where these are known.
 fn known(
-    (around, apart): &(Vec<[f64; 3]>, usize),
+    (around, apart): (&[[f64; 3]], usize),
     places: &[[f64; 3]],
     rate: f64,
     wavelength: f64,
@@ -110,7 +120,7 @@ fn known(
         return None;
     }
     let (before, after) = around.split_at(places.len());
-    let rate = rate / *apart as f64;
+    let rate = rate / apart as f64;
     let each = |(x, (before, after)): (&[f64; 3], (&[f64; 3], &[f64; 3]))| {
         let bend = [0, 1, 2].map(|axis| after[axis] - 2.0 * x[axis] + before[axis]);
         if dot(bend, bend) > JUMP * JUMP * wavelength * wavelength {
@@ -121,8 +131,10 @@ fn known(
     Some(places.iter().zip(before.iter().zip(after)).map(each).collect())
 }
 
-/// Has the particles of traps be pulled by forces (M, 3) in N, as far as the traps of a drive (N,) can carry them.
-fn carry(traps: &mut Stiffness, forces: &[[f64; 3]], drive: &[Complex32], wavelength: f64) {
+/// Has the particles of traps be pulled as their velocities and accelerations (M,) need it, as far as the traps of a drive (N,) can.
+fn carry(traps: &mut Stiffness, moving: &[([f64; 3], [f64; 3])], drive: &[Complex32], wavelength: f64) {
+    let chosen = traps.chosen()[0].iter().filter_map(|&j| moving.get(j));
+    let forces: Vec<_> = chosen.map(|&(v, a)| traps.needed(v, a)).collect();
     let field = traps.field(drive);
     let (_, yielding) = traps.balance([&field[0], &field[1]]);
     let carried = forces.iter().zip(&yielding).map(|(force, yielding)| {
@@ -167,7 +179,7 @@ pub(crate) fn stiffen(
     work: &Workspace,
     control: &mut Control,
 ) -> Result<(), Error> {
-    let mut rows = traps::rows(traps, problem, work, control)?;
+    let mut rows = traps::rows(traps, (problem.propagation().instruction_set(), last.played.len()), work, control)?;
     let mut own = Wave::new(&rows, work);
     let beside = (kept > 0.0).then(|| {
         own.play(&rows, last.envelope.iter().map(|y| y * kept as f32));
@@ -182,7 +194,7 @@ pub(crate) fn stiffen(
     own.hear(&rows);
     let cost = Softest::last((traps, fixed), planes(&own), beside);
     let mut descent = if arc[0] > -1.0 {
-        PhaseDescent::within(arc, own, &cost, &rows, work)
+        PhaseDescent::within(rows.arcs(arc, work), own, &cost, &rows, work)
     } else {
         PhaseDescent::new(own, &cost, &rows, work)
     };
@@ -230,7 +242,7 @@ fn bring(
     let before = before.each_ref().map(|plane| &plane[..]);
     let cost = Softest::last((traps, fixed), before, None);
     let set = problem.propagation().instruction_set();
-    rest_on_grid::bring(set, (traps, fixed, cost.unit), board, Some((&last.played, most)), drive);
+    rest_on_grid::bring(set, (traps, fixed, cost.unit), board, (&[&last.played], most), drive);
     let after = traps.field(drive);
     let better = cost.of_field([&after[0], &after[1]]) < cost.of_field(before);
     if !better {

@@ -44,6 +44,7 @@ pub(crate) fn even_within<'w>(
     work: &'w Workspace,
     control: &mut Control,
 ) -> Result<f32, Error> {
+    let arcs = rows.arcs(arc, work);
     let mut mask = work.floats.take_any(rows.lanes);
     let mut newton = Newton::new(problem, rows, 0.0, work, control)?;
     let mut cost = newton.cost(rows, wave, wave.level(rows));
@@ -67,7 +68,7 @@ pub(crate) fn even_within<'w>(
         // Some phases reach their bound before the end of the step. A step of half the length may then be better.
         let mut left = 1.0;
         for _ in 0..tries {
-            trial.rotate_within(rows, wave, &newton.rotations, arc);
+            trial.rotate_within(rows, wave, &newton.rotations, [&arcs[0], &arcs[1]]);
             hear(trial);
             let after = newton.cost(rows, trial, trial.level(rows));
             if after < cost {
