@@ -1,15 +1,16 @@
-//! Stiff: traps of a whole sequence, each frame as stiff as the frames beside it allow.
+//! Stiff traps of a whole sequence: each frame is as stiff as its neighbouring frames allow.
 //!
-//! Tracks of foci ([`crate::motion::ahead()`]) keep the bound w and close. From there each frame is improved by the objective of
-//! traps ([`crate::solvers::even_field::traps`]) within
+//! The search begins with the tracks of foci of [`crate::motion::ahead()`], which keep the bound w and are closed in a
+//! closed sequence. The objective of traps ([`crate::solvers::even_field::traps`]) then improves each frame t within
 //!
 //! ```text
-//! |phi_i(t) - phi_i(t-1)| <= w   and   |phi_i(t+1) - phi_i(t)| <= w
+//! |phi_i(t) - phi_i(t-1)| <= w   and   |phi_i(t+1) - phi_i(t)| <= w          phi_i: the phase of transducer i
 //! ```
 //!
-//! This is an arc around the middle of both neighbours' phases, of half width w - |d|/2 if these differ by d. Every second
-//! frame is improved at once, and the others stay. So the bound always holds, and no frame gets worse. After the sweeps each
-//! transducer follows the track of the board's phases that is nearest to its phases ([`Tracker`]). In the end single phases are
+//! For each transducer this is an arc around the middle of the phases in both neighbouring frames. If these phases
+//! differ by d, the half width of the arc is w - |d|/2. Every second frame is improved at the same time, while the
+//! other frames stay unchanged. So the bound always holds, and no frame gets worse. After these sweeps each transducer
+//! takes the track of the board's phases that is nearest to its phases ([`Tracker`]). At the end single phases are
 //! exchanged within the bound, so that beads rest at their points.
 
 use core::f64::consts::{PI, TAU};
@@ -35,19 +36,20 @@ use crate::propagation::stiffness::Stiffness;
 use crate::solvers::even_field::traps_between::{Neighbours, carry_along, exchange, improve};
 use crate::workspace::Workspace;
 
-/// Number of sweeps over all frames, and of steps of a frame in each.
+/// Number of sweeps over all frames, and number of steps of a frame in each sweep.
 const SWEEPS: usize = 24;
 const STEPS: usize = 6;
 
 /// Number of exchanges of each frame on the board's phases.
 const EXCHANGES: usize = 2;
 
-/// Changes codes (T, N) of [`crate::motion::ahead()`] so that the traps of a model's signature are as stiff as possible. Each trap
-/// gives the force that its bead needs to follow the points (T, M, 3) at `rate` frames a second; the acceleration is that of
-/// the points `margin` frames before and after. The bound of `how` is kept. Codes stay where the field has no derivatives.
+/// Changes codes (T, N) of [`crate::motion::ahead()`] so that the traps of a model's signature are as stiff as
+/// possible, within the bound of `how`. Each trap also gives the force that its bead needs to follow the points (T, M,
+/// 3) at `rate` frames per second. The bead's acceleration is computed from the points `margin` frames before and
+/// after. If the field has no derivatives, the codes stay unchanged.
 ///
 /// # Errors
-/// Fewer than two frames, lists that do not fit, a point that is refused; more memory than allowed is needed; a stop.
+/// Fewer than two frames, lists that do not fit, a point that is rejected; more memory than allowed is needed; a stop.
 pub fn stiffen(
     model: &Model,
     points: &[[f64; 3]],
@@ -104,7 +106,7 @@ struct Lap<'a> {
 }
 
 impl Lap<'_> {
-    /// The drives of codes (T, N).
+    /// Returns the drives of codes (T, N).
     fn drives(&self, codes: &[u16]) -> Vec<Complex32> {
         let on: Vec<bool> = (0..self.frames.transducers).map(|i| self.frames.is_on(i)).collect();
         let drive = |(k, &code): (usize, &u16)| {
@@ -114,7 +116,7 @@ impl Lap<'_> {
         codes.iter().enumerate().map(drive).collect()
     }
 
-    /// Frames that are improved at once: none beside another.
+    /// Returns sets of frames that are improved at the same time: no set contains two neighbours.
     fn parts(&self) -> [Vec<usize>; 3] {
         let count = self.frames.count;
         let odd_lap = self.closed && count % 2 == 1;
@@ -122,7 +124,7 @@ impl Lap<'_> {
         [(0..end).step_by(2).collect(), (1..end).step_by(2).collect(), (end..count).collect()]
     }
 
-    /// The rows of a frame and of the frames beside it.
+    /// Returns the drives of the frames before and after a frame, where there are such frames.
     fn beside<'b>(&self, t: usize, drives: &'b [Complex32]) -> [Option<&'b [Complex32]>; 2] {
         neighbours(t, self.frames.count, self.closed).map(|other| other.map(|other| self.row(other, drives)))
     }
@@ -131,7 +133,7 @@ impl Lap<'_> {
         &drives[t * self.frames.transducers..(t + 1) * self.frames.transducers]
     }
 
-    /// Improves some frames, over all threads: by steps of their phases, or on a board by exchanges.
+    /// Improves some frames on all threads: by steps of their phases, or on a board by exchanges of single phases.
     fn visit(
         &self,
         chosen: &[usize],
@@ -164,12 +166,12 @@ impl Lap<'_> {
         Ok(())
     }
 
-    /// The bound in rad: whole phases.
+    /// Returns the bound in rad: a whole number of the board's phase steps, at most pi.
     fn bound(&self) -> f64 {
         (TAU * self.circle.reach as f64 / self.circle.levels as f64).min(PI)
     }
 
-    /// The traps of a frame, which carry the inertia of their beads.
+    /// Returns the traps of a frame with the forces that their beads need for their acceleration.
     fn traps(&self, t: usize, drive: &[Complex32], control: &mut Control) -> Result<Option<Stiffness>, Error> {
         let each = self.frames.points;
         let first = t % TOGETHER * each;
@@ -190,7 +192,7 @@ impl Lap<'_> {
         Ok(Some(traps))
     }
 
-    /// Writes the tracks of phases that are nearest to the drives into codes (T, N).
+    /// Writes to `codes` (T, N) the tracks of the board's phases that are nearest to the drives.
     fn follow(&self, drives: &[Complex32], ends: Ends, codes: &mut [u16], control: &mut Control) -> Result<(), Error> {
         let (count, transducers) = (self.frames.count, self.frames.transducers);
         let mut tracks = vec![0; codes.len()];
@@ -214,7 +216,7 @@ impl Lap<'_> {
 }
 
 impl Circle {
-    /// The code of the phase nearest to that of a drive; 0 for a drive of 0.
+    /// Returns the code of the phase nearest to that of a drive; 0 for a drive of 0.
     fn nearest(&self, q: Complex32) -> u16 {
         (math::round(math::phase(q) / TAU * self.levels as f64) as usize % self.levels) as u16
     }

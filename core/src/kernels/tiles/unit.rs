@@ -19,7 +19,7 @@ fn unit<S: Simd>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
 /// cos and sin of the largest angle of a drive from 1.
 pub(crate) type Arc = [f32; 2];
 
-/// The same for each drive.
+/// One [`Arc`] for each drive: cosines, then sines.
 pub(crate) type Arcs<'a> = [&'a [f32]; 2];
 
 /// Moves a phasor outside of an arc around 1 to the nearer end of the arc. It moves 0 too, which has no effect because
@@ -150,7 +150,7 @@ pub(crate) fn turn(
     factor: f32,
     wave: Wave<'_>,
 ) {
-    // The arcs are not read.
+    // Without limits the kernel does not use the arcs.
     dispatch!(set, s => turned::<_, false>(s, tiles, from, (turns, factor, [turns; 2]), wave));
 }
 

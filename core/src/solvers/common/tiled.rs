@@ -129,7 +129,7 @@ impl<'w> Rows<'w> {
         }
     }
 
-    /// The same arc for each drive.
+    /// Returns the same arc for each drive.
     pub(crate) fn arcs(&self, arc: Arc, work: &'w Workspace) -> [Buffer<'w, f32>; 2] {
         arc.map(|part| {
             let mut list = work.floats.take_any(self.lanes);

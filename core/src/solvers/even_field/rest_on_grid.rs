@@ -38,8 +38,8 @@ const APART: f64 = 2.7e-4;
 /// Sharpness of the soft minimum of the stiffnesses K.
 const SHARPNESS: f64 = 48.0;
 
-/// Rounds drives of modulus 1 to a grid, pass after pass. K is measured in parts of `unit`. Each drive stays
-/// within this many `codes` of that of each of the `others`.
+/// Rounds drives of modulus 1 to a grid, pass after pass. K is measured in parts of `unit`. Each drive stays within
+/// `codes` codes of its value in each of the lists `others`.
 pub(super) fn bring(
     set: InstructionSet,
     (traps, fixed, unit): (&Stiffness, &FixedFoci, f64),

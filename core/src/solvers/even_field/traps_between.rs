@@ -1,4 +1,4 @@
-//! Traps between two frames: as stiff as possible with every phase within a bound of those of the frames before and after.
+//! Traps between two frames: as stiff as possible, with every phase within a bound of its values before and after.
 
 use core::f64::consts::PI;
 
@@ -22,8 +22,8 @@ use crate::workspace::Workspace;
 
 pub(crate) use crate::solvers::even_field::traps_within::carry_along;
 
-/// The drives (N,) of the frames before and after, where there are such frames, and the bound on the change of a phase, in
-/// rad and in the codes of a board.
+/// The drives (N,) of the frames before and after, where there are such frames, and the bound on the change of a phase:
+/// in rad, and in codes of a board.
 pub(crate) struct Neighbours<'a> {
     pub(crate) beside: [Option<&'a [Complex32]>; 2],
     pub(crate) bound: f64,
@@ -31,7 +31,7 @@ pub(crate) struct Neighbours<'a> {
 }
 
 impl Neighbours<'_> {
-    /// The middle of the phases that drive i can have, and by how much in rad they differ from it at most.
+    /// Returns the middle of the arc of phases that drive i may have, and the arc's half width in rad.
     fn arc(&self, i: usize) -> (Complex32, f64) {
         if self.bound >= PI {
             return (Complex32::ONE, PI);
@@ -87,7 +87,7 @@ pub(crate) fn improve(
     Ok(())
 }
 
-/// Exchanges single phases of a board in the drives (N,) of a frame, if that improves it.
+/// Exchanges single phases of a board in the drives (N,) of a frame, if that lowers the cost of the traps.
 pub(crate) fn exchange(
     traps: &Stiffness,
     neighbours: &Neighbours<'_>,

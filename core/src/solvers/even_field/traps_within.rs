@@ -97,7 +97,8 @@ pub(crate) fn accelerate(moving: &mut Moving, problem: &Problem, rate: f64, last
     motion
 }
 
-/// Has the particles of traps move with their points, whose places (2 M, 3) `apart` frames before and after are known.
+/// Adds to traps the forces that their particles need to move with their points, from the points' places (2 M, 3)
+/// `apart` frames before and after.
 pub(crate) fn carry_along(
     traps: &mut Stiffness,
     (places, around, apart): (&[[f64; 3]], &[[f64; 3]], usize),
@@ -109,7 +110,8 @@ pub(crate) fn carry_along(
     carry(traps, &moving, drive, wavelength);
 }
 
-/// Velocities and accelerations of points from their places `apart` frames before and after, where these are known.
+/// Returns velocities and accelerations of points from their places `apart` frames before and after; `None` if these
+/// are not known.
 fn known(
     (around, apart): (&[[f64; 3]], usize),
     places: &[[f64; 3]],
@@ -131,7 +133,8 @@ fn known(
     Some(places.iter().zip(before.iter().zip(after)).map(each).collect())
 }
 
-/// Has the particles of traps be pulled as their velocities and accelerations (M,) need it, as far as the traps of a drive (N,) can.
+/// Adds to traps the forces that their particles need for velocities and accelerations (M,), as far as the traps of a
+/// drive (N,) can carry them.
 fn carry(traps: &mut Stiffness, moving: &[([f64; 3], [f64; 3])], drive: &[Complex32], wavelength: f64) {
     let chosen = traps.chosen()[0].iter().filter_map(|&j| moving.get(j));
     let forces: Vec<_> = chosen.map(|&(v, a)| traps.needed(v, a)).collect();
