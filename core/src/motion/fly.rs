@@ -60,7 +60,7 @@ pub struct BeadStart {
 pub struct Flown {
     /// Places (K, B, 3) in m at the knots; NaN after a bead was lost.
     pub places: Vec<[f64; 3]>,
-    /// Places (K, B, 3) in m of the points whose traps they are in.
+    /// Places (K, B, 3) in m of the points in whose traps the beads are.
     pub points: Vec<[f64; 3]>,
     /// Time (B,) in s at which each bead was lost; NaN for a bead that was not lost.
     pub lost: Vec<f64>,
@@ -173,7 +173,8 @@ impl<'a> Group<'a> {
         Ok(own)
     }
 
-    /// Simulates the beads, of which the first is the bead `own` of the flight, and writes their places and losses.
+    /// Simulates the beads of this group, the first of which is bead `own` of the flight. Writes their places, and the times
+    /// at which beads are lost.
     fn fly(&mut self, flown: &mut Flown, own: usize, control: &mut Control) -> Result<(), Error> {
         let (count, most) = (flown.lost.len(), LOST * self.model.medium().wavelength());
         let last = flown.points.len() / count - 1;

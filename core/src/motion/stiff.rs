@@ -36,11 +36,12 @@ use crate::propagation::stiffness::Stiffness;
 use crate::solvers::even_field::traps_between::{Neighbours, carry_along, exchange, improve};
 use crate::workspace::Workspace;
 
-/// Number of sweeps over all frames, and number of steps of a frame in each sweep.
+/// Number of sweeps over all frames.
 const SWEEPS: usize = 24;
+/// Number of steps of each frame in a sweep.
 const STEPS: usize = 6;
 
-/// Number of exchanges of each frame on the board's phases.
+/// Number of rounds in which phases are exchanged after they have been rounded to the board's phases.
 const EXCHANGES: usize = 2;
 
 /// Changes codes (T, N) of [`crate::motion::ahead()`] so that the traps of a model's signature are as stiff as
@@ -95,7 +96,7 @@ pub fn stiffen(
     Ok(())
 }
 
-/// The frames of a sequence.
+/// The frames of a sequence, and the bound on its phases.
 struct Lap<'a> {
     frames: &'a Frames<'a>,
     points: &'a [[f64; 3]],

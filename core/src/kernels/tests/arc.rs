@@ -82,7 +82,7 @@ fn a_turn_ends_within_the_arc() {
         let scene = Scene::new(count, TRANSDUCERS, set);
         let from = phasors(rng);
         let turns: Vec<f32> = (0..TRANSDUCERS).map(|_| (2.0 * rng.uniform() - 1.0) as f32).collect();
-        // Each drive has an arc of its own.
+        // Each drive has its own arc.
         let own = |i: usize| change * (1.0 + (i % 3) as f64) / 3.0;
         let [drive, _] = scene.play(|wave| {
             let (cos, sin): (Vec<f32>, Vec<f32>) = (0..TRANSDUCERS).map(|i| arc(own(i)).into()).unzip();

@@ -154,7 +154,7 @@ pub(crate) fn turn(
     dispatch!(set, s => turned::<_, false>(s, tiles, from, (turns, factor, [turns; 2]), wave));
 }
 
-/// Does the same as [`turn`] with factor 1, and each q limited to an arc around 1 of its own.
+/// Does the same as [`turn`] with factor 1, and each q limited to its own arc around 1.
 pub(crate) fn turn_within(
     set: InstructionSet,
     tiles: Tiles<'_>,

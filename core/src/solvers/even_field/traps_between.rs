@@ -49,7 +49,7 @@ impl Neighbours<'_> {
     }
 }
 
-/// Improves the drives (N,) of a frame by some steps of phases.
+/// Improves the drives (N,) of a frame by steps of phase descent within the bound.
 ///
 /// # Errors
 /// More memory than allowed is needed, or a stop.
