@@ -28,7 +28,8 @@ pub fn check(bytes: &[u8]) {
         one_line(board.encode(&drive, &mut sent)).expect("a drive of the board");
         one_line(board.decode(&sent, &mut again)).expect("a frame of the board");
         let off = drive.iter().zip(&again).map(|(a, b)| (a - b).norm()).fold(0.0, f32::max);
-        // The board homies replaces two of its 256 phases, which would be mistaken for the ends of a word.
+        // On the board homies a word begins and ends with fixed bytes. A phase whose code is one of these two bytes is
+        // replaced by a neighbour, one step away.
         let step = if name == "homies" { std::f32::consts::TAU / 256.0 } else { 0.0 };
         assert!(off < step + 1e-5, "{name}: off by {off}");
         let mut once_more = vec![0; board.frame_size()];

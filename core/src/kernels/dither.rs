@@ -68,8 +68,8 @@ pub(crate) fn choose(
     })
 }
 
-/// Replaces a row of G by the shares c (see the module's head) of a transducer of drive q. Returns the sums of e c and
-/// c^2.
+/// Replaces a row of G by the shares c of a transducer of drive q. Returns the sums over the points of e c and c^2, with
+/// the errors e. The module's head defines c and e.
 #[inline(always)]
 fn along<S: Simd>(
     s: S,

@@ -175,7 +175,8 @@ impl ArrayRequest {
         let load = loads.clone().fold(0.0, f64::max);
         self.balance = 1.0 / (load * math::sqrt(loads.map(|own| (own / load) * (own / load)).sum()));
         if self.frees_traps() {
-            // The sum of (target/p1)^2 over the foci is 1/balance^2; over all points it must be 1.
+            // The balanced level is defined by a sum of (target/p1)^2 over all points of 1. The foci have 1/balance^2 of
+            // this sum, and the traps get the rest.
             let rest = (1.0 - 1.0 / (self.balance * self.balance)).max(LEAST_LEFT);
             let traps = self.active.iter().zip(reach).filter(|(j, _)| self.free[**j]);
             let loads = traps.map(|(_, reach)| 1.0 / (reach * reference)).fold(0.0, math::hypot);

@@ -22,7 +22,7 @@ pub enum Remark {
     Beyond(Beyond),
     /// The targets are missed by this relative error, which is above 1 %.
     Missed(f64),
-    /// The targets are this part of the balanced level, which is below a half, and no balancing took place.
+    /// The targets are weak: this part of the balanced level, below a half. No balancing raised them before the solve.
     Weak(f64),
     /// The targets have phases, and the solver does not use them.
     PhasesUnused,

@@ -29,8 +29,8 @@ ALL = "ff02::1"
 #: Time in s to wait for the answer to a request, and the number of attempts.
 RESPONSE = 0.2
 ATTEMPTS = 3
-#: Time in s after which reset boards no longer forward, and the time to wait for a second, unwanted discovery
-#: answer.
+#: Time in s after which boards that were reset no longer forward datagrams to the boards behind them, and the
+#: time to wait for a second, unwanted discovery answer.
 SETTLE = 0.1
 LINGER = 0.01
 #: Longest times in s of the search for boards and of the synchronisation of their clocks; the pause between

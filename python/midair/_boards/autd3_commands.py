@@ -41,7 +41,8 @@ RATE_STEPS = 256
 #: A board that receives nothing for this time, in ms, mutes itself.
 FAILSAFE_MS = 500
 
-#: Largest size in bytes of a step after its header, and largest number of frames in one step.
+#: A step is one datagram, which every board acknowledges. These are its largest size in bytes without the
+#: header, and the largest number of frames in it.
 PAYLOAD = 1442
 PATTERNS_A_STEP = 2
 

@@ -177,8 +177,8 @@ impl<'a> List<'a> {
         }
     }
 
-    /// Returns the first candidate whose change is at most `limit`; `None` if candidates were dropped because the list
-    /// was full.
+    /// Returns the first candidate of the list that changes the energy by at most `limit`; `None` if candidates were
+    /// dropped because the list was full.
     #[inline(always)]
     pub(crate) fn first_below(&self, limit: f32) -> Option<usize> {
         let at = self.values.get(..self.count)?.iter().position(|&value| value <= limit)?;
