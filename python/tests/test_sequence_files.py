@@ -311,11 +311,10 @@ def test_sequences_of_traps_report_their_foci(tmp_path: Any) -> None:
         assert 0.98 < moved.metrics.level <= 1.001
         assert moved.scene(5).signature == "trap"
         bead = midair.rest(moved.scene(40), moved.drives[40])
-        # Without frames ahead, the trap accounts for the bead's motion: a bead at rest lies where the force
-        # is m v^2/r.
-        inward = 0 if ahead else bead.mass * 0.8**2 / 0.01 / bead.stiffness.min()
+        # The trap accounts for the bead's motion: a bead at rest lies where the force is m v^2/r.
+        inward = bead.mass * 0.8**2 / 0.01 / bead.stiffness.min()
         at = moved.points[40] * (1 - inward / 0.01)
-        assert np.linalg.norm(bead.place - at) < 5e-5 + 5e-5 * (ahead == "all")
+        assert np.linalg.norm(bead.place - at) < 5e-5
         # The skin at a trap's node feels the real field, which is nearly 0 there.
         assert moved.felt(moved.points[40, 0]).values[40] < 0.01 * moved.radiation[40, 0]
         moved.save(tmp_path / "moved.npz")
