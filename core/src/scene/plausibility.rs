@@ -286,7 +286,7 @@ pub(crate) fn beside(array: &Array, medium: Medium, points: &[[f64; 3]]) -> Opti
             _ if array.is_in_front(*point) => None,
             _ => Some((
                 String::new(),
-                "in the plane of the transducers, where a board sends no sound: give a point in front",
+                "in the plane of the transducers, where a board sends little sound: give a point in front",
             )),
         }
     };
