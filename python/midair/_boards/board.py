@@ -211,7 +211,7 @@ class Board:
 
 
 def _files(name: Any) -> list[str]:
-    """Return the paths of a Board's argument `name` that is .pat files; [] if it is the name of a board."""
+    """Return the paths if `name` is one or several .pat files; [] if it is the name of a board."""
     several = [name] if isinstance(name, str | PathLike) else name
     try:
         paths = [fspath(one) for one in several]

@@ -129,7 +129,7 @@ class Tracks:
         closed: bool,
         progress: Callable[[int, int], object] | None = None,
     ) -> NDArray[np.uint16]:
-        """Codes (T, N) of traps as stiff as possible, which carry their beads at `rate` frames a second."""
+        """Return codes (T, N) of traps as stiff as possible, which carry their beads at `rate` frames per second."""
         return stiffen(
             self.scene,
             points,
