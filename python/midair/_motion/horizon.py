@@ -129,7 +129,7 @@ class Tracks:
         closed: bool,
         progress: Callable[[int, int], object] | None = None,
     ) -> NDArray[np.uint16]:
-        """Return codes (T, N) of traps as stiff as possible, which carry their beads at `rate` frames per second."""
+        """Return codes (T, N) of stiff traps that carry their beads at `rate` frames per second."""
         return stiffen(
             self.scene,
             points,
