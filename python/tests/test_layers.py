@@ -32,6 +32,7 @@ LAYERS = (
     "_pictures",
     "_motion",
     "_boards",
+    "_serve",
     "_files",
     "_sweep",
     "_measuring",
@@ -142,7 +143,7 @@ def test_a_circle_is_seen_through_a_type_checking_import() -> None:
 
 def test_the_package_has_few_modules_and_a_short_one_has_its_reason() -> None:
     texts = {name: text for name, text in sources().items() if not name.endswith(".__init__")}
-    assert len(sources()) <= 150
+    assert len(sources()) <= 160
     assert {name for name, text in texts.items() if text.count("\n") < 40} == set(SHORT)
 
 

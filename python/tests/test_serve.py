@@ -24,8 +24,8 @@ from pythonosc.osc_message_builder import OscMessageBuilder
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
-from midair._boards.doors import Doors, Reports
-from midair._boards.playing import SILENCE, Live
+from midair._serve.live import SILENCE, Live
+from midair._serve.server import PointServer, Reports
 
 # A board with one amplitude warns that it plays louder than requested.
 pytestmark = pytest.mark.filterwarnings("ignore::midair.SceneWarning")
@@ -34,8 +34,8 @@ POINT = [0.0, 0.0, 0.1]
 
 
 @pytest.fixture
-def doors() -> Iterator[Doors]:
-    with midair.connect("sonicsurface:loop", hold=SILENCE) as board, Doors(Live(board)) as found:
+def server() -> Iterator[PointServer]:
+    with midair.connect("sonicsurface:loop", hold=SILENCE) as board, PointServer(Live(board)) as found:
         yield found
 
 
@@ -44,58 +44,58 @@ def ask(client: Any, **message: Any) -> Any:
     return json.loads(client.recv(timeout=5))
 
 
-def until(doors: Doors, state: str, seconds: float = 2.0) -> float:
+def until(server: PointServer, state: str, seconds: float = 2.0) -> float:
     """Waits until the board is in a state, and returns the time in s."""
     begin = time.monotonic()
-    while doors._live.connection.state != state:
-        assert time.monotonic() - begin < seconds, doors._live.state()
+    while server._live.connection.state != state:
+        assert time.monotonic() - begin < seconds, server._live.state()
         time.sleep(0.005)
     return time.monotonic() - begin
 
 
-def focus(doors: Doors) -> float:
+def focus(server: PointServer) -> float:
     """Returns |p| of the playing drive at POINT, over the |p| of one full focus there."""
-    gains = midair.Scene(doors._live.connection.board.array, [POINT]).propagation()[0]
-    return float(abs(gains @ doors._live.connection.emitting) / abs(gains).sum())
+    gains = midair.Scene(server._live.connection.board.array, [POINT]).propagation()[0]
+    return float(abs(gains @ server._live.connection.emitting) / abs(gains).sum())
 
 
 @pytest.mark.slow
-def test_points_are_played_and_silence_is_silent(doors: Doors) -> None:
-    with connect(doors.address) as client:
+def test_points_are_played_and_silence_is_silent(server: PointServer) -> None:
+    with connect(server.address) as client:
         greeting = json.loads(client.recv(timeout=5))
         assert (greeting["board"], greeting["transducers"]) == ("sonicsurface", 256)
         assert ask(client, points=[POINT])["error"] is None
-        until(doors, "playing")
-        assert focus(doors) > 0.9
+        until(server, "playing")
+        assert focus(server) > 0.9
         # A client that sends nothing more counts as gone.
-        assert until(doors, "off") < SILENCE + 0.3
+        assert until(server, "off") < SILENCE + 0.3
         # A later `keep` does not bring the client's points back.
         assert ask(client, keep=True)["state"] == "off"
         time.sleep(0.1)
-        assert doors._live.connection.state == "off"
+        assert server._live.connection.state == "off"
         client.send(np.array([[*POINT, 0.0]], "<f4").tobytes())
-        until(doors, "playing")
+        until(server, "playing")
         client.send(b"")
-        until(doors, "off")
+        until(server, "off")
         ask(client, points=[POINT, [0.01, 0, 0.1]], pressures=[300, 100])
-        until(doors, "playing")
+        until(server, "playing")
     # The board turns off when the client has gone.
-    assert until(doors, "off") < SILENCE + 0.3
+    assert until(server, "off") < SILENCE + 0.3
 
 
 @pytest.mark.slow
-def test_a_path_goes_on_while_there_are_signs_of_life(doors: Doors) -> None:
-    with connect(doors.address) as client:
+def test_a_path_goes_on_while_there_are_signs_of_life(server: PointServer) -> None:
+    with connect(server.address) as client:
         client.recv(timeout=5)
         circle = {"kind": "circle", "center": POINT, "radius": 0.01, "frequency": 2}
         assert ask(client, path=circle)["error"] is None
-        until(doors, "playing")
+        until(server, "playing")
         for _ in range(8):
             client.send('{"keep": true}')
             time.sleep(0.05)
-        assert doors._live.connection.state == "playing"
+        assert server._live.connection.state == "playing"
         client.send('{"off": true}')
-        until(doors, "off")
+        until(server, "off")
 
 
 @pytest.mark.slow
@@ -119,11 +119,11 @@ def test_a_message_wakes_a_server_at_rest() -> None:
 
 
 @pytest.mark.slow
-def test_metrics_come_once_or_again_and_again(doors: Doors) -> None:
-    with connect(doors.address) as client:
+def test_metrics_come_once_or_again_and_again(server: PointServer) -> None:
+    with connect(server.address) as client:
         client.recv(timeout=5)
         client.send(json.dumps({"points": [POINT], "pressures": [900]}))
-        until(doors, "playing")
+        until(server, "playing")
         client.send('{"metrics": 0.02}')
         for _ in range(4):
             found = json.loads(client.recv(timeout=5))
@@ -131,20 +131,20 @@ def test_metrics_come_once_or_again_and_again(doors: Doors) -> None:
         assert found["state"] == "playing"
         assert found["points"] == [POINT]
         (reached,) = found["pressures"]
-        gains = midair.Scene(doors._live.connection.board.array, [POINT]).propagation()[0]
-        assert reached == pytest.approx(abs(gains @ doors._live.connection.emitting), rel=1e-3)
+        gains = midair.Scene(server._live.connection.board.array, [POINT]).propagation()[0]
+        assert reached == pytest.approx(abs(gains @ server._live.connection.emitting), rel=1e-3)
         assert 0 <= found["delay"] < 500
         client.send('{"metrics": 0}')
         client.send('{"off": true}')
-        until(doors, "off")
-        assert doors._live.metrics()["pressures"] == []
+        until(server, "off")
+        assert server._live.metrics()["pressures"] == []
     for bad in ("-1", "1e999", '"often"'):
         with pytest.raises(midair.SceneError, match="metrics"):
-            doors.obey('{"metrics": ' + bad + "}", Reports(None, doors._live))
+            server.obey('{"metrics": ' + bad + "}", Reports(None, server._live))
 
 
 @pytest.mark.slow
-def test_osc_plays_with_the_token_and_not_without(doors: Doors) -> None:
+def test_osc_plays_with_the_token_and_not_without(server: PointServer) -> None:
     sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     sender.settimeout(5)
 
@@ -152,32 +152,32 @@ def test_osc_plays_with_the_token_and_not_without(doors: Doors) -> None:
         built = OscMessageBuilder(f"/midair/{name}")
         for value in values:
             built.add_arg(value)
-        sender.sendto(built.build().dgram, ("127.0.0.1", doors.osc))
+        sender.sendto(built.build().dgram, ("127.0.0.1", server.osc))
 
     osc("points", *POINT)
     osc("points", "guessed", *POINT)
     time.sleep(0.2)
-    assert doors._live.connection.state == "off"
-    osc("points", doors.token, *POINT)
-    until(doors, "playing")
-    osc("points", doors.token, 1.0)
+    assert server._live.connection.state == "off"
+    osc("points", server.token, *POINT)
+    until(server, "playing")
+    osc("points", server.token, 1.0)
     assert b"give 3 a point" in sender.recv(4096)
-    osc("metrics", doors.token)
+    osc("metrics", server.token)
     measured = OscMessage(sender.recv(4096))
     assert measured.address == "/midair/metrics"
     assert measured.params[0] == "playing"
     assert measured.params[-1] > 100
-    osc("off", doors.token)
-    until(doors, "off")
+    osc("off", server.token)
+    until(server, "off")
     sender.close()
 
 
-def test_a_client_without_the_token_or_from_another_page_is_refused(doors: Doors) -> None:
-    plain = doors.address.partition("?")[0]
+def test_a_client_without_the_token_or_from_another_page_is_refused(server: PointServer) -> None:
+    plain = server.address.partition("?")[0]
     for address, origin in (
         (plain, None),
         (plain + "?token=x", None),
-        (doors.address, "https://evil.example"),
+        (server.address, "https://evil.example"),
     ):
         with pytest.raises(InvalidStatus, match="403"), connect(address, origin=origin):  # type: ignore[arg-type]
             pass
@@ -218,28 +218,28 @@ HOSTILE: tuple[str | bytes, ...] = (
 
 
 @pytest.mark.slow
-def test_hostile_messages_make_no_sound_and_end_nothing(doors: Doors) -> None:
+def test_hostile_messages_make_no_sound_and_end_nothing(server: PointServer) -> None:
     for message in HOSTILE * 34:
         with pytest.raises((midair.SceneError, midair.BoardError)):
-            doors.obey(message)
-    with connect(doors.address) as client:
+            server.obey(message)
+    with connect(server.address) as client:
         client.recv(timeout=5)
         for message in HOSTILE:
             client.send(message)
             assert "error" in json.loads(client.recv(timeout=10)), message[:60]
-        assert doors._live.connection.stats.frames == 0
+        assert server._live.connection.stats.frames == 0
         client.send("x" * 70_000)
         with pytest.raises(Exception, match=r"1009|too big"):
             client.recv(timeout=5)
     flood = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     random = np.random.default_rng(0)
     for k in range(1000):
-        flood.sendto(b"/midair/points\0\0" * (k % 2) + random.bytes(k % 90), ("127.0.0.1", doors.osc))
+        flood.sendto(b"/midair/points\0\0" * (k % 2) + random.bytes(k % 90), ("127.0.0.1", server.osc))
     flood.close()
-    with connect(doors.address) as client:
+    with connect(server.address) as client:
         client.recv(timeout=5)
         assert ask(client, points=[POINT])["error"] is None
-        until(doors, "playing")
+        until(server, "playing")
 
 
 @pytest.mark.slow

@@ -22,9 +22,9 @@ pytest.importorskip("pythonosc")
 
 from websockets.sync.client import connect
 
-from midair._boards.doors import Doors
-from midair._boards.playing import SILENCE, Live
-from midair._boards.tacton import Moment, Tacton
+from midair._serve.live import SILENCE, Live
+from midair._serve.server import PointServer
+from midair._serve.tacton import Moment, Tacton
 
 pytestmark = pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 
@@ -35,8 +35,8 @@ UNMOVED = [[float(i == k) for k in range(4)] for i in range(4)]
 
 
 @pytest.fixture
-def doors() -> Iterator[Doors]:
-    with midair.connect("sonicsurface:loop", hold=SILENCE) as board, Doors(Live(board)) as found:
+def server() -> Iterator[PointServer]:
+    with midair.connect("sonicsurface:loop", hold=SILENCE) as board, PointServer(Live(board)) as found:
         yield found
 
 
@@ -85,12 +85,12 @@ def test_a_tacton_follows_its_curves_at_1_khz(case: tactons.Case) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", tactons.CASES, ids=lambda case: case.name)
-def test_a_tacton_is_played_on_a_board(case: tactons.Case, doors: Doors) -> None:
-    board = doors._live.connection
+def test_a_tacton_is_played_on_a_board(case: tactons.Case, server: PointServer) -> None:
+    board = server._live.connection
     sent: list[tuple[float, np.ndarray]] = []
     play = board.send
     board.send = lambda drive: (sent.append((time.monotonic(), np.array(drive))), play(drive))[1]  # type: ignore[method-assign]
-    with connect(doors.adaptics) as client:
+    with connect(server.adaptics) as client:
         start(client, case)
         evals: list[dict[str, Any]] = []
         begin = time.monotonic()
@@ -137,11 +137,11 @@ def test_parameters_jumps_and_transforms() -> None:
 
 
 @pytest.mark.slow
-def test_hands_move_a_tacton_and_silence_is_silent(doors: Doors) -> None:
-    state = doors._live.connection
+def test_hands_move_a_tacton_and_silence_is_silent(server: PointServer) -> None:
+    state = server._live.connection
     with (
-        connect(doors.adaptics, max_queue=None) as client,
-        connect(doors.adaptics, max_queue=None) as tracker,
+        connect(server.adaptics, max_queue=None) as client,
+        connect(server.adaptics, max_queue=None) as tracker,
     ):
         send(client, "update_tracking", enabled=True)
         hand = {"palm": {"position": {"x": 10, "y": -20, "z": 80}}}
@@ -153,7 +153,7 @@ def test_hands_move_a_tacton_and_silence_is_silent(doors: Doors) -> None:
         while time.monotonic() - begin < 0.6:
             received(client, "playback_update")
         assert state.state == "playing"
-        frame, _ = doors._live._played or (None, None)
+        frame, _ = server._live._played or (None, None)
         assert frame is not None
         assert frame.points[0, 2] == pytest.approx(0.08)
         assert np.hypot(*(frame.points[0, :2] - [0.01, -0.02])) < 0.0141
@@ -170,8 +170,8 @@ def test_hands_move_a_tacton_and_silence_is_silent(doors: Doors) -> None:
         time.sleep(0.005)
 
 
-def test_a_client_of_adaptics_needs_the_token(doors: Doors) -> None:
-    with pytest.raises(Exception, match="403"), connect(doors.adaptics.partition("?")[0]):
+def test_a_client_of_adaptics_needs_the_token(server: PointServer) -> None:
+    with pytest.raises(Exception, match="403"), connect(server.adaptics.partition("?")[0]):
         pass
 
 
@@ -280,8 +280,8 @@ HOSTILE: tuple[Any, ...] = (
 
 
 @pytest.mark.slow
-def test_hostile_messages_make_no_sound_and_end_nothing(doors: Doors) -> None:
-    with connect(doors.adaptics) as client:
+def test_hostile_messages_make_no_sound_and_end_nothing(server: PointServer) -> None:
+    with connect(server.adaptics) as client:
         for message in HOSTILE * 59:
             client.send(message)
             answer = json.loads(client.recv(timeout=10))
@@ -291,6 +291,6 @@ def test_hostile_messages_make_no_sound_and_end_nothing(doors: Doors) -> None:
         low = tactons.pattern([tactons.keyframe(0, (0, 0, 0), None, 1)], shift=(0, 0, -50))
         start(client, tactons.Case("low", low, tactons.CASES[0].expected))
         assert "\n" not in received(client, "error")["message"]
-        assert doors._live.connection.stats.frames == 0
+        assert server._live.connection.stats.frames == 0
         start(client, tactons.CASES[0])
         assert received(client, "playback_update")["evals"]

@@ -22,8 +22,8 @@ pytest.importorskip("pythonosc")
 
 from pythonosc.osc_message_builder import OscMessageBuilder
 
-from midair._boards.doors import Doors
-from midair._boards.playing import SILENCE, Live
+from midair._serve.live import SILENCE, Live
+from midair._serve.server import PointServer
 
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore::midair.SceneWarning")]
 
@@ -42,33 +42,33 @@ setTimeout(() => process.exit(), 1800);
 
 
 @pytest.fixture
-def doors() -> Iterator[Doors]:
-    with midair.connect("sonicsurface:loop", hold=SILENCE) as board, Doors(Live(board)) as found:
+def server() -> Iterator[PointServer]:
+    with midair.connect("sonicsurface:loop", hold=SILENCE) as board, PointServer(Live(board)) as found:
         yield found
 
 
-def places(doors: Doors, program: subprocess.Popen[str]) -> list[list[float]]:
+def places(server: PointServer, program: subprocess.Popen[str]) -> list[list[float]]:
     """Returns the points that the board played while a client ran; then the board must turn off."""
     found: list[list[float]] = []
     begin = time.monotonic()
     while program.poll() is None and time.monotonic() - begin < 60:
-        if doors._live._wanted is not None and doors._live._played is not None:
-            (point,) = doors._live._played[0].points.tolist()
+        if server._live._wanted is not None and server._live._played is not None:
+            (point,) = server._live._played[0].points.tolist()
             if not found or found[-1] != point:
                 found.append(point)
         time.sleep(0.005)
     assert program.wait(10) == 0
     begin = time.monotonic()
-    while doors._live.connection.state != "off":
+    while server._live.connection.state != "off":
         assert time.monotonic() - begin < SILENCE + 0.3
         time.sleep(0.01)
     return found
 
 
-def test_python(doors: Doors) -> None:
-    command = [sys.executable, str(CLIENTS / "client.py"), doors.address]
+def test_python(server: PointServer) -> None:
+    command = [sys.executable, str(CLIENTS / "client.py"), server.address]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
-        found = np.array(places(doors, program))
+        found = np.array(places(server, program))
         assert program.stdout is not None
         greeting, state = program.stdout.read().splitlines()
     assert '"board": "sonicsurface"' in greeting
@@ -78,7 +78,7 @@ def test_python(doors: Doors) -> None:
     np.testing.assert_allclose(found[:, 2], 0.15)
 
 
-def test_a_web_page(doors: Doors, tmp_path: Path) -> None:
+def test_a_web_page(server: PointServer, tmp_path: Path) -> None:
     node = shutil.which("node")
     probe = ["--experimental-websocket", "--eval", "WebSocket"]
     if node is None or subprocess.run([node, *probe], capture_output=True, check=False).returncode:
@@ -86,24 +86,24 @@ def test_a_web_page(doors: Doors, tmp_path: Path) -> None:
     (script,) = re.findall(r"<script>(.*?)</script>", (CLIENTS / "client.html").read_text("utf-8"), re.S)
     page = tmp_path / "page.mjs"
     page.write_text(PAGE % script, "utf-8")
-    command = [node, "--experimental-websocket", str(page), doors.address]
+    command = [node, "--experimental-websocket", str(page), server.address]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
-        found = places(doors, program)
+        found = places(server, program)
         assert program.stdout is not None
         assert '"transducers": 256' in program.stdout.read()
     np.testing.assert_allclose(found, [[0.01, 0.01, 0.15]], atol=1e-8)
 
 
-def test_processing_sends_what_the_server_reads(doors: Doors) -> None:
+def test_processing_sends_what_the_server_reads(server: PointServer) -> None:
     """Checks the message that oscP5 builds: text as s, floats as f, in the order of the calls."""
     program = (CLIENTS / "client.pde").read_text("utf-8")
     assert re.findall(r"OscMessage\(\"(.*?)\"\)", program) == ["/midair/points"]
     added = re.findall(r"message\.add\((.*)\);", program)
     assert added == ["TOKEN", "(mouseX - 200) / 5000.0", "(200 - mouseY) / 5000.0", "0.15"]
     built = OscMessageBuilder("/midair/points")
-    for value in (doors.token, *(float(eval(each, {"mouseX": 250, "mouseY": 150})) for each in added[1:])):
+    for value in (server.token, *(float(eval(each, {"mouseX": 250, "mouseY": 150})) for each in added[1:])):
         built.add_arg(value)
     assert built.build().dgram.count(b",sfff") == 1
-    doors._by_osc("points", [0.01, 0.01, 0.15])
+    server._by_osc("points", [0.01, 0.01, 0.15])
     time.sleep(0.1)
-    assert doors._live.connection.state == "playing"
+    assert server._live.connection.state == "playing"

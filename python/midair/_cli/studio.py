@@ -9,8 +9,8 @@ from pathlib import Path
 
 from .. import Board, connect
 from .._boards.address import DEFAULT, parse
-from .._boards.doors import Doors
-from .._boards.playing import SILENCE, Live
+from .._serve.live import SILENCE, Live
+from .._serve.server import PointServer
 from .._studio.page import greeting, scene_text
 from .._studio.server import HOLD, PagesBoard, Server
 from .play import board_of
@@ -82,11 +82,11 @@ def serve_command(
     """
     with (
         connect(on, hold=SILENCE) as connection,
-        Doors(Live(connection, rate, change), port, osc, origin or ()) as doors,
+        PointServer(Live(connection, rate, change), port, osc, origin or ()) as server,
     ):
-        print(doors.address, flush=True)
-        print(f"osc://127.0.0.1:{doors.osc} token {doors.token}", flush=True)
-        print(f"{doors.adaptics} for Adaptics Designer", flush=True)
+        print(server.address, flush=True)
+        print(f"osc://127.0.0.1:{server.osc} token {server.token}", flush=True)
+        print(f"{server.adaptics} for Adaptics Designer", flush=True)
         tell("Ctrl-C ends it")
         threading.Event().wait()
     return 0

@@ -23,13 +23,13 @@ from urllib.parse import parse_qs, urlsplit
 import numpy as np
 from numpy.typing import NDArray
 
+from .._boards.errors import BoardError
+from .._boards.transport import before_what_computes
 from .._midair import SceneError
 from .._motion import document
 from .._support.arguments import json_object, number, real, refused
 from .adaptics import Client, Player
-from .errors import BoardError
-from .playing import SILENCE, Live
-from .transport import before_what_computes
+from .live import SILENCE, Live
 
 #: Largest size in bytes of a message, and of an Adaptics pattern; numbers per point in a binary message (x,
 #: y, z, pressure).
@@ -44,7 +44,7 @@ LEAST_REPORT = 0.01
 MISSING = 'serve needs websockets and python-osc: pip install "midair[serve]"'
 
 
-class Doors:
+class PointServer:
     """Server that plays clients' messages on a board until it is closed.
 
     Parameters
@@ -109,7 +109,7 @@ class Doors:
         self._udp.close()
         self._live.close()
 
-    def __enter__(self) -> Doors:
+    def __enter__(self) -> PointServer:
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:

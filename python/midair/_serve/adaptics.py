@@ -15,9 +15,10 @@ from typing import Any
 
 import numpy as np
 
+from .._boards.errors import BoardError
 from .._midair import SceneError
 from .._support.arguments import flag, json_object, number, refused, word
-from .playing import Frame, Live, Wanted
+from .live import Frame, Live, Wanted
 from .tacton import Matrix, Moment, Tacton, Touch
 
 #: Largest number of characters of an error message to a client: the message may quote data from the client.
@@ -169,8 +170,6 @@ class Client:
 
     def talk(self) -> None:
         """Execute the client's messages until the connection closes."""
-        from .errors import BoardError
-
         self._player.join(self)
         threading.Thread(target=self._report, daemon=True).start()
         try:

@@ -1,0 +1,1 @@
+"""Serve: plays points that other programs on this machine send by WebSocket and OSC (`midair serve`)."""
