@@ -195,10 +195,10 @@ def test_midair_serve_gets_points_by_osc_and_then_off(program: Callable[..., str
 def test_midair_serve_plays_what_it_gets(program: Callable[..., str]) -> None:
     pytest.importorskip("websockets")
     pytest.importorskip("pythonosc")
-    from midair._boards.doors import Doors
-    from midair._boards.playing import SILENCE, Live
+    from midair._serve.live import SILENCE, Live
+    from midair._serve.server import PointServer
 
-    with midair.connect("sonicsurface:loop", hold=SILENCE) as board, Doors(Live(board)) as doors:
+    with midair.connect("sonicsurface:loop", hold=SILENCE) as board, PointServer(Live(board)) as server:
         states = []
         watching = threading.Event()
 
@@ -208,7 +208,7 @@ def test_midair_serve_plays_what_it_gets(program: Callable[..., str]) -> None:
 
         watcher = threading.Thread(target=watch)
         watcher.start()
-        program("play", "sonicsurface", f"osc://127.0.0.1:{doors.osc} token {doors.token}")
+        program("play", "sonicsurface", f"osc://127.0.0.1:{server.osc} token {server.token}")
         watching.set()
         watcher.join()
         assert {*states} == {"off", "playing"}
