@@ -1,9 +1,9 @@
 /** midair in Node and browsers: scenes that are solved, evaluated and played. */
 
-import { compile, type Door, openDoor } from "../studio/src/door.ts";
+import { compile, type Door, openDoor } from "../studio/src/work/door.ts";
 
-export type { Answer, BoardKind, Catalogue, Door, Frame, Metrics, Preset, Probe, Solver } from "../studio/src/door.ts";
-export type { Vec3 } from "../studio/src/types.ts";
+export type { Answer, BoardKind, Catalogue, Door, Frame, Metrics, Preset, Probe, Solver } from "../studio/src/work/door.ts";
+export type { Vec3 } from "../studio/src/state/types.ts";
 
 /** The text of a scene file, or its content as an object. */
 export type SceneFile = string | object;

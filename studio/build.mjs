@@ -73,7 +73,7 @@ await build({
     outDir: `${out}/widget`,
     emptyOutDir: true,
     target: "es2022",
-    lib: { entry: `${here}/src/widget.ts`, formats: ["es"], fileName: () => "widget.mjs" },
+    lib: { entry: `${here}/src/app/widget.ts`, formats: ["es"], fileName: () => "widget.mjs" },
   },
 });
 await cp(`${out}/widget/widget.mjs`, `${out}/widget.mjs`);

@@ -12,7 +12,7 @@ FILES = {
     "widget.mjs": b"export default { render() {} };",
 }
 
-#: A message from the page to Python; its type is in studio/src/types.ts.
+#: A message from the page to Python; its type is in studio/src/state/types.ts.
 STATE = {
     "array": {"preset": "autd3", "tiles": [2, 2]},
     "quantization": "board",

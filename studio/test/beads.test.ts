@@ -3,11 +3,11 @@ import { readFileSync } from "node:fs";
 
 import { expect, test } from "vitest";
 
-import { type BeadFlight, balls, beadsAt, fateOf } from "../src/beads.ts";
-import { compile, openDoor } from "../src/door.ts";
-import { framesOf } from "../src/paths.ts";
-import type { Vec3 } from "../src/types.ts";
-import { say, type Word } from "../src/words.ts";
+import { type BeadFlight, balls, beadsAt, fateOf } from "../src/app/beads.ts";
+import { compile, openDoor } from "../src/work/door.ts";
+import { framesOf } from "../src/making/paths.ts";
+import type { Vec3 } from "../src/state/types.ts";
+import { say, type Word } from "../src/app/words.ts";
 
 const door = openDoor(await compile(readFileSync(`${import.meta.dirname}/../built/midair.wasm`)));
 const english = (word: Word, put = {}) => say("en", word, put);

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { along, type Camera, fit, lift, project, ray, slide } from "../src/painter/camera.ts";
 import { makeView } from "../src/painter/view.ts";
-import type { Vec3 } from "../src/types.ts";
+import type { Vec3 } from "../src/state/types.ts";
 import { square } from "./field.ts";
 
 const camera: Camera = { target: [0.01, -0.02, 0.1], yaw: 0.7, pitch: 0.45, distance: 0.6 };

@@ -1,10 +1,10 @@
 // Invalid values given to the page are rejected with a message of one line; every scene of the gallery is valid.
 import { expect, test } from "vitest";
 
-import { faultOf } from "../src/check.ts";
-import { gallery } from "../src/gallery.ts";
-import { initial } from "../src/initial.ts";
-import type { State } from "../src/types.ts";
+import { faultOf } from "../src/state/check.ts";
+import { gallery } from "../src/state/gallery.ts";
+import { initial } from "../src/state/initial.ts";
+import type { State } from "../src/state/types.ts";
 
 const names = ["paper36", "autd3", "sonicsurface", "sonicsurface_pair", "openmpd_pair"];
 const catalogue = {

@@ -4,8 +4,8 @@ import { readFileSync, readdirSync } from "node:fs";
 
 import { expect, test } from "vitest";
 
-import { type Door, compile, openDoor } from "../src/door.ts";
-import { boardOf } from "../src/serial.ts";
+import { type Door, compile, openDoor } from "../src/work/door.ts";
+import { boardOf } from "../src/boards/serial.ts";
 
 const here = import.meta.dirname;
 const module = await compile(readFileSync(`${here}/../built/midair.wasm`));

@@ -1,6 +1,6 @@
 /** A field for tests: the sum of e^{jkr}/r of N transducers. */
 
-import type { Lattice, Vec3 } from "../src/types.ts";
+import type { Lattice, Vec3 } from "../src/state/types.ts";
 
 export const WAVELENGTH = 8.5e-3;
 

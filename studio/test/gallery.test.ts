@@ -1,8 +1,8 @@
 import { expect, test } from "vitest";
-import { gallery } from "../src/gallery.ts";
-import { MOST_POINTS } from "../src/initial.ts";
-import { readLink, writeLink } from "../src/link.ts";
-import { sceneOf, stateOf } from "../src/scene_file.ts";
+import { gallery } from "../src/state/gallery.ts";
+import { MOST_POINTS } from "../src/state/initial.ts";
+import { readLink, writeLink } from "../src/state/link.ts";
+import { sceneOf, stateOf } from "../src/state/scene_file.ts";
 
 test("there are eight scenes of different names", () => {
   expect(gallery).toHaveLength(8);

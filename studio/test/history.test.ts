@@ -1,8 +1,8 @@
 // Undo: a gesture is one step, and the last undo returns the very first state.
 import { expect, test } from "vitest";
 
-import { createHistory } from "../src/history.ts";
-import { initial } from "../src/initial.ts";
+import { createHistory } from "../src/state/history.ts";
+import { initial } from "../src/state/initial.ts";
 
 const warmer = (temperature: number) => ({ ...initial, temperature });
 

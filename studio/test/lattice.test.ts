@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { sample, sampleAt } from "../src/painter/lattice.ts";
-import type { Lattice, Vec3 } from "../src/types.ts";
+import type { Lattice, Vec3 } from "../src/state/types.ts";
 import { focused, plane, pressure, square, WAVELENGTH } from "./field.ts";
 
 test("the spline is within 0.3 % of the peak of the exact field", () => {

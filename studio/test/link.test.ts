@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
-import { initial } from "../src/initial.ts";
-import { readLink, writeLink } from "../src/link.ts";
-import type { State, Vec3 } from "../src/types.ts";
+import { initial } from "../src/state/initial.ts";
+import { readLink, writeLink } from "../src/state/link.ts";
+import type { State, Vec3 } from "../src/state/types.ts";
 import { generator, randomState } from "./random.ts";
 
 const round = (x: number) => Math.round(x * 1e5) / 1e5;

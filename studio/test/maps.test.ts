@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { colour, entry, mapOf, modulusAt, shade, TABLES, ticks, tone } from "../src/painter/maps.ts";
-import type { Look } from "../src/types.ts";
+import type { Look } from "../src/state/types.ts";
 import { lab } from "./lab.ts";
 
 const look = (scale: Look["scale"], top = 6900): Look => ({ quantity: "modulus", scale, top, turn: 0, theme: "dark" });

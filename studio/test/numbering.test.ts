@@ -1,7 +1,7 @@
 // Numbers of points: a number that has space covers no ring and no other number, wherever the rings are.
 import { expect, test } from "vitest";
 
-import { number } from "../src/numbering.ts";
+import { number } from "../src/app/numbering.ts";
 import { generator } from "./random.ts";
 
 test("a single ring's number is free, to its right and above", () => {

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
-import { framesOf } from "../src/paths.ts";
-import type { Vec3 } from "../src/types.ts";
+import { framesOf } from "../src/making/paths.ts";
+import type { Vec3 } from "../src/state/types.ts";
 
 const POINTS: Vec3[] = [[0, 0, 0.1], [0.02, 0.01, 0.2]];
 

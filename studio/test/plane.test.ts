@@ -1,8 +1,8 @@
 import { expect, test } from "vitest";
-import { initial } from "../src/initial.ts";
-import { gridOf } from "../src/lattices.ts";
-import { following, middleOf, onPlane, placeOn, planesOf } from "../src/plane.ts";
-import { AXES, type State, type Vec3 } from "../src/types.ts";
+import { initial } from "../src/state/initial.ts";
+import { gridOf } from "../src/work/lattices.ts";
+import { following, middleOf, onPlane, placeOn, planesOf } from "../src/state/plane.ts";
+import { AXES, type State, type Vec3 } from "../src/state/types.ts";
 
 const planes = AXES.map((axis): State["plane"] => ({ axis, z: 0.15, size: 0.2, center: [0.01, -0.02] }));
 

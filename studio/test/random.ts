@@ -1,7 +1,7 @@
 /** Random states for tests: the same seed gives the same states. */
 
-import { AXES, LEVELS, QUANTITIES, SCALES, VIEWS } from "../src/types.ts";
-import type { Obstacle, State, Vec3 } from "../src/types.ts";
+import { AXES, LEVELS, QUANTITIES, SCALES, VIEWS } from "../src/state/types.ts";
+import type { Obstacle, State, Vec3 } from "../src/state/types.ts";
 
 /** Returns a generator of numbers in [0, 1), mulberry32. */
 export function generator(seed: number): () => number {

@@ -4,8 +4,8 @@ import { readFileSync } from "node:fs";
 
 import { expect, test } from "vitest";
 
-import { compile, openDoor } from "../src/door.ts";
-import { plain, report } from "../src/refusals.ts";
+import { compile, openDoor } from "../src/work/door.ts";
+import { plain, report } from "../src/app/refusals.ts";
 
 const door = openDoor(await compile(readFileSync(`${import.meta.dirname}/../built/midair.wasm`)));
 
@@ -52,26 +52,26 @@ const MESSAGES = `${import.meta.dirname}/../src`;
 
 /** The source file of a message, a part of it as written there, the message, and its beginning in Japanese. */
 test.each([
-  ["exchange.ts", "give .toml, .json", "a.txt: give .toml, .json, .csv, .svg, .png or .jpg", "a.txt: 開けるファイルは .toml"],
-  ["scene_file.ts", "the page has at most", "points is 80: the page has at most 64", "点が 80 個あります: "],
-  ["scene_file.ts", "the page has ${", 'array.mask is [true]: the page has "no place for it", use the package', "array.mask ([true]) はこのページでは"],
-  ["door.ts", "rows: give at most", "a.csv: 9000 rows: give at most 4096", "a.csv: 振動子が 9000 個あります: 4096 個"],
-  ["drawing.ts", "is larger than 2 MB", "the drawing is larger than 2 MB: give an SVG file", "図形が大きすぎます: 2 MB 以下"],
-  ["drawing.ts", "elements", "the drawing has more than 500 elements: give an SVG", "図形の要素が多すぎます: 500 個以下"],
-  ["drawing.ts", "cannot be read", "a.svg: the drawing cannot be read: give an SVG", "a.svg: SVG として読めません"],
-  ["drawing.ts", "has a script or", "the drawing has a script or a page in it: give an SVG", "SVG にスクリプト"],
-  ["drawing.ts", "has no lines", "the drawing has no lines: give an SVG", "図形に線がありません"],
-  ["pixels.ts", "it cannot be read as a picture: ", "a.png: it cannot be read as a picture: give a PNG or JPEG", "a.png: 画像として読めません"],
-  ["pixels.ts", "it is dark everywhere (", "it is dark everywhere (black or transparent): give white on black", "画像に明るいところがありません"],
-  ["lettering.ts", 'the text has "', 'the text has "~": give A to Z', "「~」は描けません"],
-  ["lettering.ts", "the text is empty: ", "the text is empty: give at least a letter", "文字がありません"],
-  ["link.ts", 'the link has a broken "%": ', 'the link has a broken "%": copy it once more', "リンクが壊れています"],
-  ["recording.ts", "this browser records no WebM: ", "this browser records no WebM: choose GIF", "このブラウザでは WebM に"],
-  ["door.ts", "this browser cannot run midair (", "this browser cannot run midair (x): WebAssembly with SIMD is needed", "このブラウザでは midair を"],
-  ["serial.ts", "cannot be opened (", "the port of sonicsurface cannot be opened (x): plug the board in", "sonicsurface のポートを開けません (x): "],
-  ["serial.ts", "it was unplugged", "the port of sonicsurface is gone (it was unplugged): the board was turned off, connect again", "sonicsurface との接続が切れました (取り外されました): ボードは停止しました"],
-  ["serial.ts", "it takes nothing", "the port of sonicsurface is gone (it takes nothing): the board may still play, switch", "sonicsurface との接続が切れました (応答がありません): 出力が続いて"],
-  ["serial.ts", "cannot play this (", "sonicsurface cannot play this (x): it is off", "sonicsurface では出力できません (x): "],
+  ["app/exchange.ts", "give .toml, .json", "a.txt: give .toml, .json, .csv, .svg, .png or .jpg", "a.txt: 開けるファイルは .toml"],
+  ["state/scene_file.ts", "the page has at most", "points is 80: the page has at most 64", "点が 80 個あります: "],
+  ["state/scene_file.ts", "the page has ${", 'array.mask is [true]: the page has "no place for it", use the package', "array.mask ([true]) はこのページでは"],
+  ["work/door.ts", "rows: give at most", "a.csv: 9000 rows: give at most 4096", "a.csv: 振動子が 9000 個あります: 4096 個"],
+  ["making/drawing.ts", "is larger than 2 MB", "the drawing is larger than 2 MB: give an SVG file", "図形が大きすぎます: 2 MB 以下"],
+  ["making/drawing.ts", "elements", "the drawing has more than 500 elements: give an SVG", "図形の要素が多すぎます: 500 個以下"],
+  ["making/drawing.ts", "cannot be read", "a.svg: the drawing cannot be read: give an SVG", "a.svg: SVG として読めません"],
+  ["making/drawing.ts", "has a script or", "the drawing has a script or a page in it: give an SVG", "SVG にスクリプト"],
+  ["making/drawing.ts", "has no lines", "the drawing has no lines: give an SVG", "図形に線がありません"],
+  ["making/pixels.ts", "it cannot be read as a picture: ", "a.png: it cannot be read as a picture: give a PNG or JPEG", "a.png: 画像として読めません"],
+  ["making/pixels.ts", "it is dark everywhere (", "it is dark everywhere (black or transparent): give white on black", "画像に明るいところがありません"],
+  ["making/lettering.ts", 'the text has "', 'the text has "~": give A to Z', "「~」は描けません"],
+  ["making/lettering.ts", "the text is empty: ", "the text is empty: give at least a letter", "文字がありません"],
+  ["state/link.ts", 'the link has a broken "%": ', 'the link has a broken "%": copy it once more', "リンクが壊れています"],
+  ["app/recording.ts", "this browser records no WebM: ", "this browser records no WebM: choose GIF", "このブラウザでは WebM に"],
+  ["work/door.ts", "this browser cannot run midair (", "this browser cannot run midair (x): WebAssembly with SIMD is needed", "このブラウザでは midair を"],
+  ["boards/serial.ts", "cannot be opened (", "the port of sonicsurface cannot be opened (x): plug the board in", "sonicsurface のポートを開けません (x): "],
+  ["boards/serial.ts", "it was unplugged", "the port of sonicsurface is gone (it was unplugged): the board was turned off, connect again", "sonicsurface との接続が切れました (取り外されました): ボードは停止しました"],
+  ["boards/serial.ts", "it takes nothing", "the port of sonicsurface is gone (it takes nothing): the board may still play, switch", "sonicsurface との接続が切れました (応答がありません): 出力が続いて"],
+  ["boards/serial.ts", "cannot play this (", "sonicsurface cannot play this (x): it is off", "sonicsurface では出力できません (x): "],
 ])("%s: %s", (file, words, line, japanese) => {
   expect(readFileSync(`${MESSAGES}/${file}`, "utf8")).toContain(words);
   const shown = report("ja", "failed", { line });

@@ -1,8 +1,8 @@
 import { expect, test } from "vitest";
-import { initial } from "../src/initial.ts";
-import { sceneOf, stateOf } from "../src/scene_file.ts";
-import type { SceneFile } from "../src/scene_file.ts";
-import type { State, Vec3 } from "../src/types.ts";
+import { initial } from "../src/state/initial.ts";
+import { sceneOf, stateOf } from "../src/state/scene_file.ts";
+import type { SceneFile } from "../src/state/scene_file.ts";
+import type { State, Vec3 } from "../src/state/types.ts";
 import { generator, randomState } from "./random.ts";
 
 test("states survive, but for what a scene has no place for", () => {

@@ -1,6 +1,6 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import { attended, connect, guard } from "../src/serial.ts";
-import type { Player, SerialBoard } from "../src/serial.ts";
+import { attended, connect, guard } from "../src/boards/serial.ts";
+import type { Player, SerialBoard } from "../src/boards/serial.ts";
 
 const SURFACE = { name: "sonicsurface", baud: 230400, restarts: false };
 const SILENCE = Uint8Array.of(0, 0);

@@ -2,10 +2,10 @@ import { readFileSync } from "node:fs";
 
 import { expect, test } from "vitest";
 
-import type { Contour } from "../src/contours.ts";
-import { compile, openDoor } from "../src/door.ts";
-import { letters } from "../src/lettering.ts";
-import type { Vec3 } from "../src/types.ts";
+import type { Contour } from "../src/making/contours.ts";
+import { compile, openDoor } from "../src/work/door.ts";
+import { letters } from "../src/making/lettering.ts";
+import type { Vec3 } from "../src/state/types.ts";
 
 const door = openDoor(await compile(readFileSync(`${import.meta.dirname}/../built/midair.wasm`)));
 

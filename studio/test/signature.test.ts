@@ -3,13 +3,13 @@ import { readFileSync } from "node:fs";
 
 import { expect, test } from "vitest";
 
-import { compile, openDoor } from "../src/door.ts";
-import { initial } from "../src/initial.ts";
-import { readLink, writeLink } from "../src/link.ts";
-import { added, removed } from "../src/points.ts";
-import { sceneOf, stateOf } from "../src/scene_file.ts";
-import { isTrap, signatureOf } from "../src/signature.ts";
-import type { State } from "../src/types.ts";
+import { compile, openDoor } from "../src/work/door.ts";
+import { initial } from "../src/state/initial.ts";
+import { readLink, writeLink } from "../src/state/link.ts";
+import { added, removed } from "../src/state/points.ts";
+import { sceneOf, stateOf } from "../src/state/scene_file.ts";
+import { isTrap, signatureOf } from "../src/state/signature.ts";
+import type { State } from "../src/state/types.ts";
 
 const state: State = { ...initial, array: { preset: "openmpd_pair", tiles: [1, 1] }, points: [[-0.02, 0, 0], [0.02, 0, 0], [0, 0.02, 0]], pressures: null, filled: [], signature: "trap.focus.vortex" };
 

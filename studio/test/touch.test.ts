@@ -1,15 +1,15 @@
 // The touch of a skin: the slice on which it lies, its limits, the colour bar and the sentence about it.
 import { expect, test } from "vitest";
 
-import { initial } from "../src/initial.ts";
-import { readLink, writeLink } from "../src/link.ts";
-import { sentenceOf } from "../src/numbers.ts";
+import { initial } from "../src/state/initial.ts";
+import { readLink, writeLink } from "../src/state/link.ts";
+import { sentenceOf } from "../src/app/numbers.ts";
 import { colour, ticks } from "../src/painter/maps.ts";
-import { lengthOf } from "../src/paths.ts";
-import { limitsOf } from "../src/skin.ts";
-import type { View } from "../src/studio.ts";
-import { skinPlane, touchOf } from "../src/touch.ts";
-import type { Look, Path, State, TouchQuantity } from "../src/types.ts";
+import { lengthOf } from "../src/making/paths.ts";
+import { limitsOf } from "../src/work/skin.ts";
+import type { View } from "../src/work/studio.ts";
+import { skinPlane, touchOf } from "../src/work/touch.ts";
+import type { Look, Path, State, TouchQuantity } from "../src/state/types.ts";
 
 const circle: Path = { kind: "circle", radius: 0.02, frequency: 56 };
 const state = (partial: Partial<State>): State => ({ ...initial, path: circle, ...partial });

@@ -4,8 +4,8 @@ import { readFileSync, readdirSync } from "node:fs";
 
 import { expect, test } from "vitest";
 
-import { gallery } from "../src/gallery.ts";
-import { WORDS, say } from "../src/words.ts";
+import { gallery } from "../src/state/gallery.ts";
+import { WORDS, say } from "../src/app/words.ts";
 
 const SOURCES = `${import.meta.dirname}/../src`;
 const read = (name: string) => readFileSync(`${SOURCES}/${name}`, "utf8");
@@ -22,7 +22,7 @@ test("what is put in stands there", () => {
 });
 
 test("no key is there twice, and each is used", () => {
-  const keys = [...read("words.json").matchAll(/^ {2}"(\w+)":/gm)].map((found) => found[1]);
+  const keys = [...read("app/words.json").matchAll(/^ {2}"(\w+)":/gm)].map((found) => found[1]);
   expect(keys).toEqual([...new Set(keys)]);
   const files = readdirSync(SOURCES, { recursive: true }).map(String);
   const sources = files.filter((name) => name.endsWith(".ts")).map(read).join("\n");

@@ -76,7 +76,7 @@ def scene_text(what: Scene | Solution) -> str:
 
 
 def shown_scene(state: dict[str, Any]) -> Scene:
-    """Return the scene of a page's State (studio/src/types.ts), with its method A as the solver."""
+    """Return the scene of a page's State (studio/src/state/types.ts), with its method A as the solver."""
     array, pressures = state["array"], state["pressures"]
     named = ("preset", "tiles") if "preset" in array else ("positions", "normals")
     document = {

@@ -14,7 +14,7 @@ class Widget(anywidget.AnyWidget):
     wasm = traitlets.Bytes().tag(sync=True)
     #: Text of a scene file as JSON. The page shows each change.
     scene = traitlets.Unicode().tag(sync=True)
-    #: The page's State (studio/src/types.ts) as JSON, after each change; "" until the page has started.
+    #: The page's State (studio/src/state/types.ts) as JSON, after each change; "" until the page has started.
     state = traitlets.Unicode().tag(sync=True)
     #: Metrics by method.
     metrics = traitlets.Dict().tag(sync=True)

@@ -1,6 +1,6 @@
 /** The camera of the 3-D view: it turns around a target, with perspective; z is up. */
 
-import type { Axis, Vec3 } from "../types.ts";
+import type { Axis, Vec3 } from "../state/types.ts";
 
 /** `yaw` in rad (0: looks along +y, with x to the right), `pitch` in rad (pi/2: looks down from above). */
 export interface Camera {

@@ -1,6 +1,6 @@
 /** The painter for browsers without WebGL2: slices pixel by pixel, the 3-D view as dots and lines. */
 
-import type { Lattice, Look, Vec3 } from "../types.ts";
+import type { Lattice, Look, Vec3 } from "../state/types.ts";
 import { project } from "./camera.ts";
 import { sampleAt } from "./lattice.ts";
 import { colour } from "./maps.ts";

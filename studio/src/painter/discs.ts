@@ -1,6 +1,6 @@
 /** The transducers: small shaded cylinders, grey and pulsing with the wave, or in the colours of their phases. */
 
-import { changes } from "../changes.ts";
+import { changes } from "../state/changes.ts";
 import { COLOUR, type FieldPainter } from "./field.ts";
 import { type Gl, LOOK_UP, type Program, program, vectors } from "./gl.ts";
 import type { Picture } from "./picture.ts";

@@ -1,6 +1,6 @@
 /** The field on the graphics card: textures of spline coefficients and of colour maps, and the slices drawn with them. */
 
-import { SCALES, SHADES, type Lattice, type Look } from "../types.ts";
+import { SCALES, SHADES, type Lattice, type Look } from "../state/types.ts";
 import { type Gl, type Program, program, texture } from "./gl.ts";
 import { coefficients } from "./lattice.ts";
 import { mapOf, RANGE, TABLES } from "./maps.ts";

@@ -1,6 +1,6 @@
 /** Short texts at places of the 3-D view, drawn once by a 2-D canvas. */
 
-import type { Vec3 } from "../types.ts";
+import type { Vec3 } from "../state/types.ts";
 import { type Gl, LOOK_UP, program, texture, vectors } from "./gl.ts";
 import type { Ink } from "./lines.ts";
 import { aim, type View } from "./view.ts";

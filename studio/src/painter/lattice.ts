@@ -4,7 +4,7 @@
 // errors of a fraction of a per cent. |p| has kinks at its zeros and must not be interpolated. The coefficients are computed
 // here once per field; `sampleAt` and the shaders then sum 4 x 4 of them.
 
-import type { Lattice, Vec3 } from "../types.ts";
+import type { Lattice, Vec3 } from "../state/types.ts";
 
 /**
  * Replaces n values (with this stride, from `start`) at slots 1 to n by the n + 2 coefficients of their spline, at slots 0 to n

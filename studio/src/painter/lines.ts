@@ -2,7 +2,7 @@
 
 import { type Gl, LOOK_UP, program, vectors } from "./gl.ts";
 import { aim, type View } from "./view.ts";
-import type { Vec3 } from "../types.ts";
+import type { Vec3 } from "../state/types.ts";
 
 /** Red, green, blue, opacity, all 0 to 1. */
 export type Ink = [number, number, number, number];

@@ -1,7 +1,7 @@
 /** Colour maps, and how p becomes a colour: the same arithmetic as in the shaders, for all other code. */
 
 import colours from "../../../python/midair/_pictures/colours.json";
-import type { Look } from "../types.ts";
+import type { Look } from "../state/types.ts";
 
 /** The range of the decibel scale below its top, in dB. */
 export const RANGE = 30;

@@ -1,6 +1,6 @@
 /** The painter: one WebGL2 context for one canvas behind the page, with any number of views on it. */
 
-import type { Lattice, Vec3 } from "../types.ts";
+import type { Lattice, Vec3 } from "../state/types.ts";
 import { along, dot } from "./camera.ts";
 import { canRadius, createDiscs, HEIGHT } from "./discs.ts";
 import { ALL, createField, type Part } from "./field.ts";

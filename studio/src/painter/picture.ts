@@ -1,6 +1,6 @@
 /** Picture: the content that a painter draws, with WebGL2 (`createPainter`) or without (`createFlat`). */
 
-import type { Lattice, Look, Obstacle, Shade, Vec3, Volume } from "../types.ts";
+import type { Lattice, Look, Obstacle, Shade, Vec3, Volume } from "../state/types.ts";
 import type { Camera } from "./camera.ts";
 
 /** A rectangle of the page, in CSS px from its upper left corner. */

@@ -1,6 +1,6 @@
 /** Obstacles: shaded spheres, and walls as translucent squares near the scene. */
 
-import type { Obstacle, Vec3 } from "../types.ts";
+import type { Obstacle, Vec3 } from "../state/types.ts";
 import { along, dot } from "./camera.ts";
 import { type Gl, program } from "./gl.ts";
 import { type Line, outline } from "./lines.ts";

@@ -1,6 +1,6 @@
 /** Stage: the axes with their marks, the vertical lines below points, and a bar of one wavelength. */
 
-import type { Vec3 } from "../types.ts";
+import type { Vec3 } from "../state/types.ts";
 import { along, type Camera, dot, frame } from "./camera.ts";
 import type { Label } from "./labels.ts";
 import { type Ink, type Line, outline, ring } from "./lines.ts";

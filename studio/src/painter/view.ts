@@ -3,7 +3,7 @@
 import { type Camera, FOCAL, frame } from "./camera.ts";
 import type { Gl, Program } from "./gl.ts";
 import type { Box } from "./picture.ts";
-import type { Vec3 } from "../types.ts";
+import type { Vec3 } from "../state/types.ts";
 
 /** Left, bottom, width, height of a part of the canvas, in device px. */
 export type Area = [number, number, number, number];

@@ -1,10 +1,10 @@
 /** The volume of |p| as a glow: each ray sums samples of a 3-D texture, front to back. */
 
-import type { Look, Obstacle, Vec3, Volume } from "../types.ts";
+import type { Look, Obstacle, Vec3, Volume } from "../state/types.ts";
 import { dot } from "./camera.ts";
 import { COLOUR, type FieldPainter } from "./field.ts";
 import { modulusAt } from "./maps.ts";
-import { changes } from "../changes.ts";
+import { changes } from "../state/changes.ts";
 import { type Gl, program, texture } from "./gl.ts";
 import { aim, enter, type View } from "./view.ts";
 

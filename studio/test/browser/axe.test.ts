@@ -5,7 +5,7 @@ import { createRequire } from "node:module";
 import type { Page } from "playwright-core";
 import { expect, test } from "vitest";
 
-import { LEVELS } from "../../src/types.ts";
+import { LEVELS } from "../../src/state/types.ts";
 import { shared } from "./setup.ts";
 import { visit } from "./site.ts";
 

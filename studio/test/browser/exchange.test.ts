@@ -5,7 +5,7 @@ import { gzipSync } from "node:zlib";
 import type { Page } from "playwright-core";
 import { beforeEach, expect, test } from "vitest";
 
-import type { Vec3 } from "../../src/types.ts";
+import type { Vec3 } from "../../src/state/types.ts";
 import { shared } from "./setup.ts";
 import { built, EIGHT, fromMenu, launch, ready, visit } from "./site.ts";
 

@@ -2,8 +2,8 @@
 import type { Page } from "playwright-core";
 import { expect, test } from "vitest";
 
-import { first } from "../../src/initial.ts";
-import type { State } from "../../src/types.ts";
+import { first } from "../../src/state/initial.ts";
+import type { State } from "../../src/state/types.ts";
 import { shared } from "./setup.ts";
 import { visit } from "./site.ts";
 

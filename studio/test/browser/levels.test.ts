@@ -2,7 +2,7 @@
 import type { Locator, Page } from "playwright-core";
 import { expect, test } from "vitest";
 
-import { WORDS } from "../../src/words.ts";
+import { WORDS } from "../../src/app/words.ts";
 import { shared } from "./setup.ts";
 import { EIGHT, visit } from "./site.ts";
 

@@ -3,7 +3,7 @@
 import type { Page } from "playwright-core";
 import { expect, test } from "vitest";
 
-import { gallery } from "../../src/gallery.ts";
+import { gallery } from "../../src/state/gallery.ts";
 import { shared } from "./setup.ts";
 import { visit } from "./site.ts";
 

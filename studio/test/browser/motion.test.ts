@@ -4,7 +4,7 @@ import { readFile } from "node:fs/promises";
 import type { Page } from "playwright-core";
 import { beforeEach, expect, test } from "vitest";
 
-import type { Vec3 } from "../../src/types.ts";
+import type { Vec3 } from "../../src/state/types.ts";
 import { shared } from "./setup.ts";
 import { unfold, visit } from "./site.ts";
 

@@ -2,7 +2,7 @@
 import type { Page } from "playwright-core";
 import { beforeEach, expect, test } from "vitest";
 
-import type { Vec3 } from "../../src/types.ts";
+import type { Vec3 } from "../../src/state/types.ts";
 import { shared } from "./setup.ts";
 import { EIGHT, grab, point as pointOf, unfold, visit } from "./site.ts";
 

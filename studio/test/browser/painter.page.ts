@@ -5,7 +5,7 @@ import { sampleAt } from "../../src/painter/lattice.ts";
 import { colour } from "../../src/painter/maps.ts";
 import { createPainter } from "../../src/painter/painter.ts";
 import type { Painter } from "../../src/painter/picture.ts";
-import { type Look, SCALES } from "../../src/types.ts";
+import { type Look, SCALES } from "../../src/state/types.ts";
 import { focused, plane, square } from "../field.ts";
 
 function canvas(): HTMLCanvasElement {

@@ -3,7 +3,7 @@ import type { Page } from "playwright-core";
 import { beforeEach, expect, test } from "vitest";
 
 import { colour, entry } from "../../src/painter/maps.ts";
-import type { Look, Vec3 } from "../../src/types.ts";
+import type { Look, Vec3 } from "../../src/state/types.ts";
 import { shared } from "./setup.ts";
 import { EIGHT, grab, visit } from "./site.ts";
 

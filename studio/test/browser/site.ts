@@ -7,7 +7,7 @@ import { extname, join, normalize } from "node:path";
 
 import { type Browser, type BrowserContextOptions, type Page, chromium } from "playwright-core";
 
-import type { Hook } from "../../src/hook.ts";
+import type { Hook } from "../../src/app/hook.ts";
 
 declare global {
   interface Window {

@@ -2,7 +2,7 @@
 import type { Page } from "playwright-core";
 import { beforeEach, expect, test } from "vitest";
 
-import type { State, Vec3 } from "../../src/types.ts";
+import type { State, Vec3 } from "../../src/state/types.ts";
 import { shared } from "./setup.ts";
 import { grab, point, visit } from "./site.ts";
 

@@ -1,0 +1,43 @@
+/** Beads: their places in moving traps, and sentences about them. */
+
+import type { Context } from "./context.ts";
+import type { Flight } from "../work/door.ts";
+import type { Obstacle, Vec3 } from "../state/types.ts";
+
+/** The flight of a bead, and the point, from 0, whose trap it is in. */
+export type BeadFlight = Flight & { point: number };
+
+/** Radius of the core's default bead in m. */
+const RADIUS = 1e-3;
+
+/** The smallest radius of a drawn bead, in px. */
+const LEAST = 4.5;
+
+/** The most lost beads that are named; the others are counted. */
+const NAMED = 3;
+
+/** Returns the places of the beads that are not lost, at a frame counted over all laps; the last of the laps, of `turn` frames, repeats. */
+export function beadsAt(flights: Flight[], frame: number, turn: number): Vec3[] {
+  return flights.flatMap(({ places }) => {
+    const count = places.length / 3;
+    const at = 3 * (frame < count ? frame : count - turn + (frame % turn));
+    const place = [...places.subarray(at, at + 3)] as Vec3;
+    return Number.isNaN(place[0]) ? [] : [place];
+  });
+}
+
+/** Returns beads as obstacles, which the painter draws; `pixel` returns the length of a pixel in m at a place. */
+export const balls = (places: Vec3[], pixel: (place: Vec3) => number): Obstacle[] =>
+  places.map((center) => ({ center, radius: Math.max(RADIUS, LEAST * pixel(center)), kind: "rigid" }));
+
+/** Returns sentences: which beads are lost and when, and how far the others are from their path at most. */
+export function fateOf(flights: BeadFlight[], say: Context["say"]): string[] {
+  const lost = flights.flatMap(({ lost, point }) => (Number.isNaN(lost) ? [] : [{ n: point + 1, lost }])).sort((a, b) => a.lost - b.lost);
+  const most = Math.max(...flights.filter(({ lost }) => Number.isNaN(lost)).map(({ farthest }) => farthest));
+  const far = { most: (1000 * most).toFixed(2) };
+  if (!lost.length) return [say(flights.length === 1 ? "beadStays" : "beadsStay", far)];
+  const named = lost.slice(0, NAMED).map(({ n, lost }) => say("beadLost", { n, ms: (1000 * lost).toFixed(0) }));
+  if (lost.length > NAMED) named.push(say("moreLost", { count: lost.length - NAMED }));
+  if (lost.length < flights.length) named.push(say("othersStay", far));
+  return named;
+}

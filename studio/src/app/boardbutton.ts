@@ -1,0 +1,100 @@
+/** The button of the board: connect, play, turn off. */
+
+import type { Context } from "./context.ts";
+import { element, write } from "./dom.ts";
+import { type Player, type PlayerState, type SerialBoard, type SerialPortLike, attended, boardOf, connect, guard } from "../boards/serial.ts";
+import { createServed, fits } from "../boards/served.ts";
+import { shownOf } from "../work/studio.ts";
+
+/** The part of `navigator` that browsers with WebSerial have. */
+type WithSerial = Navigator & { serial?: { requestPort(): Promise<SerialPortLike> } };
+
+/** Makes the button: it requests a port, plays the drive of slot A, and turns the board off. */
+export function createBoardButton(context: Context): HTMLElement {
+  const { studio, engine, say, board: served } = context;
+  const away = served ? say("playOn", { name: served.name }) : say("connect");
+  const button = element("button", { className: "board" }, away);
+  let player: Player | null = null;
+  let unguard = () => undefined as void;
+  /** The drive that the board plays, or will play next. */
+  let given: Float32Array | null = null;
+
+  /** Returns a function that connects the served board, or a board at a port that the user chooses. */
+  async function reach(): Promise<(() => Promise<Player>) | void> {
+    if (served) return async () => createServed(served.name, report);
+    const { serial } = navigator as WithSerial;
+    if (!serial) return context.alarm(say("noSerial"));
+    const { array } = studio.view.state;
+    const board = "preset" in array ? boardOf(engine.catalogue, array.preset) : null;
+    if (!board) return context.alarm(say("noBoard"));
+    const address = location.href;
+    const port = await serial.requestPort();
+    // Meanwhile another page may have led this page to another address.
+    if (location.href === address) return () => open(port, board);
+  }
+
+  async function begin() {
+    const opening = await reach();
+    if (!opening) return;
+    const found = await attended(opening(), window, document);
+    player = found.player;
+    if (player.state === "gone") return forget();
+    unguard = guard(player, window, document);
+    // If the user left the page meanwhile, the board stays off until the button is pressed again.
+    if (found.present) play();
+    else show();
+  }
+
+  async function open(port: SerialPortLike, board: SerialBoard): Promise<Player> {
+    await studio.settled();
+    const silence = await engine.slots[0].silence(studio.scene(0), board.name);
+    const encode = (drive: Float32Array) => engine.slots[0].encode(studio.scene(0), drive, board.name);
+    return connect(port, board, encode, silence, report);
+  }
+
+  function report(state: PlayerState, line: string) {
+    if (line) context.alarm(say("failed", { line }));
+    if (state === "gone") forget();
+    show();
+  }
+
+  function forget() {
+    unguard();
+    player = null;
+    show();
+  }
+
+  function show() {
+    const plays = player?.state === "playing";
+    write(button, plays ? say("playing") : player ? say("playAgain") : away);
+    button.classList.toggle("on", plays);
+    context.announce(say(plays ? "boardOn" : "boardOff"));
+  }
+
+  function play() {
+    const drive = shownOf(studio.view)[0].answer?.drive;
+    if (!player || !drive) return;
+    if (served && !fits(served, studio.view.state.array)) {
+      context.alarm(say("otherArray", { name: served.name }));
+      return void player.off();
+    }
+    given = drive;
+    player.play(drive);
+  }
+
+  button.onclick = () => {
+    if (player?.state === "playing") void player.off();
+    else if (player) play();
+    else {
+      void begin().catch(({ name, message }: Error) => {
+        if (name !== "NotFoundError") context.alarm(say("failed", { line: message }));
+      });
+    }
+  };
+  context.ending(() => void player?.close());
+  context.listen(() => {
+    const drive = shownOf(studio.view)[0].answer?.drive;
+    if (player?.state === "playing" && (drive !== given || (served && !fits(served, studio.view.state.array)))) play();
+  });
+  return button;
+}

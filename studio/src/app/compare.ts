@@ -1,0 +1,190 @@
+/** Compare: two methods A and B, one slice that a movable line divides between them, and their metrics. */
+
+import { changes } from "../state/changes.ts";
+import { type Context } from "./context.ts";
+import { choice, element, explained, write } from "./dom.ts";
+import { MOST_POINTS } from "../state/initial.ts";
+import { createInstrument } from "./instrument.ts";
+import { numberRows, percent, pressure, type Row, sentenceOf, weakest } from "./numbers.ts";
+import { entry, mapOf, type Tick, ticks } from "../painter/maps.ts";
+import { onPlane, placeOn } from "../state/plane.ts";
+import { added, moved } from "../state/points.ts";
+import { MANY } from "./stage.ts";
+import { shownOf } from "../work/studio.ts";
+import { touchOf } from "../work/touch.ts";
+import type { Look, Slot, Vec3 } from "../state/types.ts";
+
+/** The page's elements for the comparison. */
+export interface Compare {
+  /** Both methods above one slice. A movable line (the wiper) divides it: A's field to its left, B's to its right. */
+  root: HTMLElement;
+  /** The element over which the painter paints the slice. */
+  slice: HTMLElement;
+  /** The part of the slice's width that shows A, 0 to 1. */
+  share(): number;
+  /** The table of metrics, and the warnings. */
+  numbers: HTMLElement[];
+  place(look: Look): void;
+}
+
+const SLOTS: Slot[] = [0, 1];
+
+/** Makes the elements of the comparison. */
+export function createCompare(context: Context): Compare {
+  const { studio, say, plain, engine } = context;
+  const state = () => studio.view.state;
+  const solvers = engine.catalogue.solvers.map(({ name }) => [name, name] as const);
+  const parts = SLOTS.map((slot) => {
+    const letter = "AB"[slot];
+    const method = choice(
+      solvers,
+      state().methods[slot],
+      (name) => studio.change({ methods: state().methods.map((old, k) => (k === slot ? name : old)) as [string, string] }),
+      { "aria-label": say("method", { slot: letter }) },
+    );
+    const badge = element("span", { className: `badge ${letter.toLowerCase()}` }, letter);
+    const summary = explained(element("p", { className: "summary" }), say("summaryTip"));
+    const refusal = element("p", { className: "refusal" });
+    const root = element("section", { className: "method", "aria-label": say("method", { slot: letter }) }, badge, method, summary, refusal);
+    return { root, method, summary, refusal };
+  });
+  const picture = element("div", { className: "slice", role: "img", "aria-label": say("slices") });
+  const wiper = element("input", { className: "wiper", type: "range", min: 0, max: 1, step: 0.01, value: 0.5, "aria-label": say("wiper"), oninput: context.repaint });
+  const bar = element("canvas", { className: "bar", width: 1, height: 256, "aria-hidden": "true" });
+  const labels = element("div", { className: "ticks", "aria-hidden": "true" });
+  const scale = explained(element("div", { className: "scale", role: "img", "aria-label": say("scaleOf") }, bar, labels), say("scaleTip"));
+  const root = element(
+    "section",
+    { className: "pane", "aria-label": say("methods") },
+    element("div", { className: "methods" }, ...parts.map((part) => part.root)),
+    element("div", { className: "row" }, element("div", { className: "wipe" }, picture, wiper), scale),
+  );
+  const rings: HTMLElement[] = [];
+  listen();
+  const order = createInstrument(context, picture, (right) => (wiper.hidden ? (shownOf(studio.view)[0].lattice ? 0 : 1) : right < +wiper.value ? 0 : 1));
+  // The role is set, because the CSS shows the rows as a grid and browsers then forget that this is a table.
+  const table = element("table", { className: "numbers", role: "table" });
+  const warnings = element("ul", { className: "warnings" });
+
+  /** Points can be dragged in the slice, and a double click adds a point. */
+  function listen() {
+    let begin: { index: number; at: Vec3; point: Vec3 } | null = null;
+    let gesture = 0;
+    const metres = (event: MouseEvent): Vec3 => {
+      const box = picture.getBoundingClientRect();
+      return placeOn(state().plane, (event.clientX - box.left) / box.width, 1 - (event.clientY - box.top) / box.height);
+    };
+    picture.onpointerdown = (event) => {
+      const index = rings.indexOf(event.target as HTMLElement);
+      if (index < 0) return;
+      picture.setPointerCapture(event.pointerId);
+      begin = { index, at: metres(event), point: state().points[index] };
+      gesture += 1;
+      studio.moving(true);
+    };
+    picture.onpointermove = (event) => {
+      if (!begin) return;
+      const { at, point } = begin;
+      const to = metres(event).map((x, axis) => point[axis] + x - at[axis]) as Vec3;
+      studio.change(moved(state(), begin.index, to), `drag slice ${gesture}`);
+    };
+    picture.onpointerup = picture.onpointercancel = () => {
+      if (begin) studio.moving(false);
+      begin = null;
+    };
+    picture.ondblclick = (event) => {
+      if (state().points.length >= MOST_POINTS) return context.alarm(say("tooMany", { count: MOST_POINTS + 1 }));
+      studio.change(added(state(), metres(event)));
+      context.announce(say("added", { n: state().points.length }));
+    };
+  }
+
+  function ring() {
+    const points = studio.view.frame?.points ?? state().points;
+    picture.classList.toggle("many", points.length > MANY);
+    while (rings.length > points.length) rings.pop()!.remove();
+    while (rings.length < points.length) {
+      const made = element("i", { className: "ring" });
+      rings.push(made);
+      picture.append(made);
+    }
+    rings.forEach((each, index) => {
+      const [right, up, off] = onPlane(state().plane, points[index]);
+      each.style.left = `${100 * right}%`;
+      each.style.top = `${100 - 100 * up}%`;
+      each.classList.toggle("off", Math.abs(off) > 0.002);
+    });
+  }
+
+  /** Writes the table only if it has changed, because that costs a layout. */
+  const writeRows = changes((text: string) => {
+    const rows = (JSON.parse(text) as Row[]).map(({ word, values, better }) =>
+      element(
+        "tr",
+        { role: "row" },
+        explained(element("th", { scope: "row", role: "rowheader" }, say(word)), say(`${word}Tip`)),
+        ...values.map((value, slot) =>
+          element("td", { role: "cell", className: better === slot ? "better" : "", colSpan: values.length === 1 ? 2 : 1 }, value),
+        ),
+      ),
+    );
+    const head = element("tr", { role: "row" }, element("td", { role: "cell" }), ...["A", "B"].map((name) => element("th", { scope: "col", role: "columnheader" }, name)));
+    table.replaceChildren(element("caption", { className: "hidden" }, say("numbers")), head, ...rows);
+  });
+  const writeWarnings = changes((text: string) => {
+    const lines = JSON.parse(text) as string[];
+    const items = lines.map((line) => element("li", {}, plain(line)));
+    warnings.replaceChildren(...(lines.length ? [element("li", {}, `${say("notes")}:`)] : []), ...items);
+  });
+
+  const writeBar = changes((map: ReturnType<typeof mapOf>) => paint(bar, map));
+  const writeTicks = changes((text: string) => {
+    const spans = (JSON.parse(text) as Tick[]).map(({ at, label }) => {
+      const tick = element("span", {}, label);
+      tick.style.bottom = `${100 * at}%`;
+      return tick;
+    });
+    labels.replaceChildren(...spans);
+  });
+
+  return {
+    root,
+    slice: picture,
+    share: () => +wiper.value,
+    numbers: [table, warnings],
+    place(look) {
+      const { frame } = studio.view;
+      const results = shownOf(studio.view);
+      for (const slot of SLOTS) {
+        const { method, summary, refusal } = parts[slot];
+        const { answer, refused } = results[slot];
+        if (method.value !== state().methods[slot]) method.value = state().methods[slot];
+        const still = frame !== null && !frame.results[slot];
+        const felt = slot === 0 && touchOf(state()) ? sentenceOf(studio.view) : null;
+        const shown = felt ? say(felt.word, felt.put) : answer && !still ? say("summary", { pressure: pressure(weakest(results[slot])), evenness: percent(answer.metrics.uniformity) }) : "";
+        write(summary, [frame?.names[slot], shown].filter(Boolean).join(felt ? ": " : "  "));
+        parts[slot].root.classList.toggle("still", still);
+        write(refusal, refused && say("unsolved", { line: plain(refused) }));
+        refusal.hidden = refused === "";
+      }
+      wiper.hidden = results.some(({ lattice }) => !lattice);
+      ring();
+      order();
+      writeBar(mapOf(look));
+      writeTicks(JSON.stringify(ticks(look)));
+      writeRows(JSON.stringify(numberRows(studio.view)));
+      writeWarnings(JSON.stringify([...new Set(results.flatMap((result) => result.warnings))]));
+    },
+  };
+}
+
+/** Paints the colour bar: the colour map from bottom to top. */
+function paint(bar: HTMLCanvasElement, map: ReturnType<typeof mapOf>) {
+  const context = bar.getContext("2d")!;
+  const image = context.createImageData(1, 256);
+  for (let k = 0; k < 256; k += 1) {
+    image.data.set([...entry(map, 1 - k / 255), 255], 4 * k);
+  }
+  context.putImageData(image, 0, 0);
+}
+

@@ -1,0 +1,87 @@
+/** The website: starts the engine, reads the link, shows the page. */
+
+import "./style.css";
+import { faultOf } from "../state/check.ts";
+import { type Engine, startEngine } from "../work/engine.ts";
+import { sceneOf, stateOf } from "../state/scene_file.ts";
+import { createEye } from "./eye.ts";
+import { createHook, type Hook } from "./hook.ts";
+import { first, initial } from "../state/initial.ts";
+import { readLink } from "../state/link.ts";
+import { createPage, type Manner, type Page } from "./page.ts";
+import { report } from "./refusals.ts";
+import SolveWorker from "../work/solve.worker.ts?worker&inline";
+import { createStudio } from "../work/studio.ts";
+import type { State } from "../state/types.ts";
+import type { Language } from "./words.ts";
+import wasmUrl from "../../built/midair.wasm?url";
+
+declare global {
+  interface Window {
+    midair?: Hook;
+  }
+}
+
+const root = document.getElementById("studio")!;
+const language: Language = navigator.language.startsWith("ja") ? "ja" : "en";
+const warm = () =>
+  JSON.stringify(sceneOf({ ...initial, array: { preset: "paper20", tiles: [1, 1] }, points: [[0, 0, 0.15]] }, 0));
+
+/** Returns the state in the page's address, or a message about its fault. */
+function linked({ catalogue }: Engine): State | string {
+  const read = readLink(location.hash);
+  return typeof read === "string" ? read : faultOf(read, catalogue) || read;
+}
+
+async function start() {
+  const wasm = await (await fetch(wasmUrl)).arrayBuffer();
+  const engine = await startEngine(() => new SolveWorker(), wasm, warm());
+  const wrong: string[] = [];
+  let begun = first;
+  if (location.hash.length > 1) {
+    const read = linked(engine);
+    if (typeof read === "string") wrong.push(read);
+    else begun = read;
+  }
+  const served = new URLSearchParams(location.search);
+  if (served.has("scene")) {
+    try {
+      const name = served.get("scene");
+      const text = await (await fetch(name ? `scenes/${encodeURIComponent(name)}.json` : "scene.json")).text();
+      begun = stateOf(JSON.parse(await engine.slow.read(text, false)), initial);
+    } catch (error) {
+      wrong.push((error as Error).message);
+    }
+  }
+  const studio = createStudio(engine, begun);
+  const manner: Manner = {
+    eye: createEye(studio),
+    language,
+    board: served.has("board") ? await (await fetch("board.json")).json() : null,
+    greets: begun === first,
+    theme: matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark",
+    again(changes) {
+      const buttons = () => [...root.querySelectorAll("button")];
+      const focused = buttons().indexOf(document.activeElement as HTMLButtonElement);
+      page.dispose();
+      page = createPage(root, engine, studio, Object.assign(manner, changes));
+      buttons()[focused]?.focus();
+    },
+  };
+  const unread = (line: string) => report(manner.language, "unread", { line });
+  let page: Page = createPage(root, engine, studio, manner);
+  window.midair = createHook(engine, studio, () => page);
+  window.addEventListener("hashchange", () => {
+    const read = linked(engine);
+    if (typeof read === "string") page.alarm(unread(read));
+    else studio.change(read);
+  });
+  // Stores the site for use without a network; a page opened from a disk needs no storage.
+  if (location.protocol !== "file:") void navigator.serviceWorker?.register("sw.js").catch(() => undefined);
+  if (wrong.length) page.alarm(wrong.map(unread).join("\n"));
+}
+
+start().catch((error: Error) => {
+  root.textContent = report(language, "failed", { line: error.message });
+  root.setAttribute("role", "alert");
+});

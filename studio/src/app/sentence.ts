@@ -1,0 +1,45 @@
+/** Sentence: the page's result in one sentence with one large number. */
+
+import { changes } from "../state/changes.ts";
+import type { Context } from "./context.ts";
+import { element, explained, write } from "./dom.ts";
+import { sentenceOf } from "./numbers.ts";
+import { type Word, WORDS } from "./words.ts";
+
+/** For each number in the sentence, the name of the text that explains it. */
+const TIPS: Record<string, Word> = {
+  count: "countTip",
+  pressure: "weakestTip",
+  level: "decibelTip",
+  evenness: "uniformityTip",
+  time: "timeTip",
+  strength: "strengthTip",
+  width: "feltWidthTip",
+};
+
+/** Makes the sentence. */
+export function createSentence({ studio, say, language }: Context): { root: HTMLElement; place(): void } {
+  const root = element("p", { className: "sentence" });
+  let numbers: [string, HTMLElement][] = [];
+  const build = changes((word: Word) => {
+    numbers = [];
+    const parts = WORDS[word][language === "ja" ? 1 : 0].split(/\{(\w+)\}/);
+    const made = parts.map((part, k) => {
+      if (k % 2 === 0) return part;
+      const number = explained(element(["pressure", "strength"].includes(part) ? "strong" : "b"), say(TIPS[part]));
+      numbers.push([part, number]);
+      return number;
+    });
+    root.replaceChildren(...made);
+  });
+  return {
+    root,
+    place() {
+      const found = sentenceOf(studio.view);
+      root.hidden = !found;
+      if (!found) return;
+      build(found.word);
+      for (const [part, number] of numbers) write(number, String(found.put[part]));
+    },
+  };
+}

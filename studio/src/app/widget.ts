@@ -1,0 +1,73 @@
+/** The notebook widget: the same page in a cell, in exchange with Python in both directions. */
+
+import style from "./style.css?inline";
+import { type Engine, startEngine } from "../work/engine.ts";
+import { createEye } from "./eye.ts";
+import { sceneOf, stateOf } from "../state/scene_file.ts";
+import { initial } from "../state/initial.ts";
+import { weakest } from "./numbers.ts";
+import { createPage, type Manner, type Page } from "./page.ts";
+import SolveWorker from "../work/solve.worker.ts?worker&inline";
+import { createStudio, type Studio } from "../work/studio.ts";
+import type { State } from "../state/types.ts";
+
+/** The model that anywidget provides. */
+interface Model {
+  get(name: string): unknown;
+  set(name: string, value: unknown): void;
+  save_changes(): void;
+  on(event: string, act: () => void): void;
+  off(event: string, act: () => void): void;
+}
+
+async function render({ model, el }: { model: Model; el: HTMLElement }): Promise<() => void> {
+  const shadow = el.attachShadow({ mode: "open" });
+  const sheet = document.createElement("style");
+  sheet.textContent = style;
+  const root = document.createElement("div");
+  shadow.append(sheet, root);
+  const { buffer, byteOffset, byteLength } = model.get("wasm") as DataView<ArrayBuffer>;
+  // The WebAssembly functions accept no DataView.
+  const bytes = new Uint8Array(buffer, byteOffset, byteLength);
+  const warm = JSON.stringify(sceneOf({ ...initial, array: { preset: "paper20", tiles: [1, 1] } }, 0));
+  const engine: Engine = await startEngine(() => new SolveWorker(), bytes, warm);
+  const read = async (before: State) =>
+    stateOf(JSON.parse(await engine.slow.read(model.get("scene") as string, false)), before);
+  const studio: Studio = createStudio(engine, await read(initial));
+  const manner: Manner = {
+    eye: createEye(studio),
+    language: "en",
+    theme: matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light",
+    compact: true,
+    again: () => undefined,
+  };
+  const page: Page = createPage(root, engine, studio, manner);
+  let sent = "";
+  studio.listen(() => {
+    const { state, results } = studio.view;
+    const metrics = Object.fromEntries(
+      results.flatMap((result, slot) =>
+        result.answer ? [[state.methods[slot], { ...result.answer.metrics, weakest: weakest(result) }]] : [],
+      ),
+    );
+    const text = JSON.stringify([state, metrics]);
+    if (text === sent) return;
+    sent = text;
+    model.set("state", JSON.stringify(state));
+    model.set("metrics", metrics);
+    model.save_changes();
+  });
+  const changed = () => {
+    read(studio.view.state).then((state) => studio.change(state), (error: Error) => page.alarm(error.message));
+  };
+  model.on("change:scene", changed);
+  return () => {
+    model.off("change:scene", changed);
+    studio.stop();
+    page.dispose();
+    engine.dispose();
+    shadow.replaceChildren();
+  };
+}
+
+export default { render };

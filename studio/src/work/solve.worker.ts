@@ -1,0 +1,196 @@
+/** The worker: WebAssembly scenes, and the jobs that the page requests. */
+
+import { compile, openDoor, type Answer, type Door, type Probe } from "./door.ts";
+import type { Lattice, Vec3, Volume } from "../state/types.ts";
+
+/** A lattice without values. */
+export type Grid = Omit<Lattice, "values">;
+
+/** A drive, and the factor that the supply voltage or modulation must apply. */
+export type Played = Pick<Answer, "drive" | "scale">;
+
+/** The outcome for a slot: its solution, its slices and |p| at the ear in Pa; or an error message. */
+export type Outcome =
+  | { answer: Answer; lattices: Lattice[]; atEar: number; warnings: string[] }
+  | { refused: string };
+
+/**
+ * Number of time measurements; duration of each in ms (solves are repeated, as a browser's clock has steps of 0.1 ms); and the
+ * limit for all of them in ms.
+ */
+const RUNS = 5;
+const FINE = 2;
+const PATIENCE = 1000;
+
+/** The shown scene, and a second one for other jobs. */
+let door: Door;
+let beside: Door;
+/** The scene of a path with its frames, which stay when other scenes are opened. */
+let mover: Door;
+/** The texts of the scenes that `door` and `beside` have open. */
+let text = "";
+let other = "";
+
+function places({ corner, u, v, nu, nv }: Grid): Float64Array {
+  const all = new Float64Array(3 * nu * nv);
+  for (let j = 0, at = 0; j < nv; j += 1)
+    for (let i = 0; i < nu; i += 1)
+      for (let axis = 0; axis < 3; axis += 1)
+        all[at++] = corner[axis] + (u[axis] * i) / (nu - 1) + (v[axis] * j) / (nv - 1);
+  return all;
+}
+
+function open(scene: string): string[] {
+  const warnings = door.open(scene);
+  text = scene;
+  return warnings;
+}
+
+function openBeside(scene: string): void {
+  if (other !== scene) beside.open(scene);
+  other = scene;
+}
+
+/** Returns the outcome of a solution: its slices, and |p| at the ear; 0 if the scene shows no ear. */
+function looked(by: Door, answer: Answer, warnings: string[], grids: Grid[], ear: Vec3 | null): Outcome {
+  const [re, im] = ear ? by.field(Float64Array.from(ear)) : [0, 0];
+  const lattices = grids.map((grid) => ({ ...grid, values: by.field(places(grid)) }));
+  return { answer, warnings, lattices, atEar: Math.hypot(re, im) };
+}
+
+/** Returns the outcome of a drive that was computed elsewhere. */
+function judged(scene: string, drive: Float32Array, grids: Grid[], ear: Vec3 | null): Outcome {
+  openBeside(scene);
+  beside.load(drive);
+  const points = JSON.parse(scene).points as { position: Vec3; pressure?: number }[];
+  const field = beside.field(Float64Array.from(points.flatMap(({ position }) => position)));
+  const pressures = points.map((_, k): [number, number] => [field[2 * k], field[2 * k + 1]]);
+  const targets = points.map(({ pressure }, k) => pressure ?? Math.hypot(...pressures[k]));
+  const answer: Answer = { metrics: beside.judge(), scale: 1, status: "done", steps: 0, targets, pressures, drive, said: [] };
+  return looked(beside, answer, [], grids, ear);
+}
+
+const jobs = {
+  /** Compiles the module, unless it is given compiled, and solves a small scene, because the first solve is slow. */
+  async setup(source: BufferSource | WebAssembly.Module, warm: string) {
+    const module = source instanceof WebAssembly.Module ? source : await compile(source);
+    [door, beside, mover] = [openDoor(module), openDoor(module), openDoor(module)];
+    open(warm);
+    door.solve();
+    return { catalogue: door.catalogue(), module };
+  },
+  /** Solves a scene and computes its slices and |p| at the ear. With `passing`, the shown scene stays open. */
+  update(scene: string, grids: Grid[], ear: Vec3 | null, passing = false): Outcome {
+    try {
+      if (passing) openBeside(scene);
+      const warnings = passing ? [] : open(scene);
+      const by = passing ? beside : door;
+      return looked(by, by.solve(), warnings, grids, ear);
+    } catch (error) {
+      return { refused: (error as Error).message };
+    }
+  },
+  /** Returns the time of a solve in ms: the median of five after a first one, of fewer if they take more than a second. */
+  time(scene: string): number {
+    openBeside(scene);
+    beside.solve();
+    const times: number[] = [];
+    const first = performance.now();
+    do {
+      const begin = performance.now();
+      let solves = 0;
+      do {
+        beside.solve();
+        solves += 1;
+      } while (performance.now() - begin < FINE);
+      times.push((performance.now() - begin) / solves);
+    } while (times.length < RUNS && performance.now() - first < PATIENCE);
+    return times.toSorted((a, b) => a - b)[times.length >> 1];
+  },
+  array: () => door.array(),
+  /** Returns the array of another scene. */
+  arrayOf(scene: string): Float64Array {
+    openBeside(scene);
+    return beside.array();
+  },
+  along: (contours: Vec3[][], most: number) => door.along(contours, most),
+  field: (at: Float64Array) => door.field(at),
+  save: (toml: boolean) => door.save(toml),
+  /** Returns the bytes with which a board plays a drive. */
+  encode(scene: string, drive: Float32Array, board: string): Uint8Array {
+    openBeside(scene);
+    beside.load(drive);
+    return beside.encode(board);
+  },
+  /** Returns the bytes that turn a board off. */
+  silence(scene: string, board: string): Uint8Array {
+    openBeside(scene);
+    return beside.silence(board);
+  },
+  readArray: (text: string, name: string) => beside.readArray(text, name),
+  readDrive: (text: string, name: string) => beside.readDrive(text, name),
+  /** Returns the CSV of a drive for a scene. */
+  writeDrive(scene: string, drive: Float32Array): string {
+    openBeside(scene);
+    beside.load(drive);
+    return beside.writeDrive();
+  },
+  /** Returns a scene file as JSON. */
+  read(text: string, toml: boolean): string {
+    beside.open(text, toml);
+    other = "";
+    return beside.save(false);
+  },
+  /** Returns the bound on the level of a scene. */
+  bound(scene: string): number {
+    openBeside(scene);
+    return beside.bound();
+  },
+  /** Returns |p| of a solution in one horizontal layer of a box. */
+  layer(scene: string, { drive, scale }: Played, box: Omit<Volume, "moduli">, layer: number): Float32Array {
+    if (text !== scene) open(scene);
+    door.load(drive, scale);
+    const { least, most, count } = box;
+    const side = (axis: number) => most[axis] - least[axis];
+    const grid: Grid = {
+      corner: [least[0], least[1], least[2] + (side(2) * layer) / (count[2] - 1)],
+      u: [side(0), 0, 0],
+      v: [0, side(1), 0],
+      nu: count[0],
+      nv: count[1],
+    };
+    const values = door.field(places(grid));
+    return Float32Array.from({ length: values.length / 2 }, (_, k) => Math.hypot(values[2 * k], values[2 * k + 1]));
+  },
+  /** Returns the field values of a solution at a place. */
+  probe(scene: string, { drive, scale }: Played, place: Vec3): Probe {
+    openBeside(scene);
+    beside.load(drive, scale);
+    return beside.probe(place);
+  },
+  judged,
+  /** Solves frames of points (T, M, 3) one after the other, and returns their metrics. */
+  follow(scene: string, points: Float64Array, frames: number) {
+    mover.open(scene);
+    return mover.follow(points, frames);
+  },
+  /** Returns the outcome of a frame that `follow` has solved; `scene` has the frame's points. */
+  frame: (index: number, scene: string, grids: Grid[], ear: Vec3 | null) => judged(scene, mover.frame(index), grids, ear),
+  /** Predicts the touch of a skin under the frames that `follow` has solved, repeated at `rate` frames per second. */
+  skin: (grid: Grid, rate: number) => mover.skin(places(grid), rate),
+  /** Returns the displacement in m of the skin that `skin` has predicted, at the start of a frame. */
+  moved: (frame: number) => mover.moved(frame),
+  /** Simulates the bead in the trap of a point while the frames of `follow` repeat. */
+  fly: (point: number, rate: number) => mover.fly(point, rate),
+};
+
+/** The jobs that the page can request. */
+export type Jobs = typeof jobs;
+
+self.onmessage = async ({ data: { id, job, given } }: MessageEvent) => {
+  try {
+    self.postMessage({ id, result: await (jobs[job as keyof Jobs] as (...all: unknown[]) => unknown)(...given) });
+  } catch (error) {
+    self.postMessage({ id, refused: (error as Error).message });
+  }
+};
