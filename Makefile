@@ -102,7 +102,7 @@ test-python: setup ## The package: tests, stubs, types
 	$(call step,package: stubs against the extension (20 s),$(PYTHON) -m mypy.stubtest midair._midair)
 	$(call step,package: types (20 s),$(PYTHON) -m mypy python/midair)
 
-test-capi: setup capi ## The C library: header, same bits as the package, refusals, memory, examples of four languages
+test-capi: setup capi ## The C library: header, same bits as the package, refusals, memory, examples in C and C++
 	$(call step,C library: header and unit tests (2 min),$(CARGO) test --quiet -p midair-capi)
 	$(call step,C library: tests (40 s),$(PYTHON) -m pytest capi/tests)
 

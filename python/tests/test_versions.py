@@ -43,7 +43,7 @@ def test_files_that_repeat_it_agree(file: str) -> None:
     assert re.findall(REPEATED[file], (ROOT / file).read_text(), re.MULTILINE) == [VERSION]
 
 
-@pytest.mark.parametrize("folder", ["npm", "studio", "examples/node", "unity"])
+@pytest.mark.parametrize("folder", ["npm", "studio", "unity"])
 def test_packages_for_node_and_unity_agree(folder: str) -> None:
     assert json.loads((ROOT / folder / "package.json").read_text())["version"] == VERSION
 
