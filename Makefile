@@ -16,7 +16,6 @@ CORE := -p midair --no-default-features --features scene-file,parallel
 SHOWN := naive,greedy,uniform
 BUILT := $(or $(CARGO_TARGET_DIR),target)/release
 PREFIX := /usr/local
-TRIALS := 1000
 CODE := python capi bench book firmware fuzz gateware examples
 RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml $(shell find core/src python/src -name '*.rs')
 
@@ -25,7 +24,7 @@ RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml $(shell find cor
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards gateware test-studio npm test-npm unity test-unity lint fuzz sanitize bench bench-capi bench-peers gallery figures motion touch exposure measuring obstacles pictures look paper docs api schema golden map header stubs pins wheels release clean
+.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards gateware test-studio npm test-npm unity test-unity lint fuzz sanitize bench bench-capi bench-peers pictures look docs generated api schema golden map header stubs pins wheels release clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -199,38 +198,11 @@ bench/.envs/%.so: bench/workers/%.cpp
 	mkdir -p $(@D)
 	$(CXX) -std=c++17 $(CXXFLAGS) -fPIC -shared -o $@ $<
 
-gallery: setup ## Run examples/, keep their pictures in docs/gallery and write docs/gallery.md (30 s)
-	$(PYTHON) book/gallery.py
-
-figures: setup ## Draw docs/quality-time.png
-	OPENBLAS_NUM_THREADS=1 $(PYTHON) bench/figures.py
-
-motion: setup ## Print the table of docs/motion.md, draw docs/motion.png and docs/moving.webp
-	$(PYTHON) bench/motion.py
-	$(PYTHON) bench/moving.py
-
-touch: setup ## Print the strength of usual techniques and draw docs/touch.png
-	$(PYTHON) bench/touch.py
-
-exposure: setup ## Print the tables of docs/exposure.md and draw docs/tolerance.png and docs/streaming.png
-	OPENBLAS_NUM_THREADS=1 $(PYTHON) bench/exposure.py
-
-obstacles: setup ## Foci beside walls and bodies, and the pictures of docs/obstacles.md (1 min)
-	$(PYTHON) bench/obstacles.py
-	$(PYTHON) bench/bodies.py
-
-measuring: setup ## Print the tables of docs/measuring.md and draw docs/measuring.png
-	OPENBLAS_NUM_THREADS=1 $(PYTHON) bench/measuring.py
-
-pictures: setup ## Draw the pictures of docs/traps.md, boards.md, embedded.md, sweeps.md and why.md, and the card of links
-	$(PYTHON) book/pictures.py
+pictures: setup ## Pictures and tables of pages: lists them; NAMES="motion touch" makes some, from 10 s to 2 h each
+	OPENBLAS_NUM_THREADS=1 MPLBACKEND=agg $(PYTHON) book/pictures $(NAMES)
 
 look: docs studio ## Look at the book in a browser: axe, requests, widths, live cells (Node 20+, Debian's chromium; 3 min)
 	$(call step,book: in a browser (3 min),node book/look.mjs out/site out/look)
-
-paper: setup ## Make the paper's figures anew (TRIALS=1000) and docs/paper.md from their tables
-	OPENBLAS_NUM_THREADS=1 $(BIN)/midair reproduce all --trials $(TRIALS) --output out/paper
-	$(PYTHON) book/paper.py out/paper docs
 
 docs: setup book/.venv/ready ## Build the book, the documentation as a site: out/site/index.html
 	$(call step,book: built where nothing warns (10 s),NO_MKDOCS_2_WARNING=1 book/.venv/bin/mkdocs build --quiet --strict --config-file book/mkdocs.yml)
@@ -247,21 +219,23 @@ book/.venv/ready studio/.venv/ready: %/.venv/ready: %/requirements.txt .venv/rea
 		> "$$(echo $(@D)/lib/python*/site-packages)/midair.pth"
 	touch $@
 
-api: .venv/extension ## Write docs/api.md anew, the page of public names of the Python package
-	$(PYTHON) book/reference.py
+generated: stubs schema api map header ## Write all generated files anew, except those that need a word: golden and pins
 
-schema: .venv/extension ## Write docs/*.schema.json, docs/columns.md and fuzz/*.dict anew, from the tables of keys and columns
+stubs: .venv/extension # python/midair/_keywords.pyi, _calls.pyi, _bodies.pyi
+	$(PYTHON) python/stubs.py
+
+schema: .venv/extension # docs/*.schema.json, docs/columns.md, fuzz/*.dict
 	$(PYTHON) book/schema.py
 	$(PYTHON) book/columns.py
 
-map: ## Write docs/map.md anew: every source file with its first line
+api: .venv/extension # docs/api.md
+	$(PYTHON) book/reference.py
+
+map: # docs/map.md
 	MIDAIR_MAP=write $(CARGO) test --quiet $(CORE) --test suite map
 
-header: ## Write capi/include/midair.h anew, from capi/src
+header: # capi/include/midair.h
 	MIDAIR_HEADER=write $(CARGO) test --quiet -p midair-capi --test header
-
-stubs: setup ## Write the typed overloads of every solver anew, from the registry
-	$(PYTHON) python/stubs.py
 
 golden: ## Write golden/ anew (a breaking change: say so in CHANGELOG.md)
 	MIDAIR_GOLDEN=write $(CARGO) test --quiet $(CORE) --test suite golden

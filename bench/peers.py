@@ -4,10 +4,12 @@ import argparse
 import datetime
 import math
 import random
+import sys
 from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from statistics import median
+from pathlib import Path
 from typing import Any
 
 import judge
@@ -17,6 +19,9 @@ from rivals import BENCH, RIVALS, Worker
 from tasks import TASKS, Task
 
 import record
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "book"))
+from marked import put
 
 PLACE = 1e-6  # m, the largest allowed difference of positions
 CLAIM = 1e-3  # the largest allowed difference of judged metrics from reported ones
@@ -147,7 +152,7 @@ def keep(rows: list[record.Row]) -> None:
     print(f"wrote {path.relative_to(BENCH.parent)}")
     if record.REFERENCE in {row["rival"] for row in rows}:
         for page, table in record.tables(rows).items():
-            record.place(BENCH.parent / page, table)
+            put(BENCH.parent / page, "bench", table)
             print(f"wrote the table of {page}")
 
 

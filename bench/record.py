@@ -11,7 +11,6 @@ FIELDS = (
     "date", "cpu", "rival", "version", "method", "form", "grid", "N", "M", "rounds", "ns_median", "ns_min",
     "scenes", "accuracy", "sigma", "uniformity",
 )  # fmt: skip
-BEGIN, END = "<!-- bench:begin -->", "<!-- bench:end -->"
 #: The program and the method to which all ratios relate.
 REFERENCE, GREEDY = "autd3", "greedy 16 phases"
 #: The rows of the README's table.
@@ -180,14 +179,3 @@ def _ratio(reference: Row | None, row: Row | None) -> str:
         return "-"
     ratio = float(reference["ns_median"]) / float(row["ns_median"])
     return f"{ratio:.0f}" if ratio >= 10 else f"{ratio:.2g}"
-
-
-def place(page: Path, text: str) -> None:
-    """Replaces the table between the page's markers."""
-    before, begin, rest = page.read_text().partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not begin or not end:
-        raise SystemExit(f"{page} has no lines {BEGIN} and {END} to put the table between")
-    new = page.with_suffix(".new")
-    new.write_text(f"{before}{BEGIN}\n{text}\n{END}{after}")
-    os.replace(new, page)

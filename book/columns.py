@@ -8,6 +8,7 @@ import re
 import tomllib
 from pathlib import Path
 
+from marked import table
 from midair._cli.app import TABLES
 
 ROOT = Path(__file__).parents[1]
@@ -31,13 +32,10 @@ def page() -> str:
     """Returns the page: a section for each table, a row for each column."""
     tables = tomllib.loads(SOURCE.read_text(encoding="utf-8"))
     sections = [HEAD]
-    for table, columns in tables.items():
-        commands = [f"`midair {command}`" for command, name in TABLES.items() if name == table]
-        rows = [
-            f'| <a id="{anchor(table, head)}"></a>`{head}` | {meaning.replace("|", chr(92) + "|")} |\n'
-            for head, meaning in columns.items()
-        ]
-        sections.append(f"## {' and '.join(commands)}\n\n| column | meaning |\n|---|---|\n{''.join(rows)}")
+    for name, columns in tables.items():
+        commands = [f"`midair {command}`" for command, of in TABLES.items() if of == name]
+        rows = [(f'<a id="{anchor(name, head)}"></a>`{head}`', about) for head, about in columns.items()]
+        sections.append(f"## {' and '.join(commands)}\n\n{table(('column', 'meaning'), rows)}")
     return "\n".join(sections)
 
 

@@ -1,22 +1,15 @@
-"""Makes the gallery, `make gallery`: runs the examples, stores their pictures and writes docs/gallery.md."""
+"""The gallery: docs/gallery.md, and the website's page of each example, with its program and notebook."""
 
 from __future__ import annotations
 
 import json
-import os
 import re
-import runpy
-import sys
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
-from unittest.mock import patch
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"
 PAGE = ROOT / "docs" / "gallery.md"
-PICTURES = ROOT / "docs" / "gallery"
 
 #: Examples by subject.
 ORDER = {
@@ -47,26 +40,12 @@ CARD = """\
 
 </div>
 """
-#: The largest width of a picture in pixels.
-WIDTH = 1000
 
 
 def cells(path: Path, kind: str) -> list[str]:
     """Returns the cells of a notebook of one kind, "code" or "markdown"."""
     found = json.loads(path.read_text())["cells"]
     return ["".join(cell["source"]) for cell in found if cell["cell_type"] == kind]
-
-
-def run(path: Path) -> dict[str, Any]:
-    """Runs a script or a notebook in the current folder, where it writes its picture;
-    returns its variables.
-    """
-    if path.suffix == ".ipynb":
-        names: dict[str, Any] = {}
-        exec(compile("\n".join(cells(path, "code")), str(path), "exec"), names)
-        return names
-    with patch.object(sys, "argv", [str(path)]):
-        return runpy.run_path(str(path), run_name="__main__")
 
 
 def reported(path: Path) -> tuple[str, str]:
@@ -160,31 +139,3 @@ def notebook(name: str) -> str:
             "nbformat_minor": 5,
         }
     )
-
-
-def keep(picture: Path) -> None:
-    """Stores a picture as a small file in docs/gallery."""
-    from PIL import Image
-
-    image = Image.open(picture).convert("RGB")
-    image.thumbnail((WIDTH, WIDTH))
-    image.save(PICTURES / f"{picture.stem}.webp", quality=80, method=6)
-
-
-def main() -> None:
-    """Runs all examples, stores their pictures and writes the page."""
-    import matplotlib.pyplot as plt
-
-    plt.switch_backend("Agg")
-    PICTURES.mkdir(exist_ok=True)
-    with tempfile.TemporaryDirectory() as folder:
-        os.chdir(folder)
-        for name in (name for names in ORDER.values() for name in names):
-            run(EXAMPLES / name)
-            keep(Path(folder) / f"{Path(name).stem}.png")
-            plt.close("all")
-    PAGE.write_text(page())
-
-
-if __name__ == "__main__":
-    main()

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import midair
 import schema
+from marked import table
 from midair._cli.app import COMMANDS, app, explain
 
 ROOT = Path(__file__).parents[1]
@@ -145,16 +146,12 @@ def index() -> str:
     """Returns the page of all names, docs/api.md."""
     text = INDEX
     for _, title, about, names in PYTHON:
-        text += f"\n## {title}\n\n{about}\n\n" + row("name", "summary") + row("---", "---")
-        for name in names.split():
-            summary = inspect.getdoc(getattr(midair, name)) or ""
-            text += row(f"[`{name}`](../{source(name)})", summary.partition("\n")[0])
+        summaries = {name: inspect.getdoc(getattr(midair, name)) or "" for name in names.split()}
+        rows = [
+            (f"[`{name}`](../{source(name)})", text.partition("\n")[0]) for name, text in summaries.items()
+        ]
+        text += f"\n## {title}\n\n{about}\n\n{table(('name', 'summary'), rows)}"
     return text
-
-
-def row(*cells: object) -> str:
-    """Returns a row of a Markdown table; bars within cells are escaped."""
-    return "| " + " | ".join(str(cell).replace("|", r"\|") for cell in cells) + " |\n"
 
 
 def methods() -> str:
@@ -170,17 +167,16 @@ def methods() -> str:
         habit = "balanced" if about.balance else "not balanced"
         text += f"\n## {name}\n\n{about.summary[0].upper()}{about.summary[1:]}. Source: {about.source}.\n\n"
         text += f"Takes {', '.join(taken)}; {habit} by default.\n\n"
-        text += row("option", "default", "what it does") + row(*["---"] * 3)
-        for option, known in about.options.items():
-            text += row(f"`{option}`", f"`{known.default}`", known.doc)
+        options = [(f"`{name}`", f"`{known.default}`", known.doc) for name, known in about.options.items()]
+        text += table(("option", "default", "what it does"), options)
     return text
 
 
 def presets() -> str:
     """Returns the page of all presets."""
-    head = row("preset", "N", "tiles", "P0 / Pa m", "board", "what it is", "source")
+    head = ("preset", "N", "tiles", "P0 / Pa m", "board", "what it is", "source")
     rows = [
-        row(
+        (
             f"`{name}`",
             about.count,
             "yes" if about.tiles else "no",
@@ -191,7 +187,7 @@ def presets() -> str:
         )
         for name, about in midair.presets().items()
     ]
-    return PRESETS + head + row(*["---"] * 7) + "".join(rows)
+    return PRESETS + table(head, rows)
 
 
 def command_line() -> str:

@@ -1,25 +1,25 @@
-"""Prints flash, heap, stack and instructions of every method on the emulated board: the table of
-docs/embedded.md.
+"""Puts flash, heap, stack and instructions of every method on the emulated board into docs/embedded.md.
 
 python3 firmware/measure.py
 """
 
+import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import emulated
 
-PAGE = Path(__file__).parents[1] / "docs" / "embedded.md"
-BEGIN, END = "<!-- measured:begin -->\n", "<!-- measured:end -->\n"
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.append(str(ROOT / "book"))
+from marked import put, table
+
+HEAD = "method", "flash / kB", "N", "M", "heap / kB", "stack / kB", "set-up", "new points", "solve", "encode"
 COUNTS = (64, 256)
 POINTS = (1, 4, 8)
 
 
-def table(target: Path) -> str:
-    """Returns the table, with the numbers of the third frame."""
-    lines = [
-        "| method | flash / kB | N | M | heap / kB | stack / kB | set-up | new points | solve | encode |",
-        "|---|---|---|---|---|---|---|---|---|---|",
-    ]
+def rows(target: Path) -> Iterator[list[object]]:
+    """Yields a row for each method and size, with the numbers of the third frame."""
     for method in emulated.METHODS:
         flash = emulated.flash(target, method) / 1000
         for count in COUNTS:
@@ -28,16 +28,8 @@ def table(target: Path) -> str:
                 sizes = [f"{run.numbers[name] / 1000:.1f}" for name in ("heap", "stack")]
                 names = ("setup", "points", "solve", "encode")
                 thousands = [f"{run.instructions(name) / 1000:,.0f}" for name in names]
-                cells = [f"`{method}`", f"{flash:.0f}", str(count), str(points), *sizes, *thousands]
-                lines.append(f"| {' | '.join(cells)} |")
-    return "\n".join(lines) + "\n"
-
-
-def main() -> None:
-    before, rest = PAGE.read_text().split(BEGIN)
-    after = rest.split(END)[1]
-    PAGE.write_text(f"{before}{BEGIN}{table(emulated.build())}{END}{after}")
+                yield [f"`{method}`", f"{flash:.0f}", count, points, *sizes, *thousands]
 
 
 if __name__ == "__main__":
-    main()
+    put(ROOT / "docs" / "embedded.md", "measured", table(HEAD, rows(emulated.build())))

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import datetime
-import os
 import subprocess
+import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
+sys.path.append(str(ROOT / "book"))
+from marked import cells, parts, put, table
+
 PAGE = ROOT / "docs" / "reliability.md"
 
 Row = list[str]
@@ -34,31 +37,14 @@ def _git(*arguments: str) -> str:
     return subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout.strip()
 
 
-def rows(table: str) -> list[Row]:
-    """Returns the rows of a table, which is found by its markers."""
-    _, inside, _ = _parts(table)
-    return [[cell.strip() for cell in line.strip("|").split("|")] for line in inside.splitlines()[2:]]
+def rows(name: str) -> list[Row]:
+    """Returns the rows of a table of the page."""
+    return [cells(line) for line in parts(PAGE, name)[1].splitlines()[2:]]
 
 
-def put(table: str, row: Row, keys: int) -> None:
-    """Replaces the row whose first `keys` cells are the same, or appends the row.
-    The file is never left incomplete.
-    """
-    before, inside, after = _parts(table)
-    found = rows(table)
+def add(name: str, row: Row, keys: int) -> None:
+    """Replaces the row of a table whose first `keys` cells are the same, or appends the row."""
+    found = rows(name)
     same = [index for index, other in enumerate(found) if other[:keys] == row[:keys]]
     found[same[0] if same else len(found) : (same[0] + 1) if same else len(found)] = [row]
-    head = inside.splitlines()[:2]
-    lines = [*head, *(f"| {' | '.join(cells)} |" for cells in found)]
-    new = PAGE.with_suffix(".new")
-    new.write_text(before + "\n".join(lines) + "\n" + after, encoding="utf-8")
-    os.replace(new, PAGE)
-
-
-def _parts(table: str) -> tuple[str, str, str]:
-    text = PAGE.read_text(encoding="utf-8")
-    before, begin, rest = text.partition(f"<!-- {table}:begin -->\n")
-    inside, end, after = rest.partition(f"<!-- {table}:end -->")
-    if not begin or not end:
-        raise SystemExit(f"{PAGE} has no table between <!-- {table}:begin --> and <!-- {table}:end -->")
-    return before + begin, inside, end + after
+    put(PAGE, name, table(cells(parts(PAGE, name)[1].splitlines()[0]), found))

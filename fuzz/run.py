@@ -130,7 +130,7 @@ def note(name: str, code: str, log: Path, seconds: float, status: int) -> None:
             row[6] = "; ".join(dict.fromkeys(part for part in parts if part))
     row[3:6] = [f"{int(number):,}" for number in row[3:6]]
     row[6] = row[6] or "none"
-    record.put("fuzz", row, 3)
+    record.add("fuzz", row, 3)
     print(f"  {name}: {executions} executions, {edges[-1]} edges, {finding or 'nothing found'}", flush=True)
     if finding:
         print(f"  see {log}", flush=True)

@@ -97,7 +97,7 @@ def run(check: Check) -> bool:
     ran = f"{inputs[1]} inputs" if inputs else f"{count} tests"
     finding = "none" if status == 0 else what(text, status)
     row = [check.name, record.code("core"), record.today(), str(round(seconds)), ran, finding]
-    record.put("sanitize", row, 3)
+    record.add("sanitize", row, 3)
     print(f"  {ran}, {finding}" + ("" if status == 0 else f": see {log}"), flush=True)
     return status == 0
 

@@ -1,5 +1,6 @@
 """Settings of the test run: one BLAS thread, and a limit of CPU time for tests that are not marked slow."""
 
+import importlib
 import json
 import os
 import re
@@ -10,6 +11,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -42,6 +44,13 @@ def no_figure_stays() -> Iterator[None]:
     yield
     if pyplot := sys.modules.get("matplotlib.pyplot"):
         pyplot.close("all")
+
+
+@pytest.fixture
+def book(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], ModuleType]:
+    """Returns a function that imports a module of the folder book."""
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[2] / "book"))
+    return importlib.import_module
 
 
 @pytest.fixture

@@ -19,7 +19,7 @@ BELIEVED, TRUE_SPEED = 340.0, 346.1
 
 @dataclass
 class Rig:
-    """16 x 16 transducers with random errors of gain, phase and position, some of them dead or reversed."""
+    """Transducers with random errors of gain, phase and position, some of them dead or reversed."""
 
     seed: int
     gain: float = 0.1
@@ -29,12 +29,12 @@ class Rig:
     jitter: float = 0.3e-3
     radius: float = 0.0
     microphones: int = 4
+    array: midair.Array = field(default_factory=lambda: midair.Array.grid(16, 16, 10e-3))
     rng: np.random.Generator = field(init=False)
 
     def __post_init__(self) -> None:
         """Draws the random errors."""
         self.rng = rng = np.random.default_rng(self.seed)
-        self.array = midair.Array.grid(16, 16, 10e-3)
         n = len(self.array)
         self.positions = self.array.positions + rng.normal(0, self.jitter, (n, 3))
         phases = np.radians(self.phase) * rng.normal(size=n)
@@ -44,6 +44,11 @@ class Rig:
         self.dead, self.reversed = np.sort(drawn[:dead]), np.sort(drawn[dead : dead + turned])
         self.response[self.dead] = 0
         self.response[self.reversed] *= -1
+        self.put()
+
+    def put(self) -> None:
+        """Draws the places of the microphones, and new points."""
+        rng = self.rng
         corners = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])[: self.microphones] * 0.03
         drawn_places = corners + rng.uniform(-0.015, 0.015, corners.shape)
         self.places = np.c_[drawn_places, np.full(len(corners), 0.15)]
@@ -61,11 +66,14 @@ class Rig:
         """Returns the balanced level of four foci, in Pa. The noise in decibels is relative to this level."""
         return float(np.abs(self.matrix(self.new)).sum(1).mean() / 2)
 
+    def noise(self, decibels: float) -> float:
+        """Returns a standard deviation in Pa, this many decibels below `level`."""
+        return self.level() * 10 ** (-decibels / 20)
+
     def read(self, drives: NDArray[np.complexfloating], decibels: float, phased: bool = False) -> Complex:
         """Returns the readings (K, M) of K drives, with noise this many decibels below `level`."""
         p = drives @ self.matrix(self.places).T
-        sd = self.level() * 10 ** (-decibels / 20)
-        noise = sd * self.rng.normal(size=(2, *p.shape))
+        noise = self.noise(decibels) * self.rng.normal(size=(2, *p.shape))
         return p + (noise[0] + 1j * noise[1]) / np.sqrt(2) if phased else np.abs(np.abs(p) + noise[0])
 
     def kept(self, array: midair.Array, sound_speed: float) -> float:

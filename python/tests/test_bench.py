@@ -13,6 +13,7 @@ from scenes import POINTS, small
 
 ROOT = Path(__file__).parents[2]
 BENCH = ROOT / "bench"
+marked = SimpleNamespace(**runpy.run_path(str(ROOT / "book" / "marked.py")))
 
 
 def load(name: str) -> SimpleNamespace:
@@ -35,9 +36,7 @@ def test_the_pages_tables_are_made_from_the_newest_record() -> None:
     record = load("record")
     newest = max(BENCH.joinpath("records").glob("20*.csv"))
     for path, table in record.tables(record.read(newest)).items():
-        page = (ROOT / path).read_text()
-        assert page.count(record.BEGIN) == page.count(record.END) == 1
-        assert page.partition(record.BEGIN)[2].partition(record.END)[0] == f"\n{table}\n", path
+        assert marked.parts(ROOT / path, "bench")[1] == f"{table.rstrip()}\n", path
 
 
 def test_no_table_of_the_readme_is_longer_than_a_screen() -> None:
@@ -86,6 +85,16 @@ def test_gs_pats_own_setting_is_a_table_of_its_own() -> None:
 def test_a_page_without_markers_is_left_alone(tmp_path: Path) -> None:
     page = tmp_path / "README.md"
     page.write_text("no table")
-    with pytest.raises(SystemExit, match="has no lines"):
-        load("record").place(page, "a table")
+    with pytest.raises(SystemExit, match="has no text between <!-- bench:begin --> and"):
+        marked.put(page, "bench", "a table")
     assert page.read_text() == "no table"
+
+
+def test_a_table_is_put_between_its_markers_and_read_again(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text("before\n<!-- a:begin -->\nold\n<!-- a:end -->\nafter\n")
+    rows = [["|p|", "1"], [r"\phi", "2"]]
+    marked.put(page, "a", marked.table(["what", "value"], rows))
+    before, inside, after = marked.parts(page, "a")
+    assert (before, after) == ("before\n<!-- a:begin -->\n", "<!-- a:end -->\nafter\n")
+    assert [marked.cells(line) for line in inside.splitlines()[2:]] == rows

@@ -2,8 +2,8 @@
 all public names, all options, all keys of files.
 """
 
-import importlib
 import re
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
@@ -16,9 +16,8 @@ ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
-def reference(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
-    monkeypatch.syspath_prepend(str(ROOT / "book"))
-    return importlib.import_module("reference")
+def reference(book: Callable[[str], ModuleType]) -> ModuleType:
+    return book("reference")
 
 
 def test_every_public_name_is_on_one_page(reference: ModuleType) -> None:

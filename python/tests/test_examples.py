@@ -1,7 +1,7 @@
 """The examples: each runs without a warning, writes its picture, and is in the gallery."""
 
-import importlib
 import re
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
@@ -14,21 +14,20 @@ EXAMPLES = sorted(path for path in (ROOT / "examples").iterdir() if path.suffix 
 
 
 @pytest.fixture
-def gallery(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
-    monkeypatch.syspath_prepend(str(ROOT / "book"))
-    return importlib.import_module("gallery")
+def gallery(book: Callable[[str], ModuleType]) -> ModuleType:
+    return book("gallery")
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.name)
 def test_it_runs_and_leaves_its_picture(
-    path: Path, gallery: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    path: Path, book: Callable[[str], ModuleType], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     import matplotlib.pyplot as plt
 
     plt.switch_backend("Agg")
     monkeypatch.chdir(tmp_path)
-    names = gallery.run(path)
+    names = book("pictures.gallery").run(path)
     plt.close("all")
     assert (tmp_path / f"{path.stem}.png").stat().st_size > 5000
     sane({name: value for name, value in names.items() if not name.startswith("__")}, path.name)
@@ -37,7 +36,7 @@ def test_it_runs_and_leaves_its_picture(
 def test_the_gallery_has_every_example_as_it_describes_itself(gallery: ModuleType) -> None:
     listed = [name for names in gallery.ORDER.values() for name in names]
     assert sorted(listed) == [path.name for path in EXAMPLES]
-    assert gallery.PAGE.read_text() == gallery.page(), "run `make gallery`"
+    assert gallery.PAGE.read_text() == gallery.page(), "run `make pictures NAMES=gallery`"
 
 
 def test_its_pictures_are_small() -> None:

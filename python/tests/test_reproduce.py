@@ -144,17 +144,9 @@ OURS = {"uniform", "best"}
 @pytest.mark.parametrize("count", [4, 8, 16])
 @pytest.mark.parametrize("method", [m for m in curves() if m.key not in OURS], ids=lambda method: method.key)
 def test_the_reference_lies_within_the_interval_of_fig_3(method: Any, count: int) -> None:
-    settings = {
-        **scenes.random_points(20, count),
-        "solver": method.solver,
-        "options": method.options,
-        "seed": 0,
-        "seeds": None,
-        "drives": True,
-    }
     # Fewer trials for 4096 candidates, because the reference's loops then take a second per scene.
     trials = 4 if method.key == "greedy-fine" else 8
-    ours = solve_block(settings, 0, trials)
+    ours = solve_block(scenes.block(method, count, 0, drives=True), 0, trials)
     interval = tables.spread(ours["accuracy"])
     array, rng = midair.Array.preset("paper20"), np.random.default_rng(count)
     means = []

@@ -13,8 +13,6 @@ from .tables import Found, Run, Verdict, outcome, percent, span
 #: Trials that are stored together; the slowest method takes one or two seconds for them.
 CHUNK = 25
 
-SIDE = 20
-
 
 def collect(run: Run) -> Found:
     """Return the accuracy of the trials, eq. (12)."""
@@ -79,14 +77,7 @@ def judge(rows: tables.Rows) -> list[Verdict]:
 def study(run: Run, metric: str) -> tables.Rows:
     """Return mean, standard deviation and interval of a metric for each method and number of points."""
     blocks = {
-        (method.key, count): {
-            **scenes.random_points(SIDE, count),
-            "solver": method.solver,
-            "options": method.options,
-            "seed": run.seed,
-            "seeds": None,
-            "drives": False,
-        }
+        (method.key, count): scenes.block(method, count, run.seed)
         for method in curves()
         for count in scenes.COUNTS
     }

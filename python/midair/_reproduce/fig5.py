@@ -9,8 +9,6 @@ from . import scenes, tables, timing
 from .scenes import PAPER
 from .tables import Found, Run, Verdict, outcome
 
-SIDE = 20
-
 #: Of the two slopes of time over M, the second uses M from LARGE on. For a smaller M, the constant work per
 #: transducer dominates.
 LARGE = 64
@@ -21,7 +19,7 @@ LINEAR = 0.1
 
 def collect(run: Run) -> Found:
     """Return the times of every method."""
-    return Found(timing.study(run, [(SIDE, count) for count in scenes.MANY], "M", LARGE))
+    return Found(timing.study(run, [(scenes.SIDE, count) for count in scenes.MANY], "M", LARGE))
 
 
 def draw(found: Found) -> Figure:

@@ -97,6 +97,9 @@ Z = 0.15
 COUNTS = (2, 4, 8, 16, 32, 64)
 MANY = (*COUNTS, 128, 256)
 
+#: Transducers per side of the array of figs. 3 to 5.
+SIDE = 20
+
 #: Transducers per side of the arrays in fig. 6, and the number of points in fig. 6.
 SIDES = (12, 16, 20, 24, 28, 32)
 FIXED_COUNT = 64
@@ -129,6 +132,12 @@ def random_points(side: int, count: int) -> dict[str, Any]:
         "region": [[-half, half], [-half, half], [Z, Z]],
         "pressure": [target, target],
     }
+
+
+def block(method: Method, count: int, seed: int, *, side: int = SIDE, drives: bool = False) -> dict[str, Any]:
+    """Return the settings of a sweep's block: a method on random points."""
+    own = {"solver": method.solver, "options": method.options, "seed": seed, "seeds": None, "drives": drives}
+    return {**random_points(side, count), **own}
 
 
 def smiley() -> list[list[float]]:

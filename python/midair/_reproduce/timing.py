@@ -31,22 +31,31 @@ def measure(settings: Mapping[str, Any], start: int, stop: int) -> Arrays:
     side, count = settings["side"], settings["count"]
     array = Array.grid(side, side, scenes.PITCH, source_pressure=1e-3)
     target, half = scenes.reach(side) / math.sqrt(count), side * scenes.PITCH / 2
-    methods: list[tuple[str, Options]] = settings["methods"]
 
     def scene(index: int) -> Scene:
         random = np.random.default_rng([settings["seed"], index, count])
         flat = half * (2 * random.random((count, 2)) - 1)
         return Scene(array, np.column_stack([flat, np.full(count, scenes.Z)]), target)
 
+    return {"seconds": in_turns(settings["methods"], [scene(index) for index in range(start, stop + 1)])}
+
+
+def in_turns(
+    methods: Sequence[tuple[str, Options]], scenes: Sequence[Scene], least: float = LEAST
+) -> NDArray[np.float64]:
+    """Return CPU times (rounds, methods) in s: a round for each scene except the last one.
+
+    Each measurement takes at least `least` s. The methods take turns, so that other programs affect all.
+    """
+    *rounds, last = scenes
     # A first run without measurement fills the caches, and shows how often each method must be repeated.
-    repeats = [max(1, math.ceil(LEAST / _seconds(scene(stop), method, 1))) for method in methods]
-    seconds = np.empty((stop - start, len(methods)))
-    for index in range(start, stop):
-        requested = scene(index)
+    repeats = [max(1, math.ceil(least / _seconds(last, method, 1))) for method in methods]
+    seconds = np.empty((len(rounds), len(methods)))
+    for index, scene in enumerate(rounds):
         for turn in range(len(methods)):
             which = (turn + index) % len(methods)
-            seconds[index - start, which] = _seconds(requested, methods[which], repeats[which])
-    return {"seconds": seconds}
+            seconds[index, which] = _seconds(scene, methods[which], repeats[which])
+    return seconds
 
 
 def _seconds(scene: Scene, method: tuple[str, Options], repeats: int) -> float:

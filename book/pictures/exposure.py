@@ -1,19 +1,13 @@
-"""Exposure, tolerance and streaming: prints the tables of docs/exposure.md and draws its pictures.
-
-The program runs for about half a minute.
-"""
+"""docs/exposure.md: levels at ears, tolerance to faults, and streaming (30 s)."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import NDArray
 
 import midair
-
-DOCS = Path(__file__).parents[1] / "docs"
+from pictures import DOCS, head, line
 
 #: Four foci 6 cm apart, 0.15 m above 20 x 20 transducers.
 FOCI = np.array([[x, y, 0.15] for x in (-0.03, 0.03) for y in (-0.03, 0.03)])
@@ -83,7 +77,7 @@ def streaming() -> None:
     loud = midair.solve(scene, "lm", pressures=level)
     whole = midair.streaming(scene, loud, places).force.mean()
     print(f"mean force behind four foci: {whole:.3g} N/m^3\n")
-    print("| quiet points | weight of each | force left | level left | uniformity |\n|---|---|---|---|---|")
+    head("quiet points", "weight of each", "force left", "level left", "uniformity")
     for count in (60, 240):
         for weight in (0.003, 0.01, 0.03):
             quiet = scene.replace(
@@ -94,8 +88,8 @@ def streaming() -> None:
             found = midair.solve(quiet, "lm")
             force = midair.streaming(scene, found, places).force.mean() / whole
             made = np.abs(found.pressures[:4])
-            kept = made.mean() / np.abs(loud.pressures).mean()
-            print(f"| {count} | {weight:g} | {force:.2f} | {kept:.3f} | {made.min() / made.max():.3f} |")
+            kept, even = made.mean() / np.abs(loud.pressures).mean(), made.min() / made.max()
+            line(count, f"{weight:g}", f"{force:.2f}", f"{kept:.3f}", f"{even:.3f}")
             if (count, weight) == (240, 0.01):
                 drives = {"four foci": loud, "quiet behind": found}
     draw(scene, drives)
@@ -120,7 +114,3 @@ def main() -> None:
     others()
     tolerance()
     streaming()
-
-
-if __name__ == "__main__":
-    main()

@@ -1,68 +1,15 @@
-"""Draws pictures of the pages with the package itself: `make pictures`. Their text is readable on a phone.
-
-Writes docs/traps.webp, boards.png, embedded.png, sweeps.png and why.png, and the card picture for links.
-"""
+"""docs/boards.md, embedded.md, sweeps.md, why.md: pictures that are readable on a phone; the card of links (20 s)."""
 
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
-import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 import midair
-
-ROOT = Path(__file__).parents[1]
-DOCS = ROOT / "docs"
-INK, TEAL, AMBER, SOFT = "#0c0f14", "#0b7f74", "#b35900", "#6b7686"
-COLOURS = {"naive": SOFT, "gspat": "#7a5195", "greedy": AMBER, "uniform": TEAL, "fast": "#2f6fb5"}
-#: A page is 360 points wide on a phone, so text of 12 points in a picture of 5.6 inches appears as 11 points.
-mpl.rcParams.update({"font.size": 12, "axes.spines.top": False, "axes.spines.right": False})
-WIDTH = 5.6
-
-
-def figure(height: float, rows: int = 1, columns: int = 1) -> tuple[Figure, np.ndarray]:
-    """Returns a figure of the page's width, and its axes as a flat array."""
-    drawn, axes = plt.subplots(rows, columns, figsize=(WIDTH, height), layout="constrained", squeeze=False)
-    return drawn, axes.ravel()
-
-
-def save(drawn: Figure, name: str) -> None:
-    """Writes a picture with few colours to docs."""
-    from paper import reduce
-
-    path = DOCS / f"{name}.png"
-    drawn.savefig(path, dpi=130)
-    reduce(path, path)
-    plt.close(drawn)
-
-
-def traps() -> None:
-    """Draws an upright slice through a trap in a TinyLev: |p|, the force, and the bead."""
-    scene = midair.Scene(midair.Array.preset("tinylev"), [[0, 0, 0]], signature="trap")
-    solution = midair.solve(scene)
-    field = midair.field(scene, solution, midair.Plane(axis="y", at=0, size=0.034, pixels=260, center=(0, 0)))
-    side = np.linspace(-0.012, 0.012, 13)
-    x, z = (each.ravel() for each in np.meshgrid(side, side))
-    force = midair.gorkov(scene, solution, points=np.c_[x, 0 * x, z]).force
-    length = np.linalg.norm(force, axis=1)
-    arrows = force / length[:, None] * np.minimum(length / np.quantile(length, 0.8), 1)[:, None]
-    drawn, (ax,) = figure(4.9)
-    shown = ax.pcolormesh(
-        1e3 * field.x, 1e3 * field.z, np.abs(field.pressure) / 1e3, cmap="magma", rasterized=True
-    )
-    ax.quiver(1e3 * x, 1e3 * z, arrows[:, 0], arrows[:, 2], color="white", scale=16, width=0.005)
-    ax.plot(0, 0, "o", ms=13, color="white", mec=INK)
-    ax.set_aspect("equal")
-    ax.set_xlabel("x / mm")
-    ax.set_ylabel("z / mm")
-    drawn.colorbar(shown, ax=ax, label="|p| / kPa")
-    drawn.savefig(DOCS / "traps.webp", dpi=130, pil_kwargs={"quality": 85, "method": 6})
-    plt.close(drawn)
+from pictures import COLOURS, DOCS, INK, ROOT, TEAL, figure, save
 
 
 def boards() -> None:
@@ -212,6 +159,7 @@ def card() -> None:
     plt.close(drawn)
 
 
-if __name__ == "__main__":
-    for draw in (traps, boards, embedded, sweeps, why, card):
+def main() -> None:
+    """Draws all pictures."""
+    for draw in (boards, embedded, sweeps, why, card):
         draw()

@@ -1,28 +1,23 @@
-"""Draws quality over time, `make figures`: docs/quality-time.png, with its numbers in quality-time.csv.
+"""docs/how-to-choose.md: quality over time of all methods, with its numbers in quality-time.csv (2 min).
 
 Quality is the mean over the paper's random scenes. Time is the CPU time of a whole `midair.solve` in one
 thread: the median of rounds in which the methods take turns, for the first of those scenes.
 """
 
-import io
-import math
-import time
-from collections.abc import Sequence
-from pathlib import Path
-from statistics import median
+from __future__ import annotations
 
-import labels
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
 
 import midair
-from midair._reproduce import drawing, methods, scenes, tables
-from midair._support import output as output
+from pictures import DOCS, _labels
+from midair._reproduce import drawing, scenes, tables, timing
+from midair._reproduce.scenes import Method
 from midair._sweep.block import solve_block
 
-FOLDER = Path(__file__).parents[1] / "docs"
-SIDE = 20
 COUNTS = (4, 16, 64)
 SCENES = 20
 ROUNDS = 15
@@ -33,11 +28,9 @@ LABELS = {"accuracy": "accuracy (higher is louder)", "sigma": "sigma (lower is m
 
 #: Options other than the defaults.
 OPTIONS = {"uniform": {"aim": "max"}, "best": {"aim": "max"}}
-FINE = methods.Method(
-    "greedy 256 x 16", "greedy 256 x 16", "greedy", {"phases": 256, "amplitudes": 16}, "#7f0000"
-)
+FINE = Method("greedy 256 x 16", "greedy 256 x 16", "greedy", {"phases": 256, "amplitudes": 16}, "#7f0000")
 #: The colours of the methods, as in the paper's figures.
-COLOURS = {method.solver: method.colour for method in (*methods.PAPER, methods.GS, *methods.even())} | {
+COLOURS = {method.solver: method.colour for method in (*scenes.PAPER, scenes.GS, *scenes.even())} | {
     "fast": "#e377c2",
     "wgs": "#008b8b",
     "tikhonov": "#808000",
@@ -48,58 +41,35 @@ COLOURS = {method.solver: method.colour for method in (*methods.PAPER, methods.G
 }
 
 
-def compared() -> list[methods.Method]:
+def compared() -> list[Method]:
     """Returns every registered method with its defaults, and greedy on the paper's finest grid."""
     found = [
-        methods.Method(name, name, name, OPTIONS.get(name, {}), COLOURS.get(name, "#1a55ff"))
+        Method(name, name, name, OPTIONS.get(name, {}), COLOURS.get(name, "#1a55ff"))
         for name in midair.solvers()
     ]
     return [*found, FINE]
 
 
-def settings(method: methods.Method, count: int) -> dict[str, object]:
-    """Returns the paper's random scenes for a method, in the form that sweeps take."""
-    return {
-        **scenes.random_points(SIDE, count),
-        "solver": method.solver,
-        "options": method.options,
-        "seed": 0,
-        "seeds": None,
-        "drives": True,
-    }
-
-
-def measure(work: Sequence[methods.Method], count: int) -> tables.Rows:
+def measure(work: Sequence[Method], count: int) -> tables.Rows:
     """Returns a row per method: mean accuracy and sigma over all scenes, median time in s for the first."""
-    answers = [solve_block(settings(method, count), 0, SCENES) for method in work]
-    array = midair.Array.grid(SIDE, SIDE, scenes.PITCH, source_pressure=1e-3)
+    answers = [solve_block(scenes.block(method, count, 0, drives=True), 0, SCENES) for method in work]
+    array = midair.Array.grid(scenes.SIDE, scenes.SIDE, scenes.PITCH, source_pressure=1e-3)
     scene = midair.Scene(array, answers[0]["points"][0], answers[0]["targets"][0])
-    repeats = [max(1, math.ceil(LEAST / seconds(scene, method, 1))) for method in work]
-    times: list[list[float]] = [[] for _ in work]
-    for turn in range(ROUNDS):
-        for number in np.roll(range(len(work)), turn).tolist():
-            times[number].append(seconds(scene, work[number], repeats[number]))
+    calls = [(method.solver, method.options) for method in work]
+    times = np.median(timing.in_turns(calls, [scene] * (ROUNDS + 1), LEAST), axis=0)
     return [
         {
             "method": method.key,
-            "N": SIDE * SIDE,
+            "N": len(array),
             "M": count,
             "scenes": SCENES,
             "accuracy": float(np.mean(answer["accuracy"])),
             "sigma": float(np.mean(answer["sigma"])),
             "rounds": ROUNDS,
-            "seconds": median(taken),
+            "seconds": float(seconds),
         }
-        for method, answer, taken in zip(work, answers, times, strict=True)
+        for method, answer, seconds in zip(work, answers, times, strict=True)
     ]
-
-
-def seconds(scene: midair.Scene, method: methods.Method, repeats: int) -> float:
-    """Returns the CPU time of a solve in s, summed over all threads."""
-    began = time.process_time_ns()
-    for _ in range(repeats):
-        midair.solve(scene, method.solver, **method.options)
-    return (time.process_time_ns() - began) / 1e9 / repeats
 
 
 def draw(rows: tables.Rows) -> Figure:
@@ -128,18 +98,12 @@ def draw(rows: tables.Rows) -> Figure:
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     for panel in named:
-        labels.write(*panel)
+        _labels.write(*panel)
     return figure
 
 
 def main() -> None:
     """Measures, writes the table and draws the picture."""
     rows = [row for count in COUNTS for row in measure(compared(), count)]
-    tables.write(FOLDER / "quality-time.csv", rows)
-    picture = io.BytesIO()
-    draw(rows).savefig(picture, format="png", metadata={"Software": None})
-    output.write(FOLDER / "quality-time.png", picture.getvalue())
-
-
-if __name__ == "__main__":
-    main()
+    tables.write(DOCS / "quality-time.csv", rows)
+    draw(rows).savefig(DOCS / "quality-time.png", metadata={"Software": None})

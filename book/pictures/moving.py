@@ -1,8 +1,7 @@
-"""Draws docs/moving.webp: three foci that circle above a SonicSurface, its phases beside their field."""
+"""README.md: a SonicSurface's phases, and the field of three foci that circle above it (10 s)."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 import midair
+from pictures import DOCS
 from midair._pictures.colours import table
 
 #: Frames of a turn, of which the film repeats a third, and the step between drawn frames.
@@ -38,6 +38,7 @@ def board(drive: NDArray[np.complex64]) -> Image.Image:
 
 
 def main() -> None:
+    """Draws the film."""
     array = midair.Array.preset("sonicsurface")
     angle = 2 * np.pi * np.arange(FRAMES // 3) / FRAMES
     around = angle[:, None] + 2 * np.pi * np.arange(3) / 3
@@ -57,11 +58,7 @@ def main() -> None:
         seen = Image.fromarray(shades(field / top, "field"))
         frame.paste(seen.resize((SIDE, SIDE), Image.Resampling.BICUBIC), (SIDE + GAP, 0))
         frames.append(frame)
-    path = Path(__file__).parents[1] / "docs" / "moving.webp"
+    path = DOCS / "moving.webp"
     frames[0].save(path, save_all=True, append_images=frames[1:], duration=60, loop=0, quality=80)
     metrics = sequence.metrics
     print(f"{path}: largest change {metrics.largest_change:.3f} rad, uniformity {metrics.uniformity:.4f}")
-
-
-if __name__ == "__main__":
-    main()

@@ -1,20 +1,16 @@
-"""Draws docs/touch.png: four common tactile techniques, by `midair.skin`; compares `midair.haptic` with them.
-
-`make touch` runs it, and prints the tables of docs/touch.md. The measured cost needs
-OPENBLAS_NUM_THREADS=1, because waiting threads count as CPU time.
-"""
+"""docs/touch.md: common tactile techniques by `midair.skin`, and `midair.haptic` beside them (5 min)."""
 
 from __future__ import annotations
 
 import math
 import time
-from pathlib import Path
 
 import numpy as np
 from matplotlib import pyplot as plt
 from numpy.typing import NDArray
 
 import midair
+from pictures import DOCS
 from midair._judging.haptic import _Judge
 from midair._judging.schedule import Curve
 from midair._midair import HIGHEST, Sheet, threshold
@@ -216,8 +212,4 @@ def main() -> None:
         row[0].set_title(name, fontsize="medium")
         width, focus = 1e3 * touch.width(), 1e3 * touch.focus_width()
         print(f"{name:32} {touch.level:5.1f} dB, {width:.1f} mm felt, {focus:.1f} mm of pressure")
-    figure.savefig(Path(__file__).parents[1] / "docs" / "touch.png", dpi=75)
-
-
-if __name__ == "__main__":
-    main()
+    figure.savefig(DOCS / "touch.png", dpi=75)

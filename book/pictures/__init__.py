@@ -1,0 +1,55 @@
+"""Place, width and colours of the pages' pictures, and tables that are printed row by row."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.figure import Figure
+from PIL import Image
+
+from marked import row
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs"
+INK, TEAL, AMBER, SOFT = "#0c0f14", "#0b7f74", "#b35900", "#6b7686"
+COLOURS = {"naive": SOFT, "gspat": "#7a5195", "greedy": AMBER, "uniform": TEAL, "fast": "#2f6fb5"}
+#: A page is 360 points wide on a phone, so text of 12 points in a picture of 5.6 inches appears as 11 points.
+WIDTH, STYLE = 5.6, {"font.size": 12, "axes.spines.top": False, "axes.spines.right": False}
+#: The number of colours and the largest width in pixels of stored pictures, which keep the repository small.
+SHADES, PIXELS = 128, 860
+
+
+def figure(height: float, rows: int = 1, columns: int = 1) -> tuple[Figure, np.ndarray]:
+    """Returns a figure of a page's width, and its axes as a flat array."""
+    plt.rcParams.update(STYLE)
+    drawn, axes = plt.subplots(rows, columns, figsize=(WIDTH, height), layout="constrained", squeeze=False)
+    return drawn, axes.ravel()
+
+
+def save(drawn: Figure, name: str) -> None:
+    """Writes a picture with few colours to docs."""
+    content = io.BytesIO()
+    drawn.savefig(content, format="png", dpi=130)
+    reduce(content, DOCS / f"{name}.png")
+    plt.close(drawn)
+
+
+def reduce(picture: Path | io.BytesIO, target: Path) -> None:
+    """Writes a picture with few colours and a page's width."""
+    image = Image.open(picture).convert("RGB")
+    image.thumbnail((PIXELS, 2 * PIXELS))
+    few = image.quantize(SHADES, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    few.save(target, "PNG", optimize=True)
+
+
+def head(*names: str) -> None:
+    """Prints the first two lines of a Markdown table."""
+    print(row(*names) + row(*["---"] * len(names)), end="")
+
+
+def line(*cells: object) -> None:
+    """Prints a row of a Markdown table."""
+    print(row(*cells), end="", flush=True)

@@ -1,0 +1,114 @@
+"""docs/paper.md: the figures of Suzuki et al. 2021 by `midair reproduce`, and their tables (2 h)."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+from pictures import DOCS, ROOT, reduce
+from marked import put, table
+from midair._cli.progress import progress_bar
+from midair._reproduce import FIGURES, fig2, reproduce, tables, timing
+
+#: The verdicts as the page's sentence has them.
+PLURAL = {"holds": "hold", "holds in part": "hold in part", "does not hold": "do not hold"}
+
+
+def main() -> None:
+    """Makes the figures, copies their tables and reduced pictures to docs/paper, and writes the page's parts."""
+    made = ROOT / "out" / "paper"
+    reproduce(["all"], made, progress=progress_bar)
+    for name in FIGURES:
+        shutil.copyfile(made / f"{name}.csv", DOCS / "paper" / f"{name}.csv")
+        reduce(made / f"{name}.png", DOCS / "paper" / f"{name}.png")
+    for name, text in parts(DOCS / "paper").items():
+        put(DOCS / "paper.md", name, text)
+
+
+def parts(place: Path) -> dict[str, str]:
+    """Returns the parts of the page between its markers, from the tables in a folder."""
+    rows = {name: tables.read(place / f"{name}.csv") for name in FIGURES}
+    verdicts = {name: figure.judge(rows[name]) for name, figure in FIGURES.items()}
+    outcomes = [verdict.verdict for judged in verdicts.values() for verdict in judged]
+    counts = ", ".join(f"{outcomes.count(kind)} {words}" for kind, words in PLURAL.items())
+    found = {"statements": f"Of {len(outcomes)} statements, {counts}.\n", "uniform": ours(rows)}
+    for name in FIGURES:
+        judged = [[it.statement, f"**{it.verdict}**", it.evidence] for it in verdicts[name]]
+        of_paper = table(["the paper says", "we find", "by these numbers"], judged)
+        found[name] = f"{TABLES[name](rows[name])}\n{of_paper}"
+    return found
+
+
+def pattern(rows: tables.Rows) -> str:
+    """Returns the table of fig. 2, with a row for each method."""
+    names = ("accuracy", "sigma", "uniformity")
+    lines = []
+    for key in tables.labels(rows):
+        first = tables.pick(rows, method=key)[0]
+        lines.append([first["label"], *(f"{first[name]:.3f}" for name in names), str(fig2.lost(rows, key))])
+    return table(["method", *names, "lost points"], lines)
+
+
+def wide(rows: tables.Rows, x: str, cell: Callable[[tables.Row], str]) -> str:
+    """Returns a table with a row for each method and a column for each value of x."""
+    sizes = dict.fromkeys(str(row[x]) for row in rows)
+    methods = [tables.pick(rows, method=key) for key in tables.labels(rows)]
+    return table([f"{x} =", *sizes], [[mine[0]["label"], *map(cell, mine)] for mine in methods])
+
+
+def means(rows: tables.Rows, factor: float, digits: int) -> str:
+    """Returns a table of figs. 3 and 4: means and half their confidence intervals."""
+
+    def cell(row: tables.Row) -> str:
+        half = (row["high"] - row["low"]) / 2
+        return f"{factor * row['mean']:.{digits}f} ± {factor * half:.{digits}f}"
+
+    return wide(rows, "M", cell)
+
+
+def times(rows: tables.Rows, x: str) -> str:
+    """Returns the tables of figs. 5 and 6: medians in ms, and slopes."""
+    firsts = [tables.pick(rows, method=key)[0] for key in tables.labels(rows)]
+    slopes = [[row["label"], timing.stated_slope(row)] for row in firsts]
+    medians = wide(rows, x, lambda row: f"{1e3 * row['median']:.3g}")
+    return f"{medians}\n" + table(["method", f"slope of log time over log {x}"], slopes)
+
+
+def foci(rows: tables.Rows) -> str:
+    """Returns the table of fig. 7, with a row for each panel."""
+    names = ("panel", "target", "order", "balance", "orders")
+    head = [*names, "width x / mm", "width y / mm", "artefact", "power"]
+    return table(
+        head,
+        [
+            [
+                *(str(row[name]) for name in names),
+                *(f"{row[name]:.1f}" for name in ("width_x_mm", "width_y_mm")),
+                f"{row['artefact']:.2f}",
+                f"{row['power']:.3f}",
+            ]
+            for row in rows
+        ],
+    )
+
+
+TABLES: dict[str, Callable[[tables.Rows], str]] = {
+    "fig2": pattern,
+    "fig3": partial(means, factor=100, digits=1),
+    "fig4": partial(means, factor=1, digits=4),
+    "fig5": partial(times, x="M"),
+    "fig6": partial(times, x="N"),
+    "fig7": foci,
+}
+
+
+def ours(rows: dict[str, tables.Rows]) -> str:
+    """Returns a table of the advantages of `uniform` over the paper's best two methods."""
+    accuracies = (tables.pick(rows["fig3"], method=key) for key in ("greedy", "lm", "uniform"))
+    lines = [
+        [sigma["M"], *(f"{100 * row['mean']:.1f}" for row in found), f"{sigma['mean']:.1e}"]
+        for sigma, *found in zip(tables.pick(rows["fig4"], method="uniform"), *accuracies, strict=True)
+    ]
+    return table(["M", "greedy / %", "LM / %", "uniform / %", "uniform's sigma"], lines)
