@@ -198,7 +198,7 @@ bench/.envs/%.so: bench/workers/%.cpp
 	mkdir -p $(@D)
 	$(CXX) -std=c++17 $(CXXFLAGS) -fPIC -shared -o $@ $<
 
-pictures: setup ## Pictures and tables of pages: lists them; NAMES="motion touch" makes some, from 10 s to 2 h each
+pictures: $(if $(NAMES),setup) ## Pictures and tables of pages: lists them; NAMES="motion touch" makes some, from 10 s to 2 h each
 	OPENBLAS_NUM_THREADS=1 MPLBACKEND=agg $(PYTHON) book/pictures $(NAMES)
 
 look: docs studio ## Look at the book in a browser: axe, requests, widths, live cells (Node 20+, Debian's chromium; 3 min)

@@ -13,9 +13,14 @@ def row(*cells: object) -> str:
     return "| " + " | ".join(str(cell).replace("|", r"\|") for cell in cells) + " |\n"
 
 
+def rule(columns: int) -> str:
+    """Returns the line below the head of a Markdown table."""
+    return "|---" * columns + "|\n"
+
+
 def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     """Returns a Markdown table."""
-    return row(*head) + row(*["---"] * len(head)) + "".join(row(*cells) for cells in rows)
+    return row(*head) + rule(len(head)) + "".join(row(*cells) for cells in rows)
 
 
 def cells(line: str) -> list[str]:

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import emulated
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.append(str(ROOT / "book"))
+sys.path.append(str(Path(__file__).resolve().parents[1] / "book"))
 from marked import put, table
 
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "embedded.md"
 HEAD = "method", "flash / kB", "N", "M", "heap / kB", "stack / kB", "set-up", "new points", "solve", "encode"
 COUNTS = (64, 256)
 POINTS = (1, 4, 8)
@@ -32,4 +32,4 @@ def rows(target: Path) -> Iterator[list[object]]:
 
 
 if __name__ == "__main__":
-    put(ROOT / "docs" / "embedded.md", "measured", table(HEAD, rows(emulated.build())))
+    put(PAGE, "measured", table(HEAD, rows(emulated.build())))

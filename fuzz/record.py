@@ -7,10 +7,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-sys.path.append(str(ROOT / "book"))
+sys.path.append(str(Path(__file__).resolve().parents[1] / "book"))
 from marked import cells, parts, put, table
 
+ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "reliability.md"
 
 Row = list[str]

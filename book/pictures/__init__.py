@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
-from marked import row
+from marked import row, rule
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -47,7 +47,7 @@ def reduce(picture: Path | io.BytesIO, target: Path) -> None:
 
 def head(*names: str) -> None:
     """Prints the first two lines of a Markdown table."""
-    print(row(*names) + row(*["---"] * len(names)), end="")
+    print(row(*names) + rule(len(names)), end="")
 
 
 def line(*cells: object) -> None:

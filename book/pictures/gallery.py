@@ -21,7 +21,7 @@ WIDTH = 1000
 
 
 def run(path: Path) -> dict[str, Any]:
-    """Runs a script or a notebook in the current folder, where it writes its picture; returns its variables."""
+    """Runs a script or notebook in the current folder, where it writes its picture; returns its variables."""
     if path.suffix == ".ipynb":
         names: dict[str, Any] = {}
         exec(compile("\n".join(cells(path, "code")), str(path), "exec"), names)

@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-import midair
 import microphones
-from pictures import DOCS, head, line
+import midair
 from microphones import BELIEVED, TRUE_SPEED, Complex, Real
+from pictures import DOCS, head, line
 
 ECHO, WALL = 0.05, 0.5
 SEEDS = range(200, 210)

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 import midair
-from pictures import DOCS
 from midair._pictures.colours import table
+from pictures import DOCS
 
 #: Frames of a turn, of which the film repeats a third, and the step between drawn frames.
 FRAMES, EVERY = 480, 5

@@ -1,4 +1,4 @@
-"""docs/boards.md, embedded.md, sweeps.md, why.md: pictures that are readable on a phone; the card of links (20 s)."""
+"""docs/boards.md, embedded.md, sweeps.md, why.md: pictures readable on a phone; the card of links (20 s)."""
 
 from __future__ import annotations
 

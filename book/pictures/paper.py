@@ -7,17 +7,17 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from pictures import DOCS, ROOT, reduce
 from marked import put, table
 from midair._cli.progress import progress_bar
 from midair._reproduce import FIGURES, fig2, reproduce, tables, timing
+from pictures import DOCS, ROOT, reduce
 
 #: The verdicts as the page's sentence has them.
 PLURAL = {"holds": "hold", "holds in part": "hold in part", "does not hold": "do not hold"}
 
 
 def main() -> None:
-    """Makes the figures, copies their tables and reduced pictures to docs/paper, and writes the page's parts."""
+    """Makes the figures, copies tables and reduced pictures to docs/paper, and writes the page's parts."""
     made = ROOT / "out" / "paper"
     reproduce(["all"], made, progress=progress_bar)
     for name in FIGURES:

@@ -13,10 +13,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
 
 import midair
-from pictures import DOCS, _labels
 from midair._reproduce import drawing, scenes, tables, timing
 from midair._reproduce.scenes import Method
 from midair._sweep.block import solve_block
+from pictures import DOCS, _labels
 
 COUNTS = (4, 16, 64)
 SCENES = 20

@@ -10,10 +10,10 @@ from matplotlib import pyplot as plt
 from numpy.typing import NDArray
 
 import midair
-from pictures import DOCS
 from midair._judging.haptic import _Judge
 from midair._judging.schedule import Curve
 from midair._midair import HIGHEST, Sheet, threshold
+from pictures import DOCS
 
 HEIGHT = 0.2
 MIDDLE = (0.0, 0.0, HEIGHT)

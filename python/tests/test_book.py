@@ -15,6 +15,15 @@ from midair._cli.app import app
 ROOT = Path(__file__).parents[2]
 
 
+def test_every_file_of_pictures_names_its_page_and_can_run(book: Callable[[str], ModuleType]) -> None:
+    for name, line in book("pictures.__main__").PICTURES.items():
+        pages = re.findall(r"(?:docs/)?[\w-]+\.md\b", line.partition(": ")[0])
+        assert pages, f"{name}: the first line names its page"
+        for page in pages:
+            assert (ROOT / "docs" / page.removeprefix("docs/")).exists() or (ROOT / page).exists(), page
+        assert callable(book(f"pictures.{name}").main), name
+
+
 @pytest.fixture
 def reference(book: Callable[[str], ModuleType]) -> ModuleType:
     return book("reference")
@@ -78,9 +87,8 @@ def test_every_preset_is_described(reference: ModuleType) -> None:
     assert rows == list(midair.presets())
 
 
-def test_the_page_of_columns_is_what_the_package_prints(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(str(ROOT / "book"))
-    page = importlib.import_module("columns").page()
+def test_the_page_of_columns_is_what_the_package_prints(book: Callable[[str], ModuleType]) -> None:
+    page = book("columns").page()
     assert (ROOT / "docs" / "columns.md").read_text() == page, "run `make schema`"
 
 
