@@ -3,7 +3,7 @@ import { readFileSync } from "node:fs";
 
 import { expect, test } from "vitest";
 
-import { type BeadFlight, balls, beadsAt, fateOf } from "../src/app/beads.ts";
+import { type BeadFlight, balls, beadsAt, fateOf } from "../src/work/beads.ts";
 import { compile, openDoor } from "../src/work/door.ts";
 import { framesOf } from "../src/making/paths.ts";
 import type { Vec3 } from "../src/state/types.ts";

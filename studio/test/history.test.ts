@@ -1,13 +1,13 @@
 // Undo: a gesture is one step, and the last undo returns the very first state.
 import { expect, test } from "vitest";
 
-import { createHistory } from "../src/state/history.ts";
+import { History } from "../src/state/history.ts";
 import { initial } from "../src/state/initial.ts";
 
 const warmer = (temperature: number) => ({ ...initial, temperature });
 
 test("a gesture that ends where it began is no step", () => {
-  const history = createHistory(initial);
+  const history = new History(initial);
   history.keep(warmer(26), "drag 1");
   history.keep(initial, "drag 1");
   expect([history.canUndo(), history.canRedo()]).toEqual([false, false]);
@@ -16,7 +16,7 @@ test("a gesture that ends where it began is no step", () => {
 });
 
 test("a drag is one step, however long it takes", () => {
-  const history = createHistory(initial);
+  const history = new History(initial);
   for (let k = 0; k < 9; k += 1) history.keep(warmer(k), "drag 1");
   history.rest();
   history.keep(warmer(20), "drag 2");
@@ -27,7 +27,7 @@ test("a drag is one step, however long it takes", () => {
 });
 
 test("something new ends what could be done again", () => {
-  const history = createHistory(initial);
+  const history = new History(initial);
   history.keep(warmer(1), "");
   history.undo();
   history.keep(warmer(2), "");
@@ -36,7 +36,7 @@ test("something new ends what could be done again", () => {
 });
 
 test("what changes nothing is no step", () => {
-  const history = createHistory(initial);
+  const history = new History(initial);
   history.keep({ ...initial }, "");
   expect(history.canUndo()).toBe(false);
 });

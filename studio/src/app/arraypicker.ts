@@ -61,7 +61,7 @@ export function createArrayPicker({ engine, studio }: Context, change: (name: st
   return {
     root: select,
     /** Shows these [name, text] pairs, one of them chosen. */
-    place(pairs: (readonly [string, string])[], chosen: string) {
+    update(pairs: (readonly [string, string])[], chosen: string) {
       const same = offered === (offered = pairs.join());
       if (!same) select.replaceChildren(face, ...pairs.map(([name, text]) => new Option(text, name)));
       if (select.value !== chosen) select.value = chosen;

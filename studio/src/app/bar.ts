@@ -20,7 +20,7 @@ const LOGO =
   '<path d="M7.2 9.5a6.6 6.6 0 0 0 9.6 0M4.5 13a11 11 0 0 0 15 0M2 17a15.5 15.5 0 0 0 20 0"/></svg>';
 
 /** Makes the bar. `levels` are the buttons for the page's levels, which the bar contains. */
-export function createBar(context: Context, levels: HTMLElement, deeds: Deeds): { root: HTMLElement; place(): void } {
+export function createBar(context: Context, levels: HTMLElement, deeds: Deeds): { root: HTMLElement; update(): void } {
   const { studio, say } = context;
   const button = (text: string, act: () => void, name = text, className = "") =>
     element("button", { onclick: act, className, "aria-label": name, title: name }, text);
@@ -85,9 +85,9 @@ export function createBar(context: Context, levels: HTMLElement, deeds: Deeds): 
   context.ending(() => window.removeEventListener("pointerdown", folds));
   return {
     root,
-    place() {
-      undo.disabled = !studio.canUndo();
-      redo.disabled = !studio.canRedo();
+    update() {
+      undo.disabled = !studio.history.canUndo();
+      redo.disabled = !studio.history.canRedo();
     },
   };
 }

@@ -24,7 +24,7 @@ export interface Compare {
   share(): number;
   /** The table of metrics, and the warnings. */
   numbers: HTMLElement[];
-  place(look: Look): void;
+  update(look: Look): void;
 }
 
 const SLOTS: Slot[] = [0, 1];
@@ -80,7 +80,7 @@ export function createCompare(context: Context): Compare {
       picture.setPointerCapture(event.pointerId);
       begin = { index, at: metres(event), point: state().points[index] };
       gesture += 1;
-      studio.moving(true);
+      studio.setMoving(true);
     };
     picture.onpointermove = (event) => {
       if (!begin) return;
@@ -89,7 +89,7 @@ export function createCompare(context: Context): Compare {
       studio.change(moved(state(), begin.index, to), `drag slice ${gesture}`);
     };
     picture.onpointerup = picture.onpointercancel = () => {
-      if (begin) studio.moving(false);
+      if (begin) studio.setMoving(false);
       begin = null;
     };
     picture.ondblclick = (event) => {
@@ -152,7 +152,7 @@ export function createCompare(context: Context): Compare {
     slice: picture,
     share: () => +wiper.value,
     numbers: [table, warnings],
-    place(look) {
+    update(look) {
       const { frame } = studio.view;
       const results = shownOf(studio.view);
       for (const slot of SLOTS) {

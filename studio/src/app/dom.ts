@@ -1,4 +1,6 @@
-/** Short functions that make DOM elements. */
+/** Short functions that make DOM elements, and let pointers and keys move them. */
+
+import type { Vec3 } from "../state/types.ts";
 
 type Child = Node | string | null | undefined | false;
 type Given = Record<string, unknown>;
@@ -19,8 +21,14 @@ export function element<Name extends keyof HTMLElementTagNameMap>(
 }
 
 /** Writes a text only if it has changed, so that screen readers do not repeat it and the caret does not move. */
-export function write(place: HTMLElement, text: string): void {
-  if (place.textContent !== text) place.textContent = text;
+export function write(label: HTMLElement, text: string): void {
+  if (label.textContent !== text) label.textContent = text;
+}
+
+/** Makes or removes elements at the end of a list, which are children of `root`, until there are `count`. */
+export function resize<Each extends Element>(root: Element, list: Each[], count: number, make: (index: number) => Each): void {
+  while (list.length > count) list.pop()!.remove();
+  while (list.length < count) root.append((list[list.length] = make(list.length)));
 }
 
 /** Marks an element to be explained in one line by `createTips`, while the pointer or the focus is in it. */
@@ -71,4 +79,48 @@ export function offer(select: HTMLSelectElement, pairs: readonly (readonly [stri
     pairs.every(([key, text], k) => select.options[k].value === key && select.options[k].text === text);
   if (!same) select.replaceChildren(...pairs.map(([key, text]) => new Option(text, key)));
   if (select.value !== value) select.value = value;
+}
+
+/** Steps of the keys in m: without and with Shift. */
+const STEPS = [1e-3, 1e-2];
+
+const WAYS: Record<string, Vec3> = {
+  ArrowLeft: [-1, 0, 0],
+  ArrowRight: [1, 0, 0],
+  ArrowUp: [0, 1, 0],
+  ArrowDown: [0, -1, 0],
+  PageUp: [0, 0, 1],
+  PageDown: [0, 0, -1],
+};
+
+/** Returns the shift in m of a key that moves something; null for other keys. */
+export const stepOf = ({ key, shiftKey }: KeyboardEvent) => (WAYS[key]?.map((x) => STEPS[Number(shiftKey)] * x) ?? null) as Vec3 | null;
+
+/** A drag: `begin` returns the dragged thing, or null; `move` is called with it and with the gesture's name. */
+interface Drag<Grip> {
+  begin(event: PointerEvent): Grip | null;
+  move(grip: Grip, event: PointerEvent, gesture: string): void;
+  end?(grip: Grip, event: PointerEvent): void;
+}
+
+let gestures = 0;
+
+/** Lets a pointer drag something by a handle. Meanwhile something moves in the studio. */
+export function draggable<Grip>(handle: HTMLElement, studio: { setMoving(moving: boolean): void }, { begin, move, end }: Drag<Grip>): void {
+  let grip: Grip | null = null;
+  handle.onpointerdown = (event) => {
+    grip = begin(event);
+    if (grip === null) return;
+    handle.setPointerCapture(event.pointerId);
+    gestures += 1;
+    studio.setMoving(true);
+  };
+  handle.onpointermove = (event) => grip !== null && move(grip, event, `drag ${gestures}`);
+  handle.onpointerup = handle.onpointercancel = (event) => {
+    if (grip === null) return;
+    const held = grip;
+    grip = null;
+    studio.setMoving(false);
+    end?.(held, event);
+  };
 }

@@ -81,8 +81,8 @@ export async function exportDrive({ studio, engine, alarm, say, plain }: Context
   else alarm(say("unsolved", { line: plain(refused) }));
 }
 
-/** Saves the sheet of the current view, as SVG or as PNG of double resolution. */
-export async function exportSheet(svg: string, ending: "png" | "svg"): Promise<void> {
+/** Saves the figure of the current view, as SVG or as PNG of double resolution. */
+export async function exportFigure(svg: string, ending: "png" | "svg"): Promise<void> {
   if (ending === "svg") return save("field.svg", svg, "image/svg+xml");
   const drawn = new Image();
   drawn.src = `data:image/svg+xml,${encodeURIComponent(svg)}`;

@@ -33,7 +33,7 @@ export async function haunt({ studio, ending }: Context, view: HTMLElement, seen
     hand.remove();
     if (!holds) return;
     put(from);
-    studio.moving(false);
+    studio.setMoving(false);
   }
   for (const kind of ["pointerdown", "keydown", "wheel"]) window.addEventListener(kind, end, { signal, capture: true });
   ending(end);
@@ -52,7 +52,7 @@ export async function haunt({ studio, ending }: Context, view: HTMLElement, seen
     const turn = 2 * Math.PI * part ** 2 * (3 - 2 * part);
     const place = placeOn(plane, right + LOOPS[0] * Math.sin(turn), up + (LOOPS[1] * (1 - Math.cos(turn))) / 2);
     if (part > 0) {
-      if (!holds) studio.moving((holds = true));
+      if (!holds) studio.setMoving((holds = true));
       put(place);
     }
     const [x, y] = seen(place);

@@ -8,10 +8,10 @@ import { createEye } from "./eye.ts";
 import { createHook, type Hook } from "./hook.ts";
 import { first, initial } from "../state/initial.ts";
 import { readLink } from "../state/link.ts";
-import { createPage, type Manner, type Page } from "./page.ts";
+import { type Manner, Page } from "./page.ts";
 import { report } from "./refusals.ts";
 import SolveWorker from "../work/solve.worker.ts?worker&inline";
-import { createStudio } from "../work/studio.ts";
+import { Studio } from "../work/studio.ts";
 import type { State } from "../state/types.ts";
 import type { Language } from "./words.ts";
 import wasmUrl from "../../built/midair.wasm?url";
@@ -53,7 +53,7 @@ async function start() {
       wrong.push((error as Error).message);
     }
   }
-  const studio = createStudio(engine, begun);
+  const studio = new Studio(engine, begun);
   const manner: Manner = {
     eye: createEye(studio),
     language,
@@ -64,12 +64,12 @@ async function start() {
       const buttons = () => [...root.querySelectorAll("button")];
       const focused = buttons().indexOf(document.activeElement as HTMLButtonElement);
       page.dispose();
-      page = createPage(root, engine, studio, Object.assign(manner, changes));
+      page = new Page(root, engine, studio, Object.assign(manner, changes));
       buttons()[focused]?.focus();
     },
   };
   const unread = (line: string) => report(manner.language, "unread", { line });
-  let page: Page = createPage(root, engine, studio, manner);
+  let page = new Page(root, engine, studio, manner);
   window.midair = createHook(engine, studio, () => page);
   window.addEventListener("hashchange", () => {
     const read = linked(engine);

@@ -6,7 +6,7 @@ import type { Player } from "./player.ts";
 import type { Path } from "../state/types.ts";
 
 /** Makes the controls. */
-export function createMotion({ studio, say }: Context, player: Player): { root: HTMLElement; place(): void } {
+export function createMotion({ studio, say }: Context, player: Player): { root: HTMLElement; update(): void } {
   const state = () => studio.view.state;
   const kind = choice(
     (["none", "circle", "line"] as const).map((name) => [name, say(name)]),
@@ -19,24 +19,24 @@ export function createMotion({ studio, say }: Context, player: Player): { root: 
       const { path } = state();
       const value = Number(input.value);
       if (path && value >= min && value <= max) studio.change({ path: { ...path, ...set(value) } as Path });
-      place();
+      update();
     };
     return input;
   };
   const size = number((mm) => (state().path?.kind === "line" ? { length: mm / 1000 } : { radius: mm / 1000 }), 1, 100);
   const turns = number((frequency) => ({ frequency }), 0.1, 200);
   const move = element("button", { className: "small", onclick: player.toggle }, say("move"));
-  const more = element("div", { className: "stack" }, labelled(say("radius"), size, null, say("radiusTip")), labelled(say("frequency"), turns, null, say("frequencyTip")), move, player.found);
+  const more = element("div", { className: "stack" }, labelled(say("radius"), size, null, say("radiusTip")), labelled(say("frequency"), turns, null, say("frequencyTip")), move, player.summary);
 
   function pathOf(name: string): Path | null {
     if (name === "circle") return { kind: "circle", radius: 0.01, frequency: 4 };
     return name === "line" ? { kind: "line", length: 0.02, frequency: 4 } : null;
   }
 
-  function place() {
+  function update() {
     const { path } = state();
-    player.place();
-    write(move, say(player.playing() ? "rest" : "move"));
+    player.update();
+    write(move, say(player.moves ? "rest" : "move"));
     kind.value = path?.kind ?? "none";
     more.hidden = path === null;
     if (path) {
@@ -45,5 +45,5 @@ export function createMotion({ studio, say }: Context, player: Player): { root: 
     }
   }
 
-  return { root: element("div", { className: "stack" }, labelled(say("path"), kind), more), place };
+  return { root: element("div", { className: "stack" }, labelled(say("path"), kind), more), update };
 }

@@ -19,7 +19,7 @@ export interface Panels {
   root: HTMLElement;
   /** The group that contains the compared slice. */
   dock: HTMLElement;
-  place(): void;
+  update(): void;
 }
 
 /** The tabs on a phone; each shows some of the groups. */
@@ -68,8 +68,8 @@ export function createPanels(context: Context, compare: Compare, player: Player,
   };
   const slots = choice(["A", "B"].map((name, k) => [String(k), name]), "0", (slot) => change({ slot: Number(slot) as State["slot"] }));
   const slider = (min: number, max: number, step: number, set: (value: number) => void) => {
-    const input = element("input", { type: "range", min, max, step, oninput: () => (studio.moving(true), set(+input.value)) });
-    input.onchange = () => studio.moving(false);
+    const input = element("input", { type: "range", min, max, step, oninput: () => (studio.setMoving(true), set(+input.value)) });
+    input.onchange = () => studio.setMoving(false);
     return input;
   };
   const temperature = slider(-10, 45, 0.5, (value) => change({ temperature: value }, "drag temperature"));
@@ -172,7 +172,7 @@ export function createPanels(context: Context, compare: Compare, player: Player,
   return {
     root,
     dock: of("methods").root,
-    place() {
+    update() {
       const now = state();
       for (const { levels, tab, root: each } of made) {
         each.hidden = compact ? tab !== "methods" : !levels.includes(now.level);
@@ -189,7 +189,7 @@ export function createPanels(context: Context, compare: Compare, player: Player,
       levelsField.hidden = now.level === "play";
       const own = "preset" in now.array ? [] : [[now.array.name, now.array.name] as const];
       const chosen = "preset" in now.array ? now.array.preset : now.array.name;
-      array.place([...own, ...presets.map(({ name, count }) => [name, `${name} · ${count}`] as const)], chosen);
+      array.update([...own, ...presets.map(({ name, count }) => [name, `${name} · ${count}`] as const)], chosen);
       const tiled = presets.find(({ name }) => name === chosen)?.tiles ?? false;
       boards.hidden = !tiled || own.length > 0;
       if ("preset" in now.array) {
@@ -218,8 +218,8 @@ export function createPanels(context: Context, compare: Compare, player: Player,
       write(of("motion").holds, say(now.path?.kind ?? "none"));
       write(of("listen").holds, now.ear ? now.ear.map(millimetres).join(", ") : say("none"));
       write(of("points").holds, String(now.points.length));
-      table.place();
-      motion.place();
+      table.update();
+      motion.update();
     },
   };
 }

@@ -29,10 +29,10 @@ interface Recorder {
   end(): Promise<Blob>;
 }
 
-function webm(sheet: HTMLCanvasElement): Recorder {
+function webm(film: HTMLCanvasElement): Recorder {
   const mimeType = globalThis.MediaRecorder && KINDS.find((kind) => MediaRecorder.isTypeSupported(kind));
   if (!mimeType) throw new Error("this browser records no WebM: choose GIF, or take Chrome, Edge or Firefox");
-  const stream = sheet.captureStream(0);
+  const stream = film.captureStream(0);
   const recorder = new MediaRecorder(stream, { mimeType, videoBitsPerSecond: 8e6 });
   const parts: Blob[] = [];
   recorder.ondataavailable = ({ data }) => parts.push(data);
@@ -49,12 +49,12 @@ function webm(sheet: HTMLCanvasElement): Recorder {
   };
 }
 
-function gif(sheet: HTMLCanvasElement): Recorder {
+function gif(film: HTMLCanvasElement): Recorder {
   const encoder = GIFEncoder();
-  const { width, height } = sheet;
+  const { width, height } = film;
   return {
     shoot() {
-      const { data } = sheet.getContext("2d")!.getImageData(0, 0, width, height);
+      const { data } = film.getContext("2d")!.getImageData(0, 0, width, height);
       const palette = quantize(data, 256);
       encoder.writeFrame(applyPalette(data, palette), width, height, { palette, delay: EACH });
     },
@@ -69,18 +69,18 @@ function gif(sheet: HTMLCanvasElement): Recorder {
  * Records the pictures for which `act` calls `shoot`, in real time, and saves the film. Its size is that of the first
  * picture.
  */
-export async function record(film: Film, source: () => Part, act: (shoot: () => void) => Promise<void>): Promise<void> {
-  const sheet = document.createElement("canvas");
+export async function record(kind: Film, source: () => Part, act: (shoot: () => void) => Promise<void>): Promise<void> {
+  const film = document.createElement("canvas");
   const { box } = source();
-  const scale = film === "GIF" ? Math.min(1, WIDEST / box.width) : 1;
-  [sheet.width, sheet.height] = [Math.round(scale * box.width), Math.round(scale * box.height)];
-  const pen = sheet.getContext("2d", { willReadFrequently: film === "GIF" })!;
-  const recorder = film === "GIF" ? gif(sheet) : webm(sheet);
+  const scale = kind === "GIF" ? Math.min(1, WIDEST / box.width) : 1;
+  [film.width, film.height] = [Math.round(scale * box.width), Math.round(scale * box.height)];
+  const pen = film.getContext("2d", { willReadFrequently: kind === "GIF" })!;
+  const recorder = kind === "GIF" ? gif(film) : webm(film);
   await act(() => {
     const { canvas, box } = source();
-    pen.drawImage(canvas, box.x, box.y, box.width, box.height, 0, 0, sheet.width, sheet.height);
+    pen.drawImage(canvas, box.x, box.y, box.width, box.height, 0, 0, film.width, film.height);
     recorder.shoot();
   });
   const made = await recorder.end();
-  save(`midair.${film.toLowerCase()}`, made, made.type);
+  save(`midair.${kind.toLowerCase()}`, made, made.type);
 }

@@ -18,7 +18,7 @@ const TIPS: Record<string, Word> = {
 };
 
 /** Makes the sentence. */
-export function createSentence({ studio, say, language }: Context): { root: HTMLElement; place(): void } {
+export function createSentence({ studio, say, language }: Context): { root: HTMLElement; update(): void } {
   const root = element("p", { className: "sentence" });
   let numbers: [string, HTMLElement][] = [];
   const build = changes((word: Word) => {
@@ -34,7 +34,7 @@ export function createSentence({ studio, say, language }: Context): { root: HTML
   });
   return {
     root,
-    place() {
+    update() {
       const found = sentenceOf(studio.view);
       root.hidden = !found;
       if (!found) return;

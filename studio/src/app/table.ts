@@ -9,7 +9,7 @@ import type { Vec3 } from "../state/types.ts";
 const AXES = ["x", "y", "z"];
 
 /** Makes the table. */
-export function createPointTable(context: Context): { root: HTMLElement; place(): void } {
+export function createPointTable(context: Context): { root: HTMLElement; update(): void } {
   const { studio, say } = context;
   const state = () => studio.view.state;
   const rows: { root: HTMLElement; inputs: HTMLInputElement[] }[] = [];
@@ -108,5 +108,5 @@ export function createPointTable(context: Context): { root: HTMLElement; place()
     });
   }
 
-  return { root: element("div", { className: "table" }, table, add), place: () => showAll() };
+  return { root: element("div", { className: "table" }, table, add), update: () => showAll() };
 }

@@ -6,9 +6,9 @@ import { createEye } from "./eye.ts";
 import { sceneOf, stateOf } from "../state/scene_file.ts";
 import { initial } from "../state/initial.ts";
 import { weakest } from "./numbers.ts";
-import { createPage, type Manner, type Page } from "./page.ts";
+import { type Manner, Page } from "./page.ts";
 import SolveWorker from "../work/solve.worker.ts?worker&inline";
-import { createStudio, type Studio } from "../work/studio.ts";
+import { Studio } from "../work/studio.ts";
 import type { State } from "../state/types.ts";
 
 /** The model that anywidget provides. */
@@ -33,7 +33,7 @@ async function render({ model, el }: { model: Model; el: HTMLElement }): Promise
   const engine: Engine = await startEngine(() => new SolveWorker(), bytes, warm);
   const read = async (before: State) =>
     stateOf(JSON.parse(await engine.slow.read(model.get("scene") as string, false)), before);
-  const studio: Studio = createStudio(engine, await read(initial));
+  const studio = new Studio(engine, await read(initial));
   const manner: Manner = {
     eye: createEye(studio),
     language: "en",
@@ -41,7 +41,7 @@ async function render({ model, el }: { model: Model; el: HTMLElement }): Promise
     compact: true,
     again: () => undefined,
   };
-  const page: Page = createPage(root, engine, studio, manner);
+  const page = new Page(root, engine, studio, manner);
   let sent = "";
   studio.listen(() => {
     const { state, results } = studio.view;

@@ -16,11 +16,10 @@ export const FOCAL = 1.6;
 
 export const dot = (a: Vec3, b: Vec3): number => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 /** Returns a + f b. */
-export const along = (a: Vec3, f: number, b: Vec3): Vec3 => [
-  a[0] + f * b[0],
-  a[1] + f * b[1],
-  a[2] + f * b[2],
-];
+export const along = (a: Vec3, f: number, b: Vec3): Vec3 => [a[0] + f * b[0], a[1] + f * b[1], a[2] + f * b[2]];
+export const cross = (a: Vec3, b: Vec3): Vec3 => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+/** Returns the vector of length 1 in the direction of `a`. */
+export const unit = (a: Vec3) => along([0, 0, 0], 1 / Math.sqrt(dot(a, a)), a);
 
 /** Returns the camera's own axes, of length 1, and its place (m). */
 export function frame({ target, yaw, pitch, distance }: Camera): {
@@ -77,10 +76,10 @@ function meet(
 }
 
 /** Returns the unit vector along an axis, given by number. */
-const unit = (axis: number) => [0, 0, 0].with(axis, 1) as Vec3;
+const axisOf = (axis: number) => [0, 0, 0].with(axis, 1) as Vec3;
 
 /** Returns where the ray through `at` (px) meets the plane through `place` (m) normal to an axis; null if it does not. */
-export const meetPlane = (camera: Camera, at: [number, number], size: [number, number], place: Vec3, axis: number) => meet(camera, at, size, place, unit(axis));
+export const meetPlane = (camera: Camera, at: [number, number], size: [number, number], place: Vec3, axis: number) => meet(camera, at, size, place, axisOf(axis));
 
 /**
  * Returns the shift (m) of a drag from `from` to `to` (CSS px of the view) in the plane through `place` (m) normal to an axis,
@@ -94,8 +93,8 @@ export function slide(
   size: [number, number],
   axis = 2,
 ): Vec3 | null {
-  const a = meet(camera, from, size, place, unit(axis));
-  const b = meet(camera, to, size, place, unit(axis));
+  const a = meet(camera, from, size, place, axisOf(axis));
+  const b = meet(camera, to, size, place, axisOf(axis));
   return a && b && along(b, -1, a);
 }
 
@@ -112,7 +111,7 @@ export function lift(
   axis = 2,
 ): number | null {
   const { ahead } = frame(camera);
-  const normal = along(ahead, -ahead[axis], unit(axis));
+  const normal = along(ahead, -ahead[axis], axisOf(axis));
   const a = meet(camera, from, size, place, normal);
   const b = meet(camera, to, size, place, normal);
   return a && b && b[axis] - a[axis];

@@ -1,7 +1,7 @@
 /** The transducers: small shaded cylinders, grey and pulsing with the wave, or in the colours of their phases. */
 
 import { changes } from "../state/changes.ts";
-import { COLOUR, type FieldPainter } from "./field.ts";
+import { COLOUR, type Field } from "./field.ts";
 import { type Gl, LOOK_UP, type Program, program, vectors } from "./gl.ts";
 import type { Picture } from "./picture.ts";
 import { aim, type View } from "./view.ts";
@@ -113,7 +113,7 @@ export function canRadius(positions: Float32Array): number {
 }
 
 /** Returns a function that paints the transducers of a picture. */
-export function createDiscs(gl: Gl, field: FieldPainter): (view: View, picture: Picture) => void {
+export function createDiscs(gl: Gl, field: Field): (view: View, picture: Picture) => void {
   const sides = program(gl, SIDE_VERTEX, SIDE_FRAGMENT);
   const faces = program(gl, FACE_VERTEX, FACE_FRAGMENT);
   const lists = { positions: vectors(gl, 3), normals: vectors(gl, 3), drives: vectors(gl, 2) };

@@ -41,7 +41,7 @@ vec2 pressure(vec2 st) {
 }`;
 
 /** The field from a refined lattice, whose samples are so dense that linear interpolation suffices. */
-const SPREAD = `
+const REFINED = `
 uniform sampler2D field;
 vec2 pressure(vec2 st) {
   vec2 count = vec2(textureSize(field, 0));
@@ -69,7 +69,7 @@ void main() {
 }`;
 
 /** Computes the samples of a refined lattice. */
-const SPREADING = `${SAMPLE}
+const REFINING = `${SAMPLE}
 uniform vec2 size;
 in vec2 st;
 out vec4 colour;
@@ -89,128 +89,134 @@ const FLAT = [2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, -1, -1, 0, 1];
 export type Part = readonly [number, number, number, number];
 export const ALL: Part = [0, 0, 1, 1];
 
-/** The functions for fields that the painter and the volume need. */
-export interface FieldPainter {
-  /** Sets the uniforms of `look` that COLOUR needs; the colour map is bound to texture unit 3. */
-  setLook(program: Program, look: Look): void;
-  /** Paints the lattice over the whole view, opaque. */
-  flat(lattice: Lattice, key: string, look: Look): void;
-  /** Paints a part of the lattice at its place in the scene. Where the field is quiet the opacity is `least`. */
-  placed(view: View, lattice: Lattice, key: string, look: Look, least: number, part: Part): void;
+/** A texture, and the values of the lattice that it has. */
+interface Uploaded {
+  texture: WebGLTexture;
+  values: Float32Array | null;
 }
 
-export function createField(gl: Gl): FieldPainter {
-  const slices = program(gl, VERTEX, fragment(SAMPLE));
-  const quick = program(gl, VERTEX, fragment(SPREAD));
-  const spreading = program(gl, VERTEX, SPREADING);
-  // Without this extension no refined lattice can be painted; an animated wave is then as slow as other pictures.
-  const spreads = gl.getExtension("EXT_color_buffer_float") !== null;
-  const frame = gl.createFramebuffer();
-  const maps = new Map(
-    Object.entries(TABLES).map(([name, table]) => {
-      const made = texture(gl, gl.TEXTURE_2D, gl.LINEAR);
-      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 256, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, table);
-      return [name, made];
-    }),
-  );
-  interface Kept {
-    texture: WebGLTexture;
-    values: Float32Array | null;
-  }
-  const fields = new Map<string, Kept>();
-  const spread = new Map<string, Kept>();
+/** Sets the uniforms for the whole view. */
+function flatten(shader: Program): void {
+  shader.set("matrix", FLAT);
+  shader.set("corner", [0, 0, 0]);
+  shader.set("u", [1, 0, 0]);
+  shader.set("v", [0, 1, 0]);
+  shader.set("part", ALL);
+}
 
-  function upload(lattice: Lattice, key: string): WebGLTexture {
-    const kept = fields.get(key) ?? { texture: texture(gl, gl.TEXTURE_2D, gl.NEAREST), values: null };
-    fields.set(key, kept);
-    if (kept.values !== lattice.values) {
-      gl.activeTexture(gl.TEXTURE0);
-      gl.bindTexture(gl.TEXTURE_2D, kept.texture);
-      const { nu, nv } = lattice;
-      const data = coefficients(lattice);
-      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG32F, nu + 2, nv + 2, 0, gl.RG, gl.FLOAT, data);
-      kept.values = lattice.values;
-    }
-    return kept.texture;
-  }
+/** The fields and colour maps on the card, each field by its `key`. */
+export class Field {
+  private readonly sampling: Program;
+  private readonly smooth: Program;
+  private readonly refining: Program;
+  /** Without this extension no refined lattice can be painted; an animated wave is then as slow as other pictures. */
+  private readonly refines: boolean;
+  private readonly frame: WebGLFramebuffer;
+  private readonly maps: Map<string, WebGLTexture>;
+  private readonly samples = new Map<string, Uploaded>();
+  private readonly refined = new Map<string, Uploaded>();
 
-  /**
-   * Returns the refined lattice as half floats, which the card interpolates; it is made when a wave first shows the
-   * lattice.
-   */
-  function spreadOut(lattice: Lattice, key: string): WebGLTexture {
-    const kept = spread.get(key) ?? { texture: texture(gl, gl.TEXTURE_2D, gl.LINEAR), values: null };
-    spread.set(key, kept);
-    if (kept.values === lattice.values) return kept.texture;
-    kept.values = lattice.values;
-    const data = upload(lattice, key);
-    const size = [lattice.nu, lattice.nv].map((count) => FINER * (count - 1) + 1);
-    gl.bindTexture(gl.TEXTURE_2D, kept.texture);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG16F, size[0], size[1], 0, gl.RG, gl.HALF_FLOAT, null);
-    const [area, clip] = [gl.getParameter(gl.VIEWPORT), gl.getParameter(gl.SCISSOR_BOX)] as Area[];
-    const tested = gl.isEnabled(gl.DEPTH_TEST);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
-    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, kept.texture, 0);
-    enter(gl, [0, 0, size[0], size[1]]);
-    gl.disable(gl.BLEND);
-    gl.disable(gl.DEPTH_TEST);
-    spreading.use();
-    flatten(spreading);
-    spreading.set("size", size);
-    spreading.bind("field", 0, gl.TEXTURE_2D, data);
-    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
-    gl.enable(gl.BLEND);
-    if (tested) gl.enable(gl.DEPTH_TEST);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    enter(gl, area, clip);
-    return kept.texture;
-  }
-
-  /** Sets the uniforms for the whole view. */
-  function flatten(by: Program): void {
-    by.set("matrix", FLAT);
-    by.set("corner", [0, 0, 0]);
-    by.set("u", [1, 0, 0]);
-    by.set("v", [0, 1, 0]);
-    by.set("part", ALL);
-  }
-
-  function setLook(to: Program, look: Look): void {
-    to.bind("map", 3, gl.TEXTURE_2D, maps.get(mapOf(look))!);
-    to.set("top", look.top);
-    to.set("scale", SCALES.indexOf(look.scale));
-    to.set("quantity", SHADES.indexOf(look.quantity));
-    to.set("turn", [Math.cos(look.turn), Math.sin(look.turn)]);
-  }
-
-  /**
-   * Draws the lattice with a program whose matrix `aims` sets. A wave is painted again and again, so it uses a refined
-   * lattice.
-   */
-  function draw(lattice: Lattice, key: string, look: Look, least: number, part: Part, aims: (by: Program) => void): void {
-    // A field that changes from picture to picture is not refined, because that takes too long.
-    const still = fields.get(key)?.values === lattice.values;
-    const is = still && spreads && look.quantity === "wave" && Math.max(lattice.nu, lattice.nv) <= LARGEST;
-    const data = is ? spreadOut(lattice, key) : upload(lattice, key);
-    const by = is ? quick : slices;
-    by.use();
-    aims(by);
-    by.bind("field", 0, gl.TEXTURE_2D, data);
-    setLook(by, look);
-    by.set("least", least);
-    by.set("part", part);
-    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
-  }
-
-  return {
-    setLook,
-    flat: (lattice, key, look) => draw(lattice, key, look, 1, ALL, flatten),
-    placed: (view, lattice, key, look, least, part) =>
-      draw(lattice, key, look, least, part, (by) => {
-        aim(by, view);
-        by.set("corner", lattice.corner);
-        by.set("u", lattice.u);
-        by.set("v", lattice.v);
+  constructor(private readonly gl: Gl) {
+    this.sampling = program(gl, VERTEX, fragment(SAMPLE));
+    this.smooth = program(gl, VERTEX, fragment(REFINED));
+    this.refining = program(gl, VERTEX, REFINING);
+    this.refines = gl.getExtension("EXT_color_buffer_float") !== null;
+    this.frame = gl.createFramebuffer();
+    this.maps = new Map(
+      Object.entries(TABLES).map(([name, table]) => {
+        const map = texture(gl, gl.TEXTURE_2D, gl.LINEAR);
+        gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 256, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, table);
+        return [name, map];
       }),
-  };
+    );
+  }
+
+  /** Sets the uniforms of `look` that COLOUR needs; the colour map is bound to texture unit 3. */
+  setLook(shader: Program, look: Look): void {
+    shader.bind("map", 3, this.gl.TEXTURE_2D, this.maps.get(mapOf(look))!);
+    shader.set("top", look.top);
+    shader.set("scale", SCALES.indexOf(look.scale));
+    shader.set("quantity", SHADES.indexOf(look.quantity));
+    shader.set("turn", [Math.cos(look.turn), Math.sin(look.turn)]);
+  }
+
+  /** Paints the lattice over the whole view, opaque. */
+  flat(lattice: Lattice, key: string, look: Look): void {
+    this.draw(lattice, key, look, 1, flatten);
+  }
+
+  /** Paints a part of the lattice at its place in the scene. Where the field is quiet the opacity is `least`. */
+  placed(view: View, lattice: Lattice, key: string, look: Look, least: number, part: Part): void {
+    this.draw(lattice, key, look, least, (shader) => {
+      aim(shader, view);
+      shader.set("corner", lattice.corner);
+      shader.set("u", lattice.u);
+      shader.set("v", lattice.v);
+      shader.set("part", part);
+    });
+  }
+
+  /** Draws the lattice with a program; `aims` sets its matrix and its part. */
+  private draw(lattice: Lattice, key: string, look: Look, least: number, aims: (shader: Program) => void): void {
+    const { gl } = this;
+    // A wave is painted again and again, so it uses a refined lattice. A field that changes from picture to picture is not
+    // refined, because that takes too long.
+    const still = this.samples.get(key)?.values === lattice.values;
+    const refines = still && this.refines && look.quantity === "wave" && Math.max(lattice.nu, lattice.nv) <= LARGEST;
+    const data = refines ? this.refine(lattice, key) : this.upload(lattice, key);
+    const shader = refines ? this.smooth : this.sampling;
+    shader.use();
+    aims(shader);
+    shader.bind("field", 0, gl.TEXTURE_2D, data);
+    this.setLook(shader, look);
+    shader.set("least", least);
+    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+  }
+
+  /** Returns the texture of a key among some; `fill` is called if it does not have these values. */
+  private textureOf(among: Map<string, Uploaded>, key: string, filter: number, { values }: Lattice, fill: (texture: WebGLTexture) => void): WebGLTexture {
+    const { gl } = this;
+    const entry = among.get(key) ?? { texture: texture(gl, gl.TEXTURE_2D, filter), values: null };
+    among.set(key, entry);
+    if (entry.values !== values) fill(entry.texture);
+    entry.values = values;
+    return entry.texture;
+  }
+
+  /** Returns the spline coefficients of a lattice as a texture. */
+  private upload(lattice: Lattice, key: string): WebGLTexture {
+    const { gl } = this;
+    return this.textureOf(this.samples, key, gl.NEAREST, lattice, (texture) => {
+      gl.activeTexture(gl.TEXTURE0);
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG32F, lattice.nu + 2, lattice.nv + 2, 0, gl.RG, gl.FLOAT, coefficients(lattice));
+    });
+  }
+
+  /** Returns the refined lattice as half floats, which the card interpolates. */
+  private refine(lattice: Lattice, key: string): WebGLTexture {
+    const { gl, refining } = this;
+    return this.textureOf(this.refined, key, gl.LINEAR, lattice, (texture) => {
+      const data = this.upload(lattice, key);
+      const [width, height] = [lattice.nu, lattice.nv].map((count) => FINER * (count - 1) + 1);
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG16F, width, height, 0, gl.RG, gl.HALF_FLOAT, null);
+      const [area, clip] = [gl.getParameter(gl.VIEWPORT), gl.getParameter(gl.SCISSOR_BOX)] as Area[];
+      const tested = gl.isEnabled(gl.DEPTH_TEST);
+      gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
+      enter(gl, [0, 0, width, height]);
+      gl.disable(gl.BLEND);
+      gl.disable(gl.DEPTH_TEST);
+      refining.use();
+      flatten(refining);
+      refining.set("size", [width, height]);
+      refining.bind("field", 0, gl.TEXTURE_2D, data);
+      gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+      gl.enable(gl.BLEND);
+      if (tested) gl.enable(gl.DEPTH_TEST);
+      gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+      enter(gl, area, clip);
+    });
+  }
 }

@@ -50,7 +50,7 @@ void main() {
 export function createLabels(gl: Gl): (view: View, labels: Label[]) => void {
   const letters = program(gl, VERTEX, FRAGMENT);
   const signs = vectors(gl, 4);
-  const sheet = texture(gl, gl.TEXTURE_2D, gl.NEAREST);
+  const rows = texture(gl, gl.TEXTURE_2D, gl.NEAREST);
   const paper = document.createElement("canvas");
   const pen = paper.getContext("2d")!;
   let written = "";
@@ -69,7 +69,7 @@ export function createLabels(gl: Gl): (view: View, labels: Label[]) => void {
     pen.textBaseline = "middle";
     texts.forEach((text, i) => pen.fillText(text, 1, (i + 0.5) * Math.ceil(16 * ratio)));
     gl.activeTexture(gl.TEXTURE0);
-    gl.bindTexture(gl.TEXTURE_2D, sheet);
+    gl.bindTexture(gl.TEXTURE_2D, rows);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, paper);
   }
 
@@ -83,7 +83,7 @@ export function createLabels(gl: Gl): (view: View, labels: Label[]) => void {
     signs.set(labels.flatMap(({ place, away, text, ink }) => [...place, ...row(text), ...away, ...ink]));
     aim(letters, view);
     letters.set("size", view.size);
-    letters.bind("letters", 0, gl.TEXTURE_2D, sheet);
+    letters.bind("letters", 0, gl.TEXTURE_2D, rows);
     letters.bind("signs", 1, gl.TEXTURE_2D, signs.texture);
     gl.depthMask(false);
     gl.drawArrays(gl.TRIANGLES, 0, 6 * labels.length);

@@ -1,4 +1,4 @@
-/** Picture: the content that a painter draws, with WebGL2 (`createPainter`) or without (`createFlat`). */
+/** Picture: the content that the painter draws. */
 
 import type { Lattice, Look, Obstacle, Shade, Vec3, Volume } from "../state/types.ts";
 import type { Camera } from "./camera.ts";
@@ -15,7 +15,7 @@ export interface Box {
 export type Rgb = [number, number, number];
 
 /**
- * The content of the 3-D view, lengths in m. A changed part must be a new array: painters upload a part only if its array is
+ * The content of the 3-D view, lengths in m. A changed part must be a new array: the painter uploads a part only if its array is
  * another object.
  */
 export interface Picture {
@@ -39,26 +39,4 @@ export interface Picture {
   theme: "dark" | "light";
   /** Whether something moves: the volume then takes fewer steps. */
   moving: boolean;
-}
-
-/** Paints any number of views on one canvas. A frame is a call of `begin`, then of its views. */
-export interface Painter {
-  /** Clears the canvas. The size is in CSS px, `ratio` is devicePixelRatio. */
-  begin(width: number, height: number, ratio: number, background: Rgb): void;
-  /**
-   * Paints the lattice as a flat map that fills `box`, `v` up, clipped to `clip`. The texture `key` is uploaded again if the
-   * values are another array.
-   */
-  slice(box: Box, lattice: Lattice, key: string, look: Look, clip?: Box): void;
-  /** Paints the 3-D view. */
-  scene(box: Box, picture: Picture): void;
-  /** Whether the painter is fast enough for an animated wave. */
-  readonly runs: boolean;
-  /** Whether software renders, instead of a graphics card. */
-  readonly slow: boolean;
-  /** Whether the context is lost: then nothing is painted until `onRestored`. */
-  readonly lost: boolean;
-  /** Is called when the painter can paint again. */
-  onRestored: (() => void) | null;
-  dispose(): void;
 }

@@ -1,7 +1,7 @@
 /** Obstacles: shaded spheres, and walls as translucent squares near the scene. */
 
 import type { Obstacle, Vec3 } from "../state/types.ts";
-import { along, dot } from "./camera.ts";
+import { along, cross, dot, unit } from "./camera.ts";
 import { type Gl, program } from "./gl.ts";
 import { type Line, outline } from "./lines.ts";
 import type { Bounds } from "./stage.ts";
@@ -47,14 +47,13 @@ void main() { colour = vec4(ink.rgb * ink.a, ink.a); }`;
 
 /** Returns the shown part of a wall: corner and sides (m) of a square, at the height of the middle of `bounds`. */
 export function wallSquare(point: Vec3, normal: Vec3, bounds: Bounds): { corner: Vec3; u: Vec3; v: Vec3 } {
-  const size = Math.sqrt(dot(normal, normal));
-  const n: Vec3 = [normal[0] / size, normal[1] / size, normal[2] / size];
+  const n = unit(normal);
   const middle = [0, 1, 2].map((k) => (bounds.least[k] + bounds.most[k]) / 2) as Vec3;
   const foot = along(middle, dot(n, along(point, -1, middle)), n);
   const reach = 0.6 * Math.max(...[0, 1, 2].map((k) => bounds.most[k] - bounds.least[k]));
   const level = Math.hypot(n[0], n[1]);
   const across: Vec3 = level > 1e-6 ? [-n[1] / level, n[0] / level, 0] : [1, 0, 0];
-  const up: Vec3 = [-n[2] * across[1], n[2] * across[0], n[0] * across[1] - n[1] * across[0]];
+  const up = cross(n, across);
   const corner = along(along(foot, -reach, across), -reach, up);
   return { corner, u: along([0, 0, 0], 2 * reach, across), v: along([0, 0, 0], 2 * reach, up) };
 }

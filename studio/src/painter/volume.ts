@@ -2,7 +2,7 @@
 
 import type { Look, Obstacle, Vec3, Volume } from "../state/types.ts";
 import { dot } from "./camera.ts";
-import { COLOUR, type FieldPainter } from "./field.ts";
+import { COLOUR, type Field } from "./field.ts";
 import { modulusAt } from "./maps.ts";
 import { changes } from "../state/changes.ts";
 import { type Gl, program, texture } from "./gl.ts";
@@ -76,39 +76,36 @@ void main() {
 }`;
 
 const SPREAD_FRAGMENT = `
-uniform sampler2D sheet;
+uniform sampler2D glow;
 in vec2 st;
 out vec4 colour;
-void main() { colour = texture(sheet, st); }`;
+void main() { colour = texture(glow, st); }`;
 
-/** Paints the volume, or only its part on one side of the plane at `through`: the side to which `normal` points. */
-export type VolumePainter = (
-  view: View,
-  volume: Volume,
-  look: Look,
-  obstacles: Obstacle[],
-  steps: number,
-  side: { normal: Vec3; through: Vec3 } | null,
-) => void;
+/** The side of a plane at `through` to which `normal` points. */
+export interface Side {
+  normal: Vec3;
+  through: Vec3;
+}
 
-export function createVolume(gl: Gl, field: FieldPainter): VolumePainter {
+/** Returns a function that paints the volume, or only its part on one side of a plane. */
+export function createVolume(gl: Gl, field: Field) {
   const glow = program(gl, VERTEX, FRAGMENT);
   const data = texture(gl, gl.TEXTURE_3D, gl.LINEAR);
   // A glow is smooth: it is computed at half the resolution, a quarter of the rays, and then scaled up.
   const spread = program(gl, SPREAD_VERTEX, SPREAD_FRAGMENT);
-  const sheet = texture(gl, gl.TEXTURE_2D, gl.LINEAR);
+  const half = texture(gl, gl.TEXTURE_2D, gl.LINEAR);
   const frame = gl.createFramebuffer();
   gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
-  gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, sheet, 0);
+  gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, half, 0);
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   let size = [0, 0];
 
-  function toSheet(view: View): void {
+  function toHalf(view: View): void {
     const [width, height] = view.size.map((side) => Math.ceil(side / 2));
     if (width !== size[0] || height !== size[1]) {
       size = [width, height];
       gl.activeTexture(gl.TEXTURE0);
-      gl.bindTexture(gl.TEXTURE_2D, sheet);
+      gl.bindTexture(gl.TEXTURE_2D, half);
       gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, width, height, 0, gl.RGBA, gl.UNSIGNED_BYTE, null);
     }
     gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
@@ -122,9 +119,9 @@ export function createVolume(gl: Gl, field: FieldPainter): VolumePainter {
     gl.bindTexture(gl.TEXTURE_3D, data);
     gl.texImage3D(gl.TEXTURE_3D, 0, gl.R16F, ...volume.count, 0, gl.RED, gl.FLOAT, volume.moduli);
   });
-  return (view, volume, look, obstacles, steps, side) => {
+  return (view: View, volume: Volume, look: Look, obstacles: Obstacle[], steps: number, side: Side | null) => {
     upload(volume);
-    toSheet(view);
+    toHalf(view);
     aim(glow, view);
     field.setLook(glow, { ...look, quantity: "modulus" });
     glow.bind("moduli", 0, gl.TEXTURE_3D, data);
@@ -147,7 +144,7 @@ export function createVolume(gl: Gl, field: FieldPainter): VolumePainter {
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     enter(gl, view.area);
     spread.use();
-    spread.bind("sheet", 0, gl.TEXTURE_2D, sheet);
+    spread.bind("glow", 0, gl.TEXTURE_2D, half);
     gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
     gl.enable(gl.DEPTH_TEST);
   };

@@ -2,61 +2,53 @@
 
 import type { State } from "./types.ts";
 
-/** Undo and redo. */
-export interface History {
-  /** Stores a state. A state of the same gesture replaces the last one, until `rest` or, for keys, a pause. */
-  keep(state: State, gesture: string): void;
-  rest(): void;
-  undo(): State | null;
-  redo(): State | null;
-  canUndo(): boolean;
-  canRedo(): boolean;
-}
-
 /** Number of stored states; the first state is always kept. */
 const MOST = 500;
 
 /** A pause that ends a gesture of keys, in ms. */
 const PAUSE = 800;
 
-/** Makes a history that begins with a state. */
-export function createHistory(initial: State): History {
-  let steps = [JSON.stringify(initial)];
-  let at = 0;
-  let last = "";
-  let when = 0;
-  const read = (): State => JSON.parse(steps[at]);
-  return {
-    keep(state, gesture) {
-      const text = JSON.stringify(state);
-      if (text === steps[at]) return;
-      const now = performance.now();
-      const paused = !gesture.startsWith("drag") && now - when > PAUSE;
-      const same = gesture !== "" && gesture === last && !paused;
-      [last, when] = [gesture, now];
-      steps = steps.slice(0, same ? at : at + 1);
-      // A gesture that ends where it began adds no step.
-      if (text === steps.at(-1)) last = "";
-      else steps.push(text);
-      if (steps.length > MOST) steps.splice(1, 1);
-      at = steps.length - 1;
-    },
-    rest() {
-      last = "";
-    },
-    undo() {
-      last = "";
-      if (at === 0) return null;
-      at -= 1;
-      return read();
-    },
-    redo() {
-      last = "";
-      if (at === steps.length - 1) return null;
-      at += 1;
-      return read();
-    },
-    canUndo: () => at > 0,
-    canRedo: () => at < steps.length - 1,
-  };
+/** Undo and redo. */
+export class History {
+  private steps: string[];
+  private at = 0;
+  private last = "";
+  private when = 0;
+
+  constructor(initial: State) {
+    this.steps = [JSON.stringify(initial)];
+  }
+
+  /** Stores a state. A state of the same gesture replaces the last one, until `rest` or, for keys, a pause. */
+  keep(state: State, gesture: string): void {
+    const text = JSON.stringify(state);
+    if (text === this.steps[this.at]) return;
+    const now = performance.now();
+    const paused = !gesture.startsWith("drag") && now - this.when > PAUSE;
+    const same = gesture !== "" && gesture === this.last && !paused;
+    [this.last, this.when] = [gesture, now];
+    this.steps = this.steps.slice(0, same ? this.at : this.at + 1);
+    // A gesture that ends where it began adds no step.
+    if (text === this.steps.at(-1)) this.last = "";
+    else this.steps.push(text);
+    if (this.steps.length > MOST) this.steps.splice(1, 1);
+    this.at = this.steps.length - 1;
+  }
+
+  /** Ends the gesture. */
+  rest(): void {
+    this.last = "";
+  }
+
+  canUndo = () => this.at > 0;
+  canRedo = () => this.at < this.steps.length - 1;
+  undo = () => this.step(-1);
+  redo = () => this.step(1);
+
+  private step(way: number): State | null {
+    this.rest();
+    if (!(this.at + way in this.steps)) return null;
+    this.at += way;
+    return JSON.parse(this.steps[this.at]);
+  }
 }

@@ -3,7 +3,7 @@
 import type { Answer } from "./door.ts";
 import type { Engine } from "./engine.ts";
 import { sceneOf } from "../state/scene_file.ts";
-import { createHistory } from "../state/history.ts";
+import { History } from "../state/history.ts";
 import { boxOf, gridOf } from "./lattices.ts";
 import { planesOf } from "../state/plane.ts";
 import { fits, signatureOf } from "../state/signature.ts";
@@ -55,27 +55,6 @@ export interface View {
   moving: boolean;
 }
 
-/** The state with its results, and the functions that change it. */
-export interface Studio {
-  readonly view: View;
-  /** Changes the state; changes of the same gesture are one step of undo. */
-  change(partial: Partial<State>, gesture?: string): void;
-  /** Sets whether something is being moved; pictures are then coarser. */
-  moving(is: boolean): void;
-  undo(): boolean;
-  redo(): boolean;
-  canUndo(): boolean;
-  canRedo(): boolean;
-  /** Resolves when everything except the bound matches the state. */
-  settled(): Promise<void>;
-  show(frame: View["frame"]): void;
-  /** Returns the scene file of a slot, as JSON text. */
-  scene(slot: Slot): string;
-  /** Calls `listener` at each change; returns a function that ends it. */
-  listen(listener: () => void): () => void;
-  stop(): void;
-}
-
 const SLOTS: Slot[] = [0, 1];
 
 /** Samples along a side of a slice while something moves. */
@@ -107,190 +86,224 @@ export const playedOf = ({ drive, scale }: Answer) => ({ drive, scale });
 /** Returns the results that both slots show. */
 export const shownOf = ({ results, frame }: View) => results.map((result, slot) => frame?.results[slot] ?? result) as [Result, Result];
 
-/** Makes a studio. */
-export function createStudio(engine: Engine, initial: State): Studio {
-  const view: View = {
-    state: initial,
-    results: [nothing(), nothing()],
-    bound: null,
-    volume: null,
-    array: new Float64Array(),
-    positions: new Float32Array(),
-    normals: new Float32Array(),
-    frame: null,
-    moving: false,
-  };
-  const history = createHistory(initial);
-  const listeners = new Set<() => void>();
+/** The state with its results, and the functions that change it. */
+export class Studio {
+  readonly view: View;
+  readonly history: History;
+  private readonly listeners = new Set<() => void>();
   /** For each slot, the scene whose time is known. */
-  const timed = ["", ""];
-  let wanted = 0;
-  let shown = "";
-  let arrayShown = "";
-  let busy = false;
-  let stopped = false;
-  let rest = 0;
-  let waiting: (() => void)[] = [];
-  const tell = () => listeners.forEach((listener) => listener());
+  private readonly timed = ["", ""];
+  /** The number of changes so far: slow work for an older state ends. */
+  private changes = 0;
+  /** The scenes, slices and ear that the results are for, and the array whose places are known, as text. */
+  private solved = "";
+  private located = "";
+  private busy = false;
+  private stopped = false;
+  private timer = 0;
+  private waiting: (() => void)[] = [];
 
-  /** The values that the pictures depend on, as text. */
-  const key = (grids: Grid[][]) => JSON.stringify([scenes(), grids, view.state.ear]);
+  constructor(
+    private readonly engine: Engine,
+    initial: State,
+  ) {
+    this.view = {
+      state: initial,
+      results: [nothing(), nothing()],
+      bound: null,
+      volume: null,
+      array: new Float64Array(),
+      positions: new Float32Array(),
+      normals: new Float32Array(),
+      frame: null,
+      moving: false,
+    };
+    this.history = new History(initial);
+    void this.work();
+  }
+
+  /** Changes the state; changes of the same gesture are one step of undo. */
+  change(partial: Partial<State>, gesture = ""): void {
+    const before = this.view.state;
+    const state = { ...before, ...partial };
+    if (!state.pressures) state.filled = [];
+    // Other points than those of the list are all like the first one.
+    if (!fits(state.signature, state.points.length)) state.signature = signatureOf(state, [0]);
+    this.view.state = state;
+    this.history.keep(state, gesture);
+    this.changed(before);
+  }
+
+  /** Sets whether something is being moved; pictures are then coarser. */
+  setMoving(moving: boolean): void {
+    this.view.moving = moving;
+    if (!moving) {
+      this.history.rest();
+      // The picture painted while moving was coarse, even if its lattice was not.
+      if (this.requested(this.grids()) === this.solved) this.notify();
+    }
+    void this.work();
+  }
+
+  undo = () => this.step(() => this.history.undo());
+  redo = () => this.step(() => this.history.redo());
+
+  /** Resolves when everything except the bound matches the state. */
+  settled(): Promise<void> {
+    const settled = new Promise<void>((resolve) => this.waiting.push(resolve));
+    void this.work();
+    return settled;
+  }
+
+  show(frame: View["frame"]): void {
+    this.view.frame = frame;
+    this.notify();
+  }
+
+  /** Returns the scene file of a slot, as JSON text. */
+  scene = (slot: Slot) => JSON.stringify(sceneOf(this.view.state, slot));
+
+  /** Calls `listener` at each change; returns a function that ends it. */
+  listen(listener: () => void): () => void {
+    this.listeners.add(listener);
+    return () => void this.listeners.delete(listener);
+  }
+
+  stop(): void {
+    this.stopped = true;
+    clearTimeout(this.timer);
+  }
+
+  private notify(): void {
+    this.listeners.forEach((listener) => listener());
+  }
+
+  private step(of: () => State | null): boolean {
+    const before = this.view.state;
+    const next = this.view.moving ? null : of();
+    if (next === null) return false;
+    this.view.state = next;
+    this.changed(before);
+    return true;
+  }
+
+  /** Drops the results that the new state makes false, and begins to compute others. */
+  private changed(before: State): void {
+    const { view } = this;
+    const solved = (state: State) => JSON.stringify({ ...state, scale: 0, quantity: 0 });
+    this.changes += 1;
+    clearTimeout(this.timer);
+    if (solved(before) !== solved(view.state)) view.frame = view.volume = null;
+    if (this.scene(0) !== JSON.stringify(sceneOf(before, 0))) view.bound = null;
+    this.notify();
+    void this.work();
+  }
+
+  private scenes = () => SLOTS.map(this.scene);
+
   /** Returns the slices of both slots; only the shown slot has those that cross, because they are in the 3-D view. */
-  const grids = () => {
-    const all = planesOf(view.state).map((plane) => gridOf(view.state, view.moving ? COARSE : undefined, plane));
-    return SLOTS.map((slot) => (slot === view.state.slot ? all : all.slice(0, 1)));
-  };
-  const scenes = (): [string, string] => [0, 1].map((slot) => text(slot as Slot)) as [string, string];
-  const text = (slot: Slot) => JSON.stringify(sceneOf(view.state, slot));
+  private grids(): Grid[][] {
+    const { state, moving } = this.view;
+    const all = planesOf(state).map((plane) => gridOf(state, moving ? COARSE : undefined, plane));
+    return SLOTS.map((slot) => (slot === state.slot ? all : all.slice(0, 1)));
+  }
 
-  async function pump() {
-    if (busy || stopped) return;
-    busy = true;
+  /** Returns the values that the pictures depend on, as text. */
+  private requested = (grids: Grid[][]) => JSON.stringify([this.scenes(), grids, this.view.state.ear]);
+
+  /** Computes until results, times and volume match the state, one after another. */
+  private async work(): Promise<void> {
+    const { view } = this;
+    if (this.busy || this.stopped) return;
+    this.busy = true;
     try {
       for (;;) {
-        const wished = grids();
-        if (key(wished) !== shown) await update(wished);
-        else if (!view.moving && SLOTS.some(isUntimed)) await time();
-        else if (!view.moving && ["volume", "both"].includes(view.state.view) && view.volume === null) await fill();
+        const grids = this.grids();
+        if (this.requested(grids) !== this.solved) await this.solve(grids);
+        else if (!view.moving && SLOTS.some(this.isUntimed)) await this.time();
+        else if (!view.moving && ["volume", "both"].includes(view.state.view) && view.volume === null) await this.fill();
         else break;
       }
     } finally {
-      busy = false;
+      this.busy = false;
     }
-    if (view.moving || stopped) return;
-    waiting.forEach((resolve) => resolve());
-    waiting = [];
-    clearTimeout(rest);
-    if (view.bound === null) rest = window.setTimeout(bind, REST);
+    if (view.moving || this.stopped) return;
+    this.waiting.forEach((resolve) => resolve());
+    this.waiting = [];
+    clearTimeout(this.timer);
+    if (view.bound === null) this.timer = window.setTimeout(() => this.limit(), REST);
   }
 
-  async function update(wished: Grid[][]) {
-    const requested = key(wished);
-    const [given, array] = [scenes(), JSON.stringify(view.state.array)];
+  private async solve(grids: Grid[][]): Promise<void> {
+    const { view, engine } = this;
+    const requested = this.requested(grids);
+    const [scenes, array] = [this.scenes(), JSON.stringify(view.state.array)];
     const { ear } = view.state;
-    const outcomes = await Promise.all(engine.slots.map((hand, slot) => hand.update(given[slot], wished[slot], ear)));
-    if (stopped) return;
-    if (array !== arrayShown && outcomes.some((outcome) => "answer" in outcome)) {
+    const outcomes = await Promise.all(engine.slots.map((hand, slot) => hand.update(scenes[slot], grids[slot], ear)));
+    if (this.stopped) return;
+    if (array !== this.located && outcomes.some((outcome) => "answer" in outcome)) {
       view.array = await engine.slots["answer" in outcomes[0] ? 0 : 1].array();
       const half = view.array.length / 2;
       view.positions = Float32Array.from(view.array.subarray(0, half));
       view.normals = Float32Array.from(view.array.subarray(half));
-      arrayShown = array;
+      this.located = array;
     }
-    outcomes.forEach((outcome, slot) => take(slot as Slot, outcome));
-    shown = requested;
+    view.results = SLOTS.map((slot) => {
+      const result = resultOf(outcomes[slot]);
+      // A change of slice or ear does not change the time of the solve.
+      const { milliseconds } = result.answer && this.timed[slot] === this.scene(slot) ? view.results[slot] : result;
+      return { ...result, milliseconds };
+    }) as View["results"];
+    this.solved = requested;
     view.volume = null;
-    tell();
+    this.notify();
   }
 
-  function take(slot: Slot, outcome: Outcome) {
-    const result = resultOf(outcome);
-    // A change of slice or ear does not change the time of the solve.
-    if (result.answer && timed[slot] === text(slot)) result.milliseconds = view.results[slot].milliseconds;
-    view.results[slot] = result;
-  }
+  private isUntimed = (slot: Slot) => Boolean(this.view.results[slot].answer) && this.timed[slot] !== this.scene(slot);
 
-  const isUntimed = (slot: Slot) => Boolean(view.results[slot].answer) && timed[slot] !== text(slot);
-
-  async function time() {
-    const given = scenes();
-    for (const slot of SLOTS.filter(isUntimed)) {
-      const milliseconds = await engine.slots[slot].time(given[slot]).catch(() => NaN);
-      if (stopped || view.moving || text(slot) !== given[slot]) return;
-      timed[slot] = given[slot];
+  private async time(): Promise<void> {
+    const { view } = this;
+    const scenes = this.scenes();
+    for (const slot of SLOTS.filter(this.isUntimed)) {
+      const milliseconds = await this.engine.slots[slot].time(scenes[slot]).catch(() => NaN);
+      if (this.stopped || view.moving || this.scene(slot) !== scenes[slot]) return;
+      this.timed[slot] = scenes[slot];
       view.results[slot] = { ...view.results[slot], milliseconds };
     }
-    tell();
+    this.notify();
+  }
+
+  /** Returns a function that tells whether the state has changed since this call. */
+  private watch(): () => boolean {
+    const { changes } = this;
+    return () => changes !== this.changes || this.stopped;
   }
 
   /** Computes |p| in the box, one layer at a time; ends early when the state changes. */
-  async function fill() {
-    const began = wanted;
+  private async fill(): Promise<void> {
+    const { view } = this;
+    const late = this.watch();
     const box = boxOf(view.state, view.array);
-    const slot = view.state.slot;
+    const { slot } = view.state;
     const { answer } = view.results[slot];
     const [nx, ny, nz] = box.count;
     const moduli = new Float32Array(nx * ny * nz);
     for (let layer = 0; answer && layer < nz; layer += 1) {
-      const given = await engine.slow.layer(text(slot), playedOf(answer), box, layer);
-      if (began !== wanted || stopped) return;
-      moduli.set(given, layer * nx * ny);
+      const values = await this.engine.slow.layer(this.scene(slot), playedOf(answer), box, layer);
+      if (late()) return;
+      moduli.set(values, layer * nx * ny);
     }
     view.volume = { ...box, moduli };
-    tell();
+    this.notify();
   }
 
-  async function bind() {
-    const began = wanted;
-    if (view.state.points.length > 64) return;
-    const found = await engine.slow.bound(text(0)).catch(() => NaN);
-    if (began !== wanted || stopped) return;
-    view.bound = found;
-    tell();
+  /** Computes the bound on the level. */
+  private async limit(): Promise<void> {
+    const late = this.watch();
+    if (this.view.state.points.length > 64) return;
+    const bound = await this.engine.slow.bound(this.scene(0)).catch(() => NaN);
+    if (late()) return;
+    this.view.bound = bound;
+    this.notify();
   }
-
-  function moved(before: State) {
-    wanted += 1;
-    clearTimeout(rest);
-    if (JSON.stringify({ ...before, scale: 0, quantity: 0 }) !== JSON.stringify({ ...view.state, scale: 0, quantity: 0 })) {
-      view.frame = null;
-      view.volume = null;
-    }
-    if (text(0) !== JSON.stringify(sceneOf(before, 0))) view.bound = null;
-    tell();
-    void pump();
-  }
-
-  function step(next: State | null): boolean {
-    if (next === null) return false;
-    const before = view.state;
-    view.state = next;
-    moved(before);
-    return true;
-  }
-
-  void pump();
-  return {
-    view,
-    change(partial, gesture = "") {
-      const before = view.state;
-      view.state = { ...before, ...partial };
-      if (!view.state.pressures) view.state.filled = [];
-      // Other points than those of the list are all like the first one.
-      if (!fits(view.state.signature, view.state.points.length)) view.state.signature = signatureOf(view.state, [0]);
-      history.keep(view.state, gesture);
-      moved(before);
-    },
-    moving(is) {
-      view.moving = is;
-      if (!is) {
-        history.rest();
-        // The picture painted while moving was coarse, even if its lattice was not.
-        if (key(grids()) === shown) tell();
-      }
-      void pump();
-    },
-    undo: () => !view.moving && step(history.undo()),
-    redo: () => !view.moving && step(history.redo()),
-    canUndo: () => history.canUndo(),
-    canRedo: () => history.canRedo(),
-    settled() {
-      const promise = new Promise<void>((resolve) => waiting.push(resolve));
-      void pump();
-      return promise;
-    },
-    show(frame) {
-      view.frame = frame;
-      tell();
-    },
-    scene: text,
-    listen(listener) {
-      listeners.add(listener);
-      return () => void listeners.delete(listener);
-    },
-    stop() {
-      stopped = true;
-      clearTimeout(rest);
-    },
-  };
 }

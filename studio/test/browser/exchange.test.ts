@@ -7,7 +7,7 @@ import { beforeEach, expect, test } from "vitest";
 
 import type { Vec3 } from "../../src/state/types.ts";
 import { shared } from "./setup.ts";
-import { built, EIGHT, fromMenu, launch, ready, visit } from "./site.ts";
+import { built, EIGHT, fromMenu, launch, point, ready, visit } from "./site.ts";
 
 const open = shared();
 let page: Page;
@@ -166,11 +166,15 @@ test("page code and style are at most 90 kB", async () => {
   expect(sizes.reduce((a, b) => a + b)).toBeLessThanOrEqual(90_000);
 });
 
-test("without WebGL2 the slices are still drawn", async () => {
+test("without WebGL2 a line says so, and everything but the pictures works", async () => {
   const plain = await launch("--disable-3d-apis");
-  const { page: flat } = await visit(plain, open.url);
-  expect(await flat.evaluate(() => window.midair!.state().ready)).toBe(true);
-  expect(await flat.getByRole("alert").innerText()).toContain("no WebGL 2");
+  const { page: blind } = await visit(plain, open.url);
+  expect(await blind.evaluate(() => window.midair!.state().ready)).toBe(true);
+  expect(await blind.getByRole("alert").innerText()).toContain("no WebGL 2");
+  await point(blind, 1).press("ArrowUp");
+  await blind.evaluate(() => window.midair!.settled());
+  expect(await blind.getByRole("alert").innerText()).toContain("no WebGL 2");
+  expect(await point(blind, 1).getAttribute("aria-label")).toContain("y 1,");
   await plain.close();
 });
 

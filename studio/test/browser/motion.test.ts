@@ -49,10 +49,13 @@ test("at each frame B's numbers are those of its method at that frame's points, 
   const shown = await Promise.all(["Uniformity", "Weakest"].map(row));
   const angle = 2 * Math.PI * (60 / 250);
   const points = START.points.map(([x, y, z]): Vec3 => [x + 0.01 * Math.cos(angle), y + 0.01 * Math.sin(angle), z]);
-  // The rings are at the points.
-  const [left, top] = await page.evaluate((place) => window.midair!.project(place), points[0]);
-  const ring = (await page.getByRole("button", { name: /^Point 1:/ }).boundingBox())!;
-  expect(Math.hypot(ring.x + ring.width / 2 - left, ring.y + ring.height / 2 - top)).toBeLessThan(1);
+  // The rings are at the points, once they are painted.
+  const away = async () => {
+    const [left, top] = await page.evaluate((place) => window.midair!.project(place), points[0]);
+    const ring = (await page.getByRole("button", { name: /^Point 1:/ }).boundingBox())!;
+    return Math.hypot(ring.x + ring.width / 2 - left, ring.y + ring.height / 2 - top);
+  };
+  await expect.poll(away).toBeLessThan(1);
   await page.evaluate((points) => window.midair!.set({ points, path: null }), points);
   await page.evaluate(() => window.midair!.settled());
   const there = await Promise.all(["Uniformity", "Weakest"].map(row));

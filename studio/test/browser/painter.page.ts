@@ -1,11 +1,11 @@
 /** The part of painter.test.ts that runs in the page: it paints slices and reads their pixels. */
 
-import { createFlat } from "../../src/painter/canvas2d.ts";
+import { drawSlice } from "../../src/app/figure.ts";
 import { sampleAt } from "../../src/painter/lattice.ts";
 import { colour } from "../../src/painter/maps.ts";
-import { createPainter } from "../../src/painter/painter.ts";
-import type { Painter } from "../../src/painter/picture.ts";
-import { type Look, SCALES } from "../../src/state/types.ts";
+import { Painter } from "../../src/painter/painter.ts";
+import type { Box } from "../../src/painter/picture.ts";
+import { type Lattice, type Look, SCALES } from "../../src/state/types.ts";
 import { focused, plane, square } from "../field.ts";
 
 function canvas(): HTMLCanvasElement {
@@ -23,7 +23,7 @@ function read(from: HTMLCanvasElement, x: number, y: number): number[] {
 }
 
 /** Returns the greatest difference (of 255) between a painted slice and `colour(look, sample)`, at 50 places per look. */
-function worst(painter: Painter, on: HTMLCanvasElement): number {
+function worst(on: HTMLCanvasElement, paint: (box: Box, lattice: Lattice, look: Look) => void): number {
   const positions = square(10);
   const lattice = plane(
     positions,
@@ -42,8 +42,7 @@ function worst(painter: Painter, on: HTMLCanvasElement): number {
   for (const theme of ["dark", "light"] as const) for (const turn of [0, 1, 2.5, 4, 5.5]) looks.push({ ...rest, quantity: "wave", turn, theme });
   looks.push({ ...rest, quantity: "phase", turn: 2, theme: "dark" });
   for (const look of looks) {
-    painter.begin(300, 240, 1, [12, 15, 20]);
-    painter.slice(box, lattice, "A", look);
+    paint(box, lattice, look);
     for (let i = 0; i < 50; i++) {
       const x = Math.floor(((i * 0.7548776662) % 1) * box.width);
       const y = Math.floor(((i * 0.569840291) % 1) * box.height);
@@ -59,35 +58,49 @@ function worst(painter: Painter, on: HTMLCanvasElement): number {
   return most;
 }
 
+const painted = (painter: Painter, on: HTMLCanvasElement) =>
+  worst(on, (box, lattice, look) => {
+    painter.begin(300, 240, 1, [12, 15, 20]);
+    painter.slice(box, lattice, "A", look);
+  });
+
 export const checks = {
   webgl(): number {
     const on = canvas();
-    const painter = createPainter(on);
+    const painter = Painter.of(on);
     if (!painter) throw new Error("painter: this browser has no WebGL2");
-    const most = worst(painter, on);
+    const most = painted(painter, on);
     painter.dispose();
     on.remove();
     return most;
   },
-  flat(): number {
-    const on = canvas();
-    const most = worst(createFlat(on), on);
+  /** The slices of an exported figure. */
+  figure(): number {
+    const [on, slice] = [canvas(), document.createElement("canvas")];
+    const most = worst(on, (box, lattice, look) => {
+      [on.width, on.height, slice.width, slice.height] = [300, 240, box.width, box.height];
+      const pen = on.getContext("2d")!;
+      pen.fillStyle = "rgb(12 15 20)";
+      pen.fillRect(0, 0, on.width, on.height);
+      drawSlice(slice, lattice, look);
+      pen.drawImage(slice, box.x, box.y);
+    });
     on.remove();
     return most;
   },
   /** Loses and restores the context; returns true if the slice then looks as before. */
   async restored(): Promise<boolean> {
     const on = canvas();
-    const painter = createPainter(on)!;
+    const painter = Painter.of(on)!;
     const loser = on.getContext("webgl2")!.getExtension("WEBGL_lose_context")!;
-    const before = worst(painter, on);
+    const before = painted(painter, on);
     const back = new Promise<void>((done) => (painter.onRestored = done));
     loser.loseContext();
     await new Promise((done) => setTimeout(done, 50));
     if (!painter.lost) return false;
     loser.restoreContext();
     await back;
-    const same = worst(painter, on) === before && !painter.lost;
+    const same = painted(painter, on) === before && !painter.lost;
     on.remove();
     return same;
   },

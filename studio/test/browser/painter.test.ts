@@ -26,7 +26,7 @@ const run = (name: keyof typeof checks): Promise<number | boolean> =>
   page.evaluate(async (name: string) => (window as unknown as { checks: Record<string, () => number> }).checks[name](), name);
 
 // The tolerance: colours are bytes, and some graphics cards also round the position between two entries of a map to a byte.
-test.each(["webgl", "flat"] as const)("%s: slices are colour(look, sample)", async (name) => {
+test.each(["webgl", "figure"] as const)("%s: slices are colour(look, sample)", async (name) => {
   expect(await run(name)).toBeLessThanOrEqual(8);
 });
 

@@ -1,19 +1,20 @@
-/** Sheet: the exported picture as SVG: 3-D view, both slices with axes and colour bar, metrics, version and link. */
+/** Figure: the exported picture as SVG: 3-D view, both slices with axes and colour bar, metrics, version and link. */
 
 import type { Context } from "./context.ts";
 import { millimetres } from "./context.ts";
 import { marks } from "./instrument.ts";
 import { writeLink } from "../state/link.ts";
 import { numberRows } from "./numbers.ts";
-import { drawSlice } from "../painter/canvas2d.ts";
-import { entry, mapOf, ticks } from "../painter/maps.ts";
+import { sampleAt } from "../painter/lattice.ts";
+import { colour, entry, mapOf, ticks } from "../painter/maps.ts";
 import { middleOf, onPlane, SIDES } from "../state/plane.ts";
 import { AXES, type Lattice, type Look, type Slot } from "../state/types.ts";
 import { shownOf } from "../work/studio.ts";
+import type { Part } from "./recording.ts";
 import type { Word } from "./words.ts";
 
-/** In CSS px: width and height of a sheet with one line at its foot; width and height of the 3-D view; side of a slice. */
-const SHEET = [1280, 760];
+/** In CSS px: width and height of a figure with one line at its foot; width and height of the 3-D view; side of a slice. */
+const FIGURE = [1280, 760];
 const VIEW = [560, 640];
 const SIDE = 270;
 
@@ -38,11 +39,25 @@ function canvasOf(width: number, height: number): [HTMLCanvasElement, CanvasRend
   return [canvas, canvas.getContext("2d")!];
 }
 
+/** Draws the slice in pixels of `canvas`, with `v` up. */
+export function drawSlice(canvas: HTMLCanvasElement, lattice: Lattice, look: Look): void {
+  const { width, height } = canvas;
+  const pen = canvas.getContext("2d")!;
+  const image = pen.createImageData(width, height);
+  for (let y = 0; y < height; y++) {
+    for (let x = 0; x < width; x++) {
+      const [re, im] = sampleAt(lattice, (x + 0.5) / width, 1 - (y + 0.5) / height);
+      image.data.set([...colour(look, re, im), 255], 4 * (y * width + x));
+    }
+  }
+  pen.putImageData(image, 0, 0);
+}
+
 /**
- * Returns the sheet of the current view. `painted` is the page's canvas, painted just before, `box` the 3-D view in it (px of
+ * Returns the figure of the current view. `canvas` is the page's canvas, painted just before, `box` the 3-D view in it (px of
  * the canvas).
  */
-export function sheet({ studio, say, engine }: Context, look: Look, root: HTMLElement, painted: HTMLCanvasElement, box: DOMRect): string {
+export function figure({ studio, say, engine }: Context, look: Look, root: HTMLElement, { canvas, box }: Part): string {
   const { view } = studio;
   const { state } = view;
   const style = getComputedStyle(root);
@@ -50,7 +65,7 @@ export function sheet({ studio, say, engine }: Context, look: Look, root: HTMLEl
 
   function space(): string {
     const [copy, pen] = canvasOf(box.width, box.height);
-    pen.drawImage(painted, box.x, box.y, box.width, box.height, 0, 0, box.width, box.height);
+    pen.drawImage(canvas, box.x, box.y, box.width, box.height, 0, 0, box.width, box.height);
     const scale = Math.min(VIEW[0] / box.width, VIEW[1] / box.height);
     return picture(copy, 24, 60 + (VIEW[1] - scale * box.height) / 2, scale * box.width, scale * box.height);
   }
@@ -101,9 +116,9 @@ export function sheet({ studio, say, engine }: Context, look: Look, root: HTMLEl
   const name = "preset" in array ? `${array.preset} ${array.tiles.join(" × ")}` : array.name;
   const slices = shownOf(view).map(({ lattice }, slot) => (lattice ? slice(slot as Slot, lattice, 650, slot ? 410 : 70) : ""));
   const foot = `midair ${engine.catalogue.version}  ${new URL(`#${writeLink(state)}`, location.href).href}`.match(new RegExp(`.{1,${LINE}}`, "g"))!;
-  const height = SHEET[1] + (foot.length - 1) * LEADING;
+  const height = FIGURE[1] + (foot.length - 1) * LEADING;
   return [
-    `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${SHEET[0]} ${height}" width="${SHEET[0]}" height="${height}" font-family="Inter, system-ui, sans-serif" font-size="12" fill="${ink}">`,
+    `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${FIGURE[0]} ${height}" width="${FIGURE[0]}" height="${height}" font-family="Inter, system-ui, sans-serif" font-size="12" fill="${ink}">`,
     `<rect width="100%" height="100%" fill="${back}"/>`,
     text(24, 36, `${name}, ${state.points.length} ${say("points").toLowerCase()}, ${state.temperature} °C`, 'font-size="18" font-weight="600"'),
     space(),

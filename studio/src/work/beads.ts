@@ -1,11 +1,13 @@
 /** Beads: their places in moving traps, and sentences about them. */
 
-import type { Context } from "./context.ts";
-import type { Flight } from "../work/door.ts";
 import type { Obstacle, Vec3 } from "../state/types.ts";
+import type { Flight } from "./door.ts";
 
 /** The flight of a bead, and the point, from 0, whose trap it is in. */
 export type BeadFlight = Flight & { point: number };
+
+/** Returns a text of the page with its values. */
+type Say = (word: "beadStays" | "beadsStay" | "beadLost" | "moreLost" | "othersStay", put: Record<string, string | number>) => string;
 
 /** Radius of the core's default bead in m. */
 const RADIUS = 1e-3;
@@ -31,7 +33,7 @@ export const balls = (places: Vec3[], pixel: (place: Vec3) => number): Obstacle[
   places.map((center) => ({ center, radius: Math.max(RADIUS, LEAST * pixel(center)), kind: "rigid" }));
 
 /** Returns sentences: which beads are lost and when, and how far the others are from their path at most. */
-export function fateOf(flights: BeadFlight[], say: Context["say"]): string[] {
+export function fateOf(flights: BeadFlight[], say: Say): string[] {
   const lost = flights.flatMap(({ lost, point }) => (Number.isNaN(lost) ? [] : [{ n: point + 1, lost }])).sort((a, b) => a.lost - b.lost);
   const most = Math.max(...flights.filter(({ lost }) => Number.isNaN(lost)).map(({ farthest }) => farthest));
   const far = { most: (1000 * most).toFixed(2) };
