@@ -49,5 +49,5 @@ def test_the_studios_scenes_have_an_example_each() -> None:
     scenes = {path.name for path in (ROOT / "docs" / "scenes" / "gallery").iterdir()}
     used = re.findall(r"SCENES / \"(\S+)\"", "".join(path.read_text() for path in EXAMPLES))
     assert sorted(used) == sorted(scenes)
-    page = (ROOT / "studio" / "src" / "gallery.ts").read_text()
+    page = (ROOT / "studio" / "src" / "state" / "gallery.ts").read_text()
     assert set(re.findall(r"docs/scenes/gallery/(\S+)\"", page)) == scenes
