@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Annotated, Any
-
-from cyclopts import Parameter
+from typing import Any
 
 from .. import Array, Board, SceneError, connect, ports
 from .._boards.address import KINDS, PAIR
 from .._support import output
 from .._support.text import counted
+from .keywords import Json
 from .tables import console, print_columns, print_facts, print_line, print_list
 
 #: Longest chain of boards with 64 transducers.
@@ -43,14 +42,8 @@ def off_command(address: str) -> int:
     return 0
 
 
-def ports_command(*, json: Annotated[bool, Parameter(negative=())] = False) -> int:
-    """List the serial ports, and the boards that their adapters could be. Opens none of them.
-
-    Parameters
-    ----------
-    json
-        Print one JSON document instead of the table.
-    """
+def ports_command(*, json: Json = False) -> int:
+    """List the serial ports, and the boards that their adapters could be. Opens none of them."""
     found = ports()
     if json:
         print(output.to_json([asdict(port) for port in found]))
@@ -71,15 +64,13 @@ def ports_command(*, json: Annotated[bool, Parameter(negative=())] = False) -> i
     return 0
 
 
-def boards_command(name: str | None = None, *, json: Annotated[bool, Parameter(negative=())] = False) -> int:
+def boards_command(name: str | None = None, *, json: Json = False) -> int:
     """List the boards that can be played.
 
     Parameters
     ----------
     name
         A kind of board, or an array of one, to describe it alone.
-    json
-        Print one JSON document instead of the table.
     """
     names = list(KINDS) if name is None else [name]
     records = {name: _record(name) for name in names}

@@ -20,6 +20,7 @@ from .._measuring.player import REPORTS
 from .._measuring.result import ENDINGS
 from .._support import output
 from .._support.text import arrays
+from .keywords import OutputFile, of
 from .progress import progress_bar
 from .scene import check_outputs
 from .tables import print_line, print_written, write_image
@@ -28,14 +29,14 @@ from .tables import print_line, print_written, write_image
 KEYS = ("drives", "readings", "microphones", "scene", "noise")
 
 
+@of(calibrate, "noise prior")
 def calibrate_command(
     readings: Path,
     *,
     output_file: Annotated[Path, Parameter(name=["--output", "-o"])],
     scene: Path | None = None,
-    noise: float | None = None,
-    prior: float | None = None,
     image: Path | None = None,
+    **keywords: Any,
 ) -> int:
     """Find the responses of an array and the sound speed from readings of known drives.
 
@@ -47,10 +48,6 @@ def calibrate_command(
         Where to write the corrected scene, .toml or .json; an .npz contains everything.
     scene
         The scene file, if the readings have none; its points are the microphones if they name none.
-    noise
-        Lower bound of the standard deviation of a reading, in Pa.
-    prior
-        Standard deviation of re and im of the responses; by default it is fitted.
     image
         Where to write a picture of responses and residuals.
     """
@@ -64,17 +61,16 @@ def calibrate_command(
     believed = (
         Scene.load(scene) if scene is not None else Scene.parse(str(found["scene"]), name=str(readings))
     )
-    if noise is None and "noise" in found:
-        noise = float(found["noise"])
+    if keywords["noise"] is None and "noise" in found:
+        keywords["noise"] = float(found["noise"])
     with progress_bar("calibrating") as tell:
         result = calibrate(
             believed,
             found["drives"],
             found["readings"],
             microphones=found.get("microphones"),
-            noise=noise,
-            prior=prior,
             progress=tell,
+            **keywords,
         )
     result.save(output_file)
     print_line(str(result))
@@ -88,19 +84,19 @@ def calibrate_command(
     return 0
 
 
+@of(doctor, "seconds temperature")
 def doctor_command(
     address: str,
     *,
     microphone: Annotated[list[str], Parameter(allow_leading_hyphen=True, negative=())],
-    output_file: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
+    output_file: OutputFile = None,
     device: int | None = None,
     rate: float = 192e3,
     pascals: float | None = None,
     readings: Path | None = None,
     plan: Path | None = None,
     simulate: str | None = None,
-    seconds: float = 60.0,
-    temperature: float | None = None,
+    **keywords: Any,
 ) -> int:
     """Find the faults of a board with a microphone: transducers, order, delays, level, sound speed.
 
@@ -124,10 +120,6 @@ def doctor_command(
         Write the drives to play as .npz, and do nothing else.
     simulate
         Faults of a simulated microphone, such as "dead 17, swapped 3 9, delay 1 90, speed 350".
-    seconds
-        Longest time in s that the board plays.
-    temperature
-        Temperature of the air, in degrees C.
     """
     place = parse(address)
     board = Board(place.board or DEFAULT)
@@ -135,7 +127,7 @@ def doctor_command(
     check_outputs((output_file, REPORTS), (plan, (".npz",)), taken=[] if readings is None else [readings])
     if plan is not None:
         buffer = io.BytesIO()
-        np.savez(buffer, drives=planned(board, len(at), seconds=seconds), microphones=at)
+        np.savez(buffer, drives=planned(board, len(at), seconds=keywords["seconds"]), microphones=at)
         output.write(plan, buffer.getvalue())
         print_written(plan)
         return 0
@@ -158,9 +150,8 @@ def doctor_command(
                 read,
                 microphones=at,
                 in_pascals=judged,
-                seconds=seconds,
-                temperature=temperature,
                 progress=tell,
+                **keywords,
             )
     print_line(report.table)
     if output_file is not None:

@@ -5,14 +5,13 @@ from __future__ import annotations
 import csv
 import io
 from pathlib import Path
-from typing import Annotated, Any
-
-from cyclopts import Parameter
+from typing import Any
 
 from .. import SceneError
 from .._judging.compare import Comparison, choices, growing
 from .._pictures.colours import Quantity
 from .._support import output
+from .keywords import Json, OutputFile
 from .progress import progress_bar
 from .scene import STANDARD, SceneFile
 from .tables import beside, print_solutions, print_written, write_image
@@ -24,11 +23,11 @@ def compare_command(
     scene: Path,
     *,
     solvers: str = "all",
-    output_file: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
+    output_file: OutputFile = None,
     image: Path | None = None,
     quantity: Quantity = "pressure",
     balance: bool | None = None,
-    json: Annotated[bool, Parameter(negative=())] = False,
+    json: Json = False,
 ) -> int:
     """Solve a scene file by several methods: a table, and a picture with a panel for each on one scale.
 
@@ -46,8 +45,6 @@ def compare_command(
         Quantity in the picture: |p| in Pa, the radiation pressure, the level in dB or the phase.
     balance
         Balance every method, or (--no-balance) none; by default each method's own setting.
-    json
-        Print one JSON document instead of the table.
     """
     if json and output_file == STANDARD:
         raise SceneError("--json and -o - both want standard output: leave one of them out")

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import json as json_text
 from pathlib import Path
-from typing import Annotated
-
-from cyclopts import Parameter
 
 from .. import SceneError, Sequence
 from .._motion.animation import ENDINGS
@@ -15,6 +12,7 @@ from .._motion.request import solver_name
 from .._motion.store import Output
 from .._support import output
 from .._support.text import counted
+from .keywords import Json, OutputFile
 from .progress import progress_bar
 from .scene import check_outputs
 from .tables import best_of, print_columns, print_line, print_written, write_image
@@ -33,11 +31,11 @@ COLUMNS = {
 def motion_command(
     scene: Path,
     *,
-    output_file: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
+    output_file: OutputFile = None,
     image: Path | None = None,
     animate: Path | None = None,
     solvers: str | None = None,
-    json: Annotated[bool, Parameter(negative=())] = False,
+    json: Json = False,
 ) -> int:
     """Solve the frames of a scene file with a table [motion], and judge them.
 
@@ -54,8 +52,6 @@ def motion_command(
         Where to write an animation of the field: .webp, .gif, or .mp4 by ffmpeg.
     solvers
         Names separated by commas, for a comparison; by default the scene file's, else glide.
-    json
-        Print one JSON document instead of the table.
     """
     names = [solver_name(name.strip()) for name in solvers.split(",")] if solvers else []
     if len(names) > 1 and (output_file is not None or image is not None or animate is not None):

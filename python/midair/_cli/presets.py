@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from cyclopts import Parameter
 from rich import box
 from rich.markup import escape
 from rich.table import Table
@@ -15,6 +14,7 @@ from rich.table import Table
 from .. import Array, Solver, SolverInfo, presets, solvers
 from .._midair import preset_name, solver_name
 from .._support import output
+from .keywords import Json
 from .scene import check_outputs
 from .tables import console, print_facts, print_list, print_written, write_image
 
@@ -60,15 +60,13 @@ def arrays(named: Mapping[str, Array]) -> Figure:
     return figure
 
 
-def solvers_command(name: str | None = None, *, json: Annotated[bool, Parameter(negative=())] = False) -> int:
+def solvers_command(name: str | None = None, *, json: Json = False) -> int:
     """List the solvers with their options and defaults.
 
     Parameters
     ----------
     name
         A solver, to describe it alone.
-    json
-        Print one JSON document instead of the table.
     """
     known = dict(solvers())
     if name is not None:
@@ -126,7 +124,7 @@ def presets_command(
     name: str | None = None,
     *,
     image: Path | None = None,
-    json: Annotated[bool, Parameter(negative=())] = False,
+    json: Json = False,
 ) -> int:
     """List the arrays known by name.
 
@@ -136,8 +134,6 @@ def presets_command(
         A preset, to describe it alone.
     image
         Where to write a picture of the transducers and their order: .png, .svg, .pdf or .jpg.
-    json
-        Print one JSON document instead of the table.
     """
     check_outputs((image, output.IMAGES))
     names = list(presets()) if name is None else [preset_name(name)]

@@ -14,6 +14,7 @@ from .._midair import unknown
 from .._pictures.colours import Quantity
 from .._support import output
 from .._support.ctrl_c import interruptible
+from .keywords import Json, Numbers, OutputFile, Places, SolverName
 from .progress import progress_bar
 from .progress import tell as say
 from .scene import STANDARD, SceneFile, check_outputs, typed_scene
@@ -24,17 +25,17 @@ def solve_command(
     scene: Path | None = None,
     *,
     preset: str | None = None,
-    tiles: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
-    at: Annotated[list[str] | None, Parameter(allow_leading_hyphen=True, negative=())] = None,
-    pressure: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
-    solver: str | None = None,
-    output_file: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
+    tiles: Numbers = None,
+    at: Places = None,
+    pressure: Numbers = None,
+    solver: SolverName = None,
+    output_file: OutputFile = None,
     image: Path | None = None,
     quantity: Quantity = "pressure",
     balance: bool | None = None,
     aim: str | None = None,
     show: Annotated[bool, Parameter(negative=())] = False,
-    json: Annotated[bool, Parameter(negative=())] = False,
+    json: Json = False,
     **options: Annotated[str, Parameter(allow_leading_hyphen=True)],
 ) -> int:
     """Find a drive for a scene, judge it, and write the requested files.
@@ -56,8 +57,6 @@ def solve_command(
     pressure
         Peak pressure in Pa at every point, or one per point, separated by commas. By default as much as
         the array can make.
-    solver
-        Name of the solver; by default the scene file's, else uniform.
     output_file
         Where to write the drive: .npz, .csv or .json, or - for JSON on standard output. By default nothing
         is written.
@@ -71,8 +70,6 @@ def solve_command(
         "target" to meet the targets, "max" for as loud as possible; for solvers that have this option.
     show
         Draw |p| in the plane of the points in the terminal, below the table.
-    json
-        Print one JSON document instead of the table.
     options
         Options of the solver, as --name value.
     """

@@ -13,6 +13,9 @@ from rich.table import Table
 from .. import SceneError
 from .._support.output import METRICS
 from .._support.text import counted
+from .._sweep import dataset, sweep, work
+from .._sweep.request import read
+from .keywords import of
 from .progress import progress_bar
 from .tables import console, print_columns, print_line, print_written
 
@@ -20,12 +23,13 @@ if TYPE_CHECKING:
     import numpy as np
 
 
+@of(sweep, "scheduler")
 def reproduce_command(
     *figures: str,
     trials: int = 1000,
     seed: int = 0,
     output_folder: Annotated[Path, Parameter(name=["--output", "-o"])] = Path("reproduced"),
-    scheduler: str | None = None,
+    **keywords: Any,
 ) -> int:
     """Make the figures of Suzuki et al. 2021 again, with their numbers, and check the paper's statements.
 
@@ -41,15 +45,11 @@ def reproduce_command(
         Seed of all random numbers.
     output_folder
         Folder for the pictures, tables and verdicts.csv.
-    scheduler
-        Address of a Dask scheduler, tcp://host:port; by default this machine does the work.
     """
     from .._reproduce import reproduce
 
     names = figures or ("all",)
-    verdicts = reproduce(
-        names, output_folder, trials=trials, seed=seed, scheduler=scheduler, progress=progress_bar
-    )
+    verdicts = reproduce(names, output_folder, trials=trials, seed=seed, progress=progress_bar, **keywords)
     table = Table("figure", "statement", "verdict", "what decides", box=box.SIMPLE_HEAD, pad_edge=False)
     for figure, verdict in verdicts:
         table.add_row(figure, *verdict)
@@ -61,12 +61,13 @@ def reproduce_command(
     return 0
 
 
+@of(sweep, "scheduler")
 def sweep_command(
     request: Path,
     *,
     output_file: Annotated[Path, Parameter(name=["--output", "-o"])],
     drives: Path | None = None,
-    scheduler: str | None = None,
+    **keywords: Any,
 ) -> int:
     """Solve every problem of a sweep file, and write a table of their metrics.
 
@@ -80,27 +81,23 @@ def sweep_command(
         File for the table: .csv or .parquet; docs/sweeps.md explains its columns.
     drives
         Where to write the drives: a Zarr group, a folder ending in .zarr.
-    scheduler
-        Address of a Dask scheduler, tcp://host:port; by default this machine does the work.
     """
-    from .._sweep import work
-    from .._sweep.request import read
-
     requested = read(request, drives=drives is not None)
     with progress_bar("sweeping") as tell:
-        work(requested, output_file, drives, scheduler=scheduler, progress=tell)
+        work(requested, output_file, drives, progress=tell, **keywords)
     files = f"{output_file}" if drives is None else f"{output_file} and {drives}"
     print_written(f"{counted(requested.problems, 'row')} to {files}")
     return 0
 
 
+@of(dataset, "bounds")
+@of(sweep, "scheduler")
 def dataset_command(
     request: Path,
     *,
     output_folder: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
-    bounds: bool = False,
     judge: Path | None = None,
-    scheduler: str | None = None,
+    **keywords: Any,
 ) -> int:
     """Make a data set of random scenes and their drives, every tenth held out; or judge drives by one.
 
@@ -112,20 +109,16 @@ def dataset_command(
         Sweep file with one solver and random points: docs/sweeps.md. With --judge: the folder of a data set.
     output_folder
         Folder for the data set.
-    bounds
-        Also compute each scene's bound, which no drive can exceed.
     judge
         Drives for the held-out scenes, in their order: a .npy file of complex numbers, (scenes, N).
-    scheduler
-        Address of a Dask scheduler, tcp://host:port; by default this machine does the work.
     """
-    from .. import Dataset, dataset
+    from .. import Dataset
 
     if judge is None:
         if output_folder is None:
             raise SceneError("--output is missing: give a folder for the data set")
         with progress_bar("solving") as tell:
-            made = dataset(request, output_folder, bounds=bounds, scheduler=scheduler, progress=tell)
+            made = dataset(request, output_folder, progress=tell, **keywords)
         print_written(f"{counted(made.manifest['scenes'], 'scene')} to {output_folder}, every tenth held out")
         return 0
     judged = Dataset(request).judge(drives_of(judge))

@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
-
-from cyclopts import Parameter
+from typing import Any
 
 from .. import SceneError, exposure, solve
-from .._judging.tolerate import Trials
+from .._judging.tolerate import Trials, tolerate
 from .._support import output
+from .keywords import Json, Places, SceneName, SolverName, of
 from .progress import progress_bar
 from .scene import SceneFile, numbers
 from .tables import print_columns, print_line, print_written, write_image
 
 
 def exposure_command(
-    scene: Path,
+    scene: SceneName,
     *,
-    at: Annotated[list[str] | None, Parameter(allow_leading_hyphen=True, negative=())] = None,
-    box: Annotated[list[str] | None, Parameter(allow_leading_hyphen=True, negative=())] = None,
+    at: Places = None,
+    box: Places = None,
     limit: str = "howard",
-    solver: str | None = None,
-    json: Annotated[bool, Parameter(negative=())] = False,
+    solver: SolverName = None,
+    json: Json = False,
 ) -> int:
     """Solve a scene file and print how loud it is at other places, such as ears and eyes.
 
@@ -30,8 +29,6 @@ def exposure_command(
 
     Parameters
     ----------
-    scene
-        Scene file, TOML or JSON, or - for standard input.
     at
         A place x,y,z in m; repeat the option for each place.
     box
@@ -39,10 +36,6 @@ def exposure_command(
     limit
         Limit with which the levels are compared: howard (110 dB), acgih (115), acgih-air (145), irpa (100),
         or a level in dB.
-    solver
-        Name of the solver; by default the scene file's, else uniform.
-    json
-        Print one JSON document instead of the table.
     """
     places: dict[str, Any] = {}
     for text in at or ():
@@ -73,22 +66,14 @@ def _limit(text: str) -> str | float:
         return text
 
 
+@of(tolerate, "phase gain dead reversed temperature tilt position trials seed scheduler")
 def tolerate_command(
-    scene: Path,
+    scene: SceneName,
     *,
-    solver: str | None = None,
-    phase: float = 0,
-    gain: float = 0,
-    dead: float = 0,
-    reversed: float = 0,
-    temperature: float = 0,
-    tilt: float = 0,
-    position: float = 0,
-    trials: int = 200,
-    seed: int = 0,
-    scheduler: str | None = None,
+    solver: SolverName = None,
     image: Path | None = None,
-    json: Annotated[bool, Parameter(negative=())] = False,
+    json: Json = False,
+    **keywords: Any,
 ) -> int:
     """Solve a scene file and play the drive with faults: how much of level and uniformity remains.
 
@@ -96,47 +81,13 @@ def tolerate_command(
 
     Parameters
     ----------
-    scene
-        Scene file, TOML or JSON, or - for standard input.
-    solver
-        Name of the solver; by default the scene file's, else uniform.
-    phase
-        Error of each transducer's phase, standard deviation in degrees.
-    gain
-        Error of each transducer's amplitude, standard deviation relative to 1.
-    dead
-        Probability that a transducer is silent.
-    reversed
-        Probability that a transducer is connected with reversed polarity.
-    temperature
-        Error of the air's temperature, standard deviation in K.
-    tilt
-        Tilt of the array about its centre, standard deviation in degrees.
-    position
-        Error of each transducer's position along each axis, standard deviation in m.
-    trials
-        Number of trials, of each fault alone and of all together.
-    seed
-        Seed of all random numbers.
-    scheduler
-        Address of a Dask scheduler, tcp://host:port; by default this machine does the work.
     image
         Where to write a picture of all trials: .png, .svg, .pdf or .jpg.
-    json
-        Print one JSON document instead of the table.
     """
     file = SceneFile(scene)
     file.check_outputs((image, output.IMAGES))
-    faults = {
-        "phase": phase,
-        "gain": gain,
-        "dead": dead,
-        "reversed": reversed,
-        "temperature": temperature,
-        "tilt": tilt,
-        "position": position,
-    }
-    found = Trials(file.scene(), solver, faults=faults, trials=trials, seed=seed, options={})
+    trials, seed, scheduler = (keywords.pop(name) for name in ("trials", "seed", "scheduler"))
+    found = Trials(file.scene(), solver, faults=keywords, trials=trials, seed=seed, options={})
     try:
         with progress_bar("trying") as tell:
             found.run(scheduler=scheduler, progress=tell)

@@ -61,8 +61,10 @@ def tolerate(
         Error of each transducer's phase, standard deviation in degrees.
     gain : float, optional
         Error of each transducer's amplitude, standard deviation relative to 1; none is below 0.
-    dead, reversed : float, optional
-        Probability that a transducer is silent, or has its wires the wrong way round.
+    dead : float, optional
+        Probability that a transducer is silent.
+    reversed : float, optional
+        Probability that a transducer has its wires the wrong way round.
     temperature : float, optional
         Error of the air's temperature, standard deviation in K.
     tilt : float, optional
@@ -72,11 +74,11 @@ def tolerate(
     trials : int, optional
         Number of trials, of each fault alone and of all together.
     seed : int, optional
-        A seed gives the same answer whatever the threads.
+        Seed of all random numbers; the answer does not depend on the number of threads.
     threads : int, optional
         Largest number of threads; by default one per processor.
     scheduler : str, optional
-        Address of a Dask scheduler; by default this machine does the work.
+        Address of a Dask scheduler, tcp://host:port; by default this machine does the work.
     progress : callable, optional
         Called with (trials done, trials); False stops, and returns the finished trials.
     **options

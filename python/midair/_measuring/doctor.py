@@ -80,8 +80,10 @@ def doctor(
         Seed of the drives.
     progress : callable, optional
         Called with (step, steps).
-    temperature, sound_speed : float, optional
-        Temperature of the air in degrees C, or its sound speed in m/s; by default the array's.
+    temperature : float, optional
+        Temperature of the air in degrees C; by default the array's.
+    sound_speed : float, optional
+        Sound speed of the air in m/s, instead of a temperature.
 
     Returns
     -------

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, nullcontext
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from .._support.arguments import callback, path_of, warn
 from .._support.kept import Arrays, locked
@@ -16,9 +18,6 @@ from .problems import whole
 from .request import Request, read
 from .shards import Dataset, dataset
 from .table import Shortfall
-
-if TYPE_CHECKING:
-    import numpy as np
 
 __all__ = ["Dataset", "dataset", "sweep", "work"]
 
@@ -48,7 +47,7 @@ def sweep(
         A folder for a Zarr group of drives, points and pressures, a row for each row of the table. An old
         group is replaced if a sweep made it.
     scheduler : str, optional
-        Address of a Dask scheduler; by default threads of this process work.
+        Address of a Dask scheduler, tcp://host:port; by default this machine does the work.
     threads : int, optional
         Largest number of threads; by default one per processor.
     progress : callable, optional
