@@ -1,4 +1,4 @@
-"""A replacement for the studio's built page, of a few bytes, and messages that the page sends to Python."""
+"""A replacement for the studio's built page, of a few bytes, and a scene that the page sends to Python."""
 
 from pathlib import Path
 
@@ -12,23 +12,13 @@ FILES = {
     "widget.mjs": b"export default { render() {} };",
 }
 
-#: A message from the page to Python; its type is in studio/src/state/types.ts.
-STATE = {
+#: A scene as the page sends it to Python (`sceneOf` of studio/src/state/scene_file.ts).
+SHOWN = {
+    "medium": {"temperature": 25},
     "array": {"preset": "autd3", "tiles": [2, 2]},
-    "quantization": "board",
-    "temperature": 25,
-    "points": [[0.01, 0, 0.18], [-0.02, 0.03, 0.15]],
-    "pressures": None,
-    "methods": ["uniform", "naive"],
-    "signature": "",
-    "obstacles": [],
-    "ear": None,
-    "plane": {"axis": "z", "z": 0.18, "size": 0.18, "center": [0, 0]},
-    "level": "play",
-    "view": "both",
-    "slot": 0,
-    "scale": "linear",
-    "path": None,
+    "points": [{"position": [0.01, 0, 0.18]}, {"position": [-0.02, 0.03, 0.15]}],
+    "solver": {"name": "uniform"},
+    "plane": {"z": 0.18, "size": 0.18, "center": [0, 0]},
 }
 
 

@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 
 import midair
-from midair._studio.page import scene_text, shown_scene
+from midair._studio.page import KEYS, misfits, scene_text
 from midair._studio.view import View
-from pages import FILES, STATE, autd3, build
+from pages import FILES, SHOWN, autd3, build
 
 ROOT = Path(__file__).parents[2]
+POINTS = [point["position"] for point in SHOWN["points"]]
 
 
 @pytest.fixture
@@ -24,50 +25,49 @@ def built(tmp_path: Path) -> Path:
 
 
 def test_scenes_survive_the_page() -> None:
-    scene = shown_scene(STATE)
+    scene = midair.Scene.parse(json.dumps(SHOWN))
     assert scene.array == midair.Array.preset("autd3", (2, 2))
-    assert scene.points.tolist() == STATE["points"]
-    assert scene.pressures is None
-    assert scene.solver == ("uniform", {})
-    assert scene.sound_speed == pytest.approx(346.13, abs=0.01)
     assert scene.plane.z == 0.18
     assert midair.Scene.parse(scene_text(scene)) == scene
-    wall = {"point": [0.5, 0, 0], "normal": [-1, 0, 0], "kind": "rigid"}
-    other = shown_scene(
-        STATE
-        | {"array": {"name": "own", "positions": [[0, 0, 0], [0.01, 0, 0]], "normals": [[0, 0, 1]] * 2}}
-        | {"pressures": [100, 0], "signature": "twin", "obstacles": [wall]}
-    )
-    assert other.pressures.tolist() == [100, 0]
-    assert other.signature == "twin"
-    assert other.obstacles == [midair.Wall([0.5, 0, 0], [-1, 0, 0])]
-    assert len(other.array) == 2
-    free = shown_scene(STATE | {"quantization": "none"})
-    assert free.array.quantization is None
-    assert midair.Scene.parse(scene_text(free)).array.quantization is None
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        lambda: autd3(bead={"radius": 1.2e-3, "density": 900.0}, signature="trap"),
+        lambda: autd3(source_pressure=2.0),
+        lambda: midair.Scene(midair.Array.preset("autd3", mask=[False] + [True] * 248), [[0, 0, 0.1]]),
+        lambda: midair.Scene(
+            midair.Array.grid(3, 3, 0.01, directivity={"piston": 4.5e-3}, quantization={"phases": 8}),
+            [[0, 0, 0.1]],
+        ),
+        lambda: autd3(weights=[1.0], pressures=[500 + 0j]),
+    ],
+)
+def test_the_page_gets_what_it_keeps(scene: Callable[[], midair.Scene]) -> None:
+    assert midair.Scene.parse(scene_text(scene())) == scene()
 
 
 @pytest.mark.parametrize(
     ("scene", "words"),
     [
-        (lambda: autd3(frequency=41e3), "frequency = 41000 (its own is 40000)"),
-        (lambda: autd3(weights=[2.0]), "weights"),
-        (lambda: autd3(pressures=[1j]), "phases"),
-        (lambda: autd3(points=np.linspace([-0.05, 0, 0.1], [0.05, 0, 0.1], 65)), "65 points"),
+        (lambda: autd3(frequency=41e3), "medium.frequency is 41000.0: the page has 40000"),
+        (lambda: autd3(weights=[2.0]), "points[0].weight is 2.0: the page has 1"),
+        (lambda: autd3(pressures=[1j]), "points[0].phase is 1.57"),
         (
-            lambda: midair.Scene(midair.Array.preset("autd3", mask=[False] + [True] * 248), [[0, 0, 0.1]]),
-            "mask",
+            lambda: autd3(points=np.linspace([-0.05, 0, 0.1], [0.05, 0, 0.1], 65)),
+            "points is 65: the page has at most 64",
         ),
         (
-            lambda: midair.Scene(
-                midair.Array.grid(3, 3, 0.01, directivity={"piston": 4.5e-3}), [[0, 0, 0.1]]
+            lambda: autd3(
+                obstacles=[
+                    midair.Mesh(
+                        np.array([[0, 0, 0.2], [0.01, 0, 0.2], [0, 0.01, 0.2], [0, 0, 0.21]]),
+                        [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+                    )
+                ]
             ),
-            "directivity",
-        ),
-        (lambda: autd3(source_pressure=2.0), "source_pressure 2.0 (its own is 4.386)"),
-        (
-            lambda: midair.Scene(midair.Array.grid(3, 3, 0.01, quantization={"phases": 8}), [[0, 0, 0.1]]),
-            "quantization",
+            "obstacles[0].vertices is [[0.0",
         ),
     ],
 )
@@ -77,12 +77,25 @@ def test_what_the_page_does_not_know_is_refused(scene: Callable[[], midair.Scene
     assert "\n" not in str(refused.value)
 
 
-def test_solvers_are_method_a() -> None:
+def test_anything_that_the_page_does_not_have_is_found() -> None:
+    assert list(misfits(SHOWN, KEYS)) == []
+    line = 'motion is {"rate": 1}: the page has no place for it'
+    assert list(misfits(SHOWN | {"motion": {"rate": 1}}, KEYS)) == [line]
+    line = "medium.wind is 3: the page has no place for it"
+    assert list(misfits(SHOWN | {"medium": {"wind": 3}}, KEYS)) == [line]
+
+
+@pytest.mark.parametrize("name", midair.solvers())
+def test_solvers_are_method_a_with_their_options(name: str) -> None:
+    solution = midair.solve(autd3(), name)
+    shown = midair.Scene.parse(scene_text(solution)).solver
+    assert shown[0] == name
+    assert midair.Solver(solution.scene.array, name, **shown[1]).options == solution.options
+
+
+def test_a_solver_that_the_page_does_not_have() -> None:
     scene = autd3(pressures=5000.0)
-    for name in ("uniform", "greedy"):
-        assert json.loads(scene_text(midair.solve(scene, name)))["solver"] == {"name": name}
-    with pytest.warns(midair.SceneWarning, match="options of greedy"):
-        scene_text(midair.solve(scene, "greedy", seed=3))
+    assert json.loads(scene_text(midair.solve(scene, "greedy", seed=3)))["solver"]["seed"] == 3
     with pytest.warns(midair.SceneWarning, match="the solver own"):
         assert "solver" not in json.loads(scene_text(midair.solve(scene, own)))
     with pytest.raises(midair.SceneError, match="of a matrix"):
@@ -112,7 +125,9 @@ class Page:
 
     def tell(self, **changes: object) -> None:
         # A message arrives in this form from a front end.
-        self.widget.set_state({"state": json.dumps(STATE | changes), "metrics": {"naive": {"accuracy": 0.9}}})
+        state = json.dumps(SHOWN | changes)
+        metrics = {"naive": {"accuracy": 0.9}}
+        self.widget.set_state({"state": state, "methods": ["uniform", "naive"], "metrics": metrics})
 
 
 @pytest.fixture
@@ -120,7 +135,7 @@ def shown(built: Path) -> Callable[[midair.Scene | midair.Solution], tuple[View,
     pytest.importorskip("anywidget", reason="anywidget is missing")
 
     def shown(what: midair.Scene | midair.Solution) -> tuple[View, Page]:
-        view = View(what, scene_text(what), folder=built)
+        view = View(scene_text(what), folder=built)
         return view, Page(view)
 
     return shown
@@ -138,21 +153,19 @@ def test_a_view_begins_with_its_scene(shown) -> None:
     assert "application/vnd.jupyter.widget-view+json" in data[0]
     assert {"scene", "state", "metrics", "wasm"} <= set(page.widget.keys)
     solution, _ = shown(midair.solve(scene, "fast"))
-    assert solution.scene.solver == ("fast", {})
+    assert solution.scene.solver[0] == "fast"
     assert repr(view) == "<midair.View of 1 points>"
 
 
 def test_what_is_dragged_arrives(shown) -> None:
     view, page = shown(autd3())
     page.tell()
-    assert view.points.tolist() == STATE["points"]
+    assert view.points.tolist() == POINTS
     assert view.pressures is None
     assert view.methods == ("uniform", "naive")
     assert view.metrics == {"naive": {"accuracy": 0.9}}
-    assert view.scene == shown_scene(STATE)
-    page.tell(points=[], pressures=[])
-    assert view.points.shape == (0, 3)
-    page.tell(pressures=[100, 200])
+    assert view.scene == midair.Scene.parse(json.dumps(SHOWN))
+    page.tell(points=[point | {"pressure": 100 * (k + 1)} for k, point in enumerate(SHOWN["points"])])
     assert view.pressures.tolist() == [100, 200]
     assert midair.judge(view.scene, np.zeros(996)).level == 0
 
@@ -167,7 +180,7 @@ def test_what_is_set_is_shown(shown) -> None:
     view.pressures = [300, 400]
     sent = midair.Scene.parse(page.seen[-1])
     assert sent.pressures.tolist() == [300, 400]
-    assert sent.points.tolist() == STATE["points"]
+    assert sent.points.tolist() == POINTS
     view.scene = scene
     page.tell()
     view.scene = scene
@@ -175,7 +188,7 @@ def test_what_is_set_is_shown(shown) -> None:
     assert view.scene == midair.Scene.parse(page.seen[-1]) == scene
     with pytest.raises(midair.SceneError, match="pressures"):
         view.points = [[0, 0, 0.1], [0.02, 0, 0.1]]
-    with pytest.raises(midair.SceneError, match="weights"):
+    with pytest.raises(midair.SceneError, match="weight is 3"):
         view.scene = autd3(weights=3)
     assert view.scene == scene
 
@@ -196,7 +209,7 @@ def test_the_slice_goes_along_with_points_that_are_set(shown) -> None:
 def test_a_view_that_is_not_built_says_so(tmp_path: Path) -> None:
     pytest.importorskip("anywidget", reason="anywidget is missing")
     with pytest.raises(midair.SceneError, match="make studio"):
-        View(autd3(), scene_text(autd3()), folder=tmp_path)
+        View(scene_text(autd3()), folder=tmp_path)
 
 
 def test_the_page_of_the_docs_runs(shown, monkeypatch, built: Path) -> None:

@@ -6,7 +6,9 @@ import { expect, test } from "vitest";
 import { type BeadFlight, balls, beadsAt, fateOf } from "../src/work/beads.ts";
 import { compile, openDoor } from "../src/work/door.ts";
 import { framesOf } from "../src/making/paths.ts";
-import type { Vec3 } from "../src/state/types.ts";
+import { initial } from "../src/state/initial.ts";
+import { sceneOf, stateOf } from "../src/state/scene_file.ts";
+import type { State, Vec3 } from "../src/state/types.ts";
 import { say, type Word } from "../src/app/words.ts";
 
 const door = openDoor(await compile(readFileSync(`${import.meta.dirname}/../built/midair.wasm`)));
@@ -40,6 +42,28 @@ test("a bead that is carried too fast is lost, and is drawn until then", () => {
   expect(fateOf(flights, english)).toEqual([`Bead 1 is lost after ${(1000 * flights[0].lost).toFixed(0)} ms`]);
 });
 
+test("an opened scene keeps its bead: a heavy one lies lower in its trap", () => {
+  const text = `
+    signature = "trap"
+    [array]
+    preset = "openmpd_pair"
+    [[points]]
+    position = [0, 0, 0]
+    [bead]
+    radius = 1.2e-3
+    density = 900
+  `;
+  door.open(text, true);
+  const state = stateOf(JSON.parse(door.save(false)), initial);
+  expect(state.bead).toMatchObject({ radius: 1.2e-3, density: 900 });
+  const farthest = (bead: State["bead"]) => {
+    door.open(JSON.stringify({ ...sceneOf({ ...state, bead }, 0), solver: { name: "glide", rate: 1000 } }));
+    door.follow(framesOf(state.points, { kind: "circle", radius: 0.01, frequency: 4 }, 1000, 0.25), 250);
+    return door.fly(0, 1000).farthest;
+  };
+  expect(farthest(state.bead)).toBeGreaterThan(4 * farthest(null));
+});
+
 test("frames that were not followed are not flown", () => {
   door.open(JSON.stringify({ array: { preset: "openmpd_pair" }, points: [{ position: [0, 0, 0] }] }));
   expect(() => door.fly(0, 1000)).toThrow(/drives is 0/);
@@ -59,4 +83,5 @@ test("after the last lap it is flown again; balls have the size of a bead, or of
   expect([0, 1, 2, 3, 4, 5, 6].map(at)).toEqual([0, 1, 2, 3, 2, 3, 2]);
   expect(balls([[1, 2, 3]], ([x]) => 1e-4 * x)).toEqual([{ center: [1, 2, 3], radius: 1e-3, kind: "rigid" }]);
   expect(balls([[1, 2, 3]], () => 2e-3)[0]).toMatchObject({ radius: 4.5 * 2e-3 });
+  expect(balls([[1, 2, 3]], () => 1e-5, 1.2e-3)[0]).toMatchObject({ radius: 1.2e-3 });
 });

@@ -1,7 +1,7 @@
 // Invalid values given to the page are rejected with a message of one line; every scene of the gallery is valid.
 import { expect, test } from "vitest";
 
-import { faultOf } from "../src/state/check.ts";
+import { checked } from "../src/state/check.ts";
 import { gallery } from "../src/state/gallery.ts";
 import { initial } from "../src/state/initial.ts";
 import type { State } from "../src/state/types.ts";
@@ -13,7 +13,10 @@ const catalogue = {
   solvers: ["uniform", "naive", "gspat", "glide", "fast", "greedy"].map((name) => ({ name, summary: "", aims: false })),
   boards: [],
 };
-const fault = (partial: object) => faultOf({ ...initial, ...partial } as State, catalogue);
+const fault = (partial: object) => {
+  const state = checked({ ...initial, ...partial } as State, catalogue);
+  return typeof state === "string" ? state : "";
+};
 
 test.each(gallery.map(({ name, state }) => [name[0], state] as const))("%s", (_, state) => {
   expect(fault(state)).toBe("");

@@ -48,9 +48,9 @@ test("64 points are at most 1.3 kB", () => {
 });
 
 test("an array of one's own is written", () => {
-  const array = { name: "bowl", positions: [[0, 0, 0]] as Vec3[], normals: [[0, 0, 1]] as Vec3[] };
-  const link = writeLink({ ...initial, array });
-  expect(readLink(link)).toBe(`a is "own": an array of one's own is in no link, load its file`);
+  const bowl = { name: "bowl", positions: [[0, 0, 0]] as Vec3[], normals: [[0, 0, 1]] as Vec3[] };
+  const masked = { preset: "autd3", tiles: [1, 1] as [number, number], parts: { mask: [true] } };
+  for (const array of [bowl, masked]) expect(readLink(writeLink({ ...initial, array }))).toBe(`a is "own": an array of one's own is in no link, load its file`);
 });
 
 const many = (count: number, each: string) => Array.from({ length: count }, () => each).join("_");
@@ -96,7 +96,12 @@ const BAD: [string, string][] = [
   ["v=1&o=wall,1,2,3,0,0,0,rigid", "normal of obstacle 1"],
   ["v=1&o=ball,1,2,3,-4,rigid", "radius of obstacle 1"],
   ["v=1&o=ball,1,2,3,4,hard", "kind of obstacle 1"],
-  [`v=1&o=${many(9, "ball,1,2,3,4,soft")}`, "9 obstacles"],
+  [`v=1&o=${many(65, "ball,1,2,3,4,soft")}`, "65 obstacles"],
+  ["v=1&b=1,900", "b is"],
+  ["v=1&b=0,900,900,0,0,-9.81", "radius of b"],
+  ["v=1&x=greedy", "give JSON"],
+  ['v=1&x={"greedy":3}', "give JSON"],
+  ["v=1&g=circle,5,0", "frequency of g"],
   ["v=1&e=1,2", "e is"],
   ["v=1&g=square,1,2", "circle, line"],
   ["v=1&g=circle,0,2", "size of g"],

@@ -53,8 +53,8 @@ const MESSAGES = `${import.meta.dirname}/../src`;
 /** The source file of a message, a part of it as written there, the message, and its beginning in Japanese. */
 test.each([
   ["app/exchange.ts", "give .toml, .json", "a.txt: give .toml, .json, .csv, .svg, .png or .jpg", "a.txt: 開けるファイルは .toml"],
-  ["state/scene_file.ts", "the page has at most", "points is 80: the page has at most 64", "点が 80 個あります: "],
-  ["state/scene_file.ts", "the page has ${", 'array.mask is [true]: the page has "no place for it", use the package', "array.mask ([true]) はこのページでは"],
+  ["state/scene_file.ts", "at most ${most}", "points is 80: the page has at most 64, use the package", "点が 80 個あります: "],
+  ["state/scene_file.ts", "the page has ${", "motion is {}: the page has no place for it, use the package", "motion ({}) はこのページでは"],
   ["work/door.ts", "rows: give at most", "a.csv: 9000 rows: give at most 4096", "a.csv: 振動子が 9000 個あります: 4096 個"],
   ["making/drawing.ts", "is larger than 2 MB", "the drawing is larger than 2 MB: give an SVG file", "図形が大きすぎます: 2 MB 以下"],
   ["making/drawing.ts", "elements", "the drawing has more than 500 elements: give an SVG", "図形の要素が多すぎます: 500 個以下"],

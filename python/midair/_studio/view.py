@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Plane, Scene, SceneError, Solution
-from .page import BUILT, file, scene_text, shown_scene
+from .page import BUILT, file, scene_text
 
 if TYPE_CHECKING:
     from .widget import Widget
@@ -43,7 +42,7 @@ def view(what: Scene | Solution) -> View:
     """
     if not isinstance(what, Scene | Solution):
         raise TypeError(f"expected a midair.Scene or midair.Solution, not {type(what).__qualname__}")
-    return View(what, scene_text(what))
+    return View(scene_text(what))
 
 
 class View:
@@ -57,18 +56,18 @@ class View:
     >>> picture.points = [[0.02, 0, 0.15]]  # doctest: +SKIP
     """
 
-    def __init__(self, what: Scene | Solution, text: str, folder: Path = BUILT) -> None:
+    def __init__(self, text: str, folder: Path = BUILT) -> None:
         try:
             from .widget import Widget
         except ImportError as error:
             raise SceneError('view needs anywidget: pip install "midair[notebook]"') from error
-        #: The scene that Python has set, until the page reports a change; None after that.
-        self._given: Scene | None = what if isinstance(what, Scene) else Scene.parse(text)
         self._widget = Widget(
             _esm=file("widget.mjs", folder).read_text(encoding="utf-8"),
             wasm=file("midair.wasm", folder).read_bytes(),
             scene=text,
         )
+        #: The newest scene as text: the one that Python has set, or the one that the page has reported.
+        self._text = text
         self._widget.observe(self._reported, "state")
 
     @property
@@ -79,7 +78,7 @@ class View:
     @property
     def scene(self) -> Scene:
         """Scene that is shown now, with method A as its solver. Setting it shows another scene."""
-        return shown_scene(self._state()) if self._given is None else self._given
+        return Scene.parse(self._text, name="the studio's scene")
 
     @scene.setter
     def scene(self, scene: Scene) -> None:
@@ -87,14 +86,12 @@ class View:
         # The page reacts only to a different text. Its points may have been dragged since it got this text,
         # so a line break makes the text different.
         self._widget.scene = f"{text}\n" if text == self._widget.scene else text
-        self._given = scene
+        self._text = text
 
     @property
     def points(self) -> NDArray[np.float64]:
         """Points (M, 3) in m, as they were dragged; can be set."""
-        if self._given is not None:
-            return self._given.points
-        return np.array(self._state()["points"], dtype=float).reshape(-1, 3)
+        return self.scene.points
 
     @points.setter
     def points(self, points: ArrayLike) -> None:
@@ -112,11 +109,8 @@ class View:
     @property
     def pressures(self) -> NDArray[np.float64] | None:
         """Target pressures (M,) in Pa, None for as loud as possible; can be set."""
-        if self._given is not None:
-            pressures = self._given.pressures
-            return None if pressures is None else pressures.real
-        reported = self._state()["pressures"]
-        return None if reported is None else np.array(reported, dtype=float)
+        pressures = self.scene.pressures
+        return None if pressures is None else pressures.real
 
     @pressures.setter
     def pressures(self, pressures: ArrayLike | None) -> None:
@@ -125,20 +119,16 @@ class View:
     @property
     def methods(self) -> tuple[str, ...]:
         """Two methods that the page compares; empty before the page has started."""
-        return tuple(self._state()["methods"]) if self._widget.state else ()
+        return tuple(self._widget.methods)
 
     @property
     def metrics(self) -> dict[str, Any]:
         """Metrics by method (accuracy, sigma, ...) from the page; empty before the page has started."""
         return dict(self._widget.metrics)
 
-    def _state(self) -> dict[str, Any]:
-        state: dict[str, Any] = json.loads(self._widget.state)
-        return state
-
     def _reported(self, _: object) -> None:
-        """Called if the page has changed its state, or has taken the values that Python set."""
-        self._given = None
+        """Called if the page has changed its scene, or has taken the one that Python set."""
+        self._text = self._widget.state
 
     def _repr_mimebundle_(self, **keywords: Any) -> Any:
         return self._widget._repr_mimebundle_(**keywords)

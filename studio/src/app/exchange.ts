@@ -26,7 +26,7 @@ export async function open(context: Context, file: File): Promise<void> {
     if (PICTURES.includes(ending)) {
       studio.change({ ...(await pictured(file, state.plane, Math.min(SIZE, state.plane.size), wavelength(state) / 2, MOST_POINTS)), path: null });
     } else if (ending === "toml" || ending === "json") {
-      studio.change(stateOf(JSON.parse(await engine.slots[0].read(text, ending === "toml")), state));
+      studio.change(stateOf(await engine.slots[0].read(text, ending === "toml"), state));
     } else if (ending === "svg") {
       const [x, y] = state.plane.center;
       const contours = drawing(text, Math.min(SIZE, state.plane.size), [x, y, state.plane.z]);

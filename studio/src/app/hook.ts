@@ -1,9 +1,8 @@
 /** The interface for scripts: `window.midair`, with plain data as arguments and results. */
 
-import { faultOf } from "../state/check.ts";
+import { checked } from "../state/check.ts";
 import type { Engine } from "../work/engine.ts";
-import { initial } from "../state/initial.ts";
-import { readLink, writeLink } from "../state/link.ts";
+import { writeLink } from "../state/link.ts";
 import { lookOf } from "./look.ts";
 import { strengthLevel, weakest } from "./numbers.ts";
 import type { Page } from "./page.ts";
@@ -65,15 +64,12 @@ export function createHook(engine: Engine, studio: Studio, page: () => Page): Ho
       return structuredClone({ ready, ...state, top: lookOf(studio.view, "dark").top, metrics, bound, touch, refused, warnings });
     },
     set(partial) {
-      const { state } = studio.view;
-      const plane = partial?.plane === null ? (null as never) : { ...state.plane, ...partial?.plane };
-      const next = structuredClone({ ...state, ...("pressures" in partial && { filled: [] }), ...partial, plane });
-      const fault = faultOf(next, engine.catalogue);
-      if (fault) throw new Error(fault);
-      // The state is rounded as in a link, so that the link restores it exactly; a link cannot contain a user's own array.
-      const read = readLink(writeLink({ ...next, array: initial.array }));
-      if (typeof read === "string") throw new Error(read);
-      studio.change({ ...read, array: next.array });
+      const now = studio.view.state;
+      const plane = partial?.plane === null ? (null as never) : { ...now.plane, ...partial?.plane };
+      const next = structuredClone({ ...now, ...("pressures" in partial && { filled: [] }), ...partial, plane });
+      const state = checked(next, engine.catalogue);
+      if (typeof state === "string") throw new Error(state);
+      studio.change(state);
     },
     settled: () => studio.settled(),
     async field(slot, places) {

@@ -48,7 +48,7 @@ async function start() {
     try {
       const name = served.get("scene");
       const text = await (await fetch(name ? `scenes/${encodeURIComponent(name)}.json` : "scene.json")).text();
-      begun = stateOf(JSON.parse(await engine.slow.read(text, false)), initial);
+      begun = stateOf(await engine.slow.read(text, false), initial);
     } catch (error) {
       wrong.push((error as Error).message);
     }

@@ -154,7 +154,7 @@ export class Painting {
       // The glow of |p| would cover the wave or the phase.
       volume: ["slice", "planes"].includes(state.view) || frame || (state.view === "both" && state.quantity !== "modulus") ? null : view.volume,
       points: frame?.points ?? state.points,
-      obstacles: [...state.obstacles, ...balls(frame?.beads ?? [], (place) => stage.seen(place)[2] / (FOCAL * box.height))],
+      obstacles: [...state.obstacles, ...balls(frame?.beads ?? [], (place) => stage.seen(place)[2] / (FOCAL * box.height), state.bead?.radius)],
       look: this.look,
       theme: this.context.theme,
       moving: view.moving,

@@ -4,7 +4,7 @@ import { createArrayPicker } from "./arraypicker.ts";
 import type { Compare } from "./compare.ts";
 import { type Context, millimetres } from "./context.ts";
 import { choice, element, explained, group, labelled, offer, segments, write } from "./dom.ts";
-import { soundSpeed } from "../work/lattices.ts";
+import { soundSpeed } from "../state/air.ts";
 import { createMotion } from "./motion.ts";
 import type { Player } from "./player.ts";
 import { createPointTable } from "./table.ts";

@@ -5,7 +5,7 @@ import { fateOf } from "../work/beads.ts";
 import { isTouch, limitsOf, touchOf } from "../work/touch.ts";
 import { countOf, requestOf, SLOWEST, Turn } from "../work/turn.ts";
 import { createChart } from "./chart.ts";
-import type { Context } from "./context.ts";
+import { type Context, millimetres } from "./context.ts";
 import { element, explained, write } from "./dom.ts";
 import { type Film, FILMS, type Part, record } from "./recording.ts";
 
@@ -207,7 +207,9 @@ export class Player {
   /** Simulates a bead in each trap, one after another, as long as the state stays the same. */
   private async fly(turn: Turn, fate: HTMLElement): Promise<void> {
     const { say, announce, studio } = this.context;
-    const tell = (lines: string[]) => fate.replaceChildren(...lines.map((line) => explained(element("p", { className: "summary" }, line), say("beadsTip"))));
+    const { bead } = turn.state;
+    const tip = bead ? say("ownBeadTip", { across: 2 * Number(millimetres(bead.radius)), density: bead.density }) : say("beadsTip");
+    const tell = (lines: string[]) => fate.replaceChildren(...lines.map((line) => explained(element("p", { className: "summary" }, line), tip)));
     const late = () => this.turn !== turn || requestOf(studio.view.state) !== turn.request;
     if (turn.state.path!.frequency < SLOWEST) return tell([say("beadsSlow", { turns: SLOWEST })]);
     try {

@@ -24,7 +24,7 @@ const JAPANESE: [RegExp, string][] = [
   [/obstacles\[\d+\]\.radius is .*at most (\S+ m),.*/, "球が大きすぎます: 半径は $1 以下にしてください"],
   // Messages of the page about files and texts.
   [/give \.toml, .*/, "開けるファイルは .toml、.json、.csv、.svg、.png、.jpg です"],
-  [/points is (\d+): the page has at most (\d+)/, "点が $1 個あります: このページで扱えるのは $2 個までです"],
+  [/points is (\d+): the page has at most (\d+).*/, "点が $1 個あります: このページで扱えるのは $2 個までです"],
   [/(\S+) is (.*): the page has .*/, "$1 ($2) はこのページでは扱えません: Python パッケージをお使いください"],
   [/(\d+) rows: give at most (\d+)/, "振動子が $1 個あります: $2 個以下にしてください"],
   [/the drawing is larger than ([^:]*):.*/, "図形が大きすぎます: $1 以下の SVG にしてください"],

@@ -31,8 +31,7 @@ async function render({ model, el }: { model: Model; el: HTMLElement }): Promise
   const bytes = new Uint8Array(buffer, byteOffset, byteLength);
   const warm = JSON.stringify(sceneOf({ ...initial, array: { preset: "paper20", tiles: [1, 1] } }, 0));
   const engine: Engine = await startEngine(() => new SolveWorker(), bytes, warm);
-  const read = async (before: State) =>
-    stateOf(JSON.parse(await engine.slow.read(model.get("scene") as string, false)), before);
+  const read = async (before: State) => stateOf(await engine.slow.read(model.get("scene") as string, false), before);
   const studio = new Studio(engine, await read(initial));
   const manner: Manner = {
     eye: createEye(studio),
@@ -50,11 +49,9 @@ async function render({ model, el }: { model: Model; el: HTMLElement }): Promise
         result.answer ? [[state.methods[slot], { ...result.answer.metrics, weakest: weakest(result) }]] : [],
       ),
     );
-    const text = JSON.stringify([state, metrics]);
-    if (text === sent) return;
-    sent = text;
-    model.set("state", JSON.stringify(state));
-    model.set("metrics", metrics);
+    const shown = { state: studio.scene(0), methods: state.methods, metrics };
+    if (sent === (sent = JSON.stringify(shown))) return;
+    for (const [name, value] of Object.entries(shown)) model.set(name, value);
     model.save_changes();
   });
   const changed = () => {

@@ -6,7 +6,7 @@ import type { ArrayChoice } from "../state/types.ts";
 /** A board as the server describes it; its array is written as in scene files. */
 export interface ServedBoard {
   name: string;
-  array: { preset: string; tiles?: [number, number] } | { positions: number[][] };
+  array: { preset: string; tiles?: [number, number]; mask?: unknown } | { positions: number[][]; mask?: unknown };
 }
 
 /** Interval in ms at which a drive is sent again. The server turns the board off if a page sends nothing for a second. */
@@ -14,6 +14,7 @@ const AGAIN = 250;
 
 /** Returns whether the drives of an array fit a board. */
 export function fits({ array: own }: ServedBoard, array: ArrayChoice): boolean {
+  if (JSON.stringify(own.mask) !== JSON.stringify(array.parts?.mask)) return false;
   if ("preset" in own) return "preset" in array && array.preset === own.preset && array.tiles.join() === (own.tiles ?? [1, 1]).join();
   return "positions" in array && JSON.stringify(array.positions) === JSON.stringify(own.positions);
 }

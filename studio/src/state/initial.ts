@@ -1,20 +1,21 @@
 /** Initial: the state that links are relative to, and the state of the page without a link. */
 
+import keys from "../../../python/midair/_studio/keys.json";
 import type { State, Vec3 } from "./types.ts";
 
 /** The largest number of points on the page. */
-export const MOST_POINTS = 64;
+export const MOST_POINTS = keys.points[0] as number;
 
 const RING = 0.04;
 /** The height of the points above an array, in m. */
 export const HEIGHT = 0.18;
 
 function ring(count: number): Vec3[] {
-  const place = (index: number) => (2 * Math.PI * index) / count;
+  const angle = (index: number) => (2 * Math.PI * index) / count;
   const round = (x: number) => Math.round(x * 1e5) / 1e5;
   return Array.from({ length: count }, (_, k) => [
-    round(RING * Math.cos(place(k))),
-    round(RING * Math.sin(place(k))),
+    round(RING * Math.cos(angle(k))),
+    round(RING * Math.sin(angle(k))),
     HEIGHT,
   ]);
 }
@@ -33,7 +34,9 @@ export const initial: State = {
   pressures: null,
   filled: [],
   methods: ["uniform", "naive"],
+  options: {},
   signature: "",
+  bead: null,
   obstacles: [],
   ear: null,
   plane: { axis: "z", z: HEIGHT, size: 0.18, center: [0, 0] },

@@ -12,11 +12,13 @@
 // | `m` | methods A.B | `g` | path: circle,radius,Hz or line,length,Hz |
 // | `p` | points: x,y,z or x,y,z,Pa | `w`, `s`, `k` | view, slot (a, b), scale |
 // | `d` | quantity: modulus, wave, phase, felt, skin | `n` | normal of the slice: x, y, z |
-// | `h` | level of the page: play, compare, engineer | | |
+// | `h` | level of the page: play, compare, engineer | `x` | options of methods as JSON |
+// | `b` | bead: radius,kg/m^3,m/s, then gravity in m/s^2: x,y,z | | |
 //
-// A link cannot contain a user's own array: such a link has `a=own`, which is rejected when read.
+// A link cannot contain a user's own array, or one with a mask and the like: such a link has `a=own`, which is rejected when
+// read.
 
-import { decimal } from "./decimal.ts";
+import keys from "../../../python/midair/_studio/keys.json";
 import { initial, MOST_POINTS } from "./initial.ts";
 import { isSignature } from "./signature.ts";
 import { AXES, LEVELS, QUANTITIES, SCALES, VIEWS } from "./types.ts";
@@ -28,10 +30,12 @@ const KINDS = ["rigid", "soft"] as const;
 const PATHS = ["circle", "line"] as const;
 
 const MOST_BOARDS = 8;
-const MOST_OBSTACLES = 8;
+const MOST_OBSTACLES = keys.obstacles[0] as number;
 /** Largest length in mm, and largest pressure in Pa. */
 const FARTHEST = 10_000;
 const LOUDEST = 1e6;
+
+const DECIMAL = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
 
 /** The fault of a link, as a message of one line. */
 class Wrong extends Error {}
@@ -46,7 +50,7 @@ function word<T extends string>(item: string, text: string, words: readonly T[])
 }
 
 function number(item: string, text: string, least: number, most: number): number {
-  const value = decimal(text);
+  const value = DECIMAL.test(text) ? Number(text) : NaN;
   if (value >= least && value <= most) return value + 0;
   return wrong(item, text, `give a number from ${least} to ${most}`);
 }
@@ -124,7 +128,7 @@ function readPath(text: string): State["path"] {
   const found = cells("g", text, [3], "circle,radius,frequency or line,length,frequency in mm and Hz");
   const kind = word("g", found[0], PATHS);
   const size = metres("size of g", found[1], 0.01);
-  const frequency = number("frequency of g", found[2], 0, 1000);
+  const frequency = number("frequency of g", found[2], 1e-3, 1000);
   return kind === "circle" ? { kind, radius: size, frequency } : { kind, length: size, frequency };
 }
 
@@ -132,7 +136,32 @@ function readAir(text: string): Partial<State> {
   const [temperature, ...rest] = cells("t", text, [1, 3], "temperature or temperature,absorption,density");
   const air = { temperature: number("t", temperature, -60, 60) };
   if (!rest.length) return air;
-  return { ...air, absorption: number("absorption of t", rest[0], 0, 1e3), density: number("density of t", rest[1], 1e-3, 1e3) };
+  const [absorption, density] = rest;
+  return {
+    ...air,
+    absorption: absorption === "" ? null : number("absorption of t", absorption, 0, 1e3),
+    density: density === "" ? null : number("density of t", density, 1e-3, 1e3),
+  };
+}
+
+function readBead(text: string): State["bead"] {
+  const [radius, density, speed, ...gravity] = cells("b", text, [6], "radius,density,sound speed,x,y,z of gravity");
+  return {
+    radius: metres("radius of b", radius, 1e-3),
+    density: number("density of b", density, 0, 1e6),
+    sound_speed: number("sound speed of b", speed, 0, 1e6),
+    gravity: gravity.map((cell) => number("gravity of b", cell, -1e6, 1e6)) as Vec3,
+  };
+}
+
+function readOptions(text: string): State["options"] {
+  try {
+    const options = JSON.parse(text);
+    if ([options, ...Object.values(options)].every((each) => Object.getPrototypeOf(each) === Object.prototype)) return options;
+  } catch {
+    // The message below has the text.
+  }
+  return wrong("x", text, 'give JSON such as {"greedy":{"seed":3}}');
 }
 
 const READERS: Record<string, (text: string, state: State) => Partial<State>> = {
@@ -155,6 +184,8 @@ const READERS: Record<string, (text: string, state: State) => Partial<State>> = 
   o: (text) => ({ obstacles: readObstacles(text) }),
   e: (text) => ({ ear: place("e", cells("e", text, [3], "x,y,z in mm")) }),
   g: (text) => ({ path: readPath(text) }),
+  b: (text) => ({ bead: readBead(text) }),
+  x: (text) => ({ options: readOptions(text) }),
 };
 
 function read(fragment: string): State {
@@ -202,12 +233,12 @@ function writePath(path: NonNullable<State["path"]>): string {
 export function writeLink(state: State): string {
   const { array, pressures, filled, plane } = state;
   const point = (at: Vec3, k: number) => [...at.map(mm), ...(pressures ? [`${filled.includes(k) ? "~" : ""}${pressures[k]}`] : [])].join();
-  const { absorption, density } = state;
-  const air = absorption === null || density === null ? [] : [absorption, density];
+  const { absorption, density, bead, options } = state;
+  const air = absorption === null && density === null ? [] : [absorption, density];
   const middle = plane.center.some((x) => mm(x) !== "0") ? plane.center.map(mm) : [];
   const pairs: [string, string | null][] = [
     ["v", "1"],
-    ["a", "preset" in array ? `${array.preset}.${array.tiles.join("x")}` : "own"],
+    ["a", "preset" in array && !array.parts ? `${array.preset}.${array.tiles.join("x")}` : "own"],
     ["l", state.quantization],
     ["t", [state.temperature, ...air].join()],
     ["m", state.methods.join(".")],
@@ -223,6 +254,8 @@ export function writeLink(state: State): string {
     ["o", state.obstacles.map(writeObstacle).join("_") || null],
     ["e", state.ear && state.ear.map(mm).join()],
     ["g", state.path && writePath(state.path)],
+    ["b", bead && [mm(bead.radius), bead.density, bead.sound_speed, ...bead.gravity].join()],
+    ["x", Object.keys(options).length ? JSON.stringify(options) : null],
   ];
   return pairs.flatMap(([key, value]) => (value === null ? [] : [`${key}=${value}`])).join("&");
 }

@@ -1,6 +1,7 @@
 /** Scene file: a state as the JSON scene that the package reads, and back (docs/files.md). */
 
-import { MOST_POINTS } from "./initial.ts";
+import keys from "../../../python/midair/_studio/keys.json";
+import { temperatureOf } from "./air.ts";
 import { middleOf, SIDES, through } from "./plane.ts";
 import { read, written } from "./signature.ts";
 import type { ArrayChoice, Axis, Obstacle, Slot, State, Vec3 } from "./types.ts";
@@ -14,49 +15,38 @@ export interface SceneFile {
     grid?: { nx: number; ny: number; pitch: number };
     positions?: Vec3[];
     normals?: Vec3[];
-    quantization?: object;
-    [key: string]: unknown;
+    [part: string]: unknown;
   };
-  points: { position: Vec3; pressure?: number; phase?: number; weight?: number }[];
-  obstacles?: (Obstacle | { vertices: unknown })[];
+  points: { position: Vec3; pressure?: number }[];
+  obstacles?: Obstacle[];
   signature?: unknown;
-  solver?: { name: string };
-  plane?: { axis?: Axis; z?: number; at?: number; size?: number; center?: [number, number] };
-  [key: string]: unknown;
+  bead?: State["bead"];
+  solver?: { name: string; [option: string]: unknown };
+  plane?: { axis?: Axis; z?: number; at?: number; size?: number; center?: [number, number]; pixels?: number };
 }
-
-const ZERO_CELSIUS = 273.15;
-/** Sound speed of air at 0 degrees C, m/s. */
-const SPEED = 331.3;
 
 /** Rounds to 1e-9, so that a file contains no rounding errors. */
-function rounded(x: number): number {
-  return Math.round(x * 1e9) / 1e9 + 0;
-}
-
-function place(at: Vec3): Vec3 {
-  return at.map(rounded) as Vec3;
-}
+const rounded = (x: number) => Math.round(x * 1e9) / 1e9 + 0;
+const place = (at: Vec3) => at.map(rounded) as Vec3;
 
 function writeArray(array: ArrayChoice): SceneFile["array"] {
-  if ("preset" in array) return { preset: array.preset, tiles: array.tiles };
-  return { positions: array.positions.map(place), normals: array.normals };
+  if ("preset" in array) return { preset: array.preset, tiles: array.tiles, ...array.parts };
+  return { positions: array.positions.map(place), normals: array.normals, ...array.parts };
 }
 
 function writeObstacle(each: Obstacle): Obstacle {
-  return "radius" in each
-    ? { center: place(each.center), radius: rounded(each.radius), kind: each.kind }
-    : { point: place(each.point), normal: each.normal, kind: each.kind };
+  return "radius" in each ? { ...each, center: place(each.center), radius: rounded(each.radius) } : { ...each, point: place(each.point) };
 }
 
-function writePlane(plane: State["plane"]): SceneFile["plane"] {
+function writePlane({ pixels, ...plane }: State["plane"]): SceneFile["plane"] {
   const [right, up, at] = SIDES[plane.axis].map((axis) => rounded(middleOf(plane)[axis]));
-  return { ...(plane.axis === "z" ? { z: at } : { axis: plane.axis, at }), size: rounded(plane.size), center: [right, up] };
+  return { ...(plane.axis === "z" ? { z: at } : { axis: plane.axis, at }), size: rounded(plane.size), center: [right, up], ...(pixels && { pixels }) };
 }
 
 /** Returns the JSON scene of a state, with the method of a slot: lengths in m, rounded to 1e-9. */
 export function sceneOf(state: State, slot: Slot): SceneFile {
-  const { pressures, plane, obstacles, signature, temperature, absorption, density } = state;
+  const { pressures, obstacles, signature, bead, temperature, absorption, density } = state;
+  const name = state.methods[slot];
   return {
     medium: {
       temperature,
@@ -64,111 +54,86 @@ export function sceneOf(state: State, slot: Slot): SceneFile {
       ...(density === null ? {} : { density }),
     },
     array: { ...writeArray(state.array), ...(state.quantization === "none" ? { quantization: {} } : {}) },
-    points: state.points.map((at, k) => ({
-      position: place(at),
-      ...(pressures ? { pressure: pressures[k] } : {}),
-    })),
+    points: state.points.map((at, k) => ({ position: place(at), ...(pressures ? { pressure: pressures[k] } : {}) })),
     ...(obstacles.length ? { obstacles: obstacles.map(writeObstacle) } : {}),
     ...(signature ? { signature: written(signature) } : {}),
-    solver: { name: state.methods[slot] },
-    plane: writePlane(plane),
+    ...(bead ? { bead } : {}),
+    solver: { ...state.options[name], name },
+    plane: writePlane(state.plane),
   };
 }
 
-/** For other keys of an array, the only values that the page supports; a file with other values is rejected. */
-const USUAL: Record<string, unknown> = { source_pressure: 4.386, directivity: "point", quantization: {} };
+/**
+ * Yields what a scene has and a state has not. `known` are the keys of states: true for any value; another value for this
+ * value only; a table for a table with these keys; or, for a list, its largest length and the keys of each item.
+ */
+export function* misfits(value: unknown, known: unknown, path = ""): Generator<string> {
+  const line = (of: unknown, fault: string) => `${path} is ${JSON.stringify(of)?.slice(0, 40)}: the page has ${fault}, use the package`;
+  if (Array.isArray(known)) {
+    const [most, each] = known;
+    const list = value as unknown[];
+    if (list.length > most) yield line(list.length, `at most ${most}`);
+    for (const [k, item] of list.entries()) yield* misfits(item, each, `${path}[${k}]`);
+  } else if (typeof known === "object") {
+    for (const [key, item] of Object.entries(value as object)) yield* misfits(item, (known as Record<string, unknown>)[key], path ? `${path}.${key}` : key);
+  } else if (known === undefined) yield line(value, "no place for it");
+  else if (known !== true && known !== value) yield line(value, String(known));
+}
 
 function refuse(item: string, value: unknown, cure: string): never {
-  throw new Error(`${item} is ${JSON.stringify(value)?.slice(0, 40)}: ${cure}`);
+  throw new Error(`${item} is ${JSON.stringify(value).slice(0, 40)}: ${cure}`);
 }
 
-/** Rejects values that a state cannot store and that would change the solution. */
-function check(scene: SceneFile): void {
-  const { medium = {}, array, points, obstacles = [], signature, plane = {} } = scene;
-  const only = (item: string, value: unknown, one: unknown) => {
-    if (value !== undefined && JSON.stringify(value) !== JSON.stringify(one)) {
-      refuse(item, value, `the page has ${JSON.stringify(one) ?? "no place for it"}, use the package`);
-    }
-  };
-  only("medium.frequency", medium.frequency, 40e3);
-  const { preset, tiles, grid, positions, normals, ...parts } = array;
-  for (const [key, value] of Object.entries(parts)) {
-    // A preset's source pressure and directivity are its own, so a file may state them.
-    if (preset === undefined || !["source_pressure", "directivity"].includes(key)) {
-      only(`array.${key}`, value, USUAL[key]);
-    }
-  }
-  if (points.length > MOST_POINTS) refuse("points", points.length, `the page has at most ${MOST_POINTS}`);
-  points.forEach(({ weight, phase }, k) => {
-    only(`points[${k}].weight`, weight, 1);
-    only(`points[${k}].phase`, phase, undefined);
-  });
-  obstacles.forEach((each, k) => {
-    const cure = "the page has walls and balls, use the package";
-    const keys = Object.keys(each).filter((key) => key !== "kind").sort().join();
-    if (keys === "center,radius" || keys === "normal,point") return;
-    refuse(`obstacles[${k}]`, "vertices" in each ? "a mesh" : keys, cure);
-  });
-  if (signature !== undefined && read(signature) === null) {
-    refuse("signature", signature, 'give "trap", "twin" or "vortex", or a list of these or "focus", one for each point');
-  }
-  if (points.length && (plane.z ?? plane.at) === undefined && Object.keys(plane).length) {
-    refuse("plane", plane, "give z, or axis and at");
-  }
-}
-
-function readArray(array: SceneFile["array"]): ArrayChoice {
-  const { preset, tiles = [1, 1], grid, positions, normals } = array;
-  if (preset !== undefined) return { preset, tiles };
-  if (positions !== undefined) {
-    return { name: "array", positions, normals: normals ?? positions.map(() => [0, 0, 1]) };
-  }
-  if (grid === undefined) return refuse("array", array, "give a preset, a grid or positions");
+function readArray({ preset, tiles = [1, 1], grid, positions, normals, ...parts }: SceneFile["array"]): ArrayChoice {
+  if (JSON.stringify(parts.quantization) === "{}") delete parts.quantization;
+  const more = Object.keys(parts).length ? { parts } : {};
+  if (preset !== undefined) return { preset, tiles, ...more };
+  const facing = (places: Vec3[]) => normals ?? places.map((): Vec3 => [0, 0, 1]);
+  if (positions !== undefined) return { name: "array", positions, normals: facing(positions), ...more };
+  if (grid === undefined) return refuse("array", parts, "give a preset, a grid or positions");
   const { nx, ny, pitch } = grid;
   const places = Array.from({ length: nx * ny }, (_, k): Vec3 => {
     const [i, j] = [k % nx, Math.floor(k / nx)];
     return place([(i - (nx - 1) / 2) * pitch, (j - (ny - 1) / 2) * pitch, 0]);
   });
-  return { name: `${nx} x ${ny}`, positions: places, normals: places.map(() => [0, 0, 1]) };
-}
-
-/** Returns the temperature in degrees C, to 0.001, at which air has this sound speed in m/s. */
-function temperatureOf(speed: number): number {
-  return Math.round(1e3 * ZERO_CELSIUS * ((speed / SPEED) ** 2 - 1)) / 1e3;
+  return { name: `${nx} x ${ny}`, positions: places, normals: facing(places), ...more };
 }
 
 /** Returns the slice of a scene, or one through its points if it has none. */
 function readPlane(scene: SceneFile, plane: State["plane"]): State["plane"] {
-  const { axis = "z", z, at = z, size = plane.size, center = [0, 0] } = scene.plane ?? {};
+  const { axis = "z", z, at = z, size = plane.size, center = [0, 0], pixels } = scene.plane ?? {};
   if (at !== undefined) {
     const middle: Vec3 = [0, 0, 0];
     SIDES[axis].forEach((side, k) => (middle[side] = [...center, at][k]));
-    return through({ ...plane, axis, size }, middle);
+    return through({ ...plane, axis, size, ...(pixels && { pixels }) }, middle);
   }
   if (!scene.points.length) return plane;
+  if (scene.plane && Object.keys(scene.plane).length) refuse("plane", scene.plane, "give z, or axis and at");
   const along = (k: number) => scene.points.map(({ position }) => position[k]);
   const middle = (k: number) => rounded((Math.max(...along(k)) + Math.min(...along(k))) / 2);
   return { axis, z: scene.points[0].position[2], size, center: [middle(0), middle(1)] };
 }
 
+function readSignature(value: unknown): string {
+  return read(value) ?? refuse("signature", value, 'give "trap", "twin" or "vortex", or a list of these or "focus", one for each point');
+}
+
 /**
  * Returns the state of a JSON scene as the WebAssembly binding writes it. Parts that the scene does not have are those of
- * `state`, except the path, which is null.
- *
- * Only the name of a solver is read; source pressure and directivity of a preset are the preset's. Other keys that a state
- * cannot store, such as weights, are rejected with a message of one line.
+ * `state`, except the path, which is null. Anything that a state does not have is rejected with a message of one line.
  */
 export function stateOf(scene: SceneFile, state: State): State {
-  check(scene);
-  const { medium = {}, array, points, obstacles = [], signature = "", solver } = scene;
+  for (const line of misfits(scene, keys)) throw new Error(line);
+  const { medium = {}, array, points, obstacles = [], signature = "", bead = null, solver } = scene;
   const methods: [string, string] = [...state.methods];
-  if (solver) methods[state.slot] = solver.name;
+  const { name, ...options } = solver ?? { name: methods[state.slot] };
+  methods[state.slot] = name;
   const { sound_speed = 340, temperature = temperatureOf(sound_speed), absorption = null, density = null } = medium;
   const loud = points.length > 0 && points[0].pressure !== undefined;
   return structuredClone({
     ...state,
     array: readArray(array),
-    quantization: array.quantization === undefined ? "board" : "none",
+    quantization: JSON.stringify(array.quantization) === "{}" ? "none" : "board",
     temperature,
     absorption,
     density,
@@ -176,8 +141,10 @@ export function stateOf(scene: SceneFile, state: State): State {
     filled: [],
     pressures: loud ? points.map(({ pressure = 0 }) => pressure) : null,
     methods,
-    signature: read(signature) ?? "",
-    obstacles: (obstacles as Obstacle[]).map((each) => ({ ...each, kind: each.kind ?? "rigid" })),
+    options: Object.keys(options).length ? { [name]: options } : {},
+    signature: readSignature(signature),
+    bead,
+    obstacles: obstacles.map((each) => ({ ...each, kind: each.kind ?? "rigid" })),
     plane: readPlane(scene, state.plane),
     path: null,
   });

@@ -3,13 +3,17 @@
 /** A vector in metres, unless stated otherwise. */
 export type Vec3 = [number, number, number];
 
+/** Further keys of an array in a scene file, such as its mask. */
+type Parts = { parts?: Record<string, unknown> };
+
 /** An array: a preset with its number of boards, or a user's own positions and normals. */
-export type ArrayChoice =
-  | { preset: string; tiles: [number, number] }
-  | OwnArray;
+export type ArrayChoice = ({ preset: string; tiles: [number, number] } & Parts) | OwnArray;
 
 /** Positions in m, and unit vectors in the direction in which each transducer radiates. */
-export type OwnArray = { name: string; positions: Vec3[]; normals: Vec3[] };
+export type OwnArray = { name: string; positions: Vec3[]; normals: Vec3[] } & Parts;
+
+/** A sphere to be trapped: radius in m, density in kg/m^3, speed of sound in m/s; and gravity in m/s^2. */
+export type Bead = { radius: number; density: number; sound_speed: number; gravity: Vec3 };
 
 /** An obstacle, as `[[obstacles]]` of a scene file. */
 export type Obstacle =
@@ -56,13 +60,17 @@ export interface State {
   /** The numbers, from 0, of the points whose targets the page filled in. */
   filled: number[];
   methods: [string, string];
+  /** Options of methods, by their names, from a scene file. */
+  options: Record<string, Record<string, unknown>>;
   /** The signature that makes traps of the points, or "" for foci; or names for each point, joined by dots. */
   signature: string;
+  /** The bead in each trap; null: that of the core. */
+  bead: Bead | null;
   obstacles: Obstacle[];
   /** The place of an ear, where the page reports the sound level; null: no ear. */
   ear: Vec3 | null;
-  /** The slice: the axis normal to it, height and x, y of its middle, the length of its sides. */
-  plane: { axis: Axis; z: number; size: number; center: [number, number] };
+  /** The slice: the axis normal to it, height and x, y of its middle, the length of its sides; `pixels` for other pictures. */
+  plane: { axis: Axis; z: number; size: number; center: [number, number]; pixels?: number };
   level: Level;
   view: View;
   /** The quantity that the slices show: |p|, the wave Re(p e^{-jwt}), the phase, or the touch of a skin on the slice. */

@@ -29,8 +29,8 @@ export function beadsAt(flights: Flight[], frame: number, turn: number): Vec3[] 
 }
 
 /** Returns beads as obstacles, which the painter draws; `pixel` returns the length of a pixel in m at a place. */
-export const balls = (places: Vec3[], pixel: (place: Vec3) => number): Obstacle[] =>
-  places.map((center) => ({ center, radius: Math.max(RADIUS, LEAST * pixel(center)), kind: "rigid" }));
+export const balls = (places: Vec3[], pixel: (place: Vec3) => number, radius = RADIUS): Obstacle[] =>
+  places.map((center) => ({ center, radius: Math.max(radius, LEAST * pixel(center)), kind: "rigid" }));
 
 /** Returns sentences: which beads are lost and when, and how far the others are from their path at most. */
 export function fateOf(flights: BeadFlight[], say: Say): string[] {

@@ -1,6 +1,7 @@
 /** Lattices: the sample points of slices and of the volume, dense enough for the wavelength. */
 
 import type { Grid } from "./solve.worker.ts";
+import { soundSpeed } from "../state/air.ts";
 import { placeOn, SIDES } from "../state/plane.ts";
 import type { State, Vec3, Volume } from "../state/types.ts";
 
@@ -15,9 +16,6 @@ const MOST = 320;
 
 /** Samples along a volume's longest side. */
 const VOLUME = 48;
-
-/** Returns the speed of sound in m/s at a temperature in degrees C. */
-export const soundSpeed = (temperature: number) => 331.3 * Math.sqrt(1 + temperature / 273.15);
 
 /** Returns the wavelength in m. */
 export const wavelength = (state: State) => soundSpeed(state.temperature) / FREQUENCY;

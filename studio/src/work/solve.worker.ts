@@ -1,6 +1,7 @@
 /** The worker: WebAssembly scenes, and the jobs that the page requests. */
 
 import { compile, openDoor, type Answer, type Door, type Probe } from "./door.ts";
+import type { SceneFile } from "../state/scene_file.ts";
 import type { Lattice, Vec3, Volume } from "../state/types.ts";
 
 /** A lattice without values. */
@@ -135,11 +136,16 @@ const jobs = {
     beside.load(drive);
     return beside.writeDrive();
   },
-  /** Returns a scene file as JSON. */
-  read(text: string, toml: boolean): string {
-    beside.open(text, toml);
+  /** Returns a scene file as JSON; of its array, without the parts that all such arrays have. */
+  read(text: string, toml: boolean): SceneFile {
+    const saved = (text: string, toml = false) => (beside.open(text, toml), JSON.parse(beside.save(false)) as SceneFile);
     other = "";
-    return beside.save(false);
+    const scene = saved(text, toml);
+    const { preset, tiles, grid, positions, normals } = scene.array;
+    const place = { preset, tiles, grid, positions, normals };
+    const usual = saved(JSON.stringify({ array: place, points: scene.points })).array;
+    for (const [key, value] of Object.entries(usual)) if (!(key in place) && JSON.stringify(value) === JSON.stringify(scene.array[key])) delete scene.array[key];
+    return scene;
   },
   /** Returns the bound on the level of a scene. */
   bound(scene: string): number {

@@ -73,7 +73,7 @@ export class Turn {
     const count = countOf(path);
     const rate = count * path.frequency;
     const places = framesOf(state.points, path, rate, count / rate);
-    const scene = JSON.stringify({ ...sceneOf(state, 0), solver: { name: "glide", rate } });
+    const scene = JSON.stringify({ ...sceneOf(state, 0), solver: { ...state.options.glide, name: "glide", rate } });
     return new Turn(engine, state, places, await engine.slow.follow(scene, places, count));
   }
 
