@@ -3,8 +3,11 @@ error messages.
 """
 
 import json
+import os
 import re
+import shutil
 import warnings
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +15,7 @@ import numpy as np
 import pytest
 
 import midair
+from midair._cli.sweep import drives_of
 from midair._sweep import shards
 
 pytest.importorskip("pyarrow")
@@ -137,3 +141,73 @@ def test_the_manifest_says_what_is_in_it(tmp_path: Path) -> None:
     assert [block["count"] for block in manifest["blocks"]] == [2, 3]
     with pytest.raises(midair.SceneError, match='"test": give "train" or "held_out"'):
         made.files("test")
+
+
+@pytest.fixture(scope="module")
+def few(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return midair.dataset({**REQUEST, "seeds": 20}, tmp_path_factory.mktemp("sets") / "few").folder
+
+
+@pytest.fixture
+def copied(few: Path, tmp_path: Path) -> Path:
+    shutil.copytree(few, tmp_path / "set")
+    return tmp_path / "set"
+
+
+FILE = "held_out-0000-00000.parquet"
+
+
+@pytest.mark.slow
+def test_a_changed_bit_of_a_file_is_found_and_the_file_made_anew(copied: Path) -> None:
+    file = copied / FILE
+    whole, alike = file.read_bytes(), next(midair.Dataset(copied).read("held_out"))
+    places = [*range(0, len(whole), 97), *range(len(whole) - 400, len(whole), 7)]
+    for place in places:
+        file.write_bytes(whole[:place] + bytes([whole[place] ^ 4]) + whole[place + 1 :])
+        with suppress(midair.SceneError):
+            content = next(midair.Dataset(copied).read("held_out"))
+            assert all(np.array_equal(content[name], alike[name]) for name in alike), place
+    file.write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(midair.SceneError, match=f'{FILE}" is damaged: the call that made'):
+        midair.Dataset(copied).judge(np.zeros((4, 256)))
+    midair.dataset({**REQUEST, "seeds": 20}, copied)
+    assert file.read_bytes() == whole
+
+
+@pytest.mark.parametrize("name", [FILE, "train-0001-00000.parquet"])
+def test_a_file_that_is_missing_is_named_and_made_anew(copied: Path, name: str) -> None:
+    whole = (copied / name).read_bytes()
+    (copied / name).unlink()
+    with pytest.raises(midair.SceneError, match=re.escape(f'{name}" is missing: the call that made')):
+        list(midair.Dataset(copied).read(name.partition("-")[0]))
+    midair.dataset({**REQUEST, "seeds": 20}, copied)
+    assert (copied / name).read_bytes() == whole
+
+
+def test_a_part_without_scenes_has_empty_arrays(tmp_path: Path) -> None:
+    made = midair.dataset({**REQUEST, "seeds": 3}, tmp_path / "scenes")
+    assert [part["points"].shape for part in made.read("held_out")] == [(0, 2, 3), (0, 3, 3)]
+
+
+@pytest.mark.parametrize(
+    "text",
+    ['{"blocks":[],"scenes":1}', '{"blocks":[{}],"scenes":1}', "[{}]", "5", "[" * 100_000, "{", "\xff"],
+)
+def test_a_manifest_of_odd_content_is_refused(copied: Path, text: str) -> None:
+    (copied / "dataset.json").write_bytes(text.encode("latin-1"))
+    opened = midair.Dataset(copied)
+    for ask in (lambda: opened.manifest, lambda: opened.array, lambda: list(opened.read())):
+        with pytest.raises(midair.SceneError, match="is damaged: make the data set anew"):
+            ask()
+
+
+@pytest.mark.parametrize("drives", [[[1], [2, 3]], None, [], [["a"]], np.zeros((3, 256))])
+def test_drives_of_another_form_are_refused(few: Path, drives: Any) -> None:
+    with pytest.raises(midair.SceneError, match=r"^drives .*give \(4, 256\), a row for each held-out scene$"):
+        midair.Dataset(few).judge(drives)
+
+
+def test_a_pipe_of_drives_is_refused(few: Path, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(midair.SceneError, match="cannot be read as drives"):
+        drives_of(tmp_path / "pipe")

@@ -12,7 +12,7 @@ from rich.table import Table
 
 from .. import SceneError
 from .._support.output import METRICS
-from .._support.text import counted
+from .._support.text import array, counted
 from .._sweep import dataset, sweep, work
 from .._sweep.request import read
 from .keywords import of
@@ -132,12 +132,11 @@ def dataset_command(
 
 def drives_of(path: Path) -> np.ndarray[Any, Any]:
     """Return the drives of a .npy file."""
-    import numpy as np
-
+    cure = "give a .npy file of complex numbers"
     try:
-        found = np.load(path, allow_pickle=False)
-    except (OSError, ValueError, EOFError) as error:
-        raise SceneError(f'"{path}" cannot be read as drives: give a .npy file of complex numbers') from error
-    if not isinstance(found, np.ndarray) or found.dtype.kind not in "fc":
-        raise SceneError(f'"{path}" has no drives: give a .npy file of complex numbers')
-    return found
+        drives = array(path)
+    except (OSError, ValueError) as error:
+        raise SceneError(f'"{path}" cannot be read as drives: {cure}') from error
+    if drives.dtype.kind not in "fc":
+        raise SceneError(f'"{path}" has no drives: {cure}')
+    return drives

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from hashlib import sha256
 from importlib.util import find_spec
 from os import PathLike
 from pathlib import Path
@@ -17,7 +19,7 @@ from numpy.typing import NDArray
 
 from .._midair import Array, Scene, SceneError, bound, judge, solvers
 from .._support import output
-from .._support.arguments import callback, path_of, warn
+from .._support.arguments import as_array, callback, path_of, refused, warn
 from .._support.kept import Arrays, locked, refusing
 from .._support.output import METRICS
 from .block import array_and_medium, solve_block, trial_seed
@@ -37,6 +39,9 @@ EVERY = 10
 
 #: The file that describes a data set, and the names of its two parts.
 MANIFEST, SPLITS = "dataset.json", ("train", "held_out")
+
+#: The cure for a missing or damaged file.
+AGAIN = "the call that made the data set makes this file anew"
 
 
 @dataclass(frozen=True)
@@ -88,17 +93,25 @@ class Dataset:
     @cached_property
     def manifest(self) -> dict[str, Any]:
         """Blocks of the request, the version, and the number of scenes."""
-        try:
-            found: dict[str, Any] = json.loads((self.folder / MANIFEST).read_text(encoding="utf-8"))
-            _ = found["blocks"], found["scenes"]
-        except (OSError, ValueError, KeyError, TypeError) as error:
-            raise SceneError(f'"{self.folder / MANIFEST}" is damaged: make the data set anew') from error
-        return found
+        return self._described[0]
 
     @property
     def array(self) -> Array:
         """Array of all scenes."""
-        return array_and_medium(self.manifest["blocks"][0])[0]
+        return self._described[1]
+
+    @cached_property
+    def _described(self) -> tuple[dict[str, Any], Array, list[str]]:
+        """The manifest, the array, and the ends of the files' names in order."""
+        try:
+            manifest = json.loads((self.folder / MANIFEST).read_text(encoding="utf-8"))
+            array, _ = array_and_medium(manifest["blocks"][0])
+            count, step = len(manifest["blocks"]), manifest["trials of a file"]
+            starts = range(0, manifest["scenes"] // count, step)
+            ends = [_end(number, start // step) for number in range(count) for start in starts]
+        except (OSError, ValueError, LookupError, TypeError, ArithmeticError, RecursionError) as error:
+            raise SceneError(f'"{self.folder / MANIFEST}" is damaged: make the data set anew') from error
+        return manifest, array, ends
 
     def files(self, split: str = "train") -> list[Path]:
         """Return the Parquet files of a part, in order.
@@ -116,11 +129,15 @@ class Dataset:
         Raises
         ------
         SceneError
-            If `split` is neither "train" nor "held_out".
+            If `split` is neither "train" nor "held_out", and if a file is missing.
         """
         if split not in SPLITS:
             raise SceneError(f'split is "{split}": give "train" or "held_out"')
-        return sorted(self.folder.glob(f"{split}-*.parquet"))
+        files = [self.folder / f"{split}{end}" for end in self._described[2]]
+        missing = next((file for file in files if not file.is_file()), None)
+        if missing is not None:
+            raise SceneError(f'"{missing}" is missing: {AGAIN}')
+        return files
 
     def read(self, split: str = "train") -> Iterator[dict[str, NDArray[Any]]]:
         """Yield one file after another as arrays of B rows.
@@ -138,12 +155,13 @@ class Dataset:
         Raises
         ------
         SceneError
-            If `split` is neither "train" nor "held_out".
+            If `split` is neither "train" nor "held_out", and if a file is missing or damaged.
         """
-        from pyarrow import parquet
-
         for file in self.files(split):
-            yield _arrays(parquet.read_table(file))
+            content = _arrays(file)
+            if content is None:
+                raise SceneError(f'"{file}" is damaged: {AGAIN}')
+            yield content[0]
 
     def judge(self, drives: Any) -> dict[str, NDArray[np.float64]]:
         """Compute the metrics of other drives for the B held-out scenes, in their order.
@@ -163,10 +181,13 @@ class Dataset:
         SceneError
             For drives of another shape.
         """
-        given = np.asarray(drives)
         count = sum(part["trial"].size for part in self.read("held_out"))
+        cure = f"give ({count}, {len(self.array)}), a row for each held-out scene"
+        try:
+            given = as_array(drives)
+        except ValueError:
+            raise refused("drives", drives, cure) from None
         if given.shape != (count, len(self.array)):
-            cure = f"give ({count}, {len(self.array)}), a row for each held-out scene"
             raise SceneError(f"drives have the shape {given.shape}: {cure}")
         found: list[list[NDArray[np.float64]]] = []
         first = 0
@@ -244,6 +265,7 @@ def dataset(
         "made by": "midair dataset",
         "scenes": scenes,
         "held out": f"every {EVERY}th trial",
+        "trials of a file": SHARD,
         "blocks": [dict(block.settings) for block in blocks],
     }
     _claim(place, manifest)
@@ -265,8 +287,9 @@ def dataset(
     with locked(place / ".lock"):
         missing = []
         for job in _jobs(blocks):
-            kept = all(_kept(_file(place, split, job)) == _identity(job) for split in SPLITS)
-            tell(job.stop - job.start) if kept else missing.append(job)
+            contents = [_arrays(_file(place, split, job)) for split in SPLITS]
+            complete = all(content and content[1] == _identity(job) for content in contents)
+            tell(job.stop - job.start) if complete else missing.append(job)
         run(missing, lambda job, arrays: None, keep=keep, scheduler=scheduler, threads=threads, tell=tell)
     if text := shortfall.text():
         warn(text)
@@ -313,7 +336,12 @@ def _jobs(blocks: list[Block]) -> Iterator[Job]:
 
 
 def _file(folder: Path, split: str, job: Job) -> Path:
-    return folder / f"{split}-{job.owner:04}-{job.start // SHARD:05}.parquet"
+    return folder / f"{split}{_end(job.owner, job.start // SHARD)}"
+
+
+def _end(block: int, number: int) -> str:
+    """Return the end of a file's name: its block, and its number within the block."""
+    return f"-{block:04}-{number:05}.parquet"
 
 
 def _identity(job: Job) -> str:
@@ -353,24 +381,49 @@ def _table(arrays: Arrays, rows: NDArray[np.bool_], identity: str) -> pa.Table:
         if own.ndim == 1:
             columns[name] = pa.array(own)
             continue
-        flat = own.reshape(len(own), -1)
+        flat = own.reshape(len(own), math.prod(own.shape[1:]))
         flat = flat.view(np.float32) if np.iscomplexobj(flat) else flat
         columns[name] = pa.FixedSizeListArray.from_arrays(pa.array(flat.ravel()), flat.shape[1])
-    return pa.table(columns, metadata={"midair": identity})
+    table = pa.table(columns)
+    return table.replace_schema_metadata({"midair": identity, "sha256": _digest(_decoded(table))})
 
 
-def _arrays(table: pa.Table) -> dict[str, NDArray[Any]]:
+def _arrays(path: Path) -> tuple[dict[str, NDArray[Any]], str] | None:
+    """Return the arrays and the identity of a file; None if the file is damaged or missing."""
+    from pyarrow import ArrowException, parquet
+
+    try:
+        table = parquet.read_table(path)
+        arrays, metadata = _decoded(table), table.schema.metadata
+        if metadata[b"sha256"].decode() != _digest(arrays):
+            return None
+        return arrays, metadata[b"midair"].decode()
+    except (OSError, ArrowException, ValueError, KeyError, TypeError):
+        return None
+
+
+def _decoded(table: pa.Table) -> dict[str, NDArray[Any]]:
     """Return the arrays of a table that `_table` made."""
-    found: dict[str, NDArray[Any]] = {}
+    arrays: dict[str, NDArray[Any]] = {}
     for name, column in zip(table.column_names, table.columns, strict=True):
-        own = column.combine_chunks()
-        if not hasattr(own.type, "list_size"):
-            found[name] = own.to_numpy(zero_copy_only=False)
+        cells = column.combine_chunks()
+        if not hasattr(cells.type, "list_size"):
+            arrays[name] = cells.to_numpy(zero_copy_only=False)
             continue
-        values = own.flatten().to_numpy().reshape(len(own), -1)
-        found[name] = values.view(np.complex64) if name in ("drive", "pressures") else values
-    found["points"] = found["points"].reshape(len(found["points"]), -1, 3)
-    return found
+        values = cells.flatten().to_numpy().reshape(len(cells), cells.type.list_size)
+        arrays[name] = values.view(np.complex64) if name in ("drive", "pressures") else values
+    points = arrays["points"]
+    arrays["points"] = points.reshape(len(points), points.shape[1] // 3, 3)
+    return arrays
+
+
+def _digest(arrays: Arrays) -> str:
+    """Return the SHA-256 of names, types and values."""
+    digest = sha256()
+    for name, values in arrays.items():
+        digest.update(f"{name} {values.dtype.str} {values.shape} ".encode())
+        digest.update(repr(values.tolist()).encode() if values.dtype == object else values.tobytes())
+    return digest.hexdigest()
 
 
 def _write(path: Path, table: pa.Table) -> None:
@@ -383,14 +436,3 @@ def _write(path: Path, table: pa.Table) -> None:
             os.replace(part, path)
     finally:
         part.unlink(missing_ok=True)
-
-
-def _kept(path: Path) -> str | None:
-    """Return the identity of a complete file; None if there is none."""
-    from pyarrow import ArrowException, parquet
-
-    try:
-        metadata = parquet.read_schema(path).metadata or {}
-    except (OSError, ArrowException):
-        return None
-    return str(metadata.get(b"midair", b""), "utf-8")
