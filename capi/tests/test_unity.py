@@ -195,7 +195,8 @@ def test_midair_serve_gets_points_by_osc_and_then_off(program: Callable[..., str
 def test_midair_serve_plays_what_it_gets(program: Callable[..., str]) -> None:
     pytest.importorskip("websockets")
     pytest.importorskip("pythonosc")
-    from midair._serve.live import SILENCE, Live
+    from midair._serve.life import SILENCE
+    from midair._serve.live import Live
     from midair._serve.server import PointServer
 
     with midair.connect("sonicsurface:loop", hold=SILENCE) as board, PointServer(Live(board)) as server:

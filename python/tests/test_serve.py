@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import signal
 import socket
@@ -24,8 +25,10 @@ from pythonosc.osc_message_builder import OscMessageBuilder
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
-from midair._serve.live import SILENCE, Live
-from midair._serve.server import PointServer, Reports
+from midair._serve.life import SILENCE
+from midair._serve.live import Live
+from midair._serve.messages import obey
+from midair._serve.server import PointServer
 
 # A board with one amplitude warns that it plays louder than requested.
 pytestmark = pytest.mark.filterwarnings("ignore::midair.SceneWarning")
@@ -42,6 +45,13 @@ def server() -> Iterator[PointServer]:
 def ask(client: Any, **message: Any) -> Any:
     client.send(json.dumps({**message, "state": True}))
     return json.loads(client.recv(timeout=5))
+
+
+def osc(name: str, *values: Any) -> bytes:
+    built = OscMessageBuilder(f"/midair/{name}")
+    for value in values:
+        built.add_arg(value)
+    return built.build().dgram
 
 
 def until(server: PointServer, state: str, seconds: float = 2.0) -> float:
@@ -99,17 +109,125 @@ def test_a_path_goes_on_while_there_are_signs_of_life(server: PointServer) -> No
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("question", ['{"state": true}', '{"metrics": true}', '{"keep": true}', "osc"])
+def test_questions_of_others_are_no_signs_of_life(server: PointServer, question: str) -> None:
+    monitor = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    with monitor, connect(server.address) as game, connect(server.address, max_queue=None) as other:
+        game.send(json.dumps({"points": [POINT]}))
+        until(server, "playing")
+        begin = time.monotonic()
+        while server._live.connection.state != "off":
+            assert time.monotonic() - begin < SILENCE + 0.3
+            if question == "osc":
+                monitor.sendto(osc("state", server.token), ("127.0.0.1", server.osc))
+            else:
+                other.send(question)
+            time.sleep(0.02)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("board", ["sonicsurface:null", "sonicsurface:loop", "openmpd:null", "null"])
+@pytest.mark.parametrize("by", ["json", "osc"])
+def test_a_point_at_rest_that_comes_again_and_again_plays_on(board: str, by: str) -> None:
+    phone = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    with (
+        midair.connect(board, hold=SILENCE) as connection,
+        PointServer(Live(connection)) as server,
+        phone,
+        connect(server.address) as game,
+    ):
+        for pause in (0.01, 0.016, 0.03, 0.05):
+            begin, last, slowest = time.monotonic(), time.monotonic(), 0.0
+            while time.monotonic() - begin < 0.5:
+                if by == "osc":
+                    phone.sendto(osc("points", server.token, *POINT), ("127.0.0.1", server.osc))
+                else:
+                    game.send(json.dumps({"points": [POINT]}))
+                time.sleep(pause)
+                slowest, last = max(slowest, time.monotonic() - last), time.monotonic()
+                if slowest < SILENCE / 2 and time.monotonic() - begin > 0.3:
+                    assert connection.state == "playing", (pause, server._live.state())
+            if slowest < SILENCE / 2:
+                assert abs(connection.emitting).max() > 0.9
+        assert connection.stats.lapses == 0 or slowest > SILENCE / 2
+
+
+@pytest.mark.slow
+def test_a_board_that_has_gone_off_by_itself_plays_again_while_the_point_comes(server: PointServer) -> None:
+    with connect(server.address) as game:
+        game.send(json.dumps({"points": [POINT]}))
+        until(server, "playing")
+        # As after a suspended computer: the guard has switched the board off.
+        server._live.connection.off()
+        for _ in range(20):
+            game.send(json.dumps({"points": [POINT]}))
+            time.sleep(0.02)
+        assert server._live.connection.state == "playing"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("flood", ['{"state": 1}', '{"keep": 1}'])
+def test_a_backlog_counts_by_its_time_of_arrival(server: PointServer, flood: str) -> None:
+    """A client floods the server for 2 s, reads nothing, then hangs with its connection open."""
+    with socket.create_connection(("127.0.0.1", server.port)) as client:
+        key = base64.b64encode(bytes(16)).decode()
+        client.sendall(
+            f"GET /?token={server.token} HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\n"
+            f"Connection: Upgrade\r\nSec-WebSocket-Key: {key}\r\nSec-WebSocket-Version: 13\r\n\r\n".encode()
+        )
+        client.recv(4096)
+        client.sendall(masked(json.dumps({"points": [POINT]})))
+        until(server, "playing")
+        client.setblocking(False)
+        frames, begin = masked(flood) * 100, time.monotonic()
+        while time.monotonic() - begin < 2:
+            try:
+                client.send(frames)
+            except BlockingIOError:
+                time.sleep(0.001)
+            except OSError:
+                # The server has ended the connection.
+                break
+        assert until(server, "off") < SILENCE + 0.5
+
+
+def masked(text: str) -> bytes:
+    """Returns a text frame of WebSocket from a client, with a mask of zeros."""
+    assert len(text) < 126
+    return bytes([0x81, 0x80 | len(text), 0, 0, 0, 0]) + text.encode()
+
+
+@pytest.mark.slow
+def test_points_and_off_in_quick_succession_lose_no_board(server: PointServer) -> None:
+    with connect(server.address, max_queue=None) as game:
+        for _ in range(300):
+            game.send(json.dumps({"points": [POINT]}))
+            game.send('{"off": true}')
+        ask(game, state=True)
+        game.send(json.dumps({"points": [POINT]}))
+        until(server, "playing")
+
+
+@pytest.mark.slow
+def test_a_path_that_is_too_short_in_time_is_refused(server: PointServer) -> None:
+    circle = {"kind": "circle", "center": POINT, "radius": 1e-5, "frequency": 1e308}
+    with pytest.raises(midair.SceneError, match=r"path\.duration is .*: give a number of at least 0\.001"):
+        obey(server._live, "me", json.dumps({"path": circle}))
+
+
+@pytest.mark.slow
 def test_a_message_wakes_a_server_at_rest() -> None:
     with midair.connect("null", hold=SILENCE) as board:
         live = Live(board, rate=1.0, change=np.pi)
-        live.place(np.array([POINT]))
+        live.sign("me", time.monotonic())
+        live.place("me", np.array([POINT]))
         begin = time.monotonic()
         # One frame per second; the second repeats the first, and then nothing more is sent.
         while time.monotonic() - begin < 2.5:
-            live.keep()
+            live.sign("me", time.monotonic())
             time.sleep(0.02)
         frames, begin = board.stats.frames, time.monotonic()
-        live.place(np.array([[0.02, 0, 0.1]]))
+        live.place("me", np.array([[0.02, 0, 0.1]]))
         while board.stats.frames == frames:
             assert time.monotonic() - begin < 0.5
             time.sleep(0.002)
@@ -140,7 +258,7 @@ def test_metrics_come_once_or_again_and_again(server: PointServer) -> None:
         assert server._live.metrics()["pressures"] == []
     for bad in ("-1", "1e999", '"often"'):
         with pytest.raises(midair.SceneError, match="metrics"):
-            server.obey('{"metrics": ' + bad + "}", Reports(None, server._live))
+            obey(server._live, "me", '{"metrics": ' + bad + "}")
 
 
 @pytest.mark.slow
@@ -148,26 +266,23 @@ def test_osc_plays_with_the_token_and_not_without(server: PointServer) -> None:
     sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     sender.settimeout(5)
 
-    def osc(name: str, *values: Any) -> None:
-        built = OscMessageBuilder(f"/midair/{name}")
-        for value in values:
-            built.add_arg(value)
-        sender.sendto(built.build().dgram, ("127.0.0.1", server.osc))
+    def send(name: str, *values: Any) -> None:
+        sender.sendto(osc(name, *values), ("127.0.0.1", server.osc))
 
-    osc("points", *POINT)
-    osc("points", "guessed", *POINT)
+    send("points", *POINT)
+    send("points", "guessed", *POINT)
     time.sleep(0.2)
     assert server._live.connection.state == "off"
-    osc("points", server.token, *POINT)
+    send("points", server.token, *POINT)
     until(server, "playing")
-    osc("points", server.token, 1.0)
+    send("points", server.token, 1.0)
     assert b"give 3 a point" in sender.recv(4096)
-    osc("metrics", server.token)
+    send("metrics", server.token)
     measured = OscMessage(sender.recv(4096))
     assert measured.address == "/midair/metrics"
     assert measured.params[0] == "playing"
     assert measured.params[-1] > 100
-    osc("off", server.token)
+    send("off", server.token)
     until(server, "off")
     sender.close()
 
@@ -221,7 +336,7 @@ HOSTILE: tuple[str | bytes, ...] = (
 def test_hostile_messages_make_no_sound_and_end_nothing(server: PointServer) -> None:
     for message in HOSTILE * 34:
         with pytest.raises((midair.SceneError, midair.BoardError)):
-            server.obey(message)
+            obey(server._live, "me", message)
     with connect(server.address) as client:
         client.recv(timeout=5)
         for message in HOSTILE:

@@ -22,7 +22,8 @@ pytest.importorskip("pythonosc")
 
 from websockets.sync.client import connect
 
-from midair._serve.live import SILENCE, Live
+from midair._serve.life import HAND, SILENCE
+from midair._serve.live import Live
 from midair._serve.server import PointServer
 from midair._serve.tacton import Moment, Tacton
 
@@ -148,10 +149,11 @@ def test_hands_move_a_tacton_and_silence_is_silent(server: PointServer) -> None:
         send(tracker, "tracking_data", tracking_frame={"hand": hand})
         assert received(client, "tracking_data")["tracking_frame"]["hand"] == hand
         start(client, tactons.CASES[0])
-        # No further message is needed: the client answers pings while it reads.
+        # The client need not send anything more: it answers pings while it reads. The tracker does.
         begin = time.monotonic()
         while time.monotonic() - begin < 0.6:
             received(client, "playback_update")
+            send(tracker, "tracking_data", tracking_frame={"hand": hand})
         assert state.state == "playing"
         frame, _ = server._live._played or (None, None)
         assert frame is not None
@@ -160,14 +162,62 @@ def test_hands_move_a_tacton_and_silence_is_silent(server: PointServer) -> None:
         send(client, "update_playstart", playstart=0, playstart_offset=0)
         time.sleep(0.2)
         assert state.state == "off"
+        send(tracker, "tracking_data", tracking_frame={"hand": hand})
         start(client, tactons.CASES[0])
-        begin = time.monotonic()
-        while state.state != "playing":
-            assert time.monotonic() - begin < 2
+        until(server, "playing")
+    assert until(server, "off") < 0.25
+
+
+def until(server: PointServer, state: str, seconds: float = 2.0) -> float:
+    """Waits until the board is in a state, and returns the time in s."""
     begin = time.monotonic()
-    while state.state != "off":
-        assert time.monotonic() - begin < 0.25
+    while server._live.connection.state != state:
+        assert time.monotonic() - begin < seconds, server._live.state()
         time.sleep(0.005)
+    return time.monotonic() - begin
+
+
+HAND_HERE = {"hand": {"palm": {"position": {"x": 0, "y": 0, "z": 100}}}}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("end", ["stops", "sees no hand", "leaves"])
+def test_a_pattern_stops_with_the_hand_that_it_follows_and_goes_on_with_it(
+    server: PointServer, end: str
+) -> None:
+    with (
+        connect(server.adaptics, max_queue=None) as client,
+        connect(server.adaptics, max_queue=None) as tracker,
+        connect(server.adaptics, max_queue=None) as other,
+    ):
+        send(client, "update_tracking", enabled=True)
+        start(client, tactons.CASES[0])
+        time.sleep(0.1)
+        # No hand was there yet.
+        assert server._live.connection.state == "off"
+        send(tracker, "tracking_data", tracking_frame=HAND_HERE)
+        until(server, "playing")
+        if end == "sees no hand":
+            send(tracker, "tracking_data", tracking_frame={"hand": None})
+        elif end == "leaves":
+            tracker.close()
+        assert until(server, "off") < HAND + 0.3
+        time.sleep(0.1)
+        assert server._live.connection.state == "off"
+        send(other, "tracking_data", tracking_frame=HAND_HERE)
+        until(server, "playing")
+
+
+@pytest.mark.slow
+def test_a_page_whose_pattern_has_ended_keeps_no_points_of_others(server: PointServer) -> None:
+    ending = tactons.pattern([tactons.keyframe(0, (0, 0, 0), None, 1), {"time": 100, "type": "stop"}])
+    with connect(server.adaptics, max_queue=None) as page, connect(server.address) as game:
+        start(page, tactons.Case("ending", ending, tactons.CASES[0].expected))
+        until(server, "playing")
+        until(server, "off")
+        game.send(json.dumps({"points": [[0, 0, 0.1]]}))
+        until(server, "playing")
+        assert until(server, "off") < SILENCE + 0.3
 
 
 def test_a_client_of_adaptics_needs_the_token(server: PointServer) -> None:

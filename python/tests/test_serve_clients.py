@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import re
 import shutil
+import socket
 import subprocess
 import sys
 import time
@@ -22,7 +23,8 @@ pytest.importorskip("pythonosc")
 
 from pythonosc.osc_message_builder import OscMessageBuilder
 
-from midair._serve.live import SILENCE, Live
+from midair._serve.life import SILENCE
+from midair._serve.live import Live
 from midair._serve.server import PointServer
 
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore::midair.SceneWarning")]
@@ -104,6 +106,10 @@ def test_processing_sends_what_the_server_reads(server: PointServer) -> None:
     for value in (server.token, *(float(eval(each, {"mouseX": 250, "mouseY": 150})) for each in added[1:])):
         built.add_arg(value)
     assert built.build().dgram.count(b",sfff") == 1
-    server._by_osc("points", [0.01, 0.01, 0.15])
-    time.sleep(0.1)
-    assert server._live.connection.state == "playing"
+    sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    begin = time.monotonic()
+    while server._live.connection.state != "playing":
+        assert time.monotonic() - begin < 5
+        sender.sendto(built.build().dgram, ("127.0.0.1", server.osc))
+        time.sleep(0.02)
+    sender.close()

@@ -254,6 +254,11 @@ class Connection:
     def __repr__(self) -> str:
         return f"<midair.Connection to {self.board.name} at {self._place}: {self.state}>"
 
+    def _keep(self) -> bool:
+        """Tell the guard that the last frame is still wanted. Return whether it plays."""
+        self._call(Kind.HOLD)
+        return self._reported["state"] in ("playing", "modulating")
+
     def _call(self, kind: Kind, content: bytes = b"") -> None:
         """Send a request to the guard and store the status that it returns; an error turns the board off."""
         requested = self._guard.ask(kind, content)

@@ -35,6 +35,8 @@ class LineTransport(ABC):
         self._off = bytes.fromhex(off)
         self._swap = None if swap is None else bytes.fromhex(swap)
         self._free = 0.0
+        #: Whether the bytes that turn everything off were the last ones in the line.
+        self._silent = False
         self._hz: float | None = None
         self._frame: bytes | None = None
         self._lock = threading.Lock()
@@ -67,11 +69,17 @@ class LineTransport(ABC):
             self._drain()
 
     def silence(self) -> None:
-        """Stop the modulation and turn everything off. Bytes that are already in the line are sent first."""
+        """Stop the modulation and turn everything off. Bytes that are already in the line are sent first.
+
+        While the line still has the bytes that turn everything off, they are not sent again: calls in quick
+        succession must not make the next frame wait.
+        """
         with self._lock:
             self._swinging.set()
             self._failed = self._frame = None
-            self._give(self._silence)
+            if not self._silent or self._free <= time.monotonic():
+                self._give(self._silence)
+                self._silent = True
 
     def upload(self, frames: bytes, count: int, rate: float) -> None:
         """Raise BoardError: these boards store no sequence."""
@@ -105,6 +113,7 @@ class LineTransport(ABC):
         self._give(frame)
 
     def _give(self, content: bytes) -> None:
+        self._silent = False
         self._write(content)
         self._free = max(self._free, time.monotonic()) + len(content) * self._byte
 
@@ -117,6 +126,7 @@ class LineTransport(ABC):
             with self._lock:
                 if stopped.is_set():
                     return
+                self._silent = False
                 try:
                     self._write(self._swap)
                 except BoardError as error:

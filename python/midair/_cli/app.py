@@ -38,7 +38,7 @@ COMMANDS = {
     "play": ("play", "Play a scene, a drive or a sequence on a board."),
     "off": ("boards", "Turn a board off."),
     "export": ("new", "Write the drives of a file in another format."),
-    "serve": ("studio", "Play points that other programs send, by WebSocket or OSC."),
+    "serve": ("serve", "Play points that other programs send, by WebSocket or OSC."),
     "studio": ("studio", "Open the studio in the browser. Ctrl-C ends it."),
 }
 

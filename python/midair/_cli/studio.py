@@ -1,4 +1,4 @@
-"""`midair studio` serves the studio's web page; `midair serve` plays points that other programs send."""
+"""`midair studio` serves the studio's web page."""
 
 from __future__ import annotations
 
@@ -9,8 +9,6 @@ from pathlib import Path
 
 from .. import Board, connect
 from .._boards.address import DEFAULT, parse
-from .._serve.live import SILENCE, Live
-from .._serve.server import PointServer
 from .._studio.page import greeting, scene_text
 from .._studio.server import HOLD, PagesBoard, Server
 from .play import board_of
@@ -51,42 +49,4 @@ def studio_command(
             # In a thread, because a text browser in the terminal returns only when it is closed.
             threading.Thread(target=webbrowser.open, args=(server.address,), daemon=True).start()
         server.serve_forever()
-    return 0
-
-
-def serve_command(
-    *,
-    on: str,
-    port: int = 0,
-    osc: int = 0,
-    origin: list[str] | None = None,
-    rate: float | None = None,
-    change: float | None = None,
-) -> int:
-    """Play points that other programs on this machine send by WebSocket or OSC. Ctrl-C ends it.
-
-    Parameters
-    ----------
-    on
-        The board and its place: autd3, sonicsurface:/dev/ttyUSB0, sonicsurface:loop (docs/boards.md).
-    port
-        Port of 127.0.0.1 for WebSocket; by default a free one.
-    osc
-        Port of 127.0.0.1 for OSC over UDP; by default a free one.
-    origin
-        Web page that may connect, such as http://localhost:8000; may be repeated. By default none.
-    rate
-        Frames per second; by default the board's highest rate.
-    change
-        Largest change of a phase between two frames, in rad; by default pi/16.
-    """
-    with (
-        connect(on, hold=SILENCE) as connection,
-        PointServer(Live(connection, rate, change), port, osc, origin or ()) as server,
-    ):
-        print(server.address, flush=True)
-        print(f"osc://127.0.0.1:{server.osc} token {server.token}", flush=True)
-        print(f"{server.adaptics} for Adaptics Designer", flush=True)
-        tell("Ctrl-C ends it")
-        threading.Event().wait()
     return 0

@@ -5,19 +5,23 @@ A message is {"cmd": ..., "data": {...}}; docs/serve.md lists all messages. Leng
 
 from __future__ import annotations
 
+import asyncio
 import json
 import math
-import threading
 import time
+from asyncio import Future, Task
 from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
+from websockets.exceptions import ConnectionClosed
 
 from .._boards.errors import BoardError
 from .._midair import SceneError
 from .._support.arguments import flag, json_object, number, refused, word
+from .client import Client
 from .live import Frame, Live, Wanted
 from .tacton import Matrix, Moment, Tacton, Touch
 
@@ -33,17 +37,17 @@ class Player:
     """Plays the tacton that clients chose. Stores its parameters and transform, and the hand's place."""
 
     def __init__(self, live: Live) -> None:
-        self._live = live
+        self.live = live
         self._tacton: Tacton | None = None
         self._values: dict[str, float] = {}
         self._matrix: Matrix | None = None
         self._time = 0.0
         self._tracked = False
-        self._palm: tuple[float, float, float] | None = None
-        self._clients: list[Client] = []
+        self._palm = (0.0, 0.0, 0.0)
+        self._pages: list[Page] = []
 
-    def obey(self, message: str | bytes, client: Client) -> None:
-        """Execute a client's message.
+    def obey(self, message: str | bytes, page: Page, at: float) -> None:
+        """Execute a client's message, which came at a time of `time.monotonic`.
 
         Raises SceneError for an invalid message, BoardError if the board is gone.
         """
@@ -54,12 +58,12 @@ class Player:
             raise refused("cmd", command, f"give {', '.join(COMMANDS)}")
         if not isinstance(data, dict):
             raise refused("data", data, "give an object")
-        act(self, data, client)
+        act(self, data, page, at)
 
-    def _pattern(self, data: dict[str, Any], client: Client) -> None:
+    def _pattern(self, data: dict[str, Any], page: Page, at: float) -> None:
         self._tacton = Tacton(word("pattern_json", data.get("pattern_json")))
 
-    def _parameters(self, data: dict[str, Any], client: Client) -> None:
+    def _parameters(self, data: dict[str, Any], page: Page, at: float) -> None:
         given = data.get("evaluator_params")
         if not isinstance(given, dict) or not isinstance(given.get("user_parameters"), dict):
             raise refused("evaluator_params", given, "give time, user_parameters and geometric_transform")
@@ -68,27 +72,31 @@ class Player:
         self._time = number("time", given.get("time"))
         self._values, self._matrix = values, matrix
 
-    def _start(self, data: dict[str, Any], client: Client) -> None:
+    def _start(self, data: dict[str, Any], page: Page, at: float) -> None:
         start, offset = (number(key, data.get(key)) for key in ("playstart", "playstart_offset"))
         if not start:
-            self._live.off()
+            self.live.off()
             return
         if self._tacton is None:
             raise SceneError("no pattern is there: send update_pattern before update_playstart")
-        client.begins()
         begin = time.monotonic() + offset / 1e3
-        self._live.play(Wanted(self._frames(begin, Moment(self._time)), change=math.pi))
+        frames = self._frames(begin, Moment(self._time))
+        self.live.play(Wanted(page.client, frames, change=math.pi), tracked=self._tracked)
 
-    def _tracking(self, data: dict[str, Any], client: Client) -> None:
+    def _tracking(self, data: dict[str, Any], page: Page, at: float) -> None:
         self._tracked = flag("enabled", data.get("enabled"))
+        for each in self._pages:
+            self.live.track(each.client, tracked=self._tracked)
 
-    def _hand(self, data: dict[str, Any], client: Client) -> None:
+    def _hand(self, data: dict[str, Any], page: Page, at: float) -> None:
         frame = data.get("tracking_frame")
         if not isinstance(frame, dict):
             raise refused("tracking_frame", frame, "give an object")
-        self._palm = None if (hand := frame.get("hand")) is None else _palm(hand)
-        for other in self._clients:
-            if other is not client:
+        if (hand := frame.get("hand")) is not None:
+            self._palm = _palm(hand)
+        self.live.hand(page.client, None if hand is None else at)
+        for other in self._pages:
+            if other is not page:
                 other.send("tracking_data", tracking_frame=frame)
 
     def _frames(self, begin: float, start: Moment) -> Callable[[float], Frame | None]:
@@ -105,38 +113,28 @@ class Player:
             now = 1e3 * (time.monotonic() - begin)
             touch = self._tacton.at(now, moment, self._values, self._matrix)
             moment, over = touch.moment, touch.stop
-            for client in self._clients:
-                client.reported.append(touch)
+            for page in self._pages:
+                page.reported.append(touch)
             if over:
                 return None
             x, y, z = touch.point
-            if self._tracked and self._palm is not None:
+            if self._tracked:
                 x, y, z = x + self._palm[0], y + self._palm[1], self._palm[2]
             point = 1e-3 * np.array([[x, y, z]])
             return Frame(point, loudness=min(max(touch.intensity, 0.0), 1.0))
 
         return frame
 
-    def join(self, client: Client) -> None:
-        """Add a client to the list of clients that receive reports."""
-        self._clients = [*self._clients, client]
+    def join(self, page: Page) -> None:
+        """Add a client to those that receive reports."""
+        self._pages = [*self._pages, page]
 
-    def leave(self, client: Client) -> None:
-        """Remove a client, and turn the board off if this client had started the playback."""
-        self._clients = [each for each in self._clients if each is not client]
-        if client.playing:
-            self._live.off()
-
-    def others(self, client: Client) -> None:
-        """Record that this client started the playback.
-
-        From now on the playback goes on if another client disconnects.
-        """
-        for other in self._clients:
-            other.playing = other is client
+    def leave(self, page: Page) -> None:
+        """Remove a client from those that receive reports."""
+        self._pages = [each for each in self._pages if each is not page]
 
 
-COMMANDS: dict[str, Callable[[Player, dict[str, Any], Client], None]] = {
+COMMANDS: dict[str, Callable[[Player, dict[str, Any], Page, float], None]] = {
     "update_pattern": Player._pattern,
     "update_playstart": Player._start,
     "update_parameters": Player._parameters,
@@ -145,64 +143,56 @@ COMMANDS: dict[str, Callable[[Player, dict[str, Any], Client], None]] = {
 }
 
 
-class Client:
-    """A WebSocket client, to which reports and pings are sent. Its answers to pings are signs of life."""
+class Page:
+    """A client of this protocol. It gets reports and pings; its answers to pings are signs of life."""
 
-    def __init__(self, socket: Any, player: Player, live: Live) -> None:
+    def __init__(self, client: Client, player: Player) -> None:
+        self.client = client
         self.reported: deque[Touch] = deque(maxlen=MOST_REPORTED)
-        self.playing = False
-        self._socket = socket
         self._player = player
-        self._live = live
-        self._gone = threading.Event()
+        self._reports: Task[None] | None = None
 
-    def begins(self) -> None:
-        """Record this client as the one that started the playback."""
-        self._player.others(self)
+    def begin(self) -> None:
+        """Begin the reports."""
+        self._player.join(self)
+        self._reports = self.client.loop.create_task(self._report())
+
+    def end(self) -> None:
+        """End the reports."""
+        self._player.leave(self)
+        if self._reports is not None:
+            self._reports.cancel()
+
+    def obey(self, message: str | bytes, at: float) -> None:
+        """Execute a message, which came at a time of `time.monotonic`."""
+        try:
+            self._player.obey(message, self, at)
+        except (SceneError, BoardError) as error:
+            self.send("error", message=str(error)[:MOST_TEXT])
 
     def send(self, command: str, **data: Any) -> None:
-        """Send a message, unless the connection is closed."""
-        try:
-            self._socket.send(json.dumps({"cmd": command, "data": data}))
-        # The library raises several kinds of errors for a broken connection.
-        except Exception:
-            self._gone.set()
+        """Send a message."""
+        self.client.say(json.dumps({"cmd": command, "data": data}))
 
-    def talk(self) -> None:
-        """Execute the client's messages until the connection closes."""
-        self._player.join(self)
-        threading.Thread(target=self._report, daemon=True).start()
-        try:
-            for message in self._socket:
-                try:
-                    self._player.obey(message, self)
-                except (SceneError, BoardError) as error:
-                    self.send("error", message=str(error)[:MOST_TEXT])
-        finally:
-            self._gone.set()
-            self._player.leave(self)
-
-    def _report(self) -> None:
-        """Send the touches that were played, and pings.
-
-        Each answered ping keeps this client's playback going.
-        """
-        answered: Any = None
+    async def _report(self) -> None:
+        """Send the touches that were played, the error that ended them, and pings, one after another."""
+        pong: Any = None
         error: str | None = None
-        while not self._gone.wait(REPORT):
-            touches = [self.reported.popleft() for _ in range(len(self.reported))]
-            if touches:
-                self.send("playback_update", evals=[_evaluated(touch) for touch in touches])
-            if self.playing and error != (error := self._live.error) and error is not None:
-                self.send("error", message=error)
-            try:
-                if answered is None or answered.is_set():
-                    if answered is not None and self.playing:
-                        self._live.keep()
-                    answered = self._socket.ping()
-            # The library raises several kinds of errors for a broken connection.
-            except Exception:
-                return
+        with suppress(ConnectionClosed):
+            while True:
+                await asyncio.sleep(REPORT)
+                touches = [self.reported.popleft() for _ in range(len(self.reported))]
+                if touches:
+                    self.send("playback_update", evals=[_evaluated(touch) for touch in touches])
+                if error != (error := self._player.live.failed(self.client)) and error is not None:
+                    self.send("error", message=error)
+                if pong is None or pong.done():
+                    pong = await self.client.ping()
+                    pong.add_done_callback(self._lives)
+
+    def _lives(self, pong: Future[float]) -> None:
+        if not pong.cancelled() and pong.exception() is None:
+            self._player.live.sign(self.client, self.client.arrived)
 
 
 def _evaluated(touch: Touch) -> dict[str, Any]:

@@ -1,36 +1,37 @@
-"""Plays points that another program sends while the board plays."""
+"""Plays the points that other programs send, and keeps the board off while nobody sends any."""
 
 from __future__ import annotations
 
 import math
 import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import suppress
+from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .._boards.connection import Connection
-from .._boards.errors import BoardError
+from .._boards.errors import BoardLost, BoardTimeout
 from .._boards.transport import before_what_computes
-from .._boards.wire import Kind
 from .._midair import Scene, SceneError
 from .._motion import stream
 from .._support.arguments import number
 from ..path import Path
+from .life import Life
 
-#: Largest number of points in a frame; time in s without a message from the sender after which the board
-#: turns off.
-MOST_POINTS, SILENCE = 256, 0.2
+#: Largest number of points in a frame.
+MOST_POINTS = 256
 
-#: Number of places along a path that are checked before it is played.
-LOOKED = 16
+#: Number of places along a path that are checked before it is played, and its shortest duration in s.
+LOOKED, LEAST_DURATION = 16, 1e-3
 
-#: Time in s between two keep-alive messages to the board while the frame does not change.
+#: Time in s between two keep-alive messages to the board while it gets no new frame.
 REST = 0.05
+
+#: Longest time in s that a caller waits until the board is off.
+PATIENCE = 1.0
 
 
 class Frame(NamedTuple):
@@ -41,142 +42,244 @@ class Frame(NamedTuple):
     loudness: float = 1.0
 
 
-@dataclass
+@dataclass(eq=False)
 class Wanted:
     """Frames to play: a function that returns the frame at a time in s since the start, or None at the end.
 
+    source : who sent them
     constant : whether all frames are the same
     change : largest change of a phase in rad per frame, used if `Live` has no bound of its own
     """
 
+    source: Hashable
     at: Callable[[float], Frame | None]
     constant: bool = False
     change: float | None = None
 
 
 class Live:
-    """Plays the newest points on a board; turns the board off if the sender sends no sign of life."""
+    """Plays the newest points on a board while their source gives signs of life; otherwise the board is off.
+
+    Its methods may be called in any thread.
+
+    Parameters
+    ----------
+    connection
+        The board. `close` closes this connection.
+    rate
+        Frames per second, at most the board's own rate, which is the default.
+    change
+        Largest change of a phase in rad per frame; by default that of the points.
+    again
+        Connects to the board again if it is lost. Without it, or if it fails, `wait` raises the error.
+    """
 
     def __init__(
-        self, connection: Connection, rate: float | None = None, change: float | None = None
+        self,
+        connection: Connection,
+        rate: float | None = None,
+        change: float | None = None,
+        again: Callable[[], Connection] | None = None,
     ) -> None:
-        self.connection = connection
         most = connection.board.rate
         self.rate = most if rate is None else min(number("rate", rate, above=0), most)
-        self._change = change
+        self._change = None if change is None else number("change", change, above=0)
+        self.connection = connection
+        self._again = again
+        self._wave: Any = None
+        # The condition protects what follows, and is notified of changes.
         self._news = threading.Condition()
+        self._life = Life()
         self._wanted: Wanted | None = None
-        self._begun = self._signed = -math.inf
+        self._begun = -math.inf
+        self._failed: tuple[Hashable, str] | None = None
+        #: Whether the board is off for certain: nothing was sent to it since it was switched off.
+        self._dark = True
         self._ended = False
-        self._error: str | None = None
+        self._lost: Exception | None = None
+        # The thread below alone writes what follows.
+        self._current: Wanted | None = None
         self._played: tuple[Frame, NDArray[np.complex64]] | None = None
         self._delay = 0.0
+        self._kept = -math.inf
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
 
-    def place(self, points: NDArray[np.float64], pressures: NDArray[np.float64] | None = None) -> None:
+    def place(
+        self, source: Hashable, points: NDArray[np.float64], pressures: NDArray[np.float64] | None = None
+    ) -> None:
         """Play points (M, 3) in m, with pressures (M,) in Pa or as loud as possible.
 
-        Raises SceneError for invalid points, BoardError if the board is gone.
+        Raises SceneError for invalid points.
         """
         if len(points) > MOST_POINTS:
             raise SceneError(f"points are {len(points)}: give {MOST_POINTS} at most")
         Scene(self.connection.board.array, points, 1.0 if pressures is None else pressures)
-        self.play(Wanted(lambda time: Frame(points, pressures), constant=True))
+        self.play(Wanted(source, lambda time: Frame(points, pressures), constant=True))
 
-    def follow(self, path: Path) -> None:
+    def follow(self, source: Hashable, path: Path) -> None:
         """Play a path: a closed path repeats, the end of an open path stays.
 
-        Raises SceneError for more points than a frame can have, BoardError if the board is gone.
+        Raises SceneError for more points than a frame can have, and for points that cannot be played.
         """
         if path.points > MOST_POINTS:
             raise SceneError(f"path has {path.points} points: give {MOST_POINTS} at most")
-        looked = np.linspace(0, path.duration, LOOKED)
-        for points in path.at(looked):
+        number("path.duration", path.duration, least=LEAST_DURATION)
+        for points in path.at(np.linspace(0, path.duration, LOOKED)):
             Scene(self.connection.board.array, points)
 
-        def wanted(time: float) -> Frame:
-            at = [time % path.duration if path.closed else min(time, path.duration)]
-            return Frame(path.at(at)[0], path.targets(at)[0] if path.pascals else None)
+        def at(time: float) -> Frame:
+            when = [time % path.duration if path.closed else min(time, path.duration)]
+            return Frame(path.at(when)[0], path.targets(when)[0] if path.pascals else None)
 
-        self.play(Wanted(wanted))
+        self.play(Wanted(source, at))
 
-    def play(self, wanted: Wanted) -> None:
-        """Play the frames of `wanted` from now on, instead of the earlier ones."""
+    def play(self, wanted: Wanted, *, tracked: bool = False) -> None:
+        """Play these frames from now on instead of the earlier ones, unless their source is silent.
+
+        `tracked` means that the points follow a hand.
+        """
+        now = time.monotonic()
         with self._news:
-            self._wanted, self._error = wanted, None
-            self._begun = self._signed = time.monotonic()
-            self._news.notify()
+            if self._life.play(wanted.source, now, tracked=tracked):
+                self._wanted, self._begun, self._failed = wanted, now, None
+                self._news.notify_all()
 
-    def keep(self) -> None:
-        """Record a sign of life from the sender."""
+    def modulate(self, wave: float | ArrayLike | None) -> None:
+        """Modulate all drives, also after the board was lost and connected again."""
+        self.connection.modulate(wave)
+        self._wave = wave
+
+    def sign(self, source: Hashable, at: float) -> None:
+        """Record that a message of a source came at a time of `time.monotonic`."""
         with self._news:
-            self._signed = time.monotonic()
+            self._life.sign(source, at)
+
+    def hand(self, tracker: Hashable, at: float | None) -> None:
+        """Record that a tracker sees a hand, and told so at this time; None: it sees none."""
+        with self._news:
+            self._life.hand(tracker, at)
+            self._news.notify_all()
+
+    def track(self, source: Hashable, *, tracked: bool) -> None:
+        """Let the points of a source follow a hand, or no longer."""
+        with self._news:
+            if self._life.player == source:
+                self._life.tracked = tracked
+                self._news.notify_all()
+
+    def leave(self, source: Hashable) -> None:
+        """Record that a source has gone. If its points play, the board turns off."""
+        with self._news:
+            self._life.leave(source)
+            self._news.notify_all()
 
     def off(self) -> None:
-        """Turn the board off until new points come. Raises BoardError if the board is gone."""
+        """Turn the board off until new points come; wait until it is off."""
         with self._news:
-            self._wanted = None
-            self._news.notify()
-        self.connection.off()
+            self._life.off()
+            self._dark = False
+            self._news.notify_all()
+            self._news.wait_for(lambda: self._dark or self._ended or self._life.player is not None, PATIENCE)
 
-    @property
-    def error(self) -> str | None:
-        """The error that ended the last playback, None if there was none."""
-        return self._error
+    def failed(self, source: Hashable) -> str | None:
+        """Return the error that ended the last playback, if its points were of this source."""
+        failed = self._failed
+        return None if failed is None or failed[0] != source else failed[1]
 
     def state(self) -> dict[str, Any]:
         """Return the board's state, its counts of frames, and the error that ended the last playback."""
-        stats = self.connection.stats
+        stats, failed = self.connection.stats, self._failed
         counts = {"frames": stats.frames, "late": stats.late, "lapses": stats.lapses}
-        return {"state": self.connection.state, **counts, "error": self._error}
+        return {"state": self.connection.state, **counts, "error": None if failed is None else failed[1]}
 
     def metrics(self) -> dict[str, Any]:
         """Return the state, and the last frame's points in m, |p| at them in Pa, and delay in ms."""
         points: list[list[float]] = []
         reached: list[float] = []
-        if self._wanted is not None and (played := self._played) is not None:
+        if not self._dark and (played := self._played) is not None:
             board = self.connection.board
             emitted = board.decode(board.encode(played[1]))
             gains = Scene(board.array, played[0].points).propagation()
             points, reached = played[0].points.tolist(), np.abs(gains @ emitted).tolist()
         return {**self.state(), "points": points, "pressures": reached, "delay": 1e3 * self._delay}
 
-    def close(self) -> None:
-        """Stop playing and turn the board off; the connection stays open."""
+    def wait(self) -> None:
+        """Wait until the board is lost and cannot be connected again; raise the error."""
         with self._news:
-            self._ended, self._wanted = True, None
-            self._news.notify()
-        self._thread.join(1.0)
-        with suppress(BoardError):
-            self.connection.off()
+            self._news.wait_for(lambda: self._ended)
+        if self._lost is not None:
+            raise self._lost
 
-    def _lives(self) -> bool:
-        return self._wanted is not None and time.monotonic() - self._signed < SILENCE
+    def close(self) -> None:
+        """Turn the board off and close the connection."""
+        self._end()
+        self._thread.join(PATIENCE)
+        self.connection.close()
+
+    def _end(self, lost: Exception | None = None) -> None:
+        with self._news:
+            self._ended, self._lost = True, lost
+            self._life.off()
+            self._news.notify_all()
+
+    def _left(self) -> float:
+        """Return the time in s for which the points may play without another sign of life; 0: off."""
+        return self._life.left(time.monotonic())
+
+    def _alive(self) -> Wanted | None:
+        """Return what may play now."""
+        with self._news:
+            return self._wanted if self._left() else None
 
     def _run(self) -> None:
         before_what_computes()
         while not self._ended:
             with self._news:
-                self._news.wait_for(lambda: self._ended or self._lives())
+                self._news.wait_for(lambda: self._ended or not self._dark or self._left())
             try:
                 self._stream()
-                with self._news:
-                    if self._lives():
-                        continue
-                    # Later signs of life must not restart these points.
-                    self._wanted = None
-                self.connection.off()
+                if self._alive() is None:
+                    self._darken()
             # An error of any kind ends the playback of the present points only; later points are played.
             except Exception as error:
-                with self._news:
-                    self._wanted, self._error = None, str(error)
-                with suppress(BoardError):
-                    self.connection.off()
+                self._recover(error)
+
+    def _darken(self) -> None:
+        try:
+            self.connection.off()
+        except BoardTimeout:
+            time.sleep(REST)
+            raise
+        with self._news:
+            self._dark = True
+            self._news.notify_all()
+
+    def _recover(self, error: Exception) -> None:
+        """End the playback that failed. If the board is lost, connect again; if that fails, end."""
+        with self._news:
+            source = None if self._current is None else self._current.source
+            self._failed = source, str(error)
+            if self._wanted is self._current:
+                self._life.off()
+        if isinstance(error, BoardLost):
+            try:
+                self._reconnect(error)
+            # A device's library may raise errors of any kind.
+            except Exception as lost:
+                self._end(lost)
+
+    def _reconnect(self, error: BoardLost) -> None:
+        if self._again is None:
+            raise error
+        self.connection.close()
+        self.connection = self._again()
+        if self._wave is not None:
+            self.connection.modulate(self._wave)
 
     def _stream(self) -> None:
         """Play frames with one bound of phase change, until nothing is left to play or the bound changes."""
-        if (wanted := self._wanted) is None:
+        if (wanted := self._alive()) is None:
             return
         board, period = self.connection.board, 1 / self.rate
         change = wanted.change if self._change is None else self._change
@@ -184,41 +287,56 @@ class Live:
         due = time.monotonic()
         last: bytes | None = None
         for drive in stream(board.array, self._frames(wanted.change, frames), rate=self.rate, change=change):
-            if (playing := self._wanted) is None or not self._lives():
-                return
-            frame = frames.pop()
+            frame, playing = frames.pop(), self._current
             # Most frames have a loudness of 1; no copy is made for them.
             played = drive if frame.loudness == 1 else drive * np.float32(frame.loudness)
             code = board.encode(played)
-            self._played = frame, played
-            if code == last and playing.constant:
-                self._rest(playing)
-                due = time.monotonic()
-                continue
-            self.connection.send(played)
-            last, now = code, time.monotonic()
-            self._delay = now - due
-            # After a late frame the following ones are due later, too.
-            due = max(due + period, now - period)
-            time.sleep(max(0.0, due - now))
-
-    def _rest(self, playing: Wanted) -> None:
-        """Wait for other points while a constant frame plays, and send the board keep-alive messages."""
-        while self._wanted is playing and self._lives() and not self._ended:
             with self._news:
-                left = self._signed + SILENCE - time.monotonic()
-                other = self._news.wait_for(lambda: self._wanted is not playing, min(max(left, 0), REST))
-            if not other:
-                self.connection._call(Kind.HOLD)
+                if not self._left():
+                    return
+                self._dark = False
+            self._played = frame, played
+            resting = playing is not None and playing.constant and code == last
+            if not resting:
+                self.connection.send(played)
+                last, now = code, time.monotonic()
+                self._kept, self._delay = now, now - due
+                # After a late frame the following ones are due later, too.
+                due = max(due + period, now - period)
+            if not self._pause(math.inf if resting else due, playing):
+                last = None
+            if resting:
+                due = time.monotonic()
+
+    def _pause(self, until: float, playing: Wanted | None) -> bool:
+        """Wait until a time, without end for points at rest: then other points end the wait.
+
+        Sends the board keep-alive messages meanwhile. Returns False if the board has gone off by itself.
+        """
+        while True:
+            now = time.monotonic()
+            if now >= self._kept + REST:
+                self._kept = now
+                if not self.connection._keep():
+                    return False
+            with self._news:
+                wait = min(until, self._kept + REST) - now
+                over = self._news.wait_for(
+                    lambda: not self._left() or (until == math.inf and self._wanted is not playing),
+                    min(wait, self._left()),
+                )
+            if over or time.monotonic() >= until:
+                return True
 
     def _frames(self, change: float | None, frames: list[Frame]) -> Iterator[Any]:
         """Yield the points and pressures for `midair.stream`, and append the whole frames to `frames`."""
-        while (wanted := self._wanted) is not None and wanted.change == change and self._lives():
+        while (wanted := self._alive()) is not None and wanted.change == change:
+            self._current = wanted
             frame = wanted.at(time.monotonic() - self._begun)
             if frame is None:
                 with self._news:
                     if self._wanted is wanted:
-                        self._wanted = None
+                        self._life.off()
                 return
             frames.append(frame)
             yield frame.points if frame.pressures is None else (frame.points, frame.pressures)

@@ -1,0 +1,166 @@
+"""Messages of clients, as docs/serve.md lists them: each is checked, executed on a `Live` and answered."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Callable, Hashable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._boards.errors import BoardError
+from .._midair import SceneError
+from .._motion import document
+from .._support.arguments import json_object, number, real, refused
+from .client import Client
+from .life import SILENCE
+from .live import Live
+from .work import Work
+
+#: Numbers per point in a binary message: x, y, z, pressure.
+ROW = 4
+
+#: Shortest time in s between two reports of the metrics.
+LEAST_REPORT = 0.01
+
+#: Keys of a JSON message, of which a message needs at least one.
+KEYS = ("points", "path", "modulation", "off", "keep", "state", "metrics")
+
+
+class Talk:
+    """Executes the messages of a WebSocket client, and sends the metrics repeatedly if it asks for them."""
+
+    def __init__(self, client: Client, live: Live, work: Work) -> None:
+        self._client = client
+        self._live = live
+        self._work = work
+        self._every = 0.0
+        self._timer: asyncio.TimerHandle | None = None
+
+    def begin(self) -> None:
+        """Greet the client."""
+        board = self._live.connection.board
+        greeting = {"board": board.name, "transducers": len(board.array), "rate": self._live.rate}
+        self._client.say(json.dumps({**greeting, "silence": SILENCE}))
+
+    def end(self) -> None:
+        """End the reports."""
+        self._set(0.0)
+
+    def obey(self, message: str | bytes, _: float) -> None:
+        """Execute a message and answer."""
+        try:
+            answer = obey(self._live, self._client, message, self._repeat)
+        except (SceneError, BoardError) as error:
+            answer = {"error": str(error)}
+        if answer:
+            self._client.say(json.dumps(answer))
+
+    def _repeat(self, seconds: float) -> None:
+        """Send the metrics every `seconds` s from now on; 0 ends this."""
+        self._every = seconds and max(seconds, LEAST_REPORT)
+        with suppress(RuntimeError):
+            self._client.loop.call_soon_threadsafe(self._set, self._every)
+
+    def _set(self, seconds: float) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        if seconds:
+            self._timer = self._client.loop.call_later(seconds, self._work.ask, self._client, self._report)
+
+    def _report(self) -> None:
+        # The reports end with the board.
+        with suppress(BoardError):
+            self._client.say(json.dumps(self._live.metrics()))
+            self._repeat(self._every)
+
+
+def obey(
+    live: Live, source: Hashable, message: str | bytes, repeat: Callable[[float], object] = lambda _: None
+) -> dict[str, Any]:
+    """Execute a message of a source and return the answer.
+
+    `repeat` is called with the time in s after which the metrics are to be sent again and again; 0 ends it.
+    """
+    if isinstance(message, bytes):
+        if len(message) % (4 * ROW):
+            raise SceneError(f"message is {len(message)} bytes long: give float32 x, y, z, pressure a point")
+        return _rows(live, source, np.frombuffer(message, "<f4").astype(np.float64))
+    wanted = _read(message)
+    if "modulation" in wanted:
+        wave = wanted["modulation"]
+        if isinstance(wave, list):
+            wave = real("modulation", wave, "give a frequency in Hz, or numbers from 0 to 1")
+        live.modulate(wave)
+    if "points" in wanted:
+        points = real("points", wanted["points"], "give (M, 3) in m")
+        if points.ndim != 2 or points.shape[1] != 3 or not len(points):
+            raise refused("points", wanted["points"], "give (M, 3) in m")
+        pressures = wanted.get("pressures")
+        pascals = None if pressures is None else real("pressures", pressures, "give (M,) in Pa")
+        live.place(source, points, pascals)
+    elif "path" in wanted:
+        live.follow(source, _path(wanted["path"]))
+    elif "off" in wanted:
+        live.off()
+    if "metrics" in wanted:
+        every = wanted["metrics"]
+        if not isinstance(every, bool):
+            repeat(number("metrics", every, least=0))
+        return live.metrics()
+    return live.state() if "state" in wanted else {}
+
+
+def obey_osc(live: Live, source: Hashable, name: str, values: list[Any]) -> dict[str, Any]:
+    """Execute an OSC message of a source: points x y z ..., rows x y z pressure ..., modulation hz, ..."""
+    if name in ("points", "rows"):
+        numbers = real(name, values, "give numbers")
+        width = 3 if name == "points" else ROW
+        if numbers.ndim != 1 or not numbers.size or numbers.size % width:
+            raise SceneError(f"{name} are {numbers.size} numbers: give {width} a point")
+        rows = np.zeros((numbers.size // width, ROW))
+        rows[:, :width] = numbers.reshape(-1, width)
+        return _rows(live, source, rows.ravel())
+    if name == "modulation":
+        hz = number(name, values[0], least=0) or None if values else None
+        return obey(live, source, json.dumps({name: hz}))
+    answer = obey(live, source, json.dumps({name: True}))
+    answer.pop("points", None)
+    reached = answer.pop("pressures", [])
+    return answer | {f"pressure {k}": pressure for k, pressure in enumerate(reached)}
+
+
+def _rows(live: Live, source: Hashable, values: NDArray[np.float64]) -> dict[str, Any]:
+    """Play points and pressures (M, 4).
+
+    No rows turn the board off. Pressures that are all 0 mean as loud as possible.
+    """
+    rows = values.reshape(-1, ROW)
+    if not len(rows):
+        live.off()
+        return {}
+    live.place(source, rows[:, :3], rows[:, 3] if rows[:, 3].any() else None)
+    return {}
+
+
+def _read(message: str) -> dict[str, Any]:
+    """Parse a message: a JSON object with known keys and without NaN."""
+    wanted = json_object("message", message, 'give an object such as {"points": [[0, 0, 0.15]]}')
+    if not wanted.keys() & set(KEYS):
+        raise SceneError(f"message has none of the keys {', '.join(KEYS)}")
+    for key in wanted:
+        if key not in (*KEYS, "pressures"):
+            raise refused("key", key, f"give {', '.join(KEYS)} or pressures")
+    return wanted
+
+
+def _path(table: Any) -> Any:
+    """Return the path of a table as in a scene file. Tables that name files are refused, for safety."""
+    if not isinstance(table, dict) or table.get("kind") == "svg" or "file" in table:
+        raise SceneError("path reads a file, or is no object: give a table as in [[motion.path]], but no svg")
+    return document.path_of(dict(table), Path())
