@@ -24,7 +24,7 @@ RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml $(shell find cor
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards gateware test-studio npm test-npm unity test-unity lint fuzz sanitize bench bench-capi bench-peers pictures look docs generated api schema golden map header stubs pins wheels release clean
+.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards test-serve gateware test-studio npm test-npm unity test-unity lint fuzz sanitize bench bench-capi bench-peers pictures look docs generated api schema golden map header stubs pins wheels release clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -80,7 +80,7 @@ $(BUILT)/libmidair.so:
 	$(MAKE) --no-print-directory capi
 
 test: outlook lint test-rust test-python ## The core's tests and the package's (the C library's: test-capi)
-	@echo; echo "== all passed. Left out: make test-capi (the C library, 6 min), test-studio, test-npm, test-unity, test-firmware, test-boards, test-portable, fuzz, sanitize"
+	@echo; echo "== all passed. Left out: make test-capi (the C library, 6 min), test-studio, test-npm, test-unity, test-firmware, test-boards, test-serve, test-portable, fuzz, sanitize"
 
 outlook:
 	@echo "make test: lint, the core's tests, the package's tests; 20 minutes on two cores, a third of it when built before."
@@ -117,6 +117,9 @@ test-portable: ## The core on 64-bit ARM and WebAssembly, emulated (Debian's pac
 test-boards: setup ## Boards: programs that play end in every way, 20 times each, and 10,000 frames a link (8 min)
 	$(CARGO) build --quiet --release --manifest-path gateware/autd3/Cargo.toml
 	MIDAIR_SLOW=1 $(PYTHON) -m pytest $(wildcard python/tests/test_boards*.py)
+
+test-serve: setup ## Points of other programs: 1,000,000 histories of signs of life, 1,000 real ones, 10,000 connections (8 min)
+	MIDAIR_SLOW=1 $(PYTHON) -m pytest $(wildcard python/tests/test_serve*.py)
 
 gateware: .venv/extension ## Boards' makers' own gateware with our bytes, recorded (MAKERS=folder of their repositories, Debian's ghdl, simavr)
 	$(PYTHON) gateware/autd3_run.py

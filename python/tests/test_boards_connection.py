@@ -239,6 +239,30 @@ def test_hold_turns_off_until_the_next_frame():
         assert loop.stats.lapses == 1
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("board", ["sonicsurface:loop", "mega64:loop"])
+def test_off_again_and_again_makes_the_next_frame_wait_no_longer(board):
+    with midair.connect(board) as loop:
+        frame = np.ones(len(loop.board.array))
+        for _ in range(60):
+            loop.off()
+        begin = time.monotonic()
+        loop.send(frame)
+        assert loop.state == "playing"
+        assert time.monotonic() - begin < 0.5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("board", ["sonicsurface:loop", "openmpd:null", "null"])
+def test_a_drive_that_is_sent_again_and_again_plays_on(board):
+    with midair.connect(board, hold=0.2) as loop:
+        frame = np.ones(len(loop.board.array))
+        for _ in range(40):
+            loop.send(frame)
+            time.sleep(0.02)
+        assert loop.state == "playing"
+
+
 def test_a_limit_refuses_what_is_too_loud():
     array = midair.Board("sonicsurface").array
     ear = midair.ear([0.0, 0.1, 0.15])

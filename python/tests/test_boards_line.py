@@ -89,6 +89,23 @@ def test_silence_waits_for_nothing(clock):
     assert kept.kept[-1] == (100.0, b"\x97")
 
 
+def test_silence_that_is_in_the_line_is_not_sent_again(clock):
+    kept = Kept(clock)
+    kept.play(bytes(258))
+    for _ in range(60):
+        kept.silence()
+    assert [content for _, content in kept.kept] == [bytes(258), b"\x97"]
+    # A frame after it waits no longer than behind a single silence.
+    begin = clock.now
+    kept.play(bytes(258))
+    assert clock.now - begin < 2 * 258 * 10 / 230400
+    # Once the line is free, the board may have been off its supply meanwhile.
+    kept.silence()
+    clock.now += 1
+    kept.silence()
+    assert [content for _, content in kept.kept[2:]] == [bytes(258), b"\x97", b"\x97"]
+
+
 def swings(kept, seconds, hz=200):
     kept._swing(Stop(kept.clock, 100 + seconds), 100.0, 0.5 / hz)
     return kept.times() - 100

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import base64
 import json
+import math
+import re
 import signal
 import socket
 import subprocess
@@ -25,6 +27,7 @@ from pythonosc.osc_message_builder import OscMessageBuilder
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
+from midair._cli.serve import serve_command
 from midair._serve.life import SILENCE
 from midair._serve.live import Live
 from midair._serve.messages import obey
@@ -355,6 +358,23 @@ def test_hostile_messages_make_no_sound_and_end_nothing(server: PointServer) -> 
         client.recv(timeout=5)
         assert ask(client, points=[POINT])["error"] is None
         until(server, "playing")
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        ({"change": -1.0}, "change is -1.0: give a number above 0"),
+        ({"change": math.nan}, "change is nan: give a finite number"),
+        ({"rate": math.nan}, "rate is nan: give a finite number"),
+        *(
+            ({"origin": [origin]}, "give SCHEME://HOST")
+            for origin in ("nonsense", "*", "http://", "http://a/b")
+        ),
+    ],
+)
+def test_options_that_let_nothing_play_are_refused(options: dict[str, Any], told: str) -> None:
+    with pytest.raises(midair.SceneError, match=re.escape(told)):
+        serve_command(on="sonicsurface:null", **options)
 
 
 @pytest.mark.slow
