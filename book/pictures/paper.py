@@ -9,7 +9,7 @@ from pathlib import Path
 
 from marked import put, table
 from midair._cli.progress import progress_bar
-from midair._reproduce import FIGURES, fig2, reproduce, tables, timing
+from midair._reproduce import FIGURES, fig2, fig5, reproduce, tables
 from pictures import DOCS, ROOT, reduce
 
 #: The verdicts as the page's sentence has them.
@@ -71,7 +71,7 @@ def means(rows: tables.Rows, factor: float, digits: int) -> str:
 def times(rows: tables.Rows, x: str) -> str:
     """Returns the tables of figs. 5 and 6: medians in ms, and slopes."""
     firsts = [tables.pick(rows, method=key)[0] for key in tables.labels(rows)]
-    slopes = [[row["label"], timing.stated_slope(row)] for row in firsts]
+    slopes = [[row["label"], fig5.stated_slope(row)] for row in firsts]
     medians = wide(rows, x, lambda row: f"{1e3 * row['median']:.3g}")
     return f"{medians}\n" + table(["method", f"slope of log time over log {x}"], slopes)
 

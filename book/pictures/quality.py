@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
 
 import midair
-from midair._reproduce import drawing, scenes, tables, timing
+from midair._reproduce import drawing, fig5, scenes, tables
 from midair._reproduce.scenes import Method
 from midair._sweep.block import solve_block
 from pictures import DOCS, _labels
@@ -30,7 +30,7 @@ LABELS = {"accuracy": "accuracy (higher is louder)", "sigma": "sigma (lower is m
 OPTIONS = {"uniform": {"aim": "max"}, "best": {"aim": "max"}}
 FINE = Method("greedy 256 x 16", "greedy 256 x 16", "greedy", {"phases": 256, "amplitudes": 16}, "#7f0000")
 #: The colours of the methods, as in the paper's figures.
-COLOURS = {method.solver: method.colour for method in (*scenes.PAPER, scenes.GS, *scenes.even())} | {
+COLOURS = {method.solver: method.colour for method in (*scenes.PAPER, scenes.GS, *scenes.EVEN)} | {
     "fast": "#e377c2",
     "wgs": "#008b8b",
     "tikhonov": "#808000",
@@ -56,7 +56,7 @@ def measure(work: Sequence[Method], count: int) -> tables.Rows:
     array = midair.Array.grid(scenes.SIDE, scenes.SIDE, scenes.PITCH, source_pressure=1e-3)
     scene = midair.Scene(array, answers[0]["points"][0], answers[0]["targets"][0])
     calls = [(method.solver, method.options) for method in work]
-    times = np.median(timing.in_turns(calls, [scene] * (ROUNDS + 1), LEAST), axis=0)
+    times = np.median(fig5.in_turns(calls, [scene] * (ROUNDS + 1), LEAST), axis=0)
     return [
         {
             "method": method.key,

@@ -18,8 +18,8 @@ import methods
 import midair
 import oracle
 from midair import _cli as cli
-from midair._reproduce import FIGURES, fig3, fig7, reproduce, scenes, tables, timing
-from midair._reproduce.scenes import curves, panels
+from midair._reproduce import FIGURES, fig3, fig5, fig7, reproduce, scenes, tables
+from midair._reproduce.scenes import CURVES, PANELS
 from midair._reproduce.tables import Run
 from midair._sweep.block import solve_block
 
@@ -110,7 +110,7 @@ def test_figs_3_and_4_share_their_trials_and_more_trials_use_what_is_there(
     reported.__module__, reported.__qualname__ = solve_block.__module__, solve_block.__qualname__
     monkeypatch.setattr(fig3, "solve_block", reported)
     monkeypatch.setattr(fig3, "CHUNK", 2)
-    cells = len(curves()) * len(scenes.COUNTS)
+    cells = len(CURVES) * len(scenes.COUNTS)
     reproduce(["fig3"], tmp_path, trials=2)
     assert solved == [(0, 2)] * cells
     reproduce(["fig4"], tmp_path, trials=2)
@@ -142,7 +142,7 @@ OURS = {"uniform", "best"}
 
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [4, 8, 16])
-@pytest.mark.parametrize("method", [m for m in curves() if m.key not in OURS], ids=lambda method: method.key)
+@pytest.mark.parametrize("method", [m for m in CURVES if m.key not in OURS], ids=lambda method: method.key)
 def test_the_reference_lies_within_the_interval_of_fig_3(method: Any, count: int) -> None:
     # Fewer trials for 4096 candidates, because the reference's loops then take a second per scene.
     trials = 4 if method.key == "greedy-fine" else 8
@@ -164,14 +164,14 @@ def test_the_scenes_are_the_papers() -> None:
     smiley = midair.Scene.load(Path(__file__).parents[2] / "docs" / "scenes" / "smiley.toml")
     # The file's positions are rounded to micrometres.
     assert np.abs(np.array(scenes.smiley()) - smiley.points).max() < 1e-6
-    assert len(panels()) >= 6
+    assert len(PANELS) >= 6
 
 
 def test_a_slope_is_found_with_its_error() -> None:
     x = np.array([1.0, 2.0, 4.0, 8.0])
-    assert timing.slope(x, 3 * x**1.5) == pytest.approx((1.5, 0.0), abs=1e-12)
+    assert fig5.slope(x, 3 * x**1.5) == pytest.approx((1.5, 0.0), abs=1e-12)
     # Computed by hand: the exponents of 2 differ from the line of slope 0.9 by 0.1, -0.3, 0.3, -0.1.
-    found, error = timing.slope(x, 2.0 ** np.array([0.0, 0.5, 2.0, 2.5]))
+    found, error = fig5.slope(x, 2.0 ** np.array([0.0, 0.5, 2.0, 2.5]))
     assert found == pytest.approx(0.9)
     assert error == pytest.approx(np.sqrt(0.2 / 2 / 5), rel=1e-9)
 
@@ -269,11 +269,13 @@ def test_ctrl_c_keeps_what_is_done(tmp_path: Path) -> None:
 def test_times_are_cpu_times_of_methods_in_turn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     clock = iter(range(10**6))
     solved: list[str] = []
-    monkeypatch.setattr(timing.time, "process_time_ns", lambda: next(clock) * 10**7)
-    monkeypatch.setattr(timing._midair, "solve", lambda scene, solver, **options: solved.append(solver))
-    monkeypatch.setattr(timing, "ROUNDS", 2)
-    rows = timing.study(Run(9, 0, tmp_path), [(4, 2), (5, 2), (6, 2)], "N", 0)
+    monkeypatch.setattr(fig5.time, "process_time_ns", lambda: next(clock) * 10**7)
+    monkeypatch.setattr(fig5._midair, "solve", lambda scene, solver, **options: solved.append(solver))
+    monkeypatch.setattr(fig5, "ROUNDS", 2)
+    monkeypatch.setattr(scenes, "SIDES", (4, 5, 6))
+    monkeypatch.setattr(scenes, "FIXED_COUNT", 2)
+    rows = fig5.collect(Run(9, 0, tmp_path), "N").rows
     assert {row["median"] for row in rows} == {0.01}
     assert {row["rounds"] for row in rows} == {2}
-    count = len(timing.timed())
+    count = len(scenes.TIMED)
     assert solved[count + count : 3 * count] == [*solved[count + 1 : 2 * count], solved[count]]

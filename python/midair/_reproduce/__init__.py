@@ -5,37 +5,42 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
+from functools import partial
 from pathlib import Path
-from typing import Protocol
+from typing import NamedTuple
 
 from matplotlib.figure import Figure as Picture
 
 from .._midair import SceneError
 from .._support.kept import locked
-from . import drawing, fig2, fig3, fig4, fig5, fig7, tables
+from . import drawing, fig2, fig3, fig5, fig7, tables
 from .tables import Found, Run, Tell, Verdict, silent
 
 
-class Figure(Protocol):
-    """Protocol of a figure's module."""
+class Figure(NamedTuple):
+    """Functions that compute a figure's numbers, draw them, and check the paper's statements."""
 
-    def collect(self, run: Run, /) -> Found:
-        """Compute the numbers of the figure."""
-
-    def draw(self, found: Found, /) -> Picture:
-        """Draw the numbers in the paper's layout."""
-
-    def judge(self, rows: tables.Rows, /) -> list[Verdict]:
-        """Check the paper's statements against the numbers."""
+    collect: Callable[[Run], Found]
+    draw: Callable[[Found], Picture]
+    judge: Callable[[tables.Rows], list[Verdict]]
 
 
-FIGURES: dict[str, Figure] = {
-    "fig2": fig2,
-    "fig3": fig3,
-    "fig4": fig4,
-    "fig5": fig5,
-    "fig6": fig5.Transducers(),
-    "fig7": fig7,
+FIGURES = {
+    "fig2": Figure(fig2.collect, fig2.draw, fig2.judge),
+    "fig3": Figure(
+        partial(fig3.collect, metric="accuracy"),
+        partial(fig3.draw, label="accuracy, eq. (12)"),
+        fig3.judge_accuracy,
+    ),
+    "fig4": Figure(
+        partial(fig3.collect, metric="sigma"),
+        # The sigmas differ by orders of magnitude.
+        partial(fig3.draw, label="deviation sigma, eq. (13) with 1/M", scale="log"),
+        fig3.judge_deviation,
+    ),
+    "fig5": Figure(partial(fig5.collect, over="M"), partial(fig5.draw, over="M"), fig5.judge_points),
+    "fig6": Figure(partial(fig5.collect, over="N"), partial(fig5.draw, over="N"), fig5.judge_transducers),
+    "fig7": Figure(fig7.collect, fig7.draw, fig7.judge),
 }
 
 

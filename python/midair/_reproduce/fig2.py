@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from .._sweep.engine import Job
 from . import drawing, scenes, tables
-from .scenes import panels
+from .scenes import PANELS
 from .tables import Found, Run, Verdict, outcome
 
 SIZE = 0.1
@@ -26,11 +26,11 @@ def collect(run: Run) -> Found:
             1,
             method.key,
         )
-        for method in panels()
+        for method in PANELS
     ]
     found = run.gather(jobs)
     rows: tables.Rows = []
-    for method in panels():
+    for method in PANELS:
         mine = found[method.key]
         for index, ((x, y, _), pressure) in enumerate(zip(points, mine["pressures"][0], strict=True)):
             rows.append(

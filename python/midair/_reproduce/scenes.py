@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from .._midair import Array, solvers
+from .._midair import Array
 
 Options = dict[str, Any]
 
@@ -60,35 +60,27 @@ L1 = Method(
 )
 
 
-def even() -> tuple[Method, ...]:
-    """Return midair's methods for even fields at the highest level, if this build has them."""
-    ours = (
-        Method("uniform", "uniform, |q|≤1", "uniform", {"aim": "max"}, "black", False),
-        Method("best", "best, |q|≤1", "best", {"aim": "max"}, "dimgray", False),
-    )
-    return tuple(method for method in ours if method.solver in solvers())
+#: midair's methods for even fields at the highest level.
+EVEN = (
+    Method("uniform", "uniform, |q|≤1", "uniform", {"aim": "max"}, "black", False),
+    Method("best", "best, |q|≤1", "best", {"aim": "max"}, "dimgray", False),
+)
 
+#: The methods of figs. 3 and 4; of fig. 2: the paper's six, then midair's.
+CURVES = (*PAPER, FINE, L1, GS, *EVEN)
+PANELS = (*PAPER, GS, *EVEN)
 
-def curves() -> tuple[Method, ...]:
-    """Return the methods of figs. 3 and 4."""
-    return (*PAPER, FINE, L1, GS, *even())
-
-
-def panels() -> tuple[Method, ...]:
-    """Return the methods of fig. 2: the paper's six, then midair's."""
-    return (*PAPER, GS, *even())
-
-
-def timed() -> tuple[Method, ...]:
-    """Return the methods of figs. 5 and 6: greedy in fixed order, greedy by brute force, and the others."""
-    fixed = {"balance": False, "order": "columns"}
-    first, *others = PAPER
-    greedy = Method(first.key, first.label, "greedy", fixed, first.colour)
-    brute = Method(
-        "greedy-brute", "greedy, plain brute force", "greedy", {**fixed, "objective": "l1"}, "#ff9896", False
-    )
-    return (greedy, brute, *others, GS, *even())
-
+#: The methods of figs. 5 and 6: greedy in fixed order, greedy by brute force, and the others.
+FIXED: Options = {"balance": False, "order": "columns"}
+TIMED = (
+    replace(PAPER[0], options=FIXED),
+    Method(
+        "greedy-brute", "greedy, plain brute force", "greedy", {**FIXED, "objective": "l1"}, "#ff9896", False
+    ),
+    *PAPER[1:],
+    GS,
+    *EVEN,
+)
 
 #: Height of the points in m.
 Z = 0.15
