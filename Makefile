@@ -153,7 +153,7 @@ lint: .venv/ready ## Formatting, clippy, rustdoc, ruff, spelling: warnings are e
 	$(call step,lint: Python (2 s),$(BIN)/ruff check $(CODE))
 	$(call step,lint: Python is formatted (2 s),$(BIN)/ruff format --check $(CODE))
 	$(call step,lint: words are spelt right (2 s),$(BIN)/codespell *.md docs book core python capi bench examples firmware studio/src)
-	$(call step,lint: words that docs/style.md replaces (1 s),$(PYTHON) book/dialect.py)
+	$(call step,lint: words that docs/style.md replaces (1 s),book/words.sh)
 
 fuzz: fuzz/.tools/bin/cargo-fuzz fuzz/.venv/ready ## Guided fuzzing, recorded (TIME=60 seconds or RUNS a target, TARGETS="scene solve")
 	nice -n 19 $(PYTHON) fuzz/run.py --time $(TIME) --runs $(RUNS) $(TARGETS)

@@ -126,7 +126,7 @@ impl Batch {
             source,
             choice: Arc::new(choice),
             points: read::vectors("points", &part("points")?)?,
-            request: Request { pressures: list("asked")?, phases: list("asked_phases")?, weights: list("weights")? },
+            request: Request { pressures: list("requested")?, phases: list("phases")?, weights: list("weights")? },
         };
         let status = part("status")?.extract::<Vec<String>>()?;
         let inner = midair::Batch {
@@ -155,7 +155,7 @@ impl Batch {
         record.set_item("options", options)?;
         record.set_item("points", rows(py, &request.points)?)?;
         let Request { pressures, phases, weights } = request.request.clone();
-        for (name, list) in [("asked", pressures), ("asked_phases", phases), ("weights", weights)] {
+        for (name, list) in [("requested", pressures), ("phases", phases), ("weights", weights)] {
             record.set_item(name, list.map(|list| give::list(py, list)))?;
         }
         record.set_item("drives", &self.drives)?;

@@ -96,10 +96,10 @@ impl Solution {
     fn _restore(record: &Bound<'_, PyDict>) -> PyResult<Self> {
         let (part, maybe) = (|name: &str| part(record, name), |name: &str| part_or_none(record, name));
         let [pressures, weights, quantization, positions] =
-            ["asked", "weights", "quantization", "positions"].map(maybe);
+            ["requested", "weights", "quantization", "positions"].map(maybe);
         let (pressures, weights) = (pressures?, weights?);
         let (quantization, positions) = (quantization?, positions?);
-        let phases = maybe("asked_phases")?.map(|phases| read::reals("phases", &phases)).transpose()?;
+        let phases = maybe("phases")?.map(|phases| read::reals("phases", &phases)).transpose()?;
         let subject = part("scene")?;
         let beside = Beside {
             pressures: pressures.as_ref(),
@@ -134,8 +134,8 @@ impl Solution {
         } else {
             let (propagation, setup, request) = self.inner.requested();
             record.set_item("scene", Propagation { inner: propagation.clone() })?;
-            record.set_item("asked", request.pressures)?;
-            record.set_item("asked_phases", request.phases)?;
+            record.set_item("requested", request.pressures)?;
+            record.set_item("phases", request.phases)?;
             record.set_item("weights", request.weights)?;
             record.set_item("quantization", shown(py, setup.quantization.as_deref())?)?;
             record.set_item("positions", setup.positions.as_deref().map(|at| rows(py, at)).transpose()?)?;

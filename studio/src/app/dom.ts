@@ -118,9 +118,9 @@ export function draggable<Grip>(handle: HTMLElement, studio: { setMoving(moving:
   handle.onpointermove = (event) => grip !== null && move(grip, event, `drag ${gestures}`);
   handle.onpointerup = handle.onpointercancel = (event) => {
     if (grip === null) return;
-    const held = grip;
+    const ended = grip;
     grip = null;
     studio.setMoving(false);
-    end?.(held, event);
+    end?.(ended, event);
   };
 }
