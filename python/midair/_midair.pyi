@@ -79,6 +79,7 @@ __all__ = [
     "judge",
     "live_lines",
     "memory_limit",
+    "numbers",
     "placed",
     "preset_name",
     "presets",
@@ -612,6 +613,17 @@ def bodies() -> dict[str, dict[str, int]]: ...
 def directivities() -> dict[str, tuple[float | None, str, str]]: ...
 def preset_name(name: str) -> str: ...
 def along(contours: Sequence[ArrayLike], step: float) -> NDArray[np.float64]: ...
+def numbers(
+    item: str,
+    value: object,
+    shapes: Sequence[tuple[int, ...]] | None,
+    cure: str,
+    *,
+    kinds: str = "iuf",
+    least: float | None = None,
+    most: float | None = None,
+    copy: bool = True,
+) -> NDArray[Any]: ...
 def read_motion(
     path: str | PathLike[str], start: Callable[[str, str], NDArray[np.float64]]
 ) -> tuple[Scene, dict[str, Any]] | None: ...

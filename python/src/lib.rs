@@ -97,6 +97,8 @@ mod _midair {
     #[pymodule_export]
     use super::names::{preset_name, solver_name, unknown};
     #[pymodule_export]
+    use super::numbers::checked;
+    #[pymodule_export]
     use super::parts::array_parts;
     #[pymodule_export]
     use super::plane::Plane;

@@ -1,5 +1,6 @@
 //! Reads arrays of numbers in any memory layout as copies in C order. Rejects values that NumPy would convert wrongly.
 
+use midair::Complex64;
 use numpy::ndarray::{Dimension, IxDyn};
 use numpy::{
     Element, PyArray, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArray, PyUntypedArray,
@@ -7,10 +8,11 @@ use numpy::{
 };
 use pyo3::exceptions::{PyException, PyRecursionError};
 use pyo3::prelude::*;
-use pyo3::sync::PyOnceLock;
 use pyo3::types::{IntoPyDict, PyBool, PyFloat, PyInt, PyList, PyTuple};
 
 use crate::error::invalid;
+use crate::give;
+use crate::read::REAL;
 
 /// Largest number of dimensions of an argument: (B, M, 3).
 const DEEPEST: usize = 3;
@@ -72,20 +74,101 @@ pub(crate) fn array<'py>(
             array => array?,
         }
     };
-    let kind = char::from(array.cast::<PyUntypedArray>()?.dtype().kind());
-    if kinds.contains(kind) { Ok((array, kind)) } else { Err(refusal()) }
+    let own = array.cast::<PyUntypedArray>()?.dtype();
+    let kind = char::from(own.kind());
+    if kinds.contains(kind) {
+        return Ok((array, kind));
+    }
+    // The values of an array of another type are right, but not their type.
+    let foreign = kind != 'O' && !value.is_instance_of::<PyList>() && !value.is_instance_of::<PyTuple>();
+    if foreign && array.getattr("ndim")?.is_truthy()? {
+        return Err(invalid(item, &format!("of dtype {own}"), cure));
+    }
+    Err(refusal())
 }
 
+/// Returns an array of anything that NumPy reads or that has `__dlpack__`, without a copy if possible. Data on a GPU are
+/// copied.
 fn as_array<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-    static AS_ARRAY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    static FROM_DLPACK: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    // While midair is being imported, arrays are made from lists only, which need no module of the package.
-    let read = if value.hasattr("__dlpack__")? {
-        FROM_DLPACK.import(value.py(), "midair._support.arguments", "as_array")?
-    } else {
-        AS_ARRAY.import(value.py(), "numpy", "asarray")?
-    };
-    read.call1((value,))
+    let numpy = value.py().import("numpy")?;
+    if !value.is_instance_of::<PyUntypedArray>() && value.get_type().hasattr("__dlpack__")? {
+        // `from_dlpack` fails for GPU memory and for types that NumPy lacks; NumPy 1.26 does not accept `device`.
+        let on_cpu = [("device", "cpu")].into_py_dict(value.py())?;
+        for keywords in [None, Some(&on_cpu)] {
+            match numpy.call_method("from_dlpack", (value,), keywords) {
+                Err(error) if error.is_instance_of::<PyException>(value.py()) => {}
+                array => return array,
+            }
+        }
+    }
+    numpy.call_method1("asarray", (value,))
+}
+
+/// Reads an argument of the toolbox: finite numbers, float64 or, if they are complex, complex128; the array is read-only.
+///
+/// `shapes` are the shapes that it may have, or `None` for any; in a shape, -k stands for any size of at least k. `kinds`
+/// are NumPy's letters of the types that are accepted. Values are at least `least`, and their moduli at most `most`. With
+/// `copy=False` the result is the array in its own type, without a copy if possible, and its values are not checked.
+#[pyfunction]
+#[pyo3(name = "numbers", signature = (item, value, shapes, cure, *, kinds=REAL, least=None, most=None, copy=true))]
+#[allow(clippy::too_many_arguments, reason = "keywords of Python")]
+pub(crate) fn checked<'py>(
+    item: &str,
+    value: &Bound<'py, PyAny>,
+    shapes: Option<Vec<Vec<isize>>>,
+    cure: &str,
+    kinds: &str,
+    least: Option<f64>,
+    most: Option<f64>,
+    copy: bool,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (array, kind) = array(item, value, kinds, cure)?;
+    let shape = array.cast::<PyUntypedArray>()?.shape();
+    let size = |(&own, &size): (&usize, &isize)| own == size.unsigned_abs() || size < 0 && own > size.unsigned_abs();
+    let fits = |wanted: &Vec<isize>| wanted.len() == shape.len() && shape.iter().zip(wanted).all(size);
+    if shapes.is_some_and(|shapes| !shapes.iter().any(fits)) {
+        return Err(invalid(item, &reported(shape), cure));
+    }
+    match kind {
+        _ if !copy => Ok(array),
+        'c' => Numbers::of(&array)?.within(array.py(), item, [None, most], |q: &Complex64| (0.0, q.norm())),
+        _ => {
+            let least = least.or(most.map(|most| -most));
+            Numbers::of(&array)?.within(array.py(), item, [least, most], |x: &f64| (*x, x.abs()))
+        }
+    }
+}
+
+impl<T: Element> Numbers<T> {
+    /// Returns these numbers as a read-only array. Rejects the first one that is not finite or out of range; `of` returns
+    /// what has a lower bound, and what has an upper bound.
+    fn within<'py>(
+        self,
+        py: Python<'py>,
+        item: &str,
+        [least, most]: [Option<f64>; 2],
+        of: impl Fn(&T) -> (f64, f64),
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let wrong = self.values.iter().map(of).position(|(x, modulus)| {
+            !modulus.is_finite() || least.is_some_and(|least| x < least) || most.is_some_and(|most| modulus > most)
+        });
+        let array = give::list(py, self.values).reshape(&self.shape[..])?;
+        let Some(wrong) = wrong else { return Ok(array.into_any()) };
+        let (mut left, mut place) = (wrong, Vec::new());
+        for size in self.shape.iter().rev() {
+            place.insert(0, (left % size).to_string());
+            left /= size;
+        }
+        let item = if place.is_empty() { item.to_owned() } else { format!("{item}[{}]", place.join(", ")) };
+        // A bound such as 1 + 1e-6 allows for rounding.
+        let cure = match (least, most.map(|most| (most * 1e4).round() / 1e4)) {
+            (None, None) => "give finite numbers".into(),
+            (Some(least), None) => format!("give numbers of at least {least}"),
+            (None, Some(most)) => format!("give numbers of at most {most} in modulus"),
+            (Some(least), Some(most)) => format!("give numbers from {least} to {most}"),
+        };
+        Err(invalid(&item, &quoted(&array.call_method1("item", (wrong,))?), &cure))
+    }
 }
 
 /// Returns whether nested lists can be an array of numbers: not nested too deeply, and without bools, which NumPy would

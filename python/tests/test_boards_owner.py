@@ -163,7 +163,7 @@ def test_a_limit_is_its_own_and_cannot_be_written_to():
 
 @pytest.mark.parametrize("pressure", [True, "5", [None], [1 + 1j]])
 def test_a_limit_that_is_no_number_is_refused(pressure):
-    with pytest.raises(midair.SceneError, match=r"limit is .*the pressure in Pa"):
+    with pytest.raises(midair.SceneError, match=r'limit\["pressure"\] is .*the pressure in Pa'):
         midair.connect("sonicsurface:null", limit={"positions": [[0, 0, 0.1]], "pressure": pressure})
 
 

@@ -169,7 +169,7 @@ def spoilt(kind: str, received: Any) -> Any:
     [
         ("nan", r"readings\[3, 1\] is nan: give finite numbers"),
         ("few", "readings are too few: 80 of 256 transducers"),
-        ("shape", r"readings have shape \(4, 128\): give \(128, 4\)"),
+        ("shape", r"readings is of shape \(4, 128\): give \|p\| or p \(128, 4\)"),
         ("clipped", r"readings\[:, 0\] are clipped"),
         ("negative", r"readings\[2, 0\] is -1"),
         ("deaf", "microphone 2 hears nothing"),

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import ast
 import importlib
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -168,6 +169,17 @@ def test_names_that_are_loaded_later_are_those_that_type_checkers_see() -> None:
     assert seen == {home: set(names.split()) for home, names in HOMES.items() if names}
     later = {name for names in HOMES.values() for name in names.split()}
     assert later | {home for home, names in HOMES.items() if not names} <= set(midair.__all__)
+
+
+def test_the_extension_imports_no_module_of_the_package() -> None:
+    sources = Path(__file__).parents[1].joinpath("src").glob("*.rs")
+    assert [file.name for file in sources if re.search(r'"midair\.(?!_midair")', code_of(file))] == []
+
+
+def code_of(file: Path) -> str:
+    """Returns the lines of a Rust file without comments."""
+    lines = file.read_text(encoding="utf-8").splitlines()
+    return "\n".join(line for line in lines if not line.lstrip().startswith("//"))
 
 
 #: A program that checks that `import midair` loads only NumPy and the extension.

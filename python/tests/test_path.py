@@ -304,7 +304,7 @@ def test_a_still_path_stays_and_is_modulated_by_a_shape_or_by_samples() -> None:
     assert np.array_equal(still.with_am(20).targets([0.01]), still.modulated(20).targets([0.01]))
     half = still.modulated([1, 0], depth=0.5, samples_rate=20).frames(40)[1]
     assert half[:, 0].tolist() == [500, 500, 250, 250]
-    with pytest.raises(midair.SceneError, match=r"samples is .*: give samples"):
+    with pytest.raises(midair.SceneError, match=r"samples\[0\] is 2.0: give numbers from 0 to 1"):
         still.modulated([2.0, 1.0], samples_rate=20)
     with pytest.raises(midair.SceneError, match="places is"):
         midair.path.still([0, 0], duration=1)

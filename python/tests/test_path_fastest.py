@@ -111,14 +111,14 @@ def dense(points: Real) -> Real:
 @pytest.mark.parametrize(
     ("points", "keywords", "refusal"),
     [
-        (ring(0.01)[:3], {}, r"points is .*: give at least 4 points"),
-        (ring(0.01)[:1], {}, r"points is .*: give at least 4 points"),
+        (ring(0.01)[:3], {}, r"points is of shape .*: give at least 4 points"),
+        (ring(0.01)[:1], {}, r"points is of shape .*: give at least 4 points"),
         (
             ring(0.01)[[0, 1, 2, 0]],
             {},
             r"points\[3\] is .*: the curve closes by itself, give at",
         ),
-        (np.diag([np.nan, 0, 0, 0])[:, :3], {}, r"points\[0\] is \[nan, 0.0, 0.0\]: give three finite"),
+        (np.diag([np.nan, 0, 0, 0])[:, :3], {}, r"points\[0, 0\] is nan: give finite"),
         (ring(0.01), {"margin": 1.0}, "margin is 1.0: give a number below 1"),
         (ring(0.01)[[0, 0, 1, 2, 3]], {}, "where the one before is"),
         (ring(0.01) + np.array([0, 0, 0.5]), {}, "no trap holds the bead"),

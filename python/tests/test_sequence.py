@@ -191,7 +191,7 @@ def test_units_taken_for_others_are_reported_once():
 @pytest.mark.parametrize(
     ("frames", "given", "reported"),
     [
-        ([[0, 0, 0.1]], {}, "frames[0] is [0, 0, 0.1]: give points x 3 numbers in m"),
+        ([[0, 0, 0.1]], {}, "frames[0] is of shape (3,): give points x 3 numbers in m"),
         ([[[[0, 0, 0.1]], [500]]], {}, "pressures if any as the second of a pair"),
         (5, {}, "frames is 5: give points (M, 3) in m, frame after frame"),
         (midair.path.line([0, 0, 0.1], [0, 0, 0.2], speed=1), {}, "give path.frames(rate)[0]"),
@@ -217,7 +217,7 @@ def test_what_is_no_stream_is_refused_in_a_line(board, frames, given, reported):
         ({"ahead": -3}, "ahead is -3"),
         ({"tau": -1.0}, "tau is -1.0"),
         ({"solver": "glid"}, 'unknown solver "glid": did you mean glide?'),
-        ({"pressures": [1.0, 2.0, 3.0]}, "pressures has shape"),
+        ({"pressures": [1.0, 2.0, 3.0]}, "pressures is of shape"),
         ({"aim": "loud"}, "aim"),
     ],
 )

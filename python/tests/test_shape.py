@@ -201,14 +201,17 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
         "step is 1e-300: 1 m of contours",
     ),
     "no line": (lambda: shape.line([0, 0, 1], [0, 0, 1]), "end is [0.0, 0.0, 1.0]: it is where the start is"),
-    "two numbers": (lambda: shape.line([0, 0], [0, 0, 1]), "start is [0, 0]: give three finite numbers"),
+    "two numbers": (
+        lambda: shape.line([0, 0], [0, 0, 1]),
+        "start is of shape (2,): give three finite numbers",
+    ),
     "no numbers": (lambda: shape.line([0, 0, None], [0, 0, 1]), "start is [0, 0, None]: give three finite"),
-    "an infinite one": (lambda: shape.line([0, 0, np.inf], [0, 0, 1]), "start is [0, 0, inf]: give three"),
+    "an infinite one": (lambda: shape.line([0, 0, np.inf], [0, 0, 1]), "start[2] is inf: give finite"),
     "a ragged list": (
         lambda: shape.polyline([[0, 0, 1], [0, 1]]),
-        "points is [[0, 0, 1], [0, 1]]: give a list",
+        "points is [[0, 0, 1], [0, 1]]: give at least 2 points",
     ),
-    "one corner": (lambda: shape.polyline([[0, 0, 1]]), "points is [[0.0, 0.0, 1.0]]: give at least two"),
+    "one corner": (lambda: shape.polyline([[0, 0, 1]]), "points is of shape (1, 3): give at least 2 points"),
     "corners in one place": (lambda: shape.polyline([[0, 0, 1]] * 3), "they are all in one place"),
     "a word for closed": (
         lambda: shape.polyline([[0, 0, 1], [0, 1, 1]], closed="no"),  # type: ignore[arg-type]

@@ -139,10 +139,10 @@ def test_a_reader_that_raises_keeps_the_best() -> None:
 @pytest.mark.parametrize(
     ("given", "reported"),
     [
-        (np.full(4, np.nan), "read gave nan at place 0"),
-        (np.zeros(3), r"read gave float64 of shape \(3,\): give \|p\| at 4 places"),
-        (np.full(4, -1.0), "read gave -1.0 at place 0"),
-        (np.zeros(4, complex), "read gave complex128"),
+        (np.full(4, np.nan), r"read\(drive\)\[0\] is nan"),
+        (np.zeros(3), r"read\(drive\) is of shape \(3,\): give \|p\| at 4 places"),
+        (np.full(4, -1.0), r"read\(drive\)\[0\] is -1.0"),
+        (np.zeros(4, complex), r"read\(drive\) is of dtype complex128: give"),
     ],
 )
 def test_what_is_no_reading_is_refused(given: Any, reported: str) -> None:

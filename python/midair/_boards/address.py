@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from .._midair import Codec, unknown
-from .._support.arguments import number, real, refused, word
+from .._midair import Codec, numbers, unknown
+from .._support.arguments import is_array, number, refused, word
 from .board import Board
 from .errors import BoardError
 from .layout import autd3_boards
@@ -87,17 +87,14 @@ def can_modulate(board: str) -> None:
 
 def modulation(board: str, given: Any) -> tuple[float, bytes]:
     """Check a modulation; return (Hz, no codes) for a frequency, or (NaN, codes of 0 to 255) for samples."""
-    if np.ndim(given) == 0:
+    if not isinstance(given, list | tuple) and not is_array(given):
         frequency = number("hz", given, above=0)
         can_modulate(board)
         return frequency, b""
     can_modulate(board)
     if not KINDS[board].link["holds_sequence"]:
         raise BoardError(f"{board} holds no samples: give a frequency in Hz")
-    cure = "give samples (S,) from 0 to 1"
-    samples = real("hz", given, cure)
-    if samples.ndim != 1 or not ((samples >= 0) & (samples <= 1)).all():
-        raise refused("hz", given, cure)
+    samples = numbers("hz", given, [(-1,)], "give samples (S,) from 0 to 1", least=0, most=1)
     return math.nan, np.rint(255 * samples).astype(np.uint8).tobytes()
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Codec, Solution, presets
+from .._midair import Array, Codec, Solution, numbers, presets
 from .._support.arguments import refused, warn
 from .layout import changed
 
@@ -178,8 +178,11 @@ class Board:
 
     def _warn_of_silence(self, drive: ArrayLike | Solution, frame: bytes) -> None:
         """Warn if a frame turns all transducers off although its drive does not."""
-        largest = float(np.abs(drive.drive if isinstance(drive, Solution) else drive).max())
-        if largest > 0 and frame == self.off_frame:
+        if frame != self.off_frame:
+            return
+        given = drive.drive if isinstance(drive, Solution) else drive
+        given = numbers("drive", given, None, "give a drive (N,)", kinds="iufc", copy=False)
+        if largest := float(np.abs(given).max()):
             warn(
                 f"the largest amplitude is {largest:.2g}, which a {self.name} board rounds to 0: "
                 "all transducers are off; solve for board.array"

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Array, Solution
 from .._motion import Sequence
-from .._support.arguments import number, refused
+from .._support.arguments import is_array, number, refused
 from . import wire
 from .address import DEFAULT, Address, describe, modulation, parse
 from .board import Board
@@ -142,7 +142,7 @@ class Connection:
         check_rate(pace, self.board, LATE[late])
         before = self.stats
         try:
-            known = isinstance(drives, Sequence | np.ndarray | list | tuple)
+            known = isinstance(drives, Sequence | list | tuple) or is_array(drives)
             then = None if rate is None else LATE[late]
             # Frames beyond the board's own rate would only wait in the queue.
             ahead = max(AHEAD, math.ceil(min(pace, self.board.rate) * (LEAD if known else LIVE)))

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Scene, SceneError, Solution, field
+from .._midair import Array, Scene, SceneError, Solution, field, numbers
 from .._motion import Sequence
 from .._points.ear import Ear
-from .._support.arguments import refused, shown, warn
+from .._support.arguments import is_array, refused, warn
 from .board import Board
 from .errors import BoardError, BoardTimeout
 from .wire import Late
@@ -45,21 +45,18 @@ class Limit:
             raise refused("limit", given, form)
         more = {**given}
         positions, pressure = more.pop("positions"), more.pop("pressure")
+        if isinstance(positions, Ear):
+            positions = positions.points
+        places = numbers('limit["positions"]', positions, [(3,), (-1, 3)], "give (3,) or (M, 3) in m")
+        count, cure = places.size // 3, "give the pressure in Pa, or one for each position"
+        most = numbers('limit["pressure"]', pressure, [(), (1,), (count,)], cure, least=0)
+        self._most = np.broadcast_to(most, count)
         try:
-            points = positions.points if isinstance(positions, Ear) else np.atleast_2d(positions)
-            self._scene = Scene(array, points, **more)
-            most = np.asarray(pressure)
-            if most.dtype.kind not in "iuf":
-                raise TypeError(f"pressure is {shown(pressure)}")
-            # A copy: later changes of the caller's array must have no effect.
-            self._most = np.array(np.broadcast_to(most, len(self._scene.points)), np.float64)
-            self._most.flags.writeable = False
+            self._scene = Scene(array, places.reshape(-1, 3), **more)
         except TypeError as error:
             raise refused("limit", given, f"{error}; {form}") from error
-        except ValueError as error:
+        except SceneError as error:
             raise refused("limit", given, str(error)) from error
-        if not (np.isfinite(self._most) & (self._most >= 0)).all():
-            raise refused('limit["pressure"]', pressure, "give pressures of at least 0 Pa")
 
     def check(self, drive: NDArray[np.complex64]) -> None:
         """Raise BoardError, which names the worst place, if |p| of a drive exceeds the limit."""
@@ -76,9 +73,9 @@ class Limit:
 
 def refuse_real(drive: Any) -> None:
     """Reject real numbers, which may be phases or codes by mistake. Only -1, 0 and 1 are accepted."""
-    given = np.asarray(drive)
-    if given.dtype.kind in "iuf" and not np.isin(given, (-1, 0, 1)).all():
-        cure = "give np.exp(1j * phases) of phases in rad, amplitudes + 0j where all phases are 0"
+    cure = "give np.exp(1j * phases) of phases in rad, amplitudes + 0j where all phases are 0"
+    given = numbers("drive", drive, None, cure, kinds="iufc", copy=False)
+    if given.dtype.kind != "c" and not np.isin(given, (-1, 0, 1)).all():
         raise refused("drive", given, f"real numbers are no drive: {cure}")
 
 
@@ -87,8 +84,9 @@ def given_drives(board: Board, given: Any) -> Iterator[ArrayLike | Solution]:
     if isinstance(given, Sequence):
         refuse_elsewhere(board, given.array)
         return (given.drive(frame) for frame in range(len(given)))
-    if isinstance(given, np.ndarray) and given.ndim != 2:
-        raise refused("drives.shape", given.shape, f"give (T, {len(board.array)})")
+    if is_array(given):
+        count = len(board.array)
+        given = numbers("drives", given, [(-1, count)], f"give (T, {count})", kinds="iufc", copy=False)
     try:
         return iter(given)
     except TypeError:

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import SceneError
+from .._midair import SceneError, numbers
 from .._motion import Sequence
-from .._support.arguments import number, real
+from .._support.arguments import number
 from .._support.text import columns, fault, picked, rows, text
 from ..path import Path
 from ..path._piece import FARTHEST
@@ -79,11 +79,8 @@ def _rate(rate: float | None) -> float:
 
 def _points(given: ArrayLike) -> Numbers:
     cure = "give a path, a Sequence, or points (M, 3) or (T, M, 3) in m"
-    found = real("points", given, cure)
-    found = found[None] if found.ndim == 2 else found
-    if found.ndim != 3 or found.shape[2] != 3 or not found.size or not (np.abs(found) <= FARTHEST).all():
-        raise SceneError(f"points has shape {found.shape}: {cure}, finite numbers")
-    return found
+    found = numbers("points", given, [(-1, 3), (-1, -1, 3)], cure, most=FARTHEST)
+    return found[None] if found.ndim == 2 else found
 
 
 def write(path: File, given: ControlPoints) -> None:

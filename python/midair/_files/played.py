@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._boards.board import Board
-from .._midair import Array, SceneError, Solution
+from .._midair import Array, SceneError, Solution, numbers
 from .._motion import Sequence
-from .._support.arguments import shown
 from .._support.text import content, fault
 
 CURE = 'give board=, such as "sonicsurface"'
@@ -98,10 +97,11 @@ def played(drives: Any, board: Board | None) -> Played:
     elif isinstance(drives, Sequence):
         found = Played(len(drives), len(drives.array), False, drives.array, drives.drive)
     else:
-        numbers = _numbers(drives)
-        frames = np.atleast_2d(numbers)
+        cure = "give a Solution, a Sequence, or complex drives (N,) or (T, N), not codes of a board"
+        given = numbers("drives", drives, [(-1,), (-1, -1)], cure, kinds="fc", most=1 + ROUNDING)
+        frames = np.atleast_2d(given.astype(np.complex64))
         count, transducers = frames.shape
-        found = Played(count, transducers, numbers.ndim == 1, array, lambda frame: frames[frame])
+        found = Played(count, transducers, given.ndim == 1, array, lambda frame: frames[frame])
     if board is not None and len(board.array) != found.transducers:
         reported = f"drives of {found.transducers} transducers, board of {len(board.array)}"
         raise SceneError(f"{reported}: give drives for the board's array, or another board")
@@ -124,25 +124,3 @@ def known(board: Board | str | PathLike[str] | None) -> Board | None:
 def one_or_more(drives: NDArray[np.complex64]) -> NDArray[np.complex64]:
     """Return frames (T, N), or the drive (N,) if there is only one frame."""
     return drives[0] if len(drives) == 1 else drives
-
-
-def _numbers(value: Any) -> NDArray[np.complex64]:
-    cure = "give a Solution, a Sequence, or complex drives (N,) or (T, N)"
-    try:
-        found = np.asarray(value)
-    except ValueError:
-        raise SceneError(f"drives is {shown(value)}: {cure}") from None
-    if found.dtype.kind not in "fc":
-        reported = (
-            "of whole numbers, which may be codes of a board" if found.dtype.kind in "iu" else shown(value)
-        )
-        raise SceneError(f"drives is {reported}: {cure}")
-    if found.ndim not in (1, 2) or not found.size:
-        raise SceneError(f"drives has shape {found.shape}: {cure}")
-    wrong = np.argwhere(~(np.abs(found) <= 1 + ROUNDING))
-    if len(wrong):
-        place = ", ".join(map(str, wrong[0]))
-        raise SceneError(
-            f"drives[{place}] is {found[tuple(wrong[0])]}: give finite numbers, at most 1 in modulus"
-        )
-    return found.astype(np.complex64)

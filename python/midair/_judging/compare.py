@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeGuard
 import numpy as np
 
 from .. import _midair
-from .._midair import Array, Plane, Propagation, Scene, SceneError, Solution, Solver
+from .._midair import Array, Plane, Propagation, Scene, SceneError, Solution, Solver, numbers
 from .._pictures.colours import REFERENCE
 from .._support import text
 from .._support.output import METRICS
@@ -328,13 +328,11 @@ def growing(scene: Scene | Propagation, solvers: Solvers, **settings: Any) -> It
 def _above_zero(given: ArrayLike | None, count: int) -> NDArray[np.bool_]:
     """Return (M,) bool: pressures or weights above 0. Invalid values are left for `solve` to reject."""
     try:
-        given = np.asarray(1.0 if given is None else given)
-        # Complex pressures count by their moduli. Negative real numbers do not count here; `solve` rejects
-        # them.
-        sizes = np.abs(given) if np.iscomplexobj(given) else given.astype(float)
-        return np.broadcast_to(sizes, count) > 0
-    except (TypeError, ValueError):
+        sizes = numbers("given", 1.0 if given is None else given, [(), (count,)], "", kinds="iufc")
+    except SceneError:
         return np.ones(count, dtype=bool)
+    # Complex pressures count by their moduli. Negative real numbers do not count; `solve` rejects them.
+    return np.broadcast_to(np.abs(sizes) if np.iscomplexobj(sizes) else sizes, count) > 0
 
 
 def choices(scene: Scene | Propagation, solvers: Solvers) -> list[tuple[Any, dict[str, Any]]]:

@@ -11,12 +11,12 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Scene, SceneError, SceneWarning, Solution, about, field
+from .._midair import Scene, SceneError, SceneWarning, Solution, about, field, numbers
 from .._motion import Sequence
 from .._motion.propagation import rows
 from .._points.ear import REFERENCE, Ear
 from .._support import text as columns
-from .._support.arguments import number, refused, vector, warn
+from .._support.arguments import number, refused, warn
 
 
 @dataclass(frozen=True)
@@ -346,12 +346,9 @@ def _boxes(places: Any) -> dict[str, tuple[Points, Points]]:
     for name, place in places.items():
         if not isinstance(name, str):
             raise refused("places", name, "give names as text")
-        if isinstance(place, Ear):
-            corners = place.points
-        elif np.ndim(place) == 2 and len(place) == 2:
-            corners = np.stack([vector(f'places["{name}"]', corner) for corner in place])
-        else:
-            corners = vector(f'places["{name}"]', place)[None]
+        corners = place.points if isinstance(place, Ear) else place
+        cure = "give a place (3,), or two corners (2, 3) of a box, in m"
+        corners = numbers(f'places["{name}"]', corners, [(3,), (-1, 3)], cure).reshape(-1, 3)
         boxes[name] = corners.min(axis=0), corners.max(axis=0)
     return boxes
 

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._midair import HIGHEST, Array, Plane, Scene, SceneError, SceneWarning, Sheet, solve_batch, threshold
 from .._motion.sheet import squares
-from .._support.arguments import flag, real, refused, warn
+from .._support.arguments import flag, refused, vectors, warn
 from ..path import Path
 
 #: Places of a focus along the shape: their distance in m, and their largest number.
@@ -204,12 +204,7 @@ class Curve:
             corners = shape.at(np.linspace(0, shape.duration, 2000, endpoint=False))[:, 0]
             loops = shape.closed
         else:
-            corners = real("shape", shape, "give a midair.path, or places (K, 3) in m")
-            if corners.ndim != 2 or corners.shape[1] != 3 or len(corners) < 2:
-                raise refused("shape", shape, "give at least two places (K, 3) in m")
-            given = corners
-            for k in np.flatnonzero(~np.isfinite(corners).all(axis=1))[:1]:
-                raise refused(f"shape[{k}]", corners[k].tolist(), "give finite coordinates in m")
+            corners = given = vectors("shape", shape)
         extent = float(np.ptp(corners, axis=0).max())
         if extent > LARGEST:
             raise refused("shape", f"{extent:.4g} m large", f"give places in m, at most {LARGEST:g} m apart")

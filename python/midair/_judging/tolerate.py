@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._midair import Scene, SceneError, Solution, about, judge, solve, solvers, unknown
+from .._midair import Scene, SceneError, Solution, about, judge, numbers, solve, solvers, unknown
 from .._support.arguments import callback, refused, whole
 from .._support.kept import Arrays
 from .._sweep.engine import Job, Settings, Stopped, go_on, run
@@ -179,7 +179,9 @@ class Trials:
             raise SceneError("scene is silent at its points: give pressures above 0 that its array reaches")
         self._scene, self._targets = scene, targets
         self._solution = drive if isinstance(drive, Solution) else None
-        self._drive = np.array(drive) if self._solution is None else self._solution.drive
+        if self._solution is not None:
+            drive = self._solution.drive
+        self._drive = numbers("drive", drive, [(len(scene.array),)], "give a drive (N,)", kinds="iufc")
         self._done: list[Arrays] = []
 
     def run(

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import SceneError
+from .._midair import SceneError, numbers
 from .._support.arguments import refused
 from .model import Complex, Real
 
@@ -17,28 +17,18 @@ CLIPPED, CLIPPED_PART = 4, 0.01
 
 def drives_of(value: Any, transducers: int) -> Complex:
     """Return drives (K, N) as complex128; rejects |q| > 1."""
-    found = _numbers(
-        "drives", value, f"give drives (K, {transducers}), as midair.calibration_drives makes them"
-    )
-    if found.ndim != 2 or found.shape[1] != transducers or not len(found):
-        raise SceneError(f"drives have shape {found.shape}: give (K, {transducers}), a row for each drive")
-    if np.abs(found).max() > 1 + 1e-5:
-        raise SceneError(f"drives reach {np.abs(found).max():.4g}: 1 is full drive, give what was played")
-    if not np.abs(found).max():
+    cure = f"give drives (K, {transducers}), as midair.calibration_drives makes them"
+    found = numbers("drives", value, [(-1, transducers)], cure, kinds="iufc", most=1 + 1e-5)
+    if not found.any():
         raise SceneError("drives are all 0: nothing was played, give what was")
     return found.astype(np.complex128)
 
 
 def readings_of(value: Any, drives: int, microphones: int, phased: bool | None) -> Real | Complex:
     """Check readings (K, M) in Pa: moduli, or complex if `phased`; None decides by their type."""
-    found = _numbers("readings", value, f"give |p| or p of {drives} drives at {microphones} microphones")
-    if found.ndim == 1 and microphones == 1:
-        found = found[:, None]
-    if found.shape != (drives, microphones):
-        raise SceneError(
-            f"readings have shape {found.shape}: give ({drives}, {microphones}), "
-            "a row for each drive and a column for each microphone"
-        )
+    shapes = [(drives, microphones), (drives,)][: 2 if microphones == 1 else 1]
+    cure = f"give |p| or p ({drives}, {microphones}), a row for each drive and a column for each microphone"
+    found = numbers("readings", value, shapes, cure, kinds="iufc").reshape(drives, microphones)
     if phased and not np.iscomplexobj(found):
         raise SceneError("readings are real, but complex=True: give complex ones, or leave complex out")
     if phased is False:
@@ -54,7 +44,7 @@ def readings_of(value: Any, drives: int, microphones: int, phased: bool | None) 
                 f"readings[:, {m}] are all 0: microphone {m} hears nothing, mend it or leave it out"
             )
         _not_clipped(received, m)
-    return found.astype(np.complex128) if np.iscomplexobj(found) else found.astype(np.float64)
+    return found
 
 
 def _not_clipped(received: NDArray[Any], m: int) -> None:
@@ -75,26 +65,12 @@ def indices_of(value: Any, transducers: int) -> NDArray[np.intp]:
         return np.zeros(0, np.intp)
     cure = f"give a slice, indices below {transducers} or a mask ({transducers},) of some of the transducers"
     try:
-        found = np.arange(transducers)[value if isinstance(value, slice) else np.asarray(value)]
-    except (IndexError, TypeError, ValueError):
+        if not isinstance(value, slice):
+            value = numbers("second_board", value, [(-1,)], cure, kinds="iub", copy=False)
+        found = np.arange(transducers)[value]
+    except (IndexError, TypeError):
         raise refused("second_board", value, cure) from None
     found = np.unique(found)
     if not 3 <= len(found) < transducers:
         raise refused("second_board", value, cure)
-    return found
-
-
-def _numbers(item: str, value: Any, cure: str) -> NDArray[Any]:
-    try:
-        found = np.asarray(value)
-    except ValueError:
-        raise SceneError(f"{item} are no array: {cure}") from None
-    if found.dtype.kind not in "iufc":
-        raise SceneError(f"{item} are no numbers: {cure}")
-    if np.ma.isMaskedArray(value) and np.ma.is_masked(value):
-        raise SceneError(f"{item} hide entries under a mask: leave out the whole drive instead")
-    if not np.isfinite(found).all():
-        place = ", ".join(map(str, np.argwhere(~np.isfinite(found))[0]))
-        value = found[~np.isfinite(found)][0]
-        raise SceneError(f"{item}[{place}] is {value}: give finite numbers, or leave out that drive")
     return found

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Scene, SceneError, memory_limit
+from .._midair import Array, Scene, SceneError, memory_limit, numbers
 from .._support.arguments import callback, number, refused, warn, whole
 from .arguments import drives_of, indices_of, readings_of
 from .fit import Fitted, robust
@@ -218,15 +218,9 @@ def _scene(given: Scene | Array, microphones: ArrayLike | None) -> Scene:
     return Scene(given, places_of(microphones))
 
 
-def places_of(value: ArrayLike) -> Any:
+def places_of(value: ArrayLike) -> NDArray[np.float64]:
     """Check the places of microphones; return them as (M, 3) in m."""
-    try:
-        found = np.atleast_2d(np.asarray(value, np.float64))
-    except (TypeError, ValueError):
-        raise refused("microphones", value, "give their places (M, 3) in m") from None
-    if found.ndim != 2 or found.shape[1] != 3 or not len(found) or not np.isfinite(found).all():
-        raise refused("microphones", value, "give their places (M, 3) in m")
-    return found
+    return numbers("microphones", value, [(3,), (-1, 3)], "give their places (M, 3) in m").reshape(-1, 3)
 
 
 def _pose(value: Any) -> tuple[float, float]:

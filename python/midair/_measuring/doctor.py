@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._boards import Board, Connection
-from .._midair import Array, Scene, SceneError
+from .._midair import Array, Scene, numbers
 from .._support.arguments import callback, flag, number, refused
 from .arguments import readings_of
 from .calibrate import calibration_drives, places_of
@@ -141,7 +141,9 @@ def doctor(
         if isinstance(owner, Connection):
             owner.send(drive)
             time.sleep(line + rest)
-        received.append(np.atleast_1d(np.asarray(read(drive))))
+        shapes = [(len(places),), ()][: 2 if len(places) == 1 else 1]
+        cure = f"give |p| or p at {len(places)} microphones"
+        received.append(np.atleast_1d(numbers("read(drive)", read(drive), shapes, cure, kinds="iufc")))
         parts = 2 if np.iscomplexobj(received[0]) else 1
         if k == 0 and len(drives) * len(places) * parts < LEAST * sounding:
             wanted = int(np.ceil(LEAST * sounding / len(places) / parts)) * (line + rest + LISTEN)
@@ -153,11 +155,7 @@ def doctor(
     if isinstance(owner, Connection):
         owner.off()
     drives = drives[: len(received)]
-    try:
-        gathered = np.array(received)
-    except ValueError:
-        raise SceneError(f"read gave arrays of several shapes: give ({len(places)},) each time") from None
-    readings = readings_of(gathered, len(received), len(places), None)
+    readings = readings_of(np.array(received), len(received), len(places), None)
     found = diagnose(scene, of, drives.astype(np.complex128), readings, error)
     faults, notes = _named(found, of, np.any(drives, axis=0), scene, judged)
     return Report(

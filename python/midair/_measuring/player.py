@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import SceneError
+from .._midair import numbers
 from .._support import output
 from .._support.arguments import path_of
 from .._support.text import counted
@@ -152,17 +152,9 @@ class Player:
         )
 
     def _checked(self, given: Any) -> Real:
-        found = np.atleast_1d(np.asarray(given))
-        kind = "|p|^2" if self._power else "|p|"
-        if found.shape != (self._count,) or found.dtype.kind not in "iuf":
-            raise SceneError(
-                f"read gave {found.dtype} of shape {found.shape}: "
-                f"give {kind} at {self._count} places, real numbers"
-            )
-        if not np.isfinite(found).all() or found.min() < 0:
-            worst = int(np.flatnonzero(~np.isfinite(found) | (found < 0))[0])
-            raise SceneError(f"read gave {found[worst]} at place {worst}: give finite {kind}, never negative")
-        found = found.astype(np.float64)
+        cure = f"give {'|p|^2' if self._power else '|p|'} at {self._count} places, real numbers"
+        shapes = [(self._count,), ()][: 2 if self._count == 1 else 1]
+        found = np.atleast_1d(numbers("read(drive)", given, shapes, cure, least=0))
         return np.sqrt(found) if self._power else found
 
 

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Scene, SceneError, SceneWarning, Solution, solve, solver_name, solvers
+from .._midair import Array, Scene, SceneError, SceneWarning, Solution, numbers, solve, solver_name, solvers
 from .._support.arguments import callback, flag, refused, warn, whole, word
 from .player import Complex, Drive, Ended, Indices, Player, Read, Real, Status, Tuning, Unreadable
 
@@ -257,22 +257,17 @@ def _evenness(targets: Real, pressures: Real) -> float:
 
 
 def _targets(given: ArrayLike | None, scene: Scene | None) -> Real:
+    cure = "give |p| (M,) in the readings' unit, one a place, not all 0"
     if given is None and scene is None:
         raise SceneError("targets are left out: give |p| (M,) in the readings' unit, or a scene with points")
     if given is None:
         assert scene is not None
-        found = np.abs(scene.reach().level if scene.pressures is None else scene.pressures)
-    else:
-        try:
-            found = np.atleast_1d(np.asarray(given, np.float64))
-        except (TypeError, ValueError):
-            raise refused("targets", given, "give |p| (M,) in the readings' unit") from None
-        if scene is not None and found.shape == (1,):
-            found = np.full(len(scene.points), found[0])
-    right = found.ndim == 1 and (scene is None or len(found) == len(scene.points))
-    if not right or not np.isfinite(found).all() or found.min() < 0 or found.max() == 0:
-        raise refused("targets", given, "give |p| (M,) in the readings' unit, one a place, not all 0")
-    return np.asarray(found, np.float64)
+        given = np.abs(scene.reach().level if scene.pressures is None else scene.pressures)
+    count = -1 if scene is None else len(scene.points)
+    found = np.atleast_1d(numbers("targets", given, [(), (1,), (count,)], cure, least=0))
+    if not found.any():
+        raise refused("targets", given, cure)
+    return found if scene is None else np.broadcast_to(found, count)
 
 
 def _start(
@@ -295,11 +290,9 @@ def _start(
                 'start is "model": an array alone has none, give a scene whose points are the places'
             )
         given = solve(scene, solver)
-    found = np.asarray(given.drive if isinstance(given, Solution) else given)
-    if found.shape != sounding.shape or found.dtype.kind not in "iufc" or not np.isfinite(found).all():
-        raise refused("start", given, f'give "silence", "model" or a finite drive ({len(sounding)},)')
-    if np.abs(found).max() > 1 + 1e-5:
-        raise refused("start", given, "1 is full drive")
+    given, cure = given.drive if isinstance(given, Solution) else given, 'give "silence", "model" or a drive'
+    cure = f"{cure} ({len(sounding)},)"
+    found = numbers("start", given, [sounding.shape], cure, kinds="iufc", most=1 + 1e-5)
     return np.asarray(found * sounding, np.complex128)
 
 

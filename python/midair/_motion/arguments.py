@@ -7,7 +7,7 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Array, SceneError
+from .._midair import Array, SceneError, numbers
 from .._support.arguments import number, refused, warn, whole
 from .envelope import Hold
 
@@ -17,25 +17,16 @@ SLOWEST = 20e-3
 
 def points(given: Any) -> NDArray[np.float64]:
     """Return points (T, M, 3) in m: M points in each of T frames."""
-    found = _real("points", given)
-    if found.ndim != 3 or found.shape[2] != 3 or not found.size:
-        raise refused("points.shape", found.shape, "give (T, M, 3), M places in each of T frames")
-    _first("points", found, ~np.isfinite(found), "give finite coordinates in m")
-    return _kept(found)
+    return numbers("points", given, [(-1, -1, 3)], "give (T, M, 3) in m, M places in each of T frames")
 
 
 def targets(given: Any, shape: tuple[int, int]) -> NDArray[np.float64]:
     """Return targets (T, M) in Pa. A single number or (M,) values apply to all frames."""
-    found = _real("targets", given)
-    try:
-        found = np.broadcast_to(found, shape)
-    except ValueError:
-        cure = f"give {shape} like the points, ({shape[1]},) or one number"
-        raise refused("targets.shape", found.shape, cure) from None
-    _first("targets", found, ~(np.isfinite(found) & (found >= 0)), "give a pressure in Pa, 0 for not there")
+    cure = f"give {shape} in Pa like the points, ({shape[1]},) or one number, 0 for not there"
+    found = numbers("targets", given, [shape, shape[1:], ()], cure, least=0)
     if not found.any():
         raise SceneError("targets are 0 everywhere: give a pressure above 0 in at least one frame")
-    return _kept(found)
+    return np.broadcast_to(found, shape)
 
 
 def frames(what: str, count: int, expected: int) -> None:
@@ -76,11 +67,7 @@ def substeps(given: Any) -> int:
 
 def places(given: Any) -> NDArray[np.float64]:
     """Return one place (3,) or the places (K, 3) of a patch, in m, as (K, 3)."""
-    found = _real("place", given)
-    if found.ndim not in (1, 2) or found.shape[-1] != 3 or not found.size:
-        raise refused("place.shape", found.shape, "give (3,), or (K, 3) for a patch")
-    _first("place", found, ~np.isfinite(found), "give finite coordinates in m")
-    return found.reshape(-1, 3)
+    return numbers("place", given, [(3,), (-1, 3)], "give (3,) in m, or (K, 3) for a patch").reshape(-1, 3)
 
 
 def bands(given: Any) -> tuple[tuple[float, float], ...]:
@@ -99,28 +86,3 @@ def bands(given: Any) -> tuple[tuple[float, float], ...]:
             raise refused(f"bands[{k}]", (low, high), "give low < high, in Hz")
         read.append((low, high))
     return tuple(read)
-
-
-def _real(item: str, given: Any) -> NDArray[np.float64]:
-    if np.ma.is_masked(given):
-        raise refused(item, "a masked array", "fill what it hides")
-    try:
-        found = np.asarray(given)
-    except ValueError:
-        raise refused(item, given, "give an array of real numbers") from None
-    if found.dtype.kind not in "iuf":
-        raise refused(f"{item}.dtype", str(found.dtype), "give real numbers")
-    return found.astype(np.float64)
-
-
-def _first(item: str, found: NDArray[np.float64], wrong: NDArray[np.bool_], cure: str) -> None:
-    if wrong.any():
-        index = tuple(np.argwhere(wrong)[0])
-        raise refused(f"{item}[{', '.join(map(str, index))}]", found[index], cure)
-
-
-def _kept(found: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a read-only copy."""
-    kept = np.array(found)
-    kept.flags.writeable = False
-    return kept

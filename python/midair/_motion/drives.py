@@ -14,7 +14,7 @@ from weakref import finalize
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, SceneError
+from .._midair import Array, SceneError, numbers
 from .._support.arguments import refused
 
 #: Complex numbers per block: 16 MB in single precision, about 0.2 s of computation.
@@ -104,14 +104,13 @@ def sounding(array: Array) -> NDArray[np.bool_]:
 def read(given: Any, array: Array, phases: int | None) -> Drives:
     """Return `Drives` of given drives (T, N): complex of |q| <= 1, or codes below the number of phases."""
     live = sounding(array)
-    if np.ma.is_masked(given):
-        raise refused("drives", "a masked array", "fill what it hides")
-    found = given if isinstance(given, Stored) else np.asarray(given)
-    if found.ndim != 2 or found.shape[1] != len(array) or not len(found):
-        raise refused("drives.shape", found.shape, f"give (T, {len(array)}), a drive for each frame")
+    shape, cure = (-1, len(array)), f"give (T, {len(array)}), complex drives or whole phase codes"
+    found = given
+    if not isinstance(given, Stored):
+        found = numbers("drives", given, [shape], cure, kinds="iufc", copy=False)
+    elif found.shape[1:] != shape[1:] or not len(found):
+        raise refused("drives.shape", found.shape, cure)
     whole = found.dtype.kind in "iu"
-    if not whole and found.dtype.kind not in "fc":
-        raise refused("drives.dtype", str(found.dtype), "give complex drives or whole phase codes")
     if whole and phases is None:
         raise refused(
             "quantization",

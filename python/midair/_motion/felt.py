@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _midair
+from .._midair import numbers
 from .envelope import Envelope
 
 #: Samples per second of the envelope. Frequencies above half of it alias, at least 30 dB weaker.
@@ -89,7 +90,7 @@ def threshold(frequency: ArrayLike) -> NDArray[np.float64]:
 
     The result is the threshold of the more sensitive channel, and inf outside of 1 to 1000 Hz.
     """
-    frequencies = np.atleast_1d(np.asarray(frequency, np.float64))
+    frequencies = np.atleast_1d(numbers("frequency", frequency, None, "give frequencies in Hz"))
     least: NDArray[np.float64] = np.minimum(*(_midair.threshold(fast, frequencies) for fast in (False, True)))
     return least
 

@@ -7,8 +7,8 @@ import re
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Bead, Course, SceneError
-from .._support.arguments import number, real, refused, warn
+from .._midair import Bead, Course, SceneError, numbers
+from .._support.arguments import number, refused, warn
 from .envelope import Hold
 from .judged import SETTLING, TAU
 from .sequence import Flight, Sequence
@@ -138,11 +138,7 @@ def _start(
             raise SceneError("targets are 0 in the first frame: give beads, places (B, 3) in m")
         places = course.resting(sequence.scene(0), bead, which.tolist())
     else:
-        places = np.atleast_2d(real("beads", beads, "give places (B, 3) in m"))
-        if places.ndim != 2 or places.shape[1] != 3:
-            raise refused("beads", beads, "give places (B, 3) in m")
-        for bad in np.flatnonzero(~np.isfinite(places).all(axis=1))[:1]:
-            raise refused(f"beads[{bad}]", places[bad].tolist(), "give three finite numbers")
+        places = numbers("beads", beads, [(3,), (-1, 3)], "give places (B, 3) in m").reshape(-1, 3)
         away = np.linalg.norm(places[:, None] - points, axis=2)
         which, away = away.argmin(axis=1), away.min(axis=1)
         reach = LOST * sequence.scene(0).wavelength
@@ -151,9 +147,8 @@ def _start(
             others = f" (and {len(far) - 1} more)" if len(far) > 1 else ""
             apart = f"{1e3 * away[first]:.4g} mm from point {which[first] + 1}"
             warn(f"beads[{first}] is {apart}{others}: it is lost at once, {near}")
-    own = course.speeds(which.tolist()) if speeds is None else real("speeds", speeds, "give (B, 3) in m/s")
-    if own.shape not in ((3,), places.shape) or not np.isfinite(own).all():
-        raise refused("speeds.shape", own.shape, f"give {places.shape}, finite, in m/s")
+    own = course.speeds(which.tolist()) if speeds is None else speeds
+    own = numbers("speeds", own, [(3,), places.shape], f"give {places.shape} in m/s")
     fastest = float(np.linalg.norm(own, axis=-1).max())
     if fastest > sequence.scene(0).sound_speed:
         raise refused("speeds", f"{fastest:.4g} m/s", "faster than sound, give slower beads")

@@ -20,8 +20,8 @@ from typing import Any, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Array, Scene, SceneError, Solver, stiffen, tracks
-from .._support.arguments import real, refused
+from .._midair import Array, Scene, SceneError, Solver, numbers, stiffen, tracks
+from .._support.arguments import refused
 from ..path._piece import changing_pressures
 from .drives import Drives, coded, lowered, narrow, sounding
 from .frames import AIR
@@ -304,9 +304,8 @@ def read_frame(frame: Any) -> tuple[NDArray[np.float64], NDArray[np.float64] | N
     """Return points (M, 3) and pressures (M,) or None of a frame of a stream."""
     given, pressures = frame if isinstance(frame, tuple) and len(frame) == 2 else (frame, None)
     cure = "give points x 3 numbers in m, and pressures if any as the second of a pair"
-    points = real("frame", given, cure)
-    if points.ndim != 2 or points.shape[1] != 3 or not len(points):
-        raise refused("frame", given, cure)
+    # The scene checks the coordinates. A copy, because a caller may write the next frame into the same array.
+    points = np.array(numbers("frame", given, [(-1, 3)], cure, copy=False), np.float64)
     return points, None if pressures is None else changing_pressures(pressures, 1, len(points))[0]
 
 

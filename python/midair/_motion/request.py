@@ -109,7 +109,7 @@ def request(
         raise refused("closed", closed, "the path's end is not its start, leave it out")
     air = {name: options.pop(name) for name in AIR if name in options}
     reported = pressures is not None or (isinstance(path, Path) and path.pascals)
-    requested = np.ones(points.shape[:2]) if targets is None else np.asarray(targets)
+    requested = np.ones(points.shape[:2]) if targets is None else targets
     scene = Scene(array, points[0], **air)
     if not reported:
         # Targets of modulation and fades are relative to the array's reach in the first frame.

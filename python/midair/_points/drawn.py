@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import SceneError, memory_limit
-from .._support.arguments import number, path_of, refused, word
+from .._support.arguments import number, path_of, refused, vector, word
 from ..shape import svg, text
 from ..shape._figures import Points
 from .image import image
@@ -40,9 +40,7 @@ def read(
     scale = number("scale", scale, least=0)
     if scale == 0:
         raise refused("scale", scale, "give the metres of the file's unit, such as 1e-3")
-    away = np.asarray(offset, float)
-    if away.shape != (3,) or not np.isfinite(away).all():
-        raise refused("offset", offset, "give three finite numbers")
+    away = vector("offset", offset)
     file = path_of("path", path)
     trimesh = library()
     if not file.is_file():

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._boards.errors import BoardError
-from .._midair import SceneError
+from .._midair import SceneError, numbers
 from .._motion import document
-from .._support.arguments import json_object, number, real, refused
+from .._support.arguments import json_object, number, refused, vectors
 from .client import Client
 from .life import SILENCE
 from .live import Live
@@ -95,15 +95,13 @@ def obey(
     if "modulation" in wanted:
         wave = wanted["modulation"]
         if isinstance(wave, list):
-            wave = real("modulation", wave, "give a frequency in Hz, or numbers from 0 to 1")
+            wave = numbers("modulation", wave, [(-1,)], "give a frequency in Hz, or numbers from 0 to 1")
         live.modulate(wave)
     if "points" in wanted:
-        points = real("points", wanted["points"], "give (M, 3) in m")
-        if points.ndim != 2 or points.shape[1] != 3 or not len(points):
-            raise refused("points", wanted["points"], "give (M, 3) in m")
-        pressures = wanted.get("pressures")
-        pascals = None if pressures is None else real("pressures", pressures, "give (M,) in Pa")
-        live.place(source, points, pascals)
+        points, pressures = vectors("points", wanted["points"], least=1), wanted.get("pressures")
+        if pressures is not None:
+            pressures = numbers("pressures", pressures, [(), (len(points),)], "give (M,) in Pa")
+        live.place(source, points, pressures)
     elif "path" in wanted:
         live.follow(source, _path(wanted["path"]))
     elif "off" in wanted:
@@ -119,12 +117,12 @@ def obey(
 def obey_osc(live: Live, source: Hashable, name: str, values: list[Any]) -> dict[str, Any]:
     """Execute an OSC message of a source: points x y z ..., rows x y z pressure ..., modulation hz, ..."""
     if name in ("points", "rows"):
-        numbers = real(name, values, "give numbers")
         width = 3 if name == "points" else ROW
-        if numbers.ndim != 1 or not numbers.size or numbers.size % width:
-            raise SceneError(f"{name} are {numbers.size} numbers: give {width} a point")
-        rows = np.zeros((numbers.size // width, ROW))
-        rows[:, :width] = numbers.reshape(-1, width)
+        given = numbers(name, values, [(-1,)], f"give {width} numbers a point")
+        if given.size % width:
+            raise SceneError(f"{name} are {given.size} numbers: give {width} a point")
+        rows = np.zeros((given.size // width, ROW))
+        rows[:, :width] = given.reshape(-1, width)
         return _rows(live, source, rows.ravel())
     if name == "modulation":
         hz = number(name, values[0], least=0) or None if values else None

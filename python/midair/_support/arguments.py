@@ -8,7 +8,6 @@ import os
 import reprlib
 import sys
 import warnings
-from contextlib import suppress
 from os import PathLike
 from pathlib import Path
 from types import FrameType
@@ -17,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import SceneError, SceneWarning
+from .._midair import SceneError, SceneWarning, numbers
 
 #: Largest size in bytes of a drawing or a scene file.
 MOST_BYTES = 64 << 20
@@ -88,53 +87,21 @@ def flag(item: str, value: Any) -> bool:
     return bool(value)
 
 
+def is_array(value: Any) -> bool:
+    """Return whether a value is an array of NumPy or of another library."""
+    signs = ("__dlpack__", "__array_interface__")
+    return not isinstance(value, np.generic) and any(hasattr(value, name) for name in signs)
+
+
 def vector(item: str, value: Any) -> NDArray[np.float64]:
     """Check three finite numbers; return them as an array."""
-    return _numbers(item, value, (3,), "give three finite numbers")
+    return numbers(item, value, [(3,)], "give three finite numbers")
 
 
-def vectors(item: str, value: Any) -> NDArray[np.float64]:
-    """Check at least two vectors of three finite numbers; return them as an array."""
-    found = _numbers(item, value, (-1, 3), "give a list of [x, y, z] in m")
-    if len(found) < 2:
-        raise refused(item, found, "give at least two")
-    return found
-
-
-def as_array(value: Any) -> NDArray[Any]:
-    """Return an array of anything that numpy reads or that has `__dlpack__`, without a copy if possible.
-
-    Data on a GPU are copied. Raises the other library's error if it does not export its data.
-    """
-    if isinstance(value, np.ndarray) or not hasattr(type(value), "__dlpack__"):
-        return np.asarray(value)
-    # from_dlpack fails for GPU memory and for types that numpy lacks; numpy 1.26 does not accept `device`.
-    with suppress(Exception):
-        return np.from_dlpack(value)
-    with suppress(Exception):
-        return np.from_dlpack(value, device="cpu")
-    return np.asarray(value)
-
-
-def real(item: str, value: Any, cure: str) -> NDArray[np.float64]:
-    """Check real numbers of any shape; return a read-only copy."""
-    try:
-        found = as_array(value)
-    except ValueError:
-        raise refused(item, value, cure) from None
-    if found.dtype.kind not in "iuf":
-        raise refused(item, value, cure)
-    found = found.astype(np.float64)
-    found.flags.writeable = False
-    return found
-
-
-def _numbers(item: str, value: Any, shape: tuple[int, ...], cure: str) -> NDArray[np.float64]:
-    found = real(item, value, cure)
-    same = found.ndim == len(shape) and all(n in (-1, m) for n, m in zip(shape, found.shape, strict=True))
-    if not same or not np.isfinite(found).all():
-        raise refused(item, value, cure)
-    return found
+def vectors(item: str, value: Any, least: int = 2, **bounds: float) -> NDArray[np.float64]:
+    """Check vectors (K, 3), at least `least`; return them as an array."""
+    cure = f"give {f'at least {least} ' if least > 1 else ''}points [x, y, z] in m"
+    return numbers(item, value, [(-least, 3)], cure, **bounds)
 
 
 def path_of(item: str, value: Any, cure: str = "give the name of a file") -> Path:

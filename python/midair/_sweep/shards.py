@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Array, Scene, SceneError, bound, judge, solvers
+from .._midair import Array, Scene, SceneError, bound, judge, numbers, solvers
 from .._support import output
-from .._support.arguments import as_array, callback, path_of, refused, warn
+from .._support.arguments import callback, path_of, warn
 from .._support.kept import Arrays, locked, refusing
 from .._support.output import METRICS
 from .block import array_and_medium, solve_block, trial_seed
@@ -183,12 +183,7 @@ class Dataset:
         """
         count = sum(part["trial"].size for part in self.read("held_out"))
         cure = f"give ({count}, {len(self.array)}), a row for each held-out scene"
-        try:
-            given = as_array(drives)
-        except ValueError:
-            raise refused("drives", drives, cure) from None
-        if given.shape != (count, len(self.array)):
-            raise SceneError(f"drives have the shape {given.shape}: {cure}")
+        given = numbers("drives", drives, [(count, len(self.array))], cure, kinds="iufc", copy=False)
         found: list[list[NDArray[np.float64]]] = []
         first = 0
         for part in self.read("held_out"):

@@ -9,8 +9,8 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._midair import MOST_POINTS, Curve, SceneError
-from .._support.arguments import flag, number, real, refused, vector, vectors, whole
+from .._midair import MOST_POINTS, Curve, SceneError, numbers
+from .._support.arguments import flag, number, refused, vector, vectors, whole
 from ._path import Path
 from ._piece import Numbers, Piece, constant_pressures
 
@@ -216,11 +216,14 @@ def lissajous(
     Path(points=1, duration=0.2, closed=True)
     """
     middle, phase = vector("center", center), number("phase", phase)
-    sizes, lobes = real("size", size, "give (width, height) in m"), real("ratio", ratio, "give (a, b)")
-    if sizes.shape != (2,) or not np.isfinite(sizes).all() or (sizes < 0).any() or not sizes.any():
-        raise refused("size", size, "give (width, height) in m, not both 0")
-    if lobes.shape != (2,) or not all(1 <= n <= MOST_LOBES and n == round(n) for n in lobes):
-        raise refused("ratio", ratio, f"give two whole numbers from 1 to {MOST_LOBES}")
+    cure = "give (width, height) in m, not both 0"
+    sizes = numbers("size", size, [(2,)], cure, least=0)
+    if not sizes.any():
+        raise refused("size", size, cure)
+    cure = f"give two whole numbers from 1 to {MOST_LOBES}"
+    lobes = numbers("ratio", ratio, [(2,)], cure, least=1, most=MOST_LOBES)
+    if (lobes != np.rint(lobes)).any():
+        raise refused("ratio", ratio, cure)
     # In lowest terms, one period traverses the figure once.
     a, b = Fraction(int(lobes[0]), int(lobes[1])).as_integer_ratio()
     u = 2 * math.pi * np.arange(PIECES * max(a, b)) / (PIECES * max(a, b))

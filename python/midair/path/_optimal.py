@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._midair import Array, Bead, Scene, SceneError, rest, solve
-from .._support.arguments import flag, number, real, refused
+from .._support.arguments import flag, number, refused, vectors
 from ._path import Path
 from ._piece import Numbers
 from ._samples import Samples
@@ -159,13 +159,7 @@ class _Curve(NamedTuple):
 
 def _places(given: ArrayLike) -> Numbers:
     """Return at least 4 places (K, 3) in m, each apart from the next."""
-    cure = "give at least 4 points (K, 3) in m"
-    points = real("points", given, cure)
-    if points.ndim != 2 or points.shape[1] != 3 or len(points) < 4:
-        raise refused("points", given, cure)
-    for k in np.flatnonzero(~np.isfinite(points).all(axis=1))[:1]:
-        raise refused(f"points[{k}]", points[k].tolist(), "give three finite numbers")
-    return points
+    return vectors("points", given, least=4)
 
 
 def _smooth(points: Numbers, loop: bool) -> _Curve:

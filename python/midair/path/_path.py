@@ -10,7 +10,8 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._support.arguments import number, real, refused, word
+from .._midair import numbers
+from .._support.arguments import is_array, number, refused, word
 from ._joined import beside, then
 from ._piece import ROUNDING, Numbers, Piece, instants
 
@@ -65,13 +66,11 @@ def wave(given: float | ArrayLike, shape: str, depth: float, samples_rate: float
         raise refused("depth", depth, "give a number from 0 to 1")
     if word("shape", shape) not in SHAPES:
         raise refused("shape", shape, f"give one of {', '.join(SHAPES)}")
-    if samples_rate is None and np.ndim(given) == 0:
+    if samples_rate is None and not isinstance(given, list | tuple) and not is_array(given):
         frequency = number("frequency", given, above=0)
         return Wave(frequency, frequency, depth, shape)
     cure = "give samples (S,) from 0 to 1, and samples_rate in Hz"
-    samples = real("samples", given, cure)
-    if samples.ndim != 1 or not samples.size or not ((samples >= 0) & (samples <= 1)).all():
-        raise refused("samples", given, cure)
+    samples = numbers("samples", given, [(-1,)], cure, least=0, most=1)
     rate = number("samples_rate", samples_rate, above=0)
     return Wave(rate / len(samples), rate / 2, depth, shape, samples)
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import SceneError
-from .._support.arguments import real, refused
+from .._midair import SceneError, numbers
+from .._support.arguments import vectors
 
 #: Values at times (T,): speeds and targets (T, M), places (T, M, 3).
 Numbers: TypeAlias = NDArray[np.float64]
@@ -69,11 +70,7 @@ FARTHEST = 1e6
 
 def instants(value: ArrayLike) -> Numbers:
     """Check times (T,); rejects times that are not finite."""
-    cure = "give a list of finite times in s"
-    found = real("times", value, cure)
-    if found.ndim != 1 or not np.isfinite(found).all():
-        raise refused("times", value, cure)
-    return found
+    return numbers("times", value, [(-1,), (0,)], "give a list of finite times in s")
 
 
 def constant_pressures(value: ArrayLike | None, points: int) -> Numbers:
@@ -90,44 +87,17 @@ def _pressures(value: ArrayLike, shape: tuple[int, ...]) -> Numbers:
     sizes = [shape[k:] for k in range(len(shape))]
     forms = ["one number", *(" x ".join(map(str, size)) for size in reversed(sizes))]
     cure = f"give numbers of at least 0 in Pa: {' or '.join(forms)}"
-    found = real("pressures", value, cure)
-    if found.shape not in ((), *sizes):
-        raise SceneError(f"pressures has shape {found.shape}: {cure}")
-    wrong = found[~(np.isfinite(found) & (found >= 0))]
-    if wrong.size:
-        raise refused("pressures", value, f"{wrong[0]:g} is among them, {cure}")
-    return np.broadcast_to(found, shape)
+    return np.broadcast_to(numbers("pressures", value, [(), *sizes], cure, least=0), shape)
 
 
 def point_sets(item: str, value: Any) -> Numbers:
     """Return frames (T, M, 3) of points: at least two frames, each with the same number of points."""
     cure = "give frames x points x 3 numbers in m, at least two frames of at least one point"
-    if not isinstance(value, np.ndarray):
-        value = _stacked(item, value, cure)
-    found = real(item, value, cure)
-    if found.ndim != 3 or found.shape[2] != 3 or len(found) < 2 or not found.shape[1]:
-        raise SceneError(f"{item} has shape {found.shape}: {cure}")
-    wrong = np.argwhere(~(np.abs(found) <= FARTHEST).all(axis=2))
-    if len(wrong):
-        frame, point = wrong[0]
-        raise refused(
-            f"point {point} of frame {frame}",
-            found[frame, point],
-            f"give three finite numbers, at most {FARTHEST:g}",
-        )
-    return found
-
-
-def _stacked(item: str, value: Any, cure: str) -> Any:
-    """Return a list of frames as one array; rejects frames of different numbers of points."""
-    try:
-        frames = [np.asarray(frame) for frame in value]
-    except (TypeError, ValueError):
-        raise refused(item, value, cure) from None
-    for index, frame in enumerate(frames):
-        if frame.ndim != 2 or frame.shape[1] != 3:
-            raise refused(f"frame {index} of {item}", frame, "give points x 3 numbers in m")
-        if len(frame) != len(frames[0]):
-            change = f"M changes from {len(frames[0])} to {len(frame)} at frame {index}"
-            raise SceneError(f"{change}: join paths with a fade, a.then(b, fade=)")
-    return np.stack(frames) if frames else np.zeros(0)
+    if isinstance(value, list | tuple | Iterator):
+        frames = [vectors(f"{item}[{index}]", frame, least=1) for index, frame in enumerate(value)]
+        for index, frame in enumerate(frames):
+            if len(frame) != len(frames[0]):
+                change = f"M changes from {len(frames[0])} to {len(frame)} at frame {index}"
+                raise SceneError(f"{change}: join paths with a fade, a.then(b, fade=)")
+        value = np.array(frames)
+    return numbers(item, value, [(-2, -1, 3)], cure, most=FARTHEST)

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._midair import Curve, SceneError
-from .._support.arguments import flag, number, real, refused
+from .._midair import Curve, SceneError, numbers
+from .._support.arguments import flag, number, refused, vectors
 from ..shape._vector_graphics import outlines
 from ._figures import lasting, walk
 from ._path import Path
@@ -125,7 +125,7 @@ def read(path: Path | ArrayLike, rate: float, pressures: ArrayLike | None = None
         plain = pressures is None and not path.pascals and bool((targets == 1).all())
         return Frames(points, None if plain else targets, path.closed)
     points = point_sets("path", path)
-    given = None if pressures is None else np.array(changing_pressures(pressures, *points.shape[:2]))
+    given = None if pressures is None else changing_pressures(pressures, *points.shape[:2])
     return Frames(points, given, False)
 
 
@@ -291,7 +291,8 @@ def still(places: ArrayLike, *, duration: float, pressures: ArrayLike | None = N
     >>> midair.path.still([0, 0, 0.15], duration=0.1).with_am(200)
     Path(points=1, duration=0.1, closed=True)
     """
-    points = _set("places", np.atleast_2d(real("places", places, "give (3,) or (M, 3) in m")))
+    points = numbers("places", places, [(3,), (-1, 3)], "give (3,) or (M, 3) in m", most=FARTHEST)
+    points = points.reshape(-1, 3)
     lasts = number("duration", duration, above=0)
     if pressures is not None:
         pressures = constant_pressures(pressures, len(points))
@@ -299,11 +300,7 @@ def still(places: ArrayLike, *, duration: float, pressures: ArrayLike | None = N
 
 
 def _set(item: str, value: ArrayLike) -> Numbers:
-    cure = f"give points x 3 finite numbers in m, at most {FARTHEST:g}"
-    found = real(item, value, cure)
-    if found.ndim != 2 or found.shape[1:] != (3,) or not len(found) or not (np.abs(found) <= FARTHEST).all():
-        raise refused(item, value, cure)
-    return found
+    return vectors(item, value, least=1, most=FARTHEST)
 
 
 def _sampled(frames: Numbers, steps: int, rate: float, closed: bool, pressures: ArrayLike | None) -> Path:
