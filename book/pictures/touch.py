@@ -10,9 +10,9 @@ from matplotlib import pyplot as plt
 from numpy.typing import NDArray
 
 import midair
-from midair._judging.haptic import _Judge
-from midair._judging.schedule import Curve
-from midair._midair import HIGHEST, Sheet, threshold
+from midair._midair import HIGHEST, Membrane, threshold
+from midair._touch.haptic import _Judge
+from midair._touch.schedule import Curve
 from pictures import DOCS
 
 HEIGHT = 0.2
@@ -95,7 +95,7 @@ def on_circle(radius: float, speed: float, rate: float = 4e3) -> float:
     from scipy.sparse import block_diag, csr_array, eye_array, hstack, kron, vstack
     from scipy.special import jv
 
-    sheet, lags = Sheet(), np.arange(LAGS + 1)
+    sheet, lags = Membrane(), np.arange(LAGS + 1)
     k = (np.arange(4000) + 0.5) * FINEST / 4000
     orders = np.arange(1, 27)
     waves = jv(orders[:, None], k * radius) ** 2 * k * (FINEST / 4000)
@@ -158,7 +158,7 @@ def chosen() -> None:
                     f"{found.gain:+.1f} dB, {found.technique}"
                 )
             if rate > 1e3:
-                judge = _Judge(array, Curve.of(shape, closed=False), rate, 0.014, Sheet(), {})
+                judge = _Judge(array, Curve.of(shape, closed=False), rate, 0.014, Membrane(), {})
                 foci = judge.foci
                 best = max(foci.strengths(foci.climb(start, "strong")).mean() for start in judge.starts())
                 above = 20 * np.log10(foci.frames * bound(foci.answers) / best)

@@ -51,13 +51,13 @@ mod error;
 #[forbid(unsafe_code)]
 #[cfg(feature = "scene-file")]
 pub mod files;
+#[forbid(unsafe_code)]
+pub mod flight;
 mod kernels;
 #[forbid(unsafe_code)]
 mod linalg;
 #[forbid(unsafe_code)]
 mod math;
-#[forbid(unsafe_code)]
-pub mod motion;
 #[forbid(unsafe_code)]
 pub mod points;
 #[forbid(unsafe_code)]
@@ -69,11 +69,15 @@ mod rng;
 #[forbid(unsafe_code)]
 mod scene;
 #[forbid(unsafe_code)]
+pub mod sequence;
+#[forbid(unsafe_code)]
 mod session;
 #[forbid(unsafe_code)]
 pub mod solvers;
 #[forbid(unsafe_code)]
 mod threads;
+#[forbid(unsafe_code)]
+pub mod touch;
 #[forbid(unsafe_code)]
 mod workspace;
 
@@ -85,13 +89,12 @@ pub use device::link::Link;
 pub use device::quantization::Quantization;
 pub use error::Error;
 pub use kernels::InstructionSet;
-pub use linalg::shifted::Shifted;
 pub use num_complex::{Complex32, Complex64};
 pub use problem::{Beyond, Metrics, Precision, Problem, Reach, Setup, Solution, Status, bound};
-pub use propagation::gorkov::{Gorkov, gorkov};
-pub use propagation::gradient::{Gradient, gradient};
-pub use propagation::quantity::Quantity;
-pub use propagation::rest::{Rest, poised, rest};
+pub use propagation::forces::gorkov::{Gorkov, gorkov};
+pub use propagation::forces::gradient::{Gradient, gradient};
+pub use propagation::forces::quantity::Quantity;
+pub use propagation::forces::rest::{Rest, poised, rest};
 pub use propagation::{Boundary, KeptField, Model, Propagation, field};
 pub use rng::Rng;
 pub use scene::{

@@ -125,7 +125,7 @@ swap '                Obstacle::Mesh(mesh) => check_mesh' '                Obsta
 after '                Obstacle::Wall { .. } => false,' core/src/scene/obstacle.rs <<'RUST'
                 Obstacle::Bubble { middle, size, .. } => distance(*middle, place) < size - ON,
 RUST
-create core/src/propagation/bubble.rs <<'RUST'
+create core/src/propagation/scattering/bubble.rs <<'RUST'
 //! Bubble: the wave that a small soft ball scatters, -a p e^{jkr}/r, for the pressure p at its middle.
 
 use num_complex::Complex64;
@@ -148,7 +148,7 @@ pub(crate) fn add(obstacles: &Obstacles, sources: &Sources, point: [f64; 3], row
 #[path = "tests/bubble.rs"]
 mod tests;
 RUST
-create core/src/propagation/tests/bubble.rs <<'RUST'
+create core/src/propagation/scattering/tests/bubble.rs <<'RUST'
 //! Compares a bubble with the series of a soft sphere.
 
 use crate::control::Control;
@@ -176,12 +176,12 @@ fn a_bubble_is_a_small_soft_sphere() {
     }
 }
 RUST
-after 'pub(crate) mod boundary;' core/src/propagation/mod.rs <<<'pub(crate) mod bubble;'
+after 'pub(crate) mod boundary;' core/src/propagation/scattering/mod.rs <<<'pub(crate) mod bubble;'
 swap '        for image in &*self.images {' '        for (&point, row) in points.iter().zip(&mut *rows) {
             bubble::add(&self.obstacles, sources, point, row);
         }
-        for image in &*self.images {' core/src/propagation/scattering.rs
-after 'use crate::propagation::bodies::Bodies;' core/src/propagation/scattering.rs <<<'use crate::propagation::bubble;'
+        for image in &*self.images {' core/src/propagation/scattering/mod.rs
+after 'use crate::propagation::scattering::bodies::Bodies;' core/src/propagation/scattering/mod.rs <<<'use crate::propagation::scattering::bubble;'
 swap '        radius: f64,' '        radius: f64,
     }
     /// A soft ball that is small beside the wavelength.
@@ -211,4 +211,4 @@ def test_a_bubble_is_kept() -> None:
     assert midair.Scene.parse(scene.json()).obstacles == [bubble]
 PYTHON
 noted bubble
-at_most 12 'an obstacle'
+at_most 11 'an obstacle'

@@ -7,7 +7,7 @@ import shutil
 import numpy as np
 
 from guided import Data, folder, fuzz, midair, refused, spoilt
-from midair._motion import solve as motion
+from midair._sequence import solve as motion
 
 BOARD = midair.Array.grid(4, 4, 10e-3, quantization={"phases": 16})
 POINTS = np.array([[[0.001 * k, 0.0, 0.1]] for k in range(12)])

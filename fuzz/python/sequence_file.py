@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from guided import REFUSALS, Data, folder, fuzz, midair, refused, spoilt
-from midair._motion import files
+from midair._sequence import files
 
 ARRAY = midair.Array.grid(3, 3, 10e-3)
 POINTS = np.broadcast_to([0.0, 0.0, 0.1], (6, 1, 3))

@@ -58,9 +58,10 @@ if TYPE_CHECKING:
     from ._boards.connection import Connection, connect
     from ._boards.errors import BoardBusy, BoardError, BoardLost, BoardNotFound, BoardPermission, BoardTimeout
     from ._files import read, write
+    from ._flight.flight import Flight
+    from ._flight.fly import fly
     from ._judging.compare import Comparison, compare
     from ._judging.exposure import Exposed, Exposure, exposure
-    from ._judging.haptic import Haptic, haptic
     from ._judging.streaming import Streaming, streaming
     from ._judging.tolerance import Kept, Tolerance
     from ._judging.tolerate import tolerate
@@ -69,14 +70,16 @@ if TYPE_CHECKING:
     from ._measuring.player import Fault, Report, Tuning
     from ._measuring.result import Calibration
     from ._measuring.tune import tune
-    from ._motion import Felt, Flight, Sequence, SequenceMetrics, Skin, fly, sequence, skin, stream
     from ._pictures.notebook import solvers
     from ._pictures.plot import plot
     from ._pictures.sheet import style
     from ._points.ear import Ear, ear
     from ._points.image import Picture, image
+    from ._sequence import Felt, Sequence, SequenceMetrics, sequence, stream
     from ._studio.view import View, view
     from ._sweep import Dataset, dataset, sweep
+    from ._touch.haptic import Haptic, haptic
+    from ._touch.skin import Skin, skin
 
     __version__: str
 else:

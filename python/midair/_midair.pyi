@@ -23,9 +23,9 @@ from ._judging.streaming import streaming as _streaming
 from ._judging.tolerate import tolerate as _tolerate
 from ._metrics import BatchMetrics as BatchMetrics
 from ._metrics import Metrics as Metrics
-from ._motion.solve import modulated as _modulated
 from ._pictures.answer import answer as _answer
 from ._pictures.plot import plot as _plot
+from ._sequence.solve import modulated as _modulated
 
 __all__ = [
     "HIGHEST",
@@ -43,6 +43,7 @@ __all__ = [
     "Curve",
     "Field",
     "Gorkov",
+    "Membrane",
     "Mesh",
     "Metrics",
     "OptionInfo",
@@ -56,7 +57,6 @@ __all__ = [
     "Scene",
     "SceneError",
     "SceneWarning",
-    "Sheet",
     "Shifted",
     "Solution",
     "Solver",
@@ -116,9 +116,9 @@ SKIN: tuple[float, float, float]
 STEP: float
 
 @final
-class Sheet:
+class Membrane:
     tension: Final[complex]
-    def __new__(cls, speed: float = ..., loss: float = ..., mass: float = ...) -> Sheet: ...
+    def __new__(cls, speed: float = ..., loss: float = ..., mass: float = ...) -> Membrane: ...
     def decay(self, frequencies: NDArray[np.float64]) -> NDArray[np.complex128]: ...
     def response(self, frequency: float, distances: NDArray[np.float64]) -> NDArray[np.complex128]: ...
     def on_plane(

@@ -1,7 +1,7 @@
 //! Phase tracks over a whole sequence or a window of frames, for `midair.sequence`; saving and restoring `glide`'s state.
 
 use midair::Complex32;
-use midair::motion::{Ahead, Ends, ahead, stiffen as stiffen_tracks};
+use midair::sequence::{Ahead, Ends, ahead, stiffen as stiffen_tracks};
 use midair::solvers::{Last, Remark};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;

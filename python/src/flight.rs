@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use midair::motion::{BeadStart, Course as Inner, Envelope};
+use midair::flight::{BeadStart, Course as Inner, Envelope};
 use midair::{Complex32, Complex64, Medium, Particle, poised};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;

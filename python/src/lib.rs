@@ -58,7 +58,7 @@ use pyo3::prelude::*;
 /// The compiled core of midair; import `midair` instead.
 #[pymodule]
 mod _midair {
-    use midair::motion::{HIGHEST, REACH, Sheet as Membrane};
+    use midair::touch::{self, HIGHEST, REACH};
     use numpy::PyArray1;
     use pyo3::prelude::*;
 
@@ -113,7 +113,7 @@ mod _midair {
     #[pymodule_export]
     use super::shifted::Shifted;
     #[pymodule_export]
-    use super::skin::{Pushes, Sheet, excess, felt_width, live_lines, strength, threshold};
+    use super::skin::{Membrane, Pushes, excess, felt_width, live_lines, strength, threshold};
     #[pymodule_export]
     use super::solution::{Solution, about};
     #[pymodule_export]
@@ -135,7 +135,7 @@ mod _midair {
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("HIGHEST", HIGHEST)?;
         module.add("REACH", REACH)?;
-        let [speed, loss, mass] = Membrane::SKIN;
+        let [speed, loss, mass] = touch::Membrane::SKIN;
         module.add("SKIN", (speed, loss, mass))?;
         module.add("STEP", midair::points::STEP)?;
         module.add("MOST_POINTS", midair::points::MOST)?;

@@ -11,14 +11,16 @@ use crate::read;
 /// Systems (A + s B) x = b with a sparse symmetric A and a diagonal B, as the core's `Shifted`.
 #[pyclass(frozen, module = "midair._midair")]
 pub(crate) struct Shifted {
-    inner: midair::Shifted,
+    inner: midair::touch::Shifted,
 }
 
 #[pymethods]
 impl Shifted {
     #[new]
     fn new(starts: Vec<usize>, rows: Vec<u32>, values: Vec<f64>, shares: Vec<f64>) -> PyResult<Self> {
-        Ok(Self { inner: midair::Shifted::new(&starts, &rows, &values, &shares).map_err(crate::error::refused)? })
+        Ok(Self {
+            inner: midair::touch::Shifted::new(&starts, &rows, &values, &shares).map_err(crate::error::refused)?,
+        })
     }
 
     /// The solutions (L V,) for shifts (L,) and loads (L V,), one after another.

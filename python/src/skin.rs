@@ -1,6 +1,6 @@
 //! The model of `midair.skin`: the spectrum of radiation pressure, the membrane, and the tactile channels.
 
-use midair::motion::{self, Channel};
+use midair::touch::{self, Channel};
 use midair::{Complex32, Complex64};
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
@@ -12,21 +12,21 @@ use pyo3::types::PyComplex;
 use crate::ctrl_c::attend;
 use crate::error::refused;
 
-const SKIN: [f64; 3] = motion::Sheet::SKIN;
+const SKIN: [f64; 3] = touch::Membrane::SKIN;
 
 /// Displacement (L, P) in m, and how far it exceeds the thresholds of the slow and of the fast channel, (P,) each.
 type Moved<'py> = (Bound<'py, PyArray2<Complex32>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 
 /// An infinite membrane: wave speed in m/s, loss factor, and mass in kg/m^2. All arrays are in C order.
 #[pyclass(frozen, module = "midair._midair")]
-pub(crate) struct Sheet(motion::Sheet);
+pub(crate) struct Membrane(touch::Membrane);
 
 #[pymethods]
-impl Sheet {
+impl Membrane {
     #[new]
     #[pyo3(signature = (speed=SKIN[0], loss=SKIN[1], mass=SKIN[2]))]
     fn new(speed: f64, loss: f64, mass: f64) -> PyResult<Self> {
-        motion::Sheet::new(speed, loss, mass).map(Self).map_err(refused)
+        touch::Membrane::new(speed, loss, mass).map(Self).map_err(refused)
     }
 
     /// T = m c^2 (1 + j eta), in N/m.
@@ -66,7 +66,7 @@ impl Sheet {
         let (count, sides) = (lines.shape()[0], [lines.shape()[1], lines.shape()[2]]);
         let (frequencies, lines) = (frequencies.as_slice()?, lines.as_slice()?);
         let skin = attend(py, None, |mut control| {
-            motion::Skin::on_plane(&self.0, frequencies, lines, sides, [step, reach], &mut control)
+            touch::Skin::on_plane(&self.0, frequencies, lines, sides, [step, reach], &mut control)
         })?;
         let displacement = skin.displacement.into_pyarray(py).reshape([count, sides[0] * sides[1]])?;
         Ok((displacement, skin.slow.into_pyarray(py), skin.fast.into_pyarray(py)))
@@ -75,14 +75,14 @@ impl Sheet {
 
 /// The spectrum up to 1 kHz of radiation pressure at places in frames that repeat.
 #[pyclass(module = "midair._midair")]
-pub(crate) struct Pushes(motion::Pushes, usize);
+pub(crate) struct Pushes(touch::Pushes, usize);
 
 #[pymethods]
 impl Pushes {
     /// Make an empty spectrum for `count` frames at `rate` frames per second.
     #[new]
     fn new(count: usize, rate: f64, places: usize) -> PyResult<Self> {
-        motion::Pushes::new(count, rate, places).map(|pushes| Self(pushes, places)).map_err(refused)
+        touch::Pushes::new(count, rate, places).map(|pushes| Self(pushes, places)).map_err(refused)
     }
 
     /// Add frames (K, P) in Pa, from frame `first` on.
@@ -136,7 +136,7 @@ pub(crate) fn live_lines<'py>(
     py: Python<'py>,
     lines: PyReadonlyArray2<'py, Complex32>,
 ) -> PyResult<Bound<'py, PyArray1<bool>>> {
-    Ok(motion::live_lines(lines.as_slice()?, lines.shape()[1]).into_pyarray(py))
+    Ok(touch::live_lines(lines.as_slice()?, lines.shape()[1]).into_pyarray(py))
 }
 
 /// Return the felt strength (P,) from both channels, (P,) each.
@@ -147,7 +147,7 @@ pub(crate) fn strength<'py>(
     fast: PyReadonlyArray1<'py, f64>,
 ) -> Bound<'py, PyArray1<f64>> {
     let pairs = slow.as_array().into_iter().copied().zip(fast.as_array().iter().copied()).collect::<Vec<_>>();
-    pairs.into_iter().map(|(slow, fast)| motion::strength(slow, fast)).collect::<Vec<_>>().into_pyarray(py)
+    pairs.into_iter().map(|(slow, fast)| touch::strength(slow, fast)).collect::<Vec<_>>().into_pyarray(py)
 }
 
 /// Return twice the distance in m from the place of index `middle` to the nearest of less than half its value.
@@ -157,5 +157,5 @@ pub(crate) fn felt_width(
     places: PyReadonlyArray2<'_, f64>,
     middle: usize,
 ) -> PyResult<f64> {
-    Ok(motion::felt_width(values.as_slice()?, places.as_slice()?.as_chunks().0, middle))
+    Ok(touch::felt_width(values.as_slice()?, places.as_slice()?.as_chunks().0, middle))
 }

@@ -35,8 +35,8 @@ def test_every_public_name_is_on_one_page(reference: ModuleType) -> None:
 
 
 def test_a_name_that_is_also_a_files_is_the_functions(reference: ModuleType) -> None:
-    assert reference.entry("skin").startswith("::: midair._motion.skin.skin\n")
-    assert reference.entry("sequence").startswith("::: midair._motion.solve.sequence\n")
+    assert reference.entry("skin").startswith("::: midair._touch.skin.skin\n")
+    assert reference.entry("sequence").startswith("::: midair._sequence.solve.sequence\n")
     assert reference.entry("solve").startswith("::: midair.solve\n")
 
 

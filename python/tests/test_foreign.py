@@ -143,7 +143,7 @@ def test_frames_that_a_table_only_claims_are_refused(tmp_path: Path) -> None:
     text_ = '[array]\npreset = "ultraino_flat8x8"\n[motion]\nfile = "{}"\nrate = 100\n'
     scene = tmp_path / "scene.toml"
     scene.write_text(text_.format("frames.csv"))
-    from midair._motion import document
+    from midair._sequence import document
 
     with pytest.raises(midair.SceneError, match="1000000001 frames of 1 points need"):
         document.read(scene)
@@ -199,7 +199,7 @@ def large(path: Path, codes: bool) -> midair.Sequence:
 def test_a_large_sequence_that_is_cut_or_changed_while_it_is_used_is_refused(
     codes: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("midair._motion.files.LARGE", 0)
+    monkeypatch.setattr("midair._sequence.files.LARGE", 0)
     path = tmp_path / "q.npz"
     whole = large(path, codes)
     found = midair.Sequence.load(path)
@@ -225,7 +225,7 @@ def test_a_large_sequence_that_is_cut_or_changed_while_it_is_used_is_refused(
 def test_what_is_above_one_in_a_large_file_is_refused_even_if_its_time_says_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("midair._motion.files.LARGE", 0)
+    monkeypatch.setattr("midair._sequence.files.LARGE", 0)
     path = tmp_path / "q.npz"
     large(path, codes=False)
     found = midair.Sequence.load(path)

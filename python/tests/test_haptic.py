@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import midair
-from midair._judging.schedule import Foci
-from midair._midair import Sheet
+from midair._midair import Membrane
+from midair._touch.schedule import Foci
 
 ARRAY = midair.Array.preset("autd3")
 Z = 0.15
@@ -42,7 +42,7 @@ def test_a_schedule_is_felt_more_than_the_usual_techniques() -> None:
 def foci(rate: float, frames: int) -> tuple[Foci, Any, midair.Plane]:
     curve = np.linspace(*np.array(LINE), 20)
     plane = midair.Plane(z=Z, size=0.07, pixels=33)
-    return Foci.beside(ARRAY, curve, plane, 0.008, Sheet(), rate, frames), curve, plane
+    return Foci.beside(ARRAY, curve, plane, 0.008, Membrane(), rate, frames), curve, plane
 
 
 def scores(found: Foci, schedule: Any) -> Any:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import midair
-import midair._motion.solve as motion
+import midair._sequence.solve as motion
 from midair._points import boundary as cache
 from midair._support import kept, output
 from sweeps import REQUESTED

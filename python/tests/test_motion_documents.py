@@ -10,7 +10,7 @@ import pytest
 
 import midair
 from midair._cli import play
-from midair._motion import document
+from midair._sequence import document
 
 SCENE = """[array]
 preset = "autd3"

@@ -14,7 +14,7 @@ import pytest
 
 import midair
 from midair import _cli as cli
-from midair._motion.drives import Stored
+from midair._sequence.drives import Stored
 
 RATE = 10e3
 
@@ -82,7 +82,7 @@ def test_other_solvers_are_started_from_the_last_drive(board, ring):
 
 
 def test_a_file_goes_on_where_it_was_to_the_same_bits(board, ring, tmp_path, monkeypatch):
-    monkeypatch.setattr("midair._motion.solve.BLOCK", 16)
+    monkeypatch.setattr("midair._sequence.solve.BLOCK", 16)
     frames = ring.frames(RATE)[0][:50]
     whole = midair.sequence(board, frames, rate=RATE, change=np.pi / 16)
     file = tmp_path / "motion.npz"
@@ -108,7 +108,7 @@ def test_a_file_goes_on_where_it_was_to_the_same_bits(board, ring, tmp_path, mon
     assert found == whole
     assert midair.Sequence.load(file) == whole
     # Large arrays stay in the file and are read on demand.
-    monkeypatch.setattr("midair._motion.files.LARGE", 0)
+    monkeypatch.setattr("midair._sequence.files.LARGE", 0)
     assert midair.Sequence.load(file) == whole
     free = midair.Array.grid(16, 16, 10e-3)
     other = midair.sequence(free, frames[:20], rate=RATE, resume=tmp_path / "free.npz")

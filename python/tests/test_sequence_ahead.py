@@ -125,7 +125,7 @@ def test_a_file_goes_on_where_it_was_to_the_same_bits(pressures, tmp_path, monke
     points, file = fast(50), tmp_path / "motion.npz"
     whole = solved(points, 8, pressures=pressures)
     # The size of the blocks in a file does not change the result.
-    monkeypatch.setattr("midair._motion.solve.BLOCK", 7)
+    monkeypatch.setattr("midair._sequence.solve.BLOCK", 7)
     assert solved(points, 8, pressures=pressures) == whole
 
     class Enough(Exception):

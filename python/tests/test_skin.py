@@ -12,13 +12,13 @@ import pytest
 from numpy.typing import NDArray
 
 import midair
-from midair._midair import Sheet
-from midair._motion.sheet import Triangles, on_mesh
+from midair._midair import Membrane
+from midair._touch.membrane import Triangles, on_mesh
 
 ARRAY = midair.Array.preset("autd3", tiles=(2, 2))
 HEIGHT = 0.2
 MIDDLE = np.array([0, 0, HEIGHT])
-SHEET = Sheet(6.0, 0.4, 6.4)
+SHEET = Membrane(6.0, 0.4, 6.4)
 PLANE = midair.Plane(z=HEIGHT, size=0.03, pixels=21)
 AROUND = midair.Plane(z=HEIGHT, size=0.08, pixels=33)
 

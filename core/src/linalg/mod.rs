@@ -3,10 +3,7 @@
 //! All numbers are f32 in padded rows, which the kernels process. The matrices are regularised (condition below 1e5),
 //! so that f32 suffices; `docs/performance/steps.md` has measurements against a library.
 
-pub(crate) mod bessel;
-pub(crate) mod fourier;
 pub(crate) mod leading_eigenvector;
-pub(crate) mod shifted;
 pub(crate) mod symmetric;
 
 pub(crate) use leading_eigenvector::leading_eigenvector;

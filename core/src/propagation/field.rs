@@ -12,8 +12,8 @@ use crate::kernels;
 use crate::kernels::{ControlPoints, InstructionSet, Rows, padded};
 use crate::linalg::Planar;
 use crate::propagation::Propagation;
-use crate::propagation::bodies::Bodies;
 use crate::propagation::model::Model;
+use crate::propagation::scattering::bodies::Bodies;
 use crate::scene::{check_drive, check_places};
 use crate::workspace::Workspace;
 

@@ -11,9 +11,9 @@ use crate::control::Control;
 use crate::device::channels::Channels;
 use crate::error::Error;
 use crate::kernels::InstructionSet;
+use crate::propagation::forces::stiffness::Stiffness;
 use crate::propagation::scattering::Scattering;
 use crate::propagation::sources::Sources;
-use crate::propagation::stiffness::Stiffness;
 use crate::propagation::taylor::add_exact;
 use crate::scene::{Bead, Signature};
 

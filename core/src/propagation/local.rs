@@ -19,7 +19,7 @@ use num_complex::Complex64;
 
 use crate::math;
 use crate::propagation::jet::{Jet, TERMS};
-use crate::propagation::sphere::gauss;
+use crate::propagation::scattering::sphere::gauss;
 use crate::scene::Medium;
 
 /// The number of heights of the Gauss rule; there are twice as many steps in azimuth.

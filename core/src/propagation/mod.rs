@@ -1,35 +1,22 @@
 //! Propagation: the matrix G, one row for each transducer, computed from positions or given by the user.
 
-pub(crate) mod around;
-pub(crate) mod bodies;
-pub(crate) mod boundary;
 pub(crate) mod dense;
-pub(crate) mod element;
 pub(crate) mod field;
-pub(crate) mod gorkov;
-pub(crate) mod gradient;
-mod inside;
+pub(crate) mod forces;
 pub(crate) mod jet;
 pub(crate) mod kept;
 pub(crate) mod local;
 pub(crate) mod model;
-mod momentum;
-pub(crate) mod particle;
-pub(crate) mod quantity;
 pub(crate) mod reach;
-pub(crate) mod reflection;
-pub(crate) mod rest;
 pub(crate) mod scattering;
 pub(crate) mod sources;
-pub(crate) mod sphere;
-pub(crate) mod stiffness;
 pub(crate) mod strips;
 pub(crate) mod taylor;
 
-pub use boundary::Boundary;
 pub(crate) use field::field_of;
 pub use field::{KeptField, field};
 pub use model::Model;
+pub use scattering::boundary::Boundary;
 pub(crate) use sources::Sources;
 pub(crate) use strips::Strips;
 

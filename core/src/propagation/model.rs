@@ -10,10 +10,10 @@ use crate::device::channels::Channels;
 use crate::error::Error;
 use crate::kernels::InstructionSet;
 use crate::propagation::Propagation;
-use crate::propagation::bodies::Bodies;
-use crate::propagation::boundary::Boundary;
 use crate::propagation::kept::{Kept, Make};
 use crate::propagation::scattering::Scattering;
+use crate::propagation::scattering::bodies::Bodies;
+use crate::propagation::scattering::boundary::Boundary;
 use crate::propagation::sources::Sources;
 use crate::scene::{Array, Bead, Medium, Obstacle, Obstacles, Scene, Signature, check_array};
 

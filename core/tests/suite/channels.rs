@@ -1,6 +1,6 @@
 //! Tests of channels: transducers that are wired together. Every method is compared with sums of columns in double precision.
 
-use midair::motion::{Ahead, Ends, ahead};
+use midair::sequence::{Ahead, Ends, ahead};
 use midair::solvers::SOLVERS;
 use midair::{
     Array, Board, Complex32, Complex64, Control, Frames, InstructionSet, Medium, Model, Precision, Problem,

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::fs;
 use std::path::PathBuf;
 
-use midair::motion::{Pushes, Sheet, Skin, felt_width, strength};
+use midair::touch::{Membrane, Pushes, Skin, felt_width, strength};
 use midair::{Array, Complex32, Control, Model, Problem, Request, Scene, Workspace, solvers};
 use serde_json::Value;
 
@@ -40,12 +40,13 @@ fn a_circle_moves_the_skin_as_the_record_has_it() {
         let pushed: Vec<f32> = field.iter().map(|p| medium.radiation(p.norm().into()) as f32).collect();
         pushes.add(t, &pushed).expect("added");
     }
-    let sheet = Sheet::new(6.0, 0.4, 6.4).expect("a sheet");
+    let membrane = Membrane::new(6.0, 0.4, 6.4).expect("a membrane");
     let frequencies = numbers(&record["frequencies"]);
     assert!(pushes.frequencies().iter().zip(&frequencies).all(|(a, b)| (a - b).abs() < 1e-9 * b));
     assert_eq!(pushes.frequencies().len(), frequencies.len());
-    let skin = Skin::on_plane(&sheet, &frequencies, pushes.lines(), [side, side], [step, 2e-3], &mut Control::none())
-        .expect("a skin");
+    let skin =
+        Skin::on_plane(&membrane, &frequencies, pushes.lines(), [side, side], [step, 2e-3], &mut Control::none())
+            .expect("a skin");
     let kept: Vec<usize> = numbers(&record["places"]).iter().map(|&k| k as usize).collect();
     let close =
         |found: f64, exact: f64, part: f64| assert!((found - exact).abs() < part * exact.abs(), "{found} {exact}");

@@ -2,7 +2,7 @@
 
 use core::ops::ControlFlow;
 
-use midair::motion::{Ahead, Ends, ahead, stiffen};
+use midair::sequence::{Ahead, Ends, ahead, stiffen};
 use midair::solvers::Uniform;
 use midair::{
     Array, Complex32, Complex64, Control, Directivity, Error, InstructionSet, Medium, Model, Particle, Problem,

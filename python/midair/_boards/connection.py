@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Array, Solution
-from .._motion import Sequence
+from .._sequence import Sequence
 from .._support.arguments import is_array, number, refused
 from . import wire
 from .address import DEFAULT, Address, describe, modulation, parse

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Array, Scene, SceneError, Solution, field, numbers
-from .._motion import Sequence
 from .._points.ear import Ear
+from .._sequence import Sequence
 from .._support.arguments import is_array, refused, warn
 from .board import Board
 from .errors import BoardError, BoardTimeout

@@ -6,10 +6,10 @@ import json as json_text
 from pathlib import Path
 
 from .. import SceneError, Sequence
-from .._motion.animation import ENDINGS
-from .._motion.document import Document, read
-from .._motion.request import solver_name
-from .._motion.store import Output
+from .._sequence.animation import ENDINGS
+from .._sequence.document import Document, read
+from .._sequence.request import solver_name
+from .._sequence.store import Output
 from .._support import output
 from .._support.text import counted
 from .keywords import Json, OutputFile

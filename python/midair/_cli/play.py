@@ -21,8 +21,8 @@ from .. import Array, Board, Connection, Scene, SceneError, Sequence, Solution, 
 from .._boards.address import DEFAULT, can_modulate, parse
 from .._boards.limit import APART
 from .._boards.playing import LOOK, keep
-from .._motion import document
 from .._points.ear import REFERENCE
+from .._sequence import document
 from .._support.arguments import number, warn
 from .._support.text import counted
 from .progress import progress_bar, tell

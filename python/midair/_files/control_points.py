@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._midair import SceneError, numbers
-from .._motion import Sequence
+from .._sequence import Sequence
 from .._support.arguments import number
 from .._support.text import columns, fault, picked, rows, text
 from ..path import Path

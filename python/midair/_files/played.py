@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .._boards.board import Board
 from .._midair import Array, SceneError, Solution, numbers
-from .._motion import Sequence
+from .._sequence import Sequence
 from .._support.text import content, fault
 
 CURE = 'give board=, such as "sonicsurface"'

@@ -12,7 +12,7 @@ from .._boards import pat
 from .._boards.board import Board
 from .._boards.layout import Layout
 from .._midair import Array, SceneError, Solution, array_parts, drive_from_csv, read_table
-from .._motion import Sequence
+from .._sequence import Sequence
 from .._support.arguments import path_of
 from .._support.text import content, fault, number, rows, text, unpacked
 from . import acoustools, autd3, control_points, handybeam, record, ultraino, xml

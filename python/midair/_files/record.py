@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import Scene, SceneError, Solution
-from .._motion import Sequence
+from .._sequence import Sequence
 from .._support import output
 from .._support.arguments import path_of
 from .._support.text import MOST_BYTES, arrays, content, fault

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from .._boards.layout import Layout, turned
 from .._midair import SceneError
-from .._motion.files import whole
+from .._sequence.files import whole
 from .._support.text import fault, numbers, rows, text
 from .played import Played, one_or_more
 from .xml import Bean, Decoder, Element

@@ -8,8 +8,8 @@ from typing import Any
 
 from .._boards.board import Board
 from .._midair import SceneError, Solution, drive_to_csv
-from .._motion import Sequence
-from .._motion.files import whole
+from .._sequence import Sequence
+from .._sequence.files import whole
 from .._support import output
 from .._support.arguments import path_of, refused, shown, word
 from ..path import Path

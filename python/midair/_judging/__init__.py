@@ -1,1 +1,1 @@
-"""Judging: comparison of solvers, exposure of people, streaming of air, haptic strength, faults."""
+"""Judging: comparison of solvers, exposure of people, streaming of air, faults."""

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Scene, SceneError, SceneWarning, Solution, about, field, numbers
-from .._motion import Sequence
-from .._motion.propagation import rows
 from .._points.ear import REFERENCE, Ear
+from .._sequence import Sequence
+from .._sequence.propagation import rows
 from .._support import text as columns
 from .._support.arguments import number, refused, warn
 

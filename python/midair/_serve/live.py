@@ -16,7 +16,7 @@ from .._boards.connection import Connection
 from .._boards.errors import BoardLost, BoardTimeout
 from .._boards.transport import before_what_computes
 from .._midair import Scene, SceneError
-from .._motion import stream
+from .._sequence import stream
 from .._support.arguments import number
 from ..path import Path
 from .life import Life

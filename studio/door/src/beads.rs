@@ -1,6 +1,6 @@
 //! Beads: simulates beads in the traps of the frames that `follow` has solved.
 
-use midair::motion::{BeadStart, Course, Envelope};
+use midair::flight::{BeadStart, Course, Envelope};
 use midair::{Control, Error};
 
 use crate::studio::Studio;

@@ -1,7 +1,7 @@
 //! Studio: the buffers between the page and the core, and the page's operations on a scene.
 
 use midair::files::{read_array, read_drive, write_drive};
-use midair::motion::Course;
+use midair::flight::Course;
 use midair::{Array, Complex32, Control, Error, InstructionSet, Precision, Status, bound, spl};
 
 use crate::lattices::Lattices;

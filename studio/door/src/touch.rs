@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use midair::motion::{Pushes, REACH, Sheet, Skin, felt_width, strength};
+use midair::touch::{Pushes, REACH, Membrane, Skin, felt_width, strength};
 use midair::{Complex32, Control, Error, Medium};
 
 use crate::studio::Studio;
@@ -42,11 +42,11 @@ impl Studio {
             pushes.add(sample, &pushed(&self.pressures, medium))?;
         }
         self.frame(0)?;
-        let [speed, loss, mass] = Sheet::SKIN;
-        let sheet = Sheet::new(speed, loss, mass)?;
+        let [speed, loss, mass] = Membrane::SKIN;
+        let membrane = Membrane::new(speed, loss, mass)?;
         let step = apart(places[0], places[1]);
         let (frequencies, sides) = (pushes.frequencies(), [side, side]);
-        let skin = Skin::on_plane(&sheet, frequencies, pushes.lines(), sides, [step, REACH], &mut Control::none())?;
+        let skin = Skin::on_plane(&membrane, frequencies, pushes.lines(), sides, [step, REACH], &mut Control::none())?;
         let felt: Vec<f64> = skin.slow.iter().zip(&skin.fast).map(|(&slow, &fast)| strength(slow, fast)).collect();
         let best = largest(&felt);
         let touch = Touch { skin, count, rate };

@@ -13,7 +13,7 @@ use alloc::vec::Vec;
 
 use crate::math;
 use crate::problem::Problem;
-use crate::propagation::stiffness::Stiffness;
+use crate::propagation::forces::stiffness::Stiffness;
 
 /// The weight w of the module's head: an error of 2 % in the pressure of a focus costs as much as two hundredths of the
 /// stiffness of the softest trap.

@@ -11,7 +11,7 @@ use crate::device::quantization::Quantization;
 use crate::error::Error;
 use crate::kernels::InstructionSet;
 use crate::math;
-use crate::propagation::stiffness::Stiffness;
+use crate::propagation::forces::stiffness::Stiffness;
 use crate::solvers::common::phase_descent::PhaseDescent;
 use crate::solvers::common::tiled::Wave;
 use crate::solvers::even_field::fixed_foci::FixedFoci;

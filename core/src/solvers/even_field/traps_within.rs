@@ -28,7 +28,7 @@ use crate::error::Error;
 use crate::kernels::tiles::unit::Arc;
 use crate::math;
 use crate::problem::Problem;
-use crate::propagation::stiffness::Stiffness;
+use crate::propagation::forces::stiffness::Stiffness;
 use crate::scene::{distance, dot};
 use crate::solvers::common::phase_descent::PhaseDescent;
 use crate::solvers::common::tiled::Wave;

@@ -1,0 +1,137 @@
+//! Flight: the motion of beads in forces that change with time and place.
+//!
+//! A sequence changes its forces thousands of times a second, and each force takes a pass over all transducers. Around
+//! a centre that moves with a trap, the force hardly changes within a millisecond. So the force is a polynomial of the
+//! place relative to this centre. Its coefficients are known at knots (interpolation nodes in time), and change
+//! linearly from one knot to the next.
+
+use alloc::format;
+use alloc::vec::Vec;
+
+use crate::control::Control;
+use crate::error::{Error, real};
+use crate::kernels::InstructionSet;
+use crate::kernels::flight::{Beads, Laws, advance, begin, radii};
+use crate::scene::Medium;
+use crate::scene::Particle;
+use crate::scene::geometry::vector;
+
+/// Number of speeds in the table of drag: it reaches 8 m/s.
+const SPEEDS: usize = 1024;
+/// Step of the speeds in the table in m/s. From 0.1 m/s on, the drag is interpolated with a relative error of 2e-4.
+/// Below 0.1 m/s the error is less than 1e-4 of the weight of a bead of expanded polystyrene.
+const SPACING: f64 = 8e-3;
+
+/// The force on eight beads at a knot, in N: for each x^a y^b z^c up to degree 6, its coefficients along x, y and z.
+/// The place (x, y, z) is relative to a centre, in units of [`Flight::unit`]. Monomials are ordered by degree, then by
+/// falling exponents.
+pub(crate) type Force = [[[f64; 8]; 3]; 84];
+
+/// Places, velocities and the last four accelerations of eight beads, the newest first, in SI units.
+pub(crate) type State = [[[f64; 8]; 3]; 6];
+
+/// Properties of the beads, and the time steps of their motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Flight {
+    /// The properties of each bead: all beads are equal.
+    pub(crate) particle: Particle,
+    /// Gravity in m/s^2.
+    pub(crate) gravity: [f64; 3],
+    /// The time step in s.
+    pub(crate) step: f64,
+    /// Number of steps from one knot to the next.
+    pub(crate) steps: usize,
+    /// The unit of the coordinates in m.
+    pub(crate) unit: f64,
+}
+
+impl Flight {
+    /// Moves eight beads from step `from` on. `forces` (K,) are given at each knot, `centres` (steps (K - 1) + 1,) at
+    /// each step. Writes the beads' places at the knots that are reached to `places` (P,). If P is larger than K, the
+    /// forces and centres repeat: the last ones are the first ones of the next lap.
+    ///
+    /// Returns the last step: the last of all, or the first step after which a bead is farther from its centre than its
+    /// `reach` in m. `reach` is NaN in a lane without a bead. Accelerations that are NaN are computed from the first
+    /// forces, as if they had been constant before.
+    ///
+    /// ```text
+    /// m x'' = F(x, t) + weight - buoyancy - drag(|x'|) x'/|x'|,   m = mass of the bead + half the mass of the displaced air
+    /// ```
+    ///
+    /// This equation is integrated by Adams' method of order 4. The mass of the air is that of a sphere that is
+    /// accelerated in a fluid without friction.
+    ///
+    /// # Errors
+    /// Lengths that do not fit; a step, a unit, a number of steps or a particle's value that is not above 0; a stop.
+    #[allow(clippy::too_many_arguments, reason = "a slice a thing")]
+    pub(crate) fn fly(
+        &self,
+        (set, medium): (InstructionSet, Medium),
+        state: &mut State,
+        reach: [f64; 8],
+        forces: &[Force],
+        centres: &[[[f64; 8]; 3]],
+        from: usize,
+        places: &mut [[[f64; 8]; 3]],
+        control: &mut Control,
+    ) -> Result<usize, Error> {
+        let laws = self.laws(medium)?;
+        let (lap, knots) = (forces.len().saturating_sub(1), places.len());
+        if lap == 0 || centres.len() != self.steps * lap + 1 || knots < 2 {
+            let given = format!("{}, centres {}, places {}", forces.len(), centres.len(), knots);
+            return Err(Error::invalid("forces", given, "give steps (K - 1) + 1 centres, K and places at least 2"));
+        }
+        let radii = radii(set, forces);
+        let [place, speed, pulls @ ..] = state;
+        let mut beads = Beads { place, speed, pulls, reach: reach.map(|x| x * x) };
+        if beads.pulls[0].as_flattened().iter().any(|pull| pull.is_nan()) {
+            begin(set, &laws, &forces[0], &centres[0], &mut beads);
+        }
+        if from == 0 {
+            places[0] = *beads.place;
+        }
+        for knot in from / self.steps..knots - 1 {
+            control.pulse()?;
+            let (first, own) = (knot * self.steps, knot % lap);
+            let centres = &centres[own * self.steps..=(own + 1) * self.steps];
+            let ends = [&forces[own], &forces[own + 1]];
+            let near = core::array::from_fn(|end| radii[own][end].min(radii[own + 1][end]));
+            let last = advance(set, &laws, (ends, near), centres, from.max(first) - first, &mut beads);
+            if last == self.steps {
+                places[knot + 1] = *beads.place;
+            }
+            if last < self.steps || beads.far(&centres[last]) {
+                return Ok(first + last);
+            }
+        }
+        Ok(self.steps * (knots - 1))
+    }
+
+    fn laws(&self, medium: Medium) -> Result<Laws, Error> {
+        real("radius", self.particle.radius, 0.0, true)?;
+        real("density", self.particle.density, 0.0, true)?;
+        real("step", self.step, 0.0, true)?;
+        real("unit", self.unit, 0.0, true)?;
+        vector("gravity", &self.gravity)?;
+        if self.steps == 0 {
+            return Err(Error::invalid("steps", 0, "give at least 1"));
+        }
+        let mass = self.particle.mass(medium);
+        let drag = |k: usize| {
+            let speed = SPACING * (k as f64).max(1e-6);
+            self.particle.drag(medium, speed) / (speed * mass)
+        };
+        Ok(Laws {
+            lightness: 1.0 / mass,
+            gravity: self.particle.weight(medium, self.gravity).map(|weight| weight / mass),
+            drag: (0..SPEEDS).map(drag).collect::<Vec<_>>(),
+            finest: 1.0 / SPACING,
+            unit: self.unit,
+            step: self.step,
+        })
+    }
+}
+
+#[cfg(test)]
+#[path = "tests/dynamics.rs"]
+mod tests;

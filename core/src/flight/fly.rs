@@ -1,0 +1,349 @@
+//! Fly: simulates beads in the traps of a sequence; which beads are lost, and when.
+
+use alloc::collections::BTreeMap;
+use alloc::vec;
+use alloc::vec::Vec;
+use core::array;
+
+use num_complex::Complex32;
+
+use crate::control::{Control, bytes};
+use crate::error::{Error, one_each};
+use crate::flight::around::{Around, Polynomial};
+use crate::flight::course::Course;
+use crate::flight::dynamics::{Flight, Force, State};
+use crate::math;
+use crate::propagation::Model;
+use crate::scene::geometry::check_finite;
+use crate::scene::{Bead, distance, dot, minus};
+
+/// Largest phase in rad that the fastest oscillation advances per step. Its frequency then has an error of 1e-4.
+const ANGLE: f64 = 0.3;
+
+/// Number of knots (interpolation nodes in time) whose forces are computed together, as one block.
+const KNOTS: usize = 1024;
+/// Number of blocks that are stored for later laps: about 500 MB, in a browser 80 MB.
+const KEPT: usize = if cfg!(target_arch = "wasm32") { 5 } else { 32 };
+
+/// Largest number of knots that are simulated in one call.
+const FLOWN: usize = 8192;
+/// Largest number of further knots in a call after a bead has left its cell, because it may soon be lost.
+const SOON: usize = 16;
+
+/// Distance between neighbouring cells, in radii of a cell, so that every place lies well inside of a cell.
+const LATTICE: f64 = 0.8;
+
+/// A bead farther than this from its point, in wavelengths, is lost: it is in another node or outside of the field.
+const LOST: f64 = 0.5;
+
+/// Number of beads that are simulated together.
+const LANES: usize = 8;
+
+/// x, y and z of eight beads.
+type Vectors = [[f64; LANES]; 3];
+
+/// A bead at the start of a flight.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[allow(clippy::exhaustive_structs, reason = "the state of a bead and its point")]
+pub struct BeadStart {
+    /// The place of the bead in m.
+    pub place: [f64; 3],
+    /// The velocity of the bead in m/s.
+    pub speed: [f64; 3],
+    /// The index of the point in whose trap the bead is.
+    pub point: usize,
+}
+
+/// The tracks of simulated beads.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Flown {
+    /// Places (K, B, 3) in m at the knots; NaN after a bead was lost.
+    pub places: Vec<[f64; 3]>,
+    /// Places (K, B, 3) in m of the points in whose traps the beads are.
+    pub points: Vec<[f64; 3]>,
+    /// Time (B,) in s at which each bead was lost; NaN for a bead that was not lost.
+    pub lost: Vec<f64>,
+}
+
+impl Course {
+    /// Simulates beads (B,) for a number of knots. Each bead obeys m x'' = F + weight - buoyancy - drag, with Gor'kov's
+    /// force F in the field at that time. A bead that is more than half a wavelength from its point is lost.
+    ///
+    /// # Errors
+    /// A place that is not finite, no bead, fewer than two knots; a bead that reaches a place which [`crate::field()`]
+    /// rejects; a stop.
+    pub fn fly(
+        &self,
+        model: &Model,
+        bead: Bead,
+        beads: &[BeadStart],
+        knots: usize,
+        control: &mut Control,
+    ) -> Result<Flown, Error> {
+        if knots < 2 || beads.is_empty() {
+            return Err(Error::invalid("beads", beads.len(), "give at least one, and two knots"));
+        }
+        let points: Vec<usize> = beads.iter().map(|start| start.point).collect();
+        let states: Vec<[f64; 3]> = beads.iter().flat_map(|start| [start.place, start.speed]).collect();
+        check_finite("beads", &states)?;
+        one_each("drives", model.array().len(), "transducers", self.drive(0).len(), "of the course")?;
+        control.room("the tracks of beads", [model.array().len(), knots], bytes(48, &[knots, beads.len()]))?;
+        let around = Around::new(model, bead.particle.factors(model.medium()));
+        let mut flown = Flown {
+            places: vec![[f64::NAN; 3]; knots * beads.len()],
+            points: self.ways(knots, &points),
+            lost: vec![f64::NAN; beads.len()],
+        };
+        for (first, some) in (0..).step_by(LANES).zip(beads.chunks(LANES)) {
+            Group::new(self, &around, (model, bead), some, knots, control)?.fly(&mut flown, first, control)?;
+        }
+        Ok(flown)
+    }
+}
+
+/// Index of each bead's cell in the lattice of cells around its point; `None` in a lane without a bead, and
+/// for a lost bead.
+type Cells = [Option<[i32; 3]>; LANES];
+
+/// Knots of a lap whose forces are computed together.
+#[derive(Clone, Copy)]
+struct Stretch {
+    first: usize,
+    count: usize,
+}
+
+/// Forces (K,) at the knots of a stretch, and centres (S, 3) of the cells at the steps.
+struct Found {
+    forces: Vec<Force>,
+    centres: Vec<Vectors>,
+}
+
+/// Up to eight beads that are simulated together, each in a cell: a ball that moves with the bead's point.
+struct Group<'a> {
+    course: &'a Course,
+    around: &'a Around<'a>,
+    model: &'a Model,
+    flight: Flight,
+    points: Vec<usize>,
+    /// The number of knots of a lap, or the last knot of the flight if the flight is shorter.
+    end: usize,
+    cells: Cells,
+    kept: BTreeMap<(usize, Cells), Found>,
+    state: State,
+}
+
+impl<'a> Group<'a> {
+    fn new(
+        course: &'a Course,
+        around: &'a Around<'a>,
+        (model, bead): (&'a Model, Bead),
+        beads: &[BeadStart],
+        knots: usize,
+        control: &mut Control,
+    ) -> Result<Self, Error> {
+        let mut state: State = [[[f64::NAN; LANES]; 3]; 6];
+        state[..2].as_flattened_mut().fill([0.0; LANES]);
+        for (lane, bead) in beads.iter().enumerate() {
+            for axis in 0..3 {
+                state[0][axis][lane] = bead.place[axis];
+                state[1][axis][lane] = bead.speed[axis];
+            }
+        }
+        let Bead { particle, gravity } = bead;
+        let unit = around.unit;
+        let mut own = Self {
+            course,
+            around,
+            model,
+            flight: Flight { particle, gravity, step: course.spacing(), steps: 1, unit },
+            points: beads.iter().map(|bead| bead.point).collect(),
+            end: course.lap().min(knots - 1),
+            cells: array::from_fn(|lane| (lane < beads.len()).then_some([0; 3])),
+            kept: BTreeMap::new(),
+            state,
+        };
+        own.settle(&own.centres(Stretch { first: 0, count: 0 })[0]);
+        let first = own.stretch(0);
+        let found = own.find(first, control)?;
+        let steps = own.fine(&found.forces);
+        own.flight = Flight { step: course.spacing() / steps as f64, steps, ..own.flight };
+        let centres = own.centres(first);
+        own.kept.insert((first.first, own.cells), Found { centres, ..found });
+        Ok(own)
+    }
+
+    /// Simulates the beads of this group, the first of which is bead `own` of the flight. Writes their places, and the times
+    /// at which beads are lost.
+    fn fly(&mut self, flown: &mut Flown, own: usize, control: &mut Control) -> Result<(), Error> {
+        let (count, most) = (flown.lost.len(), LOST * self.model.medium().wavelength());
+        let last = flown.points.len() / count - 1;
+        let mut first = 0;
+        while first < last && self.cells.iter().any(Option::is_some) {
+            let places = self.through(first, last - first, control)?;
+            for lane in 0..self.points.len() {
+                for (knot, all) in (first..).zip(&places) {
+                    let (place, at) = (of(all, lane), knot * count + own + lane);
+                    if self.cells[lane].is_some() && distance(place, flown.points[at]) > most {
+                        flown.lost[own + lane] = self.course.time(knot as f64);
+                        self.cells[lane] = None;
+                    }
+                    flown.places[at] = if self.cells[lane].is_some() { place } else { [f64::NAN; 3] };
+                }
+            }
+            first += places.len() - 1;
+        }
+        Ok(())
+    }
+
+    /// Returns the stretch that contains a knot.
+    fn stretch(&self, knot: usize) -> Stretch {
+        let first = knot % self.course.lap() / KNOTS * KNOTS;
+        Stretch { first, count: KNOTS.min(self.end - first) }
+    }
+
+    /// Returns the places (K, 3) at the knot `first` and at up to `most` knots after it; at fewer knots if a bead has
+    /// left its cell.
+    fn through(&mut self, first: usize, most: usize, control: &mut Control) -> Result<Vec<Vectors>, Error> {
+        let (stretch, lap, steps) = (self.stretch(first), self.course.lap(), self.flight.steps);
+        let own = first % lap - stretch.first;
+        // A short lap is simulated repeatedly with the same forces.
+        let most = most.min(if stretch.count == lap { FLOWN } else { stretch.count - own });
+        let mut places = vec![[[f64::NAN; LANES]; 3]; own + most + 1];
+        places[own] = self.state[0];
+        let (mut step, mut last) = (own * steps, (own + most) * steps);
+        while step < last {
+            if !self.kept.contains_key(&(stretch.first, self.cells)) {
+                let found = self.find(stretch, control)?;
+                if self.kept.len() >= KEPT {
+                    self.kept.clear();
+                }
+                self.kept.insert((stretch.first, self.cells), found);
+            }
+            let Found { forces, centres } = &self.kept[&(stretch.first, self.cells)];
+            let reach = self.cells.map(|cell| if cell.is_some() { self.flight.unit } else { f64::NAN });
+            let (set, some) = ((self.model.set, self.model.medium()), &mut places[..=last / steps]);
+            step = self.flight.fly(set, &mut self.state, reach, forces, centres, step, some, control)?;
+            if step < last {
+                last = last.min((step / steps + SOON) * steps);
+            }
+            let centre = centres[(step - 1) % (stretch.count * steps) + 1];
+            self.settle(&centre);
+        }
+        places.truncate(last / steps + 1);
+        Ok(places.split_off(own))
+    }
+
+    /// Returns the cells' centres (S, 3) at the steps of a stretch. They follow the points with a delay of the
+    /// transducers' time constant.
+    fn centres(&self, stretch: Stretch) -> Vec<Vectors> {
+        let steps = self.flight.steps;
+        let at = |step: usize| {
+            let time = self.time(stretch.first as f64 + step as f64 / steps as f64);
+            let mut centre = [[0.0; LANES]; 3];
+            for (lane, &point) in self.points.iter().enumerate() {
+                let (place, offset) = (self.course.place(time, point), self.offset(lane));
+                for axis in 0..3 {
+                    centre[axis][lane] = place[axis] + offset[axis];
+                }
+            }
+            centre
+        };
+        (0..=stretch.count * steps).map(at).collect()
+    }
+
+    /// Returns the time in s at which the points are where the traps are at a knot: traps are late by the transducers'
+    /// time constant.
+    fn time(&self, knot: f64) -> f64 {
+        self.course.time(knot) - self.course.envelope.tau
+    }
+
+    /// Returns the centre of a bead's cell relative to its point.
+    fn offset(&self, lane: usize) -> [f64; 3] {
+        self.cells[lane].unwrap_or_default().map(|k| f64::from(k) * LATTICE * self.flight.unit)
+    }
+
+    /// Moves each bead that is outside of its cell, whose centre is given, to the cell that contains it.
+    fn settle(&mut self, centre: &Vectors) {
+        for lane in 0..self.points.len() {
+            let apart = minus(of(&self.state[0], lane), of(centre, lane));
+            let (unit, offset) = (self.flight.unit, self.offset(lane));
+            if self.cells[lane].is_some() && math::sqrt(dot(apart, apart)) > unit {
+                let nearest = |axis: usize| math::round((apart[axis] + offset[axis]) / (LATTICE * unit)) as i32;
+                self.cells[lane] = Some([0, 1, 2].map(nearest));
+            }
+        }
+    }
+
+    /// Returns the forces in the cells at the knots of a stretch. Stored forces of the same bead in the same cell are copied.
+    fn find(&self, stretch: Stretch, control: &mut Control) -> Result<Found, Error> {
+        let knots = stretch.count + 1;
+        control.room("the forces on beads", [LANES, knots], bytes(size_of::<Force>(), &[knots]))?;
+        let mut forces = vec![[[[0.0; LANES]; 3]; 84]; knots];
+        for lane in (0..self.points.len()).filter(|&lane| self.cells[lane].is_some()) {
+            let same = |key: &(usize, Cells)| key.0 == stretch.first && key.1[lane] == self.cells[lane];
+            if let Some((_, known)) = self.kept.iter().find(|(key, _)| same(key)) {
+                for (own, known) in forces.iter_mut().zip(&known.forces) {
+                    let each = own.as_flattened_mut().iter_mut().zip(known.as_flattened());
+                    each.for_each(|(own, known)| own[lane] = known[lane]);
+                }
+                continue;
+            }
+            let (found, which) = self.cell(stretch, lane, control)?;
+            for (own, &k) in forces.iter_mut().zip(&which) {
+                let each = own.as_flattened_mut().iter_mut().zip(found[k].as_flattened());
+                each.for_each(|(own, &force)| own[lane] = force);
+            }
+        }
+        Ok(Found { forces, centres: self.centres(stretch) })
+    }
+
+    /// Returns the forces in the cell of one bead, and for each knot (K,) the index of its force. Knots with equal drives and
+    /// places share a force.
+    fn cell(
+        &self,
+        stretch: Stretch,
+        lane: usize,
+        control: &mut Control,
+    ) -> Result<(Vec<Polynomial>, Vec<usize>), Error> {
+        let (lap, offset) = (self.course.lap(), self.offset(lane));
+        let (mut places, mut drives, mut which): (Vec<[f64; 3]>, Vec<&[Complex32]>, Vec<usize>) = Default::default();
+        for knot in stretch.first..=stretch.first + stretch.count {
+            let knot = knot % lap;
+            let middle = self.course.place(self.time(knot as f64), self.points[lane]);
+            let place = [0, 1, 2].map(|axis| middle[axis] + offset[axis]);
+            let drive = self.course.drive(knot);
+            // The knot after the last knot of a lap is the first knot of the lap.
+            if knot == 0 && !places.is_empty() && stretch.first == 0 {
+                which.push(0);
+                continue;
+            }
+            if places.last() != Some(&place) || drives.last() != Some(&drive) {
+                places.push(place);
+                drives.push(drive);
+            }
+            which.push(places.len() - 1);
+        }
+        Ok((self.around.at(&places, &drives, control)?, which))
+    }
+
+    /// Returns the number of steps between two knots that the stiffest trap needs.
+    fn fine(&self, forces: &[Force]) -> usize {
+        let square = |force: &Force, lane: usize| {
+            force[1..4].as_flattened().iter().map(|axis| axis[lane] * axis[lane]).sum::<f64>()
+        };
+        let all = forces.iter().flat_map(|force| (0..LANES).map(move |lane| square(force, lane)));
+        let slope = math::sqrt(all.fold(0.0, f64::max)) / self.flight.unit;
+        let speed = math::sqrt(slope / self.flight.particle.mass(self.model.medium()));
+        math::ceil(self.course.spacing() * speed / ANGLE).max(1.0) as usize
+    }
+}
+
+/// Returns the vector of one bead.
+fn of(all: &Vectors, lane: usize) -> [f64; 3] {
+    [0, 1, 2].map(|axis| all[axis][lane])
+}
+
+#[cfg(test)]
+#[path = "tests/fly.rs"]
+mod tests;

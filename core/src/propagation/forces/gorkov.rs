@@ -1,0 +1,220 @@
+//! Gor'kov potential of a small sphere in the field of a drive, with its force and stiffness, by exact derivatives.
+
+use alloc::format;
+use alloc::vec;
+use alloc::vec::Vec;
+
+use num_complex::{Complex32, Complex64};
+
+use crate::control::{Control, bytes};
+use crate::error::Error;
+use crate::propagation::forces::momentum::Pushed;
+use crate::propagation::forces::particle::{LARGEST, potential};
+use crate::propagation::jet::Jet;
+use crate::propagation::local::{LEAST_CLEARANCE, Local};
+use crate::propagation::model::Model;
+use crate::propagation::scattering::bodies::Bodies;
+use crate::propagation::sources::Sources;
+use crate::propagation::taylor::Taylor;
+use crate::scene::{Particle, check_drive, check_places, distance};
+
+/// How many points a thread computes together.
+const CHUNK: usize = 16;
+
+/// The largest radius of a sphere, in wavelengths.
+const MOST: f64 = 3.0;
+/// The step of the finite differences for the stiffness of a large sphere, in wavelengths.
+const STEP: f64 = 1.0 / 400.0;
+
+/// Force, potential and stiffness of a small sphere at P points.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Gorkov {
+    /// Potential U (P,) in J.
+    pub potential: Vec<f64>,
+    /// Force -grad U (P, 3) in N.
+    pub force: Vec<[f64; 3]>,
+    /// Second derivatives of U (P, 3, 3) in N/m. The diagonal is the stiffness along x, y and z. A point of force 0 is a trap
+    /// if all eigenvalues are above 0.
+    pub hessian: Vec<[[f64; 3]; 3]>,
+}
+
+/// Returns the Gor'kov potential, force and stiffness of a `particle` at any `points` (P, 3) in m, in the field of a drive
+/// (N,).
+///
+/// ```text
+/// U = V [ f1 <p^2>/(2 rho c^2) - 3/4 f2 rho <v^2> ],   v = grad p/(j omega rho),   V = 4/3 pi a^3
+/// f1 = 1 - kappa_p/kappa_0,  f2 = 2 (rho_p/rho - 1)/(2 rho_p/rho + 1),   kappa = 1/(rho c^2)
+/// ```
+///
+/// The formulas follow H. Bruus, "Acoustofluidics 7", Lab on a Chip 12, 1014 (2012), and L. P. Gor'kov, Sov. Phys. Dokl. 6, 773
+/// (1962). They hold for a sphere that is small beside the wavelength, in a fluid without viscosity. They contain no gravity,
+/// and not the scattering force of travelling waves, such as those of a single array.
+///
+/// A sphere with a radius from an eighth of the wavelength to three wavelengths is treated as rigid. Its force is computed from
+/// a series of spherical waves and contains the scattering force. It has no potential: `potential` is NaN, and `hessian`
+/// contains finite differences of the force, -dF.
+///
+/// The propagation matrix G is computed in double precision, without a scene's signature. Its derivatives are exact, from
+/// Taylor polynomials around each point. Those of the sound scattered by spheres and meshes come from its values on a small
+/// ball, with an error of 1e-5.
+///
+/// # Errors
+/// A drive that does not fit the array; no points, one that is not finite, too far away, within lambda/100 of a transducer, or
+/// in the plane of a transducer whose directivity is discontinuous there; a particle of no size, density or sound speed, or
+/// larger than three wavelengths; a point inside an obstacle or within lambda/100 of a sphere or mesh, or a large sphere that
+/// extends there; more memory than allowed; a stop by the caller.
+pub fn gorkov(
+    model: &Model,
+    drive: &[Complex32],
+    points: &[[f64; 3]],
+    particle: Particle,
+    control: &mut Control,
+) -> Result<Gorkov, Error> {
+    let trap = Trap::new(model, drive, points, particle)?;
+    let large = trap.large(points, particle)?;
+    control.room("the potential", [drive.len(), points.len()], bytes(2 * size_of::<Felt>(), &[points.len()]))?;
+    let mut felt = vec![Felt::default(); points.len()];
+    let parts = felt.chunks_mut(CHUNK).zip(points.chunks(CHUNK)).enumerate().collect();
+    control.each(parts, &|(part, (out, points)): (usize, (&mut [Felt], &[[f64; 3]])), control| {
+        for (j, (out, point)) in out.iter_mut().zip(points).enumerate() {
+            let j = part * CHUNK + j;
+            *out = match &large {
+                Some(sphere) => trap.pushed(sphere, j, *point, control)?,
+                None => trap.felt(j, *point, control)?,
+            };
+        }
+        Ok(())
+    })?;
+    Ok(Gorkov {
+        potential: felt.iter().map(|felt| felt.0).collect(),
+        force: felt.iter().map(|felt| felt.1).collect(),
+        hessian: felt.iter().map(|felt| felt.2).collect(),
+    })
+}
+
+/// Potential, force and second derivatives of the potential at one point.
+pub(crate) type Felt = (f64, [f64; 3], [[f64; 3]; 3]);
+
+/// The field of a drive, prepared to compute the force on a particle at any point.
+pub(crate) struct Trap<'a> {
+    model: &'a Model,
+    waves: Vec<(&'a Sources, Taylor)>,
+    /// Spheres and meshes, and the amplitudes of their waves in the field of the drive.
+    bodies: Option<(&'a Bodies, Vec<Complex64>)>,
+    particle: Particle,
+}
+
+impl<'a> Trap<'a> {
+    /// Checks the drive, the points and the particle, and prepares the field.
+    ///
+    /// # Errors
+    /// The errors of [`gorkov`].
+    pub(crate) fn new(
+        model: &'a Model,
+        drive: &[Complex32],
+        points: &[[f64; 3]],
+        particle: Particle,
+    ) -> Result<Self, Error> {
+        let (array, medium) = (model.array(), model.medium());
+        check_drive(drive, array.len())?;
+        if points.is_empty() {
+            return Err(Error::invalid("points", "empty", "give at least one point"));
+        }
+        check_places(array.centre(), medium, "points", "", points)?;
+        particle.check()?;
+        let (mut images, mut bodies) = (&[][..], None);
+        if let Some(scattering) = &model.scattering {
+            scattering.obstacles.check_points(points)?;
+            scattering.check()?;
+            images = &scattering.images;
+            bodies = scattering.bodies.as_deref().map(|bodies| (bodies, bodies.driven(&model.sources, drive)));
+        }
+        let played = |sources: &Sources, i: usize| {
+            sources.array.effect(i) * Complex64::new(f64::from(drive[i].re), f64::from(drive[i].im))
+        };
+        let all = core::iter::once(&*model.sources).chain(images);
+        let waves = all.map(|sources| (sources, Taylor::new(model.set, sources, |i| played(sources, i)))).collect();
+        Ok(Self { model, waves, bodies, particle })
+    }
+
+    /// Returns the wave series of a large particle, `None` for a small one. Checks that the sphere touches nothing at any
+    /// point.
+    fn large(&self, points: &[[f64; 3]], Particle { radius, .. }: Particle) -> Result<Option<Pushed>, Error> {
+        let (medium, array) = (self.model.medium(), self.model.array());
+        let wavelength = medium.wavelength();
+        if radius <= LARGEST * wavelength {
+            return Ok(None);
+        }
+        if radius > MOST * wavelength {
+            let cure = format!("give at most {:.2e}, three wavelengths", MOST * wavelength);
+            return Err(Error::invalid("radius", radius, cure));
+        }
+        for (j, &point) in points.iter().enumerate() {
+            let nearest = array.positions().iter().map(|&place| distance(place, point)).fold(f64::INFINITY, f64::min);
+            let clear = self.model.scattering.as_ref().map_or(f64::INFINITY, |all| all.obstacles.clearance(point));
+            let (room, least) = (nearest.min(clear), radius + LEAST_CLEARANCE * wavelength);
+            if room < least {
+                let cure = format!("{room:.1e} m from a transducer or an obstacle: leave {least:.1e} m for the sphere");
+                return Err(Error::invalid(format!("points[{j}]"), format!("{point:?}"), cure));
+            }
+        }
+        Ok(Some(Pushed::new(self.particle, medium)))
+    }
+
+    /// Force and stiffness of a large sphere, which has no potential.
+    fn pushed(&self, sphere: &Pushed, j: usize, point: [f64; 3], control: &mut Control) -> Result<Felt, Error> {
+        let mut force =
+            |center: [f64; 3]| sphere.force(center, |place| self.pressure(j, place, &mut Control::none()), control);
+        let step = STEP * self.model.medium().wavelength();
+        let mut hessian = [[0.0; 3]; 3];
+        for axis in 0..3 {
+            let [before, after] = [-step, step].map(|step| {
+                let mut center = point;
+                center[axis] += step;
+                force(center)
+            });
+            let (before, after) = (before?, after?);
+            (0..3).for_each(|row| hessian[row][axis] = (before[row] - after[row]) / (2.0 * step));
+        }
+        Ok((f64::NAN, force(point)?, hessian))
+    }
+
+    /// Potential, force and second derivatives at `point`, which errors name as point `j`.
+    pub(crate) fn felt(&self, j: usize, point: [f64; 3], control: &mut Control) -> Result<Felt, Error> {
+        let potential = potential(&self.pressure(j, point, control)?, self.particle.factors(self.model.medium()));
+        let felt = (potential.value(), potential.gradient().map(|slope| -slope), potential.hessian());
+        if !(felt.0.is_finite() && felt.1.iter().chain(felt.2.as_flattened()).all(|x| x.is_finite())) {
+            let cure = "the force has no bound there: move it off the plane of a transducer's face";
+            return Err(Error::invalid(format!("points[{j}]"), format!("{point:?}"), cure));
+        }
+        Ok(felt)
+    }
+
+    /// The Taylor polynomials of the pressure around `point`, real and imaginary part. Errors name it as point `j`.
+    fn pressure(&self, j: usize, point: [f64; 3], control: &mut Control) -> Result<[Jet; 2], Error> {
+        let mut pressure = [Jet::ZERO; 2];
+        for (sources, taylor) in &self.waves {
+            (0..sources.array.len()).try_for_each(|i| sources.check_distance(i, j, point))?;
+            taylor.add(point, &mut pressure, control)?;
+        }
+        if let Some((bodies, driven)) = &self.bodies {
+            control.pulse()?;
+            let mut row = Vec::new();
+            let sent = self.local(j, point)?.expand(point, |place| bodies.pressure(driven, place, &mut row));
+            pressure.iter_mut().zip(&sent).for_each(|(own, sent)| own.add(sent, 1.0));
+        }
+        Ok(pressure)
+    }
+
+    /// The ball around a point on which the sound of bodies is sampled for its derivatives.
+    fn local(&self, j: usize, point: [f64; 3]) -> Result<Local, Error> {
+        let medium = self.model.medium();
+        let clear = self.model.scattering.as_ref().map_or(f64::INFINITY, |all| all.obstacles.clearance(point));
+        Local::beside(medium, clear).ok_or_else(|| {
+            let least = LEAST_CLEARANCE * medium.wavelength();
+            let cure = format!("{clear:.1e} m from an obstacle's surface: leave {least:.1e} m");
+            Error::invalid(format!("points[{j}]"), format!("{point:?}"), cure)
+        })
+    }
+}

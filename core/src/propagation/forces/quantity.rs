@@ -1,0 +1,164 @@
+//! Quantity: a function of the field at a point, and its derivatives by the pressure there.
+
+use num_complex::Complex64;
+
+use crate::error::Error;
+use crate::kernels::contraction::Weights;
+use crate::math;
+use crate::propagation::forces::particle::{back, potential};
+use crate::propagation::jet::{EXPONENTS, Jet, TERMS, place};
+use crate::scene::Medium;
+use crate::scene::Particle;
+
+/// The indices of x^2, y^2 and z^2 among the coefficients of a [`Jet`].
+const SQUARES: [usize; 3] = [4, 7, 9];
+
+/// A quantity of the field at each point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Quantity {
+    /// Complex p in Pa (peak): two numbers for each point, the real and the imaginary part.
+    Pressure,
+    /// |p| in Pa.
+    Amplitude,
+    /// Radiation pressure |p|^2/(rho c^2) in Pa on a wall at normal incidence.
+    Radiation,
+    /// The Gor'kov potential of a particle in J.
+    Potential(Particle),
+    /// The force on a particle in N: three numbers for each point.
+    Force(Particle),
+    /// The stiffness -dF/ds of a particle along x, y and z in N/m: three numbers for each point.
+    Stiffness(Particle),
+}
+
+impl Quantity {
+    /// Returns the quantity of this name; `particle` is used by the quantities of a particle.
+    ///
+    /// ```
+    /// use midair::{Particle, Quantity};
+    ///
+    /// assert_eq!(Quantity::named("force", Particle::default())?.width(), 3);
+    /// # Ok::<(), midair::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// An unknown name.
+    pub fn named(name: &str, particle: Particle) -> Result<Self, Error> {
+        let all = [
+            ("pressure", Self::Pressure),
+            ("amplitude", Self::Amplitude),
+            ("radiation", Self::Radiation),
+            ("gorkov", Self::Potential(particle)),
+            ("force", Self::Force(particle)),
+            ("stiffness", Self::Stiffness(particle)),
+        ];
+        let found = all.iter().find(|(known, _)| *known == name).map(|&(_, own)| own);
+        found.ok_or_else(|| Error::unknown("quantity", name, all.iter().map(|(known, _)| *known)))
+    }
+
+    /// The number of values at each point.
+    #[must_use]
+    pub fn width(self) -> usize {
+        match self {
+            Self::Pressure => 2,
+            Self::Amplitude | Self::Radiation | Self::Potential(_) => 1,
+            Self::Force(_) | Self::Stiffness(_) => 3,
+        }
+    }
+
+    /// The particle, or `None` for a quantity of the pressure.
+    #[must_use]
+    pub fn particle(self) -> Option<Particle> {
+        match self {
+            Self::Potential(particle) | Self::Force(particle) | Self::Stiffness(particle) => Some(particle),
+            _ => None,
+        }
+    }
+
+    /// Writes the value of a quantity of the pressure for a pressure p.
+    pub(crate) fn write(self, medium: Medium, p: Complex64, value: &mut [f64]) {
+        match self {
+            Self::Pressure => value.copy_from_slice(&[p.re, p.im]),
+            Self::Radiation => value[0] = medium.radiation(math::hypot(p.re, p.im)),
+            _ => value[0] = math::hypot(p.re, p.im),
+        }
+    }
+
+    /// Returns dL/dRe p + j dL/dIm p for a scalar L with this `cotangent` dL/dvalue, and the derivative of L by the
+    /// sound speed at constant p.
+    pub(crate) fn back(self, medium: Medium, p: Complex64, value: &[f64], cotangent: &[f64]) -> ([f64; 2], f64) {
+        let along = |factor: f64| [factor * p.re, factor * p.im];
+        match self {
+            Self::Pressure => ([cotangent[0], cotangent[1]], 0.0),
+            Self::Radiation => {
+                (along(2.0 * cotangent[0] * medium.radiation(1.0)), -2.0 * cotangent[0] * value[0] / medium.sound_speed)
+            }
+            // |p| has no derivative at 0: the smallest subgradient, 0, is used.
+            _ => (along(if value[0] > 0.0 { cotangent[0] / value[0] } else { 0.0 }), 0.0),
+        }
+    }
+
+    /// Writes the value of a quantity of a particle, for the Taylor polynomials of the pressure around the point (real and
+    /// imaginary part).
+    pub(crate) fn write_felt(self, pressure: &[Jet; 2], factors: [f64; 2], value: &mut [f64]) {
+        let potential = potential(pressure, factors);
+        match self {
+            Self::Force(_) => value.copy_from_slice(&potential.gradient().map(|slope| -slope)),
+            Self::Stiffness(_) => value.copy_from_slice(&SQUARES.map(|term| 2.0 * potential.coefficients()[term])),
+            _ => value[0] = potential.value(),
+        }
+    }
+
+    /// Returns the cotangents of the coefficients of the pressure for a scalar L, and the derivative of L by the
+    /// sound speed at constant pressure.
+    pub(crate) fn back_felt(
+        self,
+        (medium, particle): (Medium, Particle),
+        pressure: &[Jet; 2],
+        cotangent: &[f64],
+    ) -> ([Jet; 2], f64) {
+        let mut felt = [0.0; TERMS];
+        match self {
+            Self::Force(_) => (0..3).for_each(|axis| felt[1 + axis] = -cotangent[axis]),
+            Self::Stiffness(_) => (0..3).for_each(|axis| felt[SQUARES[axis]] = 2.0 * cotangent[axis]),
+            _ => felt[0] = cotangent[0],
+        }
+        let felt = Jet::of(felt);
+        let squares: f64 = pressure.iter().map(|part| felt.dot(&part.times(part))).sum();
+        (back(pressure, particle.factors(medium), &felt), squares * particle.factor_slope(medium))
+    }
+}
+
+/// Returns the weights for the backward pass, from the cotangents of a pressure's coefficients (real and imaginary
+/// part).
+pub(crate) fn weights([re, im]: &[Jet; 2]) -> Weights {
+    let mut weights = Weights::default();
+    for (term, (re, im)) in re.coefficients().iter().zip(im.coefficients()).enumerate() {
+        if *re == 0.0 && *im == 0.0 {
+            continue;
+        }
+        let own = EXPONENTS[term];
+        let weight = |exponents: [u8; 3], factor: f64| (place(exponents), [factor * re, -factor * im]);
+        let raised = |exponents: [u8; 3], axis: usize, sign: f64| {
+            let mut exponents = exponents;
+            exponents[axis] += 1;
+            weight(exponents, sign * f64::from(exponents[axis]))
+        };
+        weights.value.push(weight(own, 1.0));
+        weights.grown.push(weight(own, 1.0 + own.iter().map(|&n| f64::from(n)).sum::<f64>()));
+        for axis in 0..3 {
+            weights.slopes[axis].push(raised(own, axis, 1.0));
+            // The derivative by a rotation about the axis: x dF/dy - y dF/dx for the axis z, and in cyclic order for
+            // x and y.
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            for (from, to, sign) in [(next, last, 1.0), (last, next, -1.0)] {
+                if own[from] > 0 {
+                    let mut lower = own;
+                    lower[from] -= 1;
+                    weights.turned[axis].push(raised(lower, to, sign));
+                }
+            }
+        }
+    }
+    weights
+}

@@ -1,0 +1,254 @@
+//! Rest: the place where a particle rests in the field of a drive, and how stable it is there.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use num_complex::Complex32;
+
+use crate::control::{Control, bytes};
+use crate::error::Error;
+use crate::linalg::symmetric::eigen;
+use crate::math;
+use crate::propagation::forces::gorkov::{Felt, Trap};
+use crate::propagation::model::Model;
+use crate::scene::geometry::vector;
+use crate::scene::{Bead, Particle, distance, dot};
+
+/// The longest step along the force, in wavelengths.
+const STEP: f64 = 1.0 / 48.0;
+
+/// How many steps a particle is followed, at most.
+const STEPS: usize = 300;
+
+/// The place is found when a step is shorter than this, in wavelengths.
+const STILL: f64 = 1e-7;
+
+/// A particle that moves farther than this is not trapped, in wavelengths. The force along an axis is sampled up to this
+/// distance.
+const FAR: f64 = 1.0;
+
+/// Where particles rest, one for each of P starting points. A particle that is not trapped has only `place`; its other values
+/// are NaN.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Rest {
+    /// The place (P, 3) in m where the net force is 0; for a particle that is not trapped, where it was lost.
+    pub place: Vec<[f64; 3]>,
+    /// Whether the particle is trapped at the place (P,): within a wavelength of the start, the net force pushes it back from
+    /// all sides.
+    pub held: Vec<bool>,
+    /// Eigenvalues of the stiffness at the place (P, 3) in N/m, the smallest first.
+    pub stiffness: Vec<[f64; 3]>,
+    /// The unit vector of each eigenvalue (P, 3, 3).
+    pub axes: Vec<[[f64; 3]; 3]>,
+    /// The distance in m over which the net force pushes back, in the negative and the positive direction of each axis (P, 3,
+    /// 2).
+    pub basin: Vec<[[f64; 2]; 3]>,
+    /// The largest force in N that pushes back over that distance (P, 3, 2).
+    pub restoring: Vec<[[f64; 2]; 3]>,
+}
+
+/// Finds where particles that start at `points` (P, 3) in m come to rest, in the field of a drive (N,) with a `gravity` in
+/// m/s^2. The search follows the net force, Gor'kov's force plus weight less buoyancy, to a place where it is 0.
+///
+/// Each step is the net force times the inverse of |stiffness|, at most 1/48 of a wavelength, and never raises the energy. The
+/// basin is measured along straight lines in both directions of each axis, up to a wavelength.
+///
+/// # Errors
+/// The errors of [`crate::gorkov`]; a gravity that is not finite.
+///
+/// ```
+/// use midair::{Array, Complex32, Control, InstructionSet, Medium, Model, Particle};
+///
+/// // Two transducers that face each other hold a bead along their axis, below a node by its weight.
+/// let normals = Some(vec![[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]);
+/// let array = Array::new(vec![[0.0, 0.0, -0.02], [0.0, 0.0, 0.02]], normals)?;
+/// let model = Model::new(&array, Medium::default(), InstructionSet::best())?;
+/// let drive = [Complex32::ONE, -Complex32::ONE];
+/// let rest = midair::rest(
+///     &model, &drive, &[[0.0, 0.0, 0.0]], Particle::default(), [0.0, 0.0, -9.81], &mut Control::none(),
+/// )?;
+/// assert!(rest.held[0] && rest.place[0][2] < 0.0 && rest.place[0][2] > -1e-3);
+/// # Ok::<(), midair::Error>(())
+/// ```
+pub fn rest(
+    model: &Model,
+    drive: &[Complex32],
+    points: &[[f64; 3]],
+    particle: Particle,
+    gravity: [f64; 3],
+    control: &mut Control,
+) -> Result<Rest, Error> {
+    let trap = Trap::new(model, drive, points, particle)?;
+    vector("gravity", &gravity)?;
+    control.room("the resting places", [drive.len(), points.len()], bytes(2 * size_of::<One>(), &[points.len()]))?;
+    let weight = particle.weight(model.medium(), gravity);
+    let follow = Follow { trap: &trap, weight, wavelength: model.medium().wavelength() };
+    let mut all: Vec<Option<One>> = vec![None; points.len()];
+    let parts = all.iter_mut().zip(points).enumerate().collect();
+    control.each(parts, &|(j, (out, point)): (usize, (&mut Option<One>, &[f64; 3])), control| {
+        // It is an error if the force at a start is unknown. A particle that moves to such a place is lost.
+        trap.felt(j, *point, control)?;
+        *out = Some(follow.from(j, *point, control)?);
+        Ok(())
+    })?;
+    let all: Vec<One> = all.into_iter().flatten().collect();
+    Ok(Rest {
+        place: all.iter().map(|one| one.place).collect(),
+        held: all.iter().map(|one| one.held).collect(),
+        stiffness: all.iter().map(|one| one.stiffness).collect(),
+        axes: all.iter().map(|one| one.axes).collect(),
+        basin: all.iter().map(|one| one.basin).collect(),
+        restoring: all.iter().map(|one| one.restoring).collect(),
+    })
+}
+
+/// Returns the place near a point where a trap exerts a `force` in N on a bead in addition to the one against its
+/// weight. This is the place where the bead rests under a gravity that is changed by this force. Returns `None` if
+/// there is none.
+///
+/// # Errors
+/// The errors of [`rest`].
+pub fn poised(
+    model: &Model,
+    drive: &[Complex32],
+    point: [f64; 3],
+    Bead { particle, gravity }: Bead,
+    force: [f64; 3],
+    control: &mut Control,
+) -> Result<Option<[f64; 3]>, Error> {
+    let heft = particle.weight(model.medium(), [1.0; 3])[0];
+    let gravity = [0, 1, 2].map(|axis| gravity[axis] - force[axis] / heft);
+    let found = rest(model, drive, &[point], particle, gravity, control)?;
+    let near = distance(found.place[0], point) < 0.5 * model.medium().wavelength();
+    Ok((found.held[0] && near).then_some(found.place[0]))
+}
+
+/// The results for one particle.
+#[derive(Clone, Copy)]
+struct One {
+    place: [f64; 3],
+    held: bool,
+    stiffness: [f64; 3],
+    axes: [[f64; 3]; 3],
+    basin: [[f64; 2]; 3],
+    restoring: [[f64; 2]; 3],
+}
+
+impl One {
+    fn lost(place: [f64; 3]) -> Self {
+        let [stiffness, none] = [[f64::NAN; 3]; 2];
+        Self {
+            place,
+            held: false,
+            stiffness,
+            axes: [none; 3],
+            basin: [[f64::NAN; 2]; 3],
+            restoring: [[f64::NAN; 2]; 3],
+        }
+    }
+}
+
+/// Follows a particle in a field, with its weight.
+struct Follow<'a> {
+    trap: &'a Trap<'a>,
+    weight: [f64; 3],
+    wavelength: f64,
+}
+
+impl Follow<'_> {
+    /// Energy, net force and second derivatives at a place; `None` if the force there is unknown.
+    fn felt(&self, j: usize, place: [f64; 3], control: &mut Control) -> Result<Option<Felt>, Error> {
+        match self.trap.felt(j, place, control) {
+            Ok((potential, force, hessian)) => {
+                let net = [0, 1, 2].map(|axis| force[axis] + self.weight[axis]);
+                Ok(Some((potential - dot(self.weight, place), net, hessian)))
+            }
+            Err(Error::Stopped) => Err(Error::Stopped),
+            Err(_) => Ok(None),
+        }
+    }
+
+    fn from(&self, j: usize, start: [f64; 3], control: &mut Control) -> Result<One, Error> {
+        let (mut place, mut most) = (start, STEP * self.wavelength);
+        let Some(mut here) = self.felt(j, place, control)? else { return Ok(One::lost(place)) };
+        for _ in 0..STEPS {
+            let (stiffness, axes) = eigen(here.2);
+            let step = step(here.1, stiffness, axes, most);
+            let length = math::sqrt(dot(step, step));
+            let next = [0, 1, 2].map(|axis| place[axis] + step[axis]);
+            if length < STILL * self.wavelength {
+                let found = stiffness.iter().all(|&k| k > 0.0);
+                return if found { self.held(j, next, (stiffness, axes), control) } else { Ok(One::lost(next)) };
+            }
+            if distance(next, start) > FAR * self.wavelength {
+                return Ok(One::lost(next));
+            }
+            let Some(there) = self.felt(j, next, control)? else { return Ok(One::lost(next)) };
+            if there.0 > here.0 && length > 1e3 * STILL * self.wavelength {
+                most = 0.5 * length;
+                continue;
+            }
+            (place, here) = (next, there);
+        }
+        Ok(One::lost(place))
+    }
+
+    /// Measures the stability at a place, in both directions along each axis.
+    fn held(
+        &self,
+        j: usize,
+        place: [f64; 3],
+        (stiffness, axes): ([f64; 3], [[f64; 3]; 3]),
+        control: &mut Control,
+    ) -> Result<One, Error> {
+        let mut order = [0, 1, 2];
+        order.sort_by(|&a, &b| stiffness[a].total_cmp(&stiffness[b]));
+        let axes = order.map(|k| axes[k]);
+        let (mut basin, mut restoring) = ([[0.0; 2]; 3], [[0.0; 2]; 3]);
+        for (k, axis) in axes.iter().enumerate() {
+            for (way, sign) in [-1.0, 1.0].into_iter().enumerate() {
+                [basin[k][way], restoring[k][way]] = self.along(j, place, axis.map(|x| sign * x), control)?;
+            }
+        }
+        Ok(One { place, held: true, stiffness: order.map(|k| stiffness[k]), axes, basin, restoring })
+    }
+
+    /// Returns the distance over which the net force pushes back along a direction, and the largest such force.
+    fn along(&self, j: usize, place: [f64; 3], way: [f64; 3], control: &mut Control) -> Result<[f64; 2], Error> {
+        let h = STEP * self.wavelength;
+        let (mut last, mut before, mut most) = (0.0, 0.0, 0.0_f64);
+        for n in 1..=(FAR / STEP) as usize {
+            let at = [0, 1, 2].map(|axis| place[axis] + n as f64 * h * way[axis]);
+            let Some((_, net, _)) = self.felt(j, at, control)? else { return Ok([(n - 1) as f64 * h, most]) };
+            let own = -dot(net, way);
+            // The maximum of the parabola through three neighbouring samples.
+            if last > before && last >= own {
+                let bend = before - 2.0 * last + own;
+                most = most.max(last - (own - before) * (own - before) / (8.0 * bend));
+            }
+            most = most.max(own);
+            if own <= 0.0 {
+                return Ok([h * ((n - 1) as f64 + last / (last - own)), most]);
+            }
+            (before, last) = (last, own);
+        }
+        Ok([FAR * self.wavelength, most])
+    }
+}
+
+/// Returns the step |H|^-1 net, shortened to at most `most`. With |H| instead of H, the step follows the force also along axes
+/// of negative stiffness.
+fn step(net: [f64; 3], stiffness: [f64; 3], axes: [[f64; 3]; 3], most: f64) -> [f64; 3] {
+    let mut step = [0.0; 3];
+    for (k, axis) in stiffness.iter().zip(&axes) {
+        let share = dot(net, *axis) / k.abs().max(f64::MIN_POSITIVE);
+        step.iter_mut().zip(axis).for_each(|(step, x)| *step += share.clamp(-1.0, 1.0) * x);
+    }
+    let length = math::sqrt(dot(step, step));
+    if length > most { step.map(|x| x * most / length) } else { step }
+}
+
+#[cfg(test)]
+#[path = "tests/rest.rs"]
+mod tests;

@@ -1,0 +1,82 @@
+//! Reflection: walls that a wave meets one after another, as mirror images of the array and of surfaces.
+//!
+//! Let a wall contain the point c and have the unit normal n. It reflects the wave of a transducer at x with normal v like a
+//! mirrored transducer at x' = x - 2 ((x - c).n) n with normal v' = v - 2 (v.n) n. The factor is 1 for a rigid wall (dp/dn = 0
+//! on it) and -1 for a soft one (p = 0). So an element of the propagation matrix is G(x) + sum of +-G(x'). Here G(x) is the
+//! wave of a transducer at x, with its directivity and absorption.
+//!
+//! With several walls, each also mirrors the images of the others. Two or three walls at right angles have 3 or 7 images and
+//! are exact. Two walls that face each other have infinitely many; images of more than [`MOST_REFLECTIONS`] reflections are
+//! left out.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use crate::propagation::scattering::element::Element;
+use crate::scene::wall::Mirror;
+use crate::scene::{Array, Obstacles, Surface, distance};
+
+/// The most walls that a wave meets one after another. With three, a corner of three walls is exact.
+const MOST_REFLECTIONS: usize = 3;
+
+/// Images nearer than this, in m, are the same.
+const SAME: f64 = 1e-9;
+
+/// The mirrors that a wave meets one after another.
+#[derive(Clone, Debug)]
+pub(crate) struct Reflection(Vec<Mirror>);
+
+impl Reflection {
+    fn place(&self, place: [f64; 3]) -> [f64; 3] {
+        self.0.iter().fold(place, |place, mirror| mirror.place(place))
+    }
+
+    pub(crate) fn direction(&self, direction: [f64; 3]) -> [f64; 3] {
+        self.0.iter().fold(direction, |direction, mirror| mirror.direction(direction))
+    }
+
+    /// The sign of the reflected wave: -1 after an odd number of soft walls.
+    pub(crate) fn sign(&self) -> f64 {
+        let soft = self.0.iter().filter(|mirror| mirror.kind == Surface::Soft).count();
+        if soft % 2 == 1 { -1.0 } else { 1.0 }
+    }
+
+    /// The mirror image of an array.
+    pub(crate) fn array(&self, array: &Array) -> Array {
+        array.moved(|place| self.place(place), |direction| self.direction(direction), self.sign() < 0.0)
+    }
+
+    /// The mirror image of an element.
+    pub(crate) fn element(&self, element: &Element) -> Element {
+        element.moved(|place| self.place(place), |direction| self.direction(direction))
+    }
+}
+
+/// Returns all reflections of up to [`MOST_REFLECTIONS`] walls, without those that give the same image. `centre` is any place
+/// near the array.
+pub(crate) fn reflections(centre: [f64; 3], obstacles: &Obstacles) -> Vec<Reflection> {
+    // Two reflections are the same if they map four places alike.
+    let [x, y, z] = centre;
+    let probe = [[x, y, z], [x + 1.0, y, z], [x, y + 1.0, z], [x, y, z + 1.0]];
+    let mut seen = vec![probe];
+    let mut found: Vec<Reflection> = Vec::new();
+    let mut last = vec![(Reflection(Vec::new()), probe)];
+    for _ in 0..MOST_REFLECTIONS {
+        let mut next = Vec::new();
+        for (before, corners) in &last {
+            for mirror in obstacles.mirrors() {
+                let corners = corners.map(|corner| mirror.place(corner));
+                let same = |other: &[[f64; 3]; 4]| (0..4).all(|k| distance(other[k], corners[k]) < SAME);
+                if seen.iter().any(same) {
+                    continue;
+                }
+                seen.push(corners);
+                let mirrors = before.0.iter().chain([mirror]).copied().collect();
+                next.push((Reflection(mirrors), corners));
+            }
+        }
+        found.extend(next.iter().map(|(reflection, _)| reflection.clone()));
+        last = next;
+    }
+    found
+}

@@ -1,0 +1,204 @@
+//! Skin: the spectrum of radiation pressure in frames that repeat, the motion that it causes, and its felt strength.
+
+use alloc::vec;
+use alloc::vec::Vec;
+use core::f64::consts::{PI, TAU};
+use core::ops::Range;
+
+use num_complex::Complex32;
+
+use crate::control::Control;
+use crate::error::Error;
+use crate::math;
+use crate::touch::membrane::Membrane;
+use crate::touch::thresholds::{Channel, HIGHEST};
+
+/// Spectral lines weaker than this fraction of the strongest one are rounding errors and are left out.
+const QUIET: f32 = 1e-6;
+
+/// Number of places whose spectra are summed at once, so that they stay in the cache.
+const BLOCK: usize = 256;
+
+/// Spectrum up to 1 kHz of the radiation pressure at P places, in a sequence of T frames that repeats without end.
+#[derive(Clone, Debug)]
+pub struct Pushes {
+    count: usize,
+    places: usize,
+    frequencies: Vec<f64>,
+    mean: Vec<f32>,
+    lines: Vec<Complex32>,
+}
+
+impl Pushes {
+    /// Creates a spectrum of zeros for `count` frames at `rate` frames per second.
+    ///
+    /// # Errors
+    /// No frame, no place, or a rate that is not above 0 and finite.
+    pub fn new(count: usize, rate: f64, places: usize) -> Result<Self, Error> {
+        if !(rate > 0.0 && rate.is_finite()) {
+            return Err(Error::invalid("rate", rate, "give frames a second, above 0"));
+        }
+        if count == 0 || places == 0 {
+            let given = alloc::format!("{count} at {places} places");
+            return Err(Error::invalid("frames", given, "give at least one, and one place"));
+        }
+        let apart = rate / count as f64;
+        // A line at 1 kHz is kept even if rounding has moved its frequency slightly above 1 kHz.
+        let lines = (HIGHEST / apart * (1.0 + 1e-9)) as usize;
+        let frequencies = (1..=lines).map(|k| k as f64 * apart).collect();
+        Ok(Self { count, places, frequencies, mean: vec![0.0; places], lines: vec![Complex32::ZERO; lines * places] })
+    }
+
+    /// Adds frames (K, P) of radiation pressure in Pa, from frame `first` on. The pressure of a frame is constant
+    /// during the frame, so that line h of T frames is harmonic h of the samples times sinc(h/T).
+    ///
+    /// # Errors
+    /// Frames beyond the last, and rows of another length.
+    pub fn add(&mut self, first: usize, values: &[f32]) -> Result<(), Error> {
+        let (count, places) = (self.count, self.places);
+        let frames = values.len() / places;
+        if frames * places != values.len() || first + frames > count {
+            let cure = alloc::format!("give {places} for each of {count} frames");
+            return Err(Error::invalid("values", alloc::format!("{} from frame {first} on", values.len()), cure));
+        }
+        let factors: Vec<Complex32> = (0..self.frequencies.len() * frames)
+            .map(|k| {
+                let (harmonic, frame) = (1 + k / frames, first + k % frames);
+                let half = PI * harmonic as f64 / count as f64;
+                let kept = math::sin(half) / half * 2.0 / count as f64;
+                let turned = kept * math::phasor(-TAU * (harmonic * frame % count) as f64 / count as f64);
+                Complex32::new(turned.re as f32, turned.im as f32)
+            })
+            .collect();
+        for start in (0..places).step_by(BLOCK) {
+            let block = start..(start + BLOCK).min(places);
+            for (t, row) in values.chunks_exact(places).enumerate() {
+                let row = &row[block.clone()];
+                let mean = &mut self.mean[block.clone()];
+                mean.iter_mut().zip(row).for_each(|(sum, value)| *sum += value / count as f32);
+                for (line, factors) in self.lines.chunks_exact_mut(places).zip(factors.chunks_exact(frames)) {
+                    let factor = factors[t];
+                    line[block.clone()].iter_mut().zip(row).for_each(|(sum, value)| *sum += factor * *value);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the frequencies f (L,) of the spectral lines in Hz, 0 < f <= 1 kHz. There is none if the sequence
+    /// repeats more often than 1000 times a second.
+    #[must_use]
+    pub fn frequencies(&self) -> &[f64] {
+        &self.frequencies
+    }
+
+    /// Returns the mean pressure over time (P,) in Pa.
+    #[must_use]
+    pub fn mean(&self) -> &[f32] {
+        &self.mean
+    }
+
+    /// Returns the complex amplitudes (L, P) in Pa: a line's pressure at time t is the real part of amplitude times
+    /// e^(2 pi j f t).
+    #[must_use]
+    pub fn lines(&self) -> &[Complex32] {
+        &self.lines
+    }
+}
+
+/// Returns, for each of L spectral lines (L, P), whether it is above rounding errors at any place.
+#[must_use]
+pub fn live_lines(lines: &[Complex32], places: usize) -> Vec<bool> {
+    let largest = |line: &[Complex32]| line.iter().map(Complex32::norm_sqr).fold(0.0, f32::max);
+    let loudest: Vec<f32> = lines.chunks_exact(places).map(|line| math::sqrtf(largest(line))).collect();
+    let most = loudest.iter().copied().fold(0.0, f32::max);
+    loudest.iter().map(|&each| each > QUIET * most).collect()
+}
+
+/// Motion of a flat skin at each spectral line, and the factors by which it exceeds the thresholds of both tactile
+/// channels.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Skin {
+    /// Frequencies (L,) of the lines in Hz.
+    pub frequencies: Vec<f64>,
+    /// Complex displacements (L, P) in m: a line's motion at time t is the real part of displacement times e^(2 pi j f
+    /// t).
+    pub displacement: Vec<Complex32>,
+    /// Factor by which the motion exceeds the threshold of the slow channel (P,).
+    pub slow: Vec<f64>,
+    /// Factor by which the motion exceeds the threshold of the fast channel (P,).
+    pub fast: Vec<f64>,
+}
+
+impl Skin {
+    /// Predicts the motion under pressure lines (L, R, C) in Pa at frequencies (L,) in Hz, on squares of side `step` in
+    /// m. The slow channel senses the gradient of the displacement times `reach` in m; the fast channel senses the
+    /// displacement.
+    ///
+    /// # Errors
+    /// The errors of [`Membrane::moved`].
+    pub fn on_plane(
+        membrane: &Membrane,
+        frequencies: &[f64],
+        lines: &[Complex32],
+        [rows, columns]: [usize; 2],
+        [step, reach]: [f64; 2],
+        control: &mut Control,
+    ) -> Result<Self, Error> {
+        let places = rows * columns;
+        let live = live_lines(lines, places.max(1));
+        let kept: Vec<f64> = frequencies.iter().zip(&live).filter(|&(_, &live)| live).map(|(&f, _)| f).collect();
+        let pushing = lines.chunks_exact(places.max(1)).zip(&live).filter(|&(_, &live)| live);
+        let pushing: Vec<Complex32> = pushing.flat_map(|(line, _)| line).copied().collect();
+        let moved = membrane.moved(&kept, &pushing, [rows, columns], step, control)?;
+        let squares: Vec<f32> = moved.iter().map(Complex32::norm_sqr).collect();
+        let slopes: Vec<f32> = moved.chunks_exact(places).flat_map(|line| slopes(line, columns, step)).collect();
+        let fast = Channel::Fast.excess(&kept, &squares, places);
+        let slow = Channel::Slow.excess(&kept, &slopes, places).into_iter().map(|each| reach * each).collect();
+        let mut displacement = vec![Complex32::ZERO; lines.len()];
+        let into = displacement.chunks_exact_mut(places).zip(&live).filter(|(_, live)| **live);
+        into.zip(moved.chunks_exact(places)).for_each(|((to, _), from)| to.copy_from_slice(from));
+        Ok(Self { frequencies: frequencies.to_vec(), displacement, slow, fast })
+    }
+}
+
+impl Skin {
+    /// Returns the displacement in m of a range of places at a time in s, without its mean over time.
+    #[must_use]
+    pub fn motion(&self, time: f64, places: Range<usize>) -> Vec<f32> {
+        let mut moved = vec![0.0; places.len()];
+        for (frequency, line) in self.frequencies.iter().zip(self.displacement.chunks_exact(self.slow.len())) {
+            let turned = math::phasor(TAU * frequency * time);
+            let (re, im) = (turned.re as f32, turned.im as f32);
+            moved.iter_mut().zip(&line[places.clone()]).for_each(|(sum, w)| *sum += re * w.re - im * w.im);
+        }
+        moved
+    }
+
+    /// Returns the root mean square over time of the displacement (P,) in m.
+    #[must_use]
+    pub fn rms(&self) -> Vec<f32> {
+        let mut squares = vec![0.0; self.slow.len()];
+        for line in self.displacement.chunks_exact(squares.len()) {
+            squares.iter_mut().zip(line).for_each(|(sum, w)| *sum += w.norm_sqr() / 2.0);
+        }
+        squares.into_iter().map(math::sqrtf).collect()
+    }
+}
+
+/// Returns |gradient|^2 of a spectral line (R, C): central differences inside, one-sided differences at the edges.
+fn slopes(line: &[Complex32], columns: usize, step: f64) -> Vec<f32> {
+    let rows = line.len() / columns;
+    let part = |k: usize, at: usize, side: usize, stride: usize| {
+        let (below, above) = (at.min(1), (side - 1 - at).min(1));
+        let way = (below + above).max(1) as f32 * step as f32;
+        ((line[k + above * stride] - line[k - below * stride]) / way).norm_sqr()
+    };
+    let place = |k: usize| part(k, k / columns, rows, columns) + part(k, k % columns, columns, 1);
+    (0..line.len()).map(place).collect()
+}
+
+#[cfg(test)]
+#[path = "tests/skin.rs"]
+mod tests;

@@ -1,0 +1,1 @@
+"""Flight: beads in the traps of a sequence."""

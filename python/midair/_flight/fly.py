@@ -1,0 +1,156 @@
+"""`midair.fly`: simulates beads in the traps of a sequence, and finds which beads are lost, and when."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._midair import Bead, Course, SceneError, numbers
+from .._sequence.envelope import Hold
+from .._sequence.judged import SETTLING, TAU
+from .._sequence.sequence import Sequence
+from .._support.arguments import number, refused, warn
+from .flight import Flight
+
+#: Distance in wavelengths from its point beyond which a bead is lost, as in the core.
+LOST = 0.5
+
+#: Delays of a bead behind the air in s, below which drag may change too much within a step of a flight.
+SOONEST = 2.5e-3
+
+
+@SETTLING
+def fly(
+    sequence: Sequence,
+    beads: ArrayLike | None = None,
+    *,
+    speeds: ArrayLike | None = None,
+    duration: float | None = None,
+    tau: float = TAU,
+    hold: Hold = "hold",
+    radius: float | None = None,
+    density: float | None = None,
+    sound_speed: float | None = None,
+    gravity: ArrayLike | None = None,
+) -> Flight:
+    """Simulate how beads move in the traps of a sequence: which stay, how far they stray, which are lost.
+
+    Parameters
+    ----------
+    sequence : midair.Sequence
+        A sequence of traps (signature="trap").
+    beads : (B, 3) array_like, optional
+        Places in m at the start; by default the places of rest at the points of the first frame.
+    speeds : (B, 3) array_like, optional
+        Velocities in m/s at the start; by default those of the points if the sequence is closed, else 0.
+    duration : float, optional
+        Duration in s; by default that of an open sequence, and as many laps of a closed one as take 1 s (at
+        most 100).
+    tau, hold
+        Time constant of the transducers in s, and how the board plays a frame, as for `Sequence.between`.
+    radius, density, sound_speed, gravity
+        Properties of the beads, as for `midair.gorkov`.
+
+    Returns
+    -------
+    midair.Flight
+        Places of the beads over time.
+
+    Raises
+    ------
+    SceneError
+        For wrong arguments, and for a bead in an obstacle.
+
+    See Also
+    --------
+    midair.rest : the traps at rest.
+
+    midair.path.fastest : the fastest run of a bead.
+
+    Notes
+    -----
+    Each bead obeys m x'' = F + weight - buoyancy - drag. F is Gor'kov's force in the field at that time, the
+    drag Schiller and Naumann's in air at rest. m includes half the mass of the air in the bead's place.
+    Beads do not act on one another. The force is a polynomial around each point, exact to 1e-3 of the
+    largest (docs/traps.md). A bead is lost when it is more than half a wavelength from its point.
+
+    Examples
+    --------
+    >>> import midair
+    >>> boards = midair.Array.preset("openmpd_pair", quantization={})
+    >>> ring = midair.path.circle([0, 0, 0], 0.01, speed=0.1)
+    >>> flight = midair.fly(midair.sequence(boards, ring, rate=1000, signature="trap"))
+    >>> flight.held
+    array([ True])
+    """
+    if not isinstance(sequence, Sequence):
+        raise refused("sequence", sequence, "give a midair.Sequence")
+    scene = sequence.scene(0)
+    bead = Bead(scene, radius, density, sound_speed, gravity)
+    wavelength = scene.sound_speed / scene.frequency
+    envelope = sequence._envelope(tau, hold)
+    course = Course(sequence.points, wavelength, envelope.response, sequence.closed, envelope.before())
+    for _, now, following in envelope.played(1):
+        course.play(now, following)
+    knots = course.knots(None if duration is None else number("duration", duration, above=0))
+    places, own, points = _start(sequence, course, bead, beads, speeds)
+    try:
+        times, flown, ways, lost = course.fly(scene, bead, places, own, points.tolist(), knots)
+    except MemoryError as error:
+        if duration is None:
+            raise
+        cure = "give a shorter one, or a higher limit (MIDAIR_MEMORY in the environment)"
+        raise MemoryError(f"duration is {duration:g} s: {_needs(error)}, {cure}") from None
+    except SceneError:
+        if (delay := _delay(bead)) > SOONEST:
+            raise
+        cure = (
+            f"air stops such a bead within {delay:.2g} s, too soon for a flight, give a larger or denser one"
+        )
+        raise refused("radius", bead.keywords()["radius"], cure) from None
+    return Flight(times, flown, ways, lost, points)
+
+
+def _needs(error: MemoryError) -> str:
+    """Return the part of a message about memory that has the size."""
+    found = re.search(r"needs ([\d.]+ GB)", str(error))
+    return f"the tracks of the beads need {found[1] if found else 'more memory'}"
+
+
+def _delay(bead: Bead) -> float:
+    """Return the time constant in s with which a slow bead takes the velocity of the air."""
+    rest, slow = np.zeros((1, 3)), np.array([[1e-3, 0, 0]])
+    weight = bead.needed(rest, rest)
+    # Drag of slow beads is linear, so the same number serves as velocity and as acceleration.
+    delay = (bead.needed(rest, slow) - weight)[0, 0] / (bead.needed(slow, rest) - weight)[0, 0]
+    return float(delay)
+
+
+def _start(
+    sequence: Sequence, course: Course, bead: Bead, beads: ArrayLike | None, speeds: ArrayLike | None
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.intp]]:
+    """Return places (B, 3) and velocities (B, 3) of the beads at the start, and each bead's point."""
+    points = sequence.points[0]
+    if beads is None:
+        which = np.flatnonzero(sequence.targets[0] > 0)
+        if not len(which):
+            raise SceneError("targets are 0 in the first frame: give beads, places (B, 3) in m")
+        places = course.resting(sequence.scene(0), bead, which.tolist())
+    else:
+        places = numbers("beads", beads, [(3,), (-1, 3)], "give places (B, 3) in m").reshape(-1, 3)
+        away = np.linalg.norm(places[:, None] - points, axis=2)
+        which, away = away.argmin(axis=1), away.min(axis=1)
+        reach = LOST * sequence.scene(0).wavelength
+        if len(far := np.flatnonzero(away > reach)):
+            first, near = int(far[0]), f"give a place within half a wavelength, {1e3 * reach:.2g} mm"
+            others = f" (and {len(far) - 1} more)" if len(far) > 1 else ""
+            apart = f"{1e3 * away[first]:.4g} mm from point {which[first] + 1}"
+            warn(f"beads[{first}] is {apart}{others}: it is lost at once, {near}")
+    own = course.speeds(which.tolist()) if speeds is None else speeds
+    own = numbers("speeds", own, [(3,), places.shape], f"give {places.shape} in m/s")
+    fastest = float(np.linalg.norm(own, axis=-1).max())
+    if fastest > sequence.scene(0).sound_speed:
+        raise refused("speeds", f"{fastest:.4g} m/s", "faster than sound, give slower beads")
+    return places, np.broadcast_to(own, places.shape), which

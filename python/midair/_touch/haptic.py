@@ -1,0 +1,399 @@
+"""`midair.haptic`: draws a shape so that it feels as strong or as even as a board allows."""
+
+from __future__ import annotations
+
+import math
+import re
+import warnings
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from html import escape
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._judging.exposure import Exposure, exposure, limit_of
+from .._midair import Array, Membrane, Plane, Scene, SceneError, SceneWarning, solve_batch, unknown
+from .._sequence import Sequence, sequence
+from .._sequence.arguments import time_constant
+from .._sequence.drives import lowered
+from .._sequence.request import bound
+from .._support.arguments import number, refused, warn, word
+from ..path import Path
+from .membrane import model_of
+from .schedule import SPEEDS, Curve, Foci, Technique, drawn, usual
+from .skin import Skin, skin
+
+#: The skin is a square grid of points: their number per side, and the margin in m between shape and edge.
+COARSE, MARGIN = 33, 0.015
+
+#: Laps per second of a schedule: the fast tactile channel integrates over a lap, 0.2 s (Verrillo 1965).
+LAPS = 5.0
+
+#: Initial schedules of the ascent: jumps per period, their frequency in Hz, the length in m they cover.
+JUMPS = ((5, 285.0, 0.03), (2, 285.0, 0.018))
+
+#: Largest plausible `beside` in m.
+WIDEST = 0.1
+
+#: Names of the arguments of the model.
+MODEL = ("speed", "loss", "mass", "reach", "tau")
+
+#: Largest number of times that a level is lowered. Frames with one amplitude need one.
+LOWERINGS = 20
+
+
+@dataclass(frozen=True, eq=False)
+class Haptic:
+    """Shape to be felt, and its predicted strength; from `midair.haptic`, a model (docs/touch.md).
+
+    Attributes
+    ----------
+    sequence : midair.Sequence
+        The drives, frame after frame.
+    skin : midair.Skin
+        Motion of the skin under the sequence.
+    technique : str
+        The chosen technique.
+    aim : str
+        "strong" or "even".
+    strength, weakest : float
+        Strength in dB above the threshold: the mean along the shape, and at its weakest place.
+    standards : dict of str to float
+        The four usual techniques, by name, with the same array, rate, bound and limit at the ears: their
+        `strength`, or their `weakest` if the aim is "even"; -inf where the board cannot meet the limit.
+    exposure : midair.Exposure or None
+        Levels at the ears, if any were given.
+
+    Examples
+    --------
+    >>> import midair
+    >>> array = midair.Array.preset("autd3")
+    >>> line = [[-0.01, 0, 0.1], [0, 0, 0.1], [0.01, 0, 0.1]]
+    >>> found = midair.haptic(line, array, rate=2e3, change=1.0)
+    >>> len(found.standards), found.gain > 0
+    (4, True)
+    """
+
+    sequence: Sequence
+    skin: Skin
+    technique: str
+    aim: str
+    strength: float
+    weakest: float
+    standards: dict[str, float]
+    exposure: Exposure | None
+
+    @property
+    def gain(self) -> float:
+        """Gain in dB over the best of the usual techniques, of the quantity that the aim maximises."""
+        reached = self.strength if self.aim == "strong" else self.weakest
+        return reached - max(self.standards.values())
+
+    def __repr__(self) -> str:
+        return "\n".join(f"{name:18}  {value}" for name, value in self._rows())
+
+    def _repr_html_(self) -> str:
+        rows = (f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in self._rows())
+        return f"<table>{''.join(rows)}</table>"
+
+    def _rows(self) -> list[tuple[str, str]]:
+        level = f"{self.strength:.1f} dB above threshold, {self.weakest:.1f} dB where it is weakest"
+        where = "in the mean" if self.aim == "strong" else "at the weakest place"
+        rows = [
+            ("technique", self.technique),
+            ("strength", level),
+            *((name, f"{value:.1f} dB") for name, value in self.standards.items()),
+            ("gain", f"{self.gain:+.1f} dB {where}"),
+        ]
+        if self.exposure is not None:
+            rows.append(("loudest ear", f"{self.exposure.worst.spl:.1f} dB SPL"))
+        return rows
+
+
+def haptic(
+    shape: Path | ArrayLike,
+    array: Array,
+    *,
+    rate: float,
+    aim: str = "strong",
+    change: float | None = None,
+    closed: bool = False,
+    beside: float = 0.014,
+    ears: Mapping[str, Any] | None = None,
+    limit: str | float = "howard",
+    **model: Any,
+) -> Haptic:
+    """Find the foci, frame by frame, with which a shape is felt best, by the model of `midair.skin`.
+
+    Parameters
+    ----------
+    shape : midair.path.Path or (K, 3) array_like
+        A path of one point, or places in m in the order in which they are drawn.
+    array : midair.Array
+        The transducers.
+    rate : float
+        Frames per second that the board plays.
+    aim : {"strong", "even"}, optional
+        "strong": the largest mean strength along the shape; "even": the largest at its weakest place.
+    change : float, optional
+        Bound in rad per frame; by default none.
+    closed : bool, optional
+        Whether the last place is joined to the first; not needed for a path.
+    beside : float, optional
+        Largest distance in m of foci from the shape, by default half a wavelength on the skin; 0: none.
+    ears : mapping, optional
+        Places, as `midair.exposure` takes them, that must not be louder than a limit. The level of each
+        technique that is louder is lowered to amplitudes of the board, before the techniques are compared.
+    limit : str or float, optional
+        The limit at the ears, as `midair.exposure` takes it.
+    **model
+        Properties of the skin: `speed`, `loss`, `mass` and `reach`, as for `midair.skin`.
+
+    Returns
+    -------
+    midair.Haptic
+        The sequence and its predicted strength.
+
+    Raises
+    ------
+    SceneError
+        For wrong arguments, and where the limit at the ears cannot be met.
+
+    Notes
+    -----
+    The four usual techniques are amplitude modulation, lateral modulation, and one or two foci at 7 m/s. In
+    addition, an ascent improves a schedule of single foci, 5 laps per second, until no other focus in any
+    frame is predicted to be better. With a bound, other draw speeds are tried instead. If none is better, the
+    result is the best usual technique. Frequencies are rounded to periods of whole frames.
+
+    Examples
+    --------
+    >>> import midair
+    >>> array = midair.Array.preset("autd3")
+    >>> found = midair.haptic([[-0.01, 0, 0.1], [0, 0, 0.1], [0.01, 0, 0.1]], array, rate=2e3)
+    >>> found.gain > 1, "foci" in found.technique
+    (True, True)
+    """
+    if not isinstance(array, Array):
+        raise TypeError(f"expected a midair.Array second, not {type(array).__qualname__}")
+    frames = number("rate", rate, above=0)
+    most = math.pi if change is None else bound(frames, change, None)
+    if word("aim", aim) not in ("strong", "even"):
+        raise refused("aim", aim, 'give "strong" or "even"')
+    reach = number("beside", beside, least=0)
+    if reach > WIDEST:
+        warn(f"beside is {reach:g} m, wider than a hand: give {reach * 1e-3:g} if mm are meant")
+    for name in model.keys() - set(MODEL):
+        known = ["rate", "aim", "change", "closed", "beside", "ears", "limit", *MODEL]
+        raise TypeError(unknown("argument of midair.haptic", name, known)[1])
+    sheet, _, tau = model_of(**model)
+    time_constant(tau)
+    curve = Curve.of(shape, closed)
+    _check(curve.check(array), ears, limit)
+    with warnings.catch_warnings():
+        # The arguments have caused their warnings. A movement too fast for the bound gives a weak result,
+        # which is not chosen.
+        warnings.simplefilter("ignore", SceneWarning)
+        return _best(_Judge(array, curve, frames, reach, sheet, dict(model)), aim, most, ears, limit)
+
+
+def _best(judge: _Judge, aim: str, most: float, ears: Mapping[str, Any] | None, limit: str | float) -> Haptic:
+    """Return the best technique within a bound in rad per frame, and within the limit at the ears."""
+    standards = [(t.name, *judge.felt(t, most)) for t in usual(judge.curve, judge.rate)]
+    if most < math.pi:
+        others = (drawn(judge.curve, judge.rate, speed, 1) for speed in SPEEDS)
+        tried = [(t.name, *judge.felt(t, most)) for t in others]
+    else:
+        tried = list(judge.climbed(aim))
+
+    def score(touch: Skin | None) -> float:
+        if touch is None:
+            return -math.inf
+        along = judge.along(touch)
+        return float(along.mean() if aim == "strong" else along.min())
+
+    found = [_Found(name, played, touch) for name, played, touch in [*tried, *standards]]
+    if ears is not None:
+        found = [judge.spared(one, ears, limit) for one in found]
+    best = max(found, key=lambda one: score(one.skin))
+    if best.skin is None:
+        raise _too_loud(best, ears, limit)
+    along = judge.along(best.skin)
+    return Haptic(
+        best.played,
+        best.skin,
+        best.name,
+        aim,
+        _decibels(along.mean()),
+        _decibels(along.min()),
+        {one.name: _decibels(score(one.skin)) for one in found[len(tried) :]},
+        best.exposure,
+    )
+
+
+@dataclass(frozen=True)
+class _Found:
+    """A technique, its frames and the skin's motion (None if the board cannot meet the limit at the ears)."""
+
+    name: str
+    played: Sequence
+    skin: Skin | None
+    exposure: Exposure | None = None
+
+
+def _check(scene: Scene, ears: Mapping[str, Any] | None, limit: str | float) -> None:
+    """Reject ears and limits that `exposure` does not take, and give its warnings, before any work."""
+    if ears is None:
+        if limit != "howard":
+            limit_of(scene, limit)
+        return
+    try:
+        exposure(scene, np.zeros(len(scene.array), np.complex64), ears, limit=limit)
+    except SceneError as error:
+        raise SceneError(re.sub("^places", "ears", str(error))) from None
+
+
+def _spared(
+    played: Sequence, ears: Mapping[str, Any], limit: str | float
+) -> tuple[Sequence, Exposure] | None:
+    """Return frames that the board can play within the limit at the ears, and the levels there, or None."""
+    softer, found, factor = played, exposure(played, ears, limit=limit), 1.0
+    steps = (played.quantization or {}).get("amplitudes")
+    for _ in range(LOWERINGS):
+        above = found.worst.spl - found.limit.spl
+        if above <= 0:
+            return softer, found
+        factor *= 10 ** (-above / 20) * (1 - 1e-6)
+        amplitudes = np.abs(played.drives) * factor
+        parts = amplitudes if steps is None else lowered(amplitudes, steps)
+        if not parts.any():
+            return None
+        drives = played.drives * (parts / np.maximum(np.abs(played.drives), 1e-30)).astype(np.float32)
+        softer = Sequence(
+            played.array,
+            played.points,
+            played.targets * factor,
+            drives,
+            obstacles=played._scene.obstacles,
+            **played.setting(),
+        )
+        found = exposure(softer, ears, limit=limit)
+    return None
+
+
+def _too_loud(found: _Found, ears: Mapping[str, Any] | None, limit: str | float) -> SceneError:
+    """Return the error for a limit that no amplitude of the board meets."""
+    levels, drives = found.exposure, np.abs(found.played.drives)
+    assert levels is not None
+    steps = np.asarray((found.played.quantization or {})["amplitudes"])
+    least = levels.worst.spl + _decibels(steps[steps > 0].min() / drives.max())
+    cure = f'the least amplitude of the board gives {least:.1f} dB at "{levels.worst.name}", move away'
+    return refused("limit", limit, cure)
+
+
+class _Judge:
+    """Computes the strength of techniques along a curve, by a model of the skin."""
+
+    def __init__(
+        self, array: Array, curve: Curve, rate: float, reach: float, sheet: Membrane, model: dict[str, Any]
+    ) -> None:
+        self._array, self.curve, self.rate, self._model = array, curve, rate, model
+        middle = (curve.places.min(axis=0) + curve.places.max(axis=0)) / 2
+        normal = int(np.abs(middle - array.positions.mean(axis=0)).argmax())
+        across = [axis for axis in range(3) if axis != normal]
+        size = float(np.ptp(curve.places, axis=0)[across].max()) + 2 * MARGIN
+        center = (float(middle[across[0]]), float(middle[across[1]]))
+        at = float(middle[normal])
+        #: The places of the curve, moved along the normal into the plane of the skin.
+        self._under = np.array(curve.places)
+        self._under[:, normal] = at
+        self._plane = Plane(axis="xyz"[normal], at=at, size=size, pixels=COARSE, center=center)
+        frames = max(round(rate / LAPS), 4)
+        self.foci = Foci.beside(array, curve.places, self._plane, reach, sheet, rate, frames)
+
+    def skin(self, played: Sequence) -> Skin:
+        return skin(played, self._plane, **self._model)
+
+    def spared(self, found: _Found, ears: Mapping[str, Any], limit: str | float) -> _Found:
+        """Return a technique at a level within the limit at the ears."""
+        softer = _spared(found.played, ears, limit)
+        if softer is None:
+            return replace(found, skin=None, exposure=exposure(found.played, ears, limit=limit))
+        played, levels = softer
+        return replace(
+            found,
+            played=played,
+            skin=found.skin if played is found.played else self.skin(played),
+            exposure=levels,
+        )
+
+    def along(self, touch: Skin) -> NDArray[np.float64]:
+        return touch.along(self._under)
+
+    def starts(self) -> Iterator[NDArray[np.int64]]:
+        """Yield initial schedules: the focus jumps within a piece of the curve, and the piece moves on."""
+        t, curve = np.arange(self.foci.frames), self.curve
+        for jumps, frequency, piece in JUMPS:
+            part = min(piece / curve.length, 0.5)
+            lap = t / len(t) if curve.closed else (1 - part) * np.abs(1 - 2 * t / len(t))
+            period = t * (min(frequency, self.rate / 2) / self.rate) % 1
+            yield curve.index(lap + part * np.floor(period * jumps) / jumps)
+
+    def climbed(self, aim: str) -> Iterator[tuple[str, Sequence, Skin]]:
+        """Yield (name, sequence, skin) after the ascent from each initial schedule."""
+        for start in self.starts():
+            chosen = self.foci.climb(start, aim)
+            on = (chosen >= 0)[:, None]
+            played = Sequence(
+                self._array,
+                self.foci.places[chosen][:, None],
+                self.foci.levels[chosen][:, None] * on,
+                self.foci.drives[chosen] * on,
+                rate=self.rate,
+                closed=True,
+                solver="haptic",
+            )
+            count = len(np.unique(chosen[chosen >= 0]))
+            yield (
+                f"schedule of {count} foci, {self.rate / len(chosen):.3g} laps/s",
+                played,
+                self.skin(played),
+            )
+
+    def felt(self, technique: Technique, change: float) -> tuple[Sequence, Skin]:
+        """Return the technique's frames, solved within the bound, and the motion of the skin."""
+        index = self.curve.index(technique.ways)
+        points = self.curve.places[index]
+        if change < math.pi:
+            drives = sequence(self._array, points, rate=self.rate, change=change).drives
+        elif index.shape[1] == 1:
+            drives = self.foci.drives[index[:, 0]]
+        else:
+            sets, which = np.unique(index, axis=0, return_inverse=True)
+            drives = solve_batch(self._array, self.curve.places[sets], solver="fast").drives[which.ravel()]
+        amplitudes = self._on_board(technique.amplitudes)[:, None]
+        played = Sequence(
+            self._array,
+            points,
+            self.foci.levels[index] * amplitudes / math.sqrt(index.shape[1]),
+            drives * amplitudes.astype(np.float32),
+            rate=self.rate,
+            closed=True,
+            solver="haptic",
+        )
+        return played, self.skin(played)
+
+    def _on_board(self, amplitudes: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the board's amplitudes, or 0, that are nearest to the given ones."""
+        steps = (self._array.quantization or {}).get("amplitudes")
+        if steps is None:
+            return amplitudes
+        table = np.r_[0.0, steps]
+        nearest: NDArray[np.float64] = table[np.abs(table - amplitudes[:, None]).argmin(axis=1)]
+        return nearest
+
+
+def _decibels(strength: float) -> float:
+    return -math.inf if strength == -math.inf else float(20 * np.log10(max(strength, 1e-10)))

@@ -1,0 +1,429 @@
+"""`midair.skin`: the motion of the skin under a sequence, and its felt strength."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from html import escape
+from typing import TYPE_CHECKING, Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._midair import HIGHEST, REACH, Mesh, Plane, excess, felt_width, live_lines, strength
+from .._pictures.colours import MAPS
+from .._sequence import Sequence, arguments
+from .._sequence.felt import threshold
+from .._support.arguments import refused, vector
+from ..path._piece import instants
+from .membrane import LOSS, MASS, SPEED, model_of, on_mesh, squares, triangles
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from .._pictures.colours import Map
+    from .._pictures.sheet import Size
+
+#: Default hand: places per side of the plane, and its margin around the points in m.
+SIDE, MARGIN = 64, 0.02
+
+#: The panels of a skin's picture.
+Panel = Literal["pressure", "motion", "spectrum"]
+
+
+def skin(
+    sequence: Sequence,
+    hand: Plane | Mesh | None = None,
+    *,
+    speed: float = SPEED,
+    loss: float = LOSS,
+    mass: float = MASS,
+    reach: float = REACH,
+    tau: float = 0.0,
+) -> Skin:
+    """Compute the skin's motion under a sequence that repeats for ever, and its felt strength: a model.
+
+    Parameters
+    ----------
+    sequence : midair.Sequence
+        The frames.
+    hand : midair.Plane or midair.Mesh, optional
+        A closed mesh needs the extra midair[mesh]. By default a plane of 64 x 64 places through the points.
+    speed : float, optional
+        Speed of waves on the skin in m/s: 5 to 8 (Frier et al., EuroHaptics 2018).
+    loss : float, optional
+        Loss factor; 0.4 lets waves of 200 Hz fall to 1/e in 26 mm, of 400 Hz in half of that.
+    mass : float, optional
+        Moving mass in kg/m^2; fitted to the threshold of 0.4 mN at 200 Hz on the finger (Dalecki et al., J.
+        Acoust. Soc. Am. 97, 3165, 1995).
+    reach : float, optional
+        Distance in m over which the slow channel compares displacements. The default is the radius of the
+        receptive field of a fast-adapting unit, 13 mm^2 (Johansson and Vallbo 1983).
+    tau : float, optional
+        Time constant of the transducers in s, 0 for none.
+
+    Returns
+    -------
+    midair.Skin
+        Motion and strength at each place.
+
+    Raises
+    ------
+    SceneError
+        For wrong arguments, places on a transducer, and where SciPy is missing.
+
+    Notes
+    -----
+    The skin is an infinite membrane, or the surface of a mesh. Its load is the radiation pressure
+    |p|^2/(rho c^2); on a mesh times the squared cosine of the incidence, and 0 on its far side. Each line of
+    the sequence's spectrum up to 1 kHz is solved alone, which is exact, because the membrane is linear. The
+    static load is left out, and so is pressure outside of the hand. A frame lasts until the next one, so the
+    spectrum contains its steps. `docs/touch.md` compares the model with published results.
+
+    Examples
+    --------
+    >>> import midair
+    >>> array = midair.Array.preset("autd3")
+    >>> ring = midair.path.circle([0, 0, 0.15], 0.02, speed=7)
+    >>> touch = midair.skin(midair.sequence(array, ring, rate=4e3, change=1.0))
+    >>> touch.displacement.shape, touch.level > 0
+    ((18, 4096), True)
+    """
+    if not isinstance(sequence, Sequence):
+        raise refused("sequence", sequence, "give a midair.Sequence")
+    sheet, width, tau = model_of(speed, loss, mass, reach, tau)
+    if hand is None:
+        hand = _around(sequence)
+    if isinstance(hand, Plane):
+        places, step = squares(hand), hand.size / max(hand.pixels - 1, 1)
+        frequencies, pressure, lines = sequence._push_lines(places, tau)
+        shaped = lines.reshape(-1, hand.pixels, hand.pixels)
+        displacement, slow, fast = sheet.on_plane(frequencies, shaped, step, width)
+    elif isinstance(hand, Mesh):
+        mesh = triangles(hand)
+        places = hand.vertices
+        ways = places - sequence.array.positions.mean(axis=0)
+        cosines = -np.einsum("pk,pk->p", mesh.normals, ways) / np.linalg.norm(ways, axis=1)
+        (near,) = np.nonzero(cosines > 0)
+        shares = np.square(cosines[near]).astype(np.float32)
+        frequencies, mean, pushed = sequence._push_lines(places[near], tau)
+        pressure = np.zeros(len(places), np.float32)
+        pressure[near] = mean * shares
+        live = live_lines(pushed * shares)
+        lines = np.zeros((int(live.sum()), len(places)), np.complex64)
+        lines[:, near] = pushed[live] * shares
+        displacement = np.zeros((len(frequencies), len(places)), np.complex64)
+        displacement[live] = moved = on_mesh(sheet, frequencies[live], lines, mesh)
+        fast = excess(True, frequencies[live], np.square(np.abs(moved)))
+        slopes = np.array(list(mesh.slopes(moved)), np.float32).reshape(moved.shape)
+        slow = width * excess(False, frequencies[live], slopes)
+    else:
+        raise refused("hand", hand, "give a midair.Plane or a midair.Mesh")
+    return Skin(places, hand, pressure.astype(np.float64), frequencies, displacement, slow, fast)
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """Motion of the skin at each spectral line, and its felt strength; from `midair.skin`.
+
+    Attributes
+    ----------
+    places : (P, 3) ndarray
+        Places on the hand in m.
+    hand : midair.Plane or midair.Mesh
+        The plane, row after row of its pixels, or the mesh.
+    pressure : (P,) ndarray
+        Radiation pressure in Pa, the mean over time.
+    frequencies : (L,) ndarray
+        The lines in Hz, above 0 up to 1 kHz.
+    displacement : (L, P) ndarray of complex64
+        In m: the real part times e^(2 pi j f t) is the motion.
+    slow, fast : (P,) ndarray
+        How far each channel exceeds its threshold, sqrt(sum of |amplitude / threshold|^2) over the lines; 1
+        is just felt. The slow one (non-Pacinian) feels differences of displacement over `reach`, the fast
+        one (Pacinian) displacement.
+
+    Examples
+    --------
+    >>> import midair
+    >>> scene = midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15]])
+    >>> touch = midair.skin(midair.solve(scene).modulated(200))
+    >>> touch.strength.shape, 0.001 < touch.width() < 0.1
+    ((4096,), True)
+    """
+
+    places: NDArray[np.float64]
+    hand: Plane | Mesh
+    pressure: NDArray[np.float64]
+    frequencies: NDArray[np.float64]
+    displacement: NDArray[np.complex64]
+    slow: NDArray[np.float64]
+    fast: NDArray[np.float64]
+
+    @property
+    def strength(self) -> NDArray[np.float64]:
+        """Felt strength at each place (P,): 1 is the threshold.
+
+        It is the stronger channel plus half of the weaker one (Hollins and Roy, Somatosens. Motor Res. 13,
+        1996).
+        """
+        return strength(self.slow, self.fast)
+
+    @property
+    def level(self) -> float:
+        """Strength at the strongest place, in dB above what is just felt."""
+        return float(_decibels(self.strength.max()))
+
+    @property
+    def rms(self) -> NDArray[np.float64]:
+        """Displacement (P,) in m, rms over time."""
+        squares = np.sum(np.abs(self.displacement.astype(np.complex128)) ** 2, axis=0)
+        found: NDArray[np.float64] = np.sqrt(squares / 2)
+        return found
+
+    def spectrum(self, place: ArrayLike) -> NDArray[np.float64]:
+        """Return the peak displacement of each spectral line at the place nearest to `place`.
+
+        Parameters
+        ----------
+        place : (3,) array_like
+            Place in m.
+
+        Returns
+        -------
+        (L,) ndarray
+            Displacements in m.
+
+        Raises
+        ------
+        SceneError
+            For a wrong place, and for one that is not on the skin.
+        """
+        return np.abs(self.displacement[:, self._nearest(place)]).astype(np.float64)
+
+    def along(self, places: ArrayLike) -> NDArray[np.float64]:
+        """Return the strength at the places nearest to `places`.
+
+        Parameters
+        ----------
+        places : (K, 3) array_like
+            Places in m.
+
+        Returns
+        -------
+        (K,) ndarray
+            Strength; 1 is just felt.
+
+        Raises
+        ------
+        SceneError
+            For wrong places, and for those that are not on the skin.
+        """
+        return self.strength[[self._nearest(place) for place in arguments.places(places)]]
+
+    def width(self, place: ArrayLike | None = None) -> float:
+        """Return the felt width: twice the distance to the nearest place with less than half the strength.
+
+        Parameters
+        ----------
+        place : (3,) array_like, optional
+            Place in m; by default the strongest one.
+
+        Returns
+        -------
+        float
+            Width in m; inf if no place has less than half the strength.
+
+        Raises
+        ------
+        SceneError
+            For a wrong place.
+        """
+        return self._width(self.strength, place)
+
+    def focus_width(self, place: ArrayLike | None = None) -> float:
+        """Return the width of the radiation pressure, as `width` of the strength.
+
+        Parameters
+        ----------
+        place : (3,) array_like, optional
+            Place in m; by default that of the largest pressure.
+
+        Returns
+        -------
+        float
+            Width in m.
+
+        Raises
+        ------
+        SceneError
+            For a wrong place.
+        """
+        return self._width(self.pressure, place)
+
+    def motion(self, times: ArrayLike) -> NDArray[np.float32]:
+        """Return the displacement at some times, without the steady part.
+
+        Parameters
+        ----------
+        times : (K,) array_like
+            Times in s.
+
+        Returns
+        -------
+        (K, P) ndarray of float32
+            Displacements in m.
+
+        Raises
+        ------
+        SceneError
+            For wrong times.
+        """
+        turned = np.exp(2j * np.pi * np.outer(instants(times), self.frequencies))
+        moved: NDArray[np.float32] = (turned.astype(np.complex64) @ self.displacement).real
+        return moved
+
+    def plot(
+        self,
+        place: ArrayLike | None = None,
+        ax: Axes | None = None,
+        *,
+        cmap: Map | None = None,
+        panels: Panel | Iterable[Panel] | None = None,
+        size: Size | None = None,
+    ) -> Figure:
+        """Draw pressure, skin motion (rms) and the spectrum at a place; a mesh as the array sees it.
+
+        Parameters
+        ----------
+        place : (3,) array_like, optional
+            Place of the spectrum in m; by default the strongest one.
+        ax : matplotlib.axes.Axes, optional
+            Axes of your own for one panel, the first of `panels`.
+        cmap : str or Colormap, optional
+            A colour map of matplotlib.
+        panels : {"pressure", "motion", "spectrum"} or list of them, optional
+            The panels to draw, side by side; by default all.
+        size : float or (float, float), optional
+            Size of the figure in inches: its width, or (width, height).
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure.
+
+        Raises
+        ------
+        SceneError
+            For wrong arguments.
+        """
+        from .._pictures.sheet import chosen, colour_map, sheet, whole
+
+        names = chosen(panels, get_args(Panel), ax)
+        colours = colour_map(cmap, MAPS["pressure"])
+        best = int(self.strength.argmax()) if place is None else self._nearest(place)
+        if ax is not None:
+            _draw(self, names[0], ax, colours, best)
+            return whole(ax)
+        figure = sheet(3.6 * len(names), 3.4, size)
+        for name, one in zip(names, figure.subplots(1, len(names), squeeze=False)[0], strict=True):
+            _draw(self, name, one, colours, best)
+        return figure
+
+    def _nearest(self, place: ArrayLike) -> int:
+        at = vector("place", place)
+        away = np.linalg.norm(self.places - at, axis=1)
+        nearest = int(away.argmin())
+        if away[nearest] > self._apart:
+            apart, most = 1e3 * away[nearest], 1e3 * self._apart
+            cure = f"it is {apart:.4g} mm from the skin, give one within {most:.2g} mm"
+            raise refused("place", at.tolist(), cure)
+        return nearest
+
+    @cached_property
+    def _apart(self) -> float:
+        """Distance in m between neighbouring pixels of the plane, or the longest edge of the mesh."""
+        if isinstance(self.hand, Plane):
+            return self.hand.size / max(self.hand.pixels - 1, 1) * 1.001
+        corners = self.places[np.asarray(self.hand.faces)]
+        return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max())
+
+    def _width(self, values: NDArray[np.float64], place: ArrayLike | None) -> float:
+        middle = int(values.argmax()) if place is None else self._nearest(place)
+        return felt_width(values, self.places, middle)
+
+    def __repr__(self) -> str:
+        return "\n".join(f"{name:18}  {value}" for name, value in self._rows())
+
+    def _repr_html_(self) -> str:
+        rows = (f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in self._rows())
+        return f"<table>{''.join(rows)}</table>"
+
+    def _rows(self) -> list[tuple[str, str]]:
+        best = int(self.strength.argmax())
+        x, y, z = 1e3 * self.places[best]
+        lines = np.abs(self.displacement[:, best])
+        largest = np.sort(np.argsort(-lines)[:4])
+        spectrum = ", ".join(f"{1e6 * lines[k]:.3g} um at {self.frequencies[k]:.4g} Hz" for k in largest)
+        return [
+            ("strongest", f"{self.level:.1f} dB above threshold at ({x:.1f}, {y:.1f}, {z:.1f}) mm"),
+            ("slow channel", f"{_decibels(self.slow[best]):.1f} dB there"),
+            ("fast channel", f"{_decibels(self.fast[best]):.1f} dB there"),
+            ("width", f"{1e3 * self.width():.1f} mm felt, {1e3 * self.focus_width():.1f} mm of pressure"),
+            ("displacement", spectrum or "none"),
+        ]
+
+
+def _decibels(strength: float) -> float:
+    return float(20 * np.log10(max(strength, 1e-10)))
+
+
+def _around(sequence: Sequence) -> Plane:
+    """Return a plane through all points that are present, which faces the array."""
+    points = sequence.points[sequence.targets > 0]
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    way = np.abs(middle - sequence.array.positions.mean(axis=0))
+    normal = int(way.argmax())
+    across = [axis for axis in range(3) if axis != normal]
+    size = float(np.ptp(points, axis=0)[across].max()) + 2 * MARGIN
+    center = (float(middle[across[0]]), float(middle[across[1]]))
+    return Plane(axis="xyz"[normal], at=float(middle[normal]), size=size, pixels=SIDE, center=center)
+
+
+def _draw(skin: Skin, panel: Panel, ax: Axes, colours: Map, best: int) -> None:
+    """Draw a panel. The place `best` is marked."""
+    if panel == "pressure":
+        _map(skin, ax, skin.pressure, "radiation pressure, mean / Pa", colours)
+        return
+    if panel == "motion":
+        _map(skin, ax, 1e6 * skin.rms, "skin motion, rms / um", colours)
+        first, second = _widest(skin)
+        ax.plot(1e3 * skin.places[best, first], 1e3 * skin.places[best, second], "+", color="tab:cyan")
+        return
+    lines = 1e6 * np.abs(skin.displacement[:, best])
+    audible = np.geomspace(3, HIGHEST, 200)
+    ax.vlines(skin.frequencies, 1e-4, np.maximum(lines, 1e-4), color="tab:blue", label="skin at +")
+    ax.plot(audible, 1e6 * threshold(audible), color="black", linewidth=0.9, label="just felt")
+    ax.set(xscale="log", yscale="log", xlim=(3, HIGHEST), ylim=(1e-2, 100))
+    ax.set(xlabel="frequency / Hz", ylabel="displacement / um", title=f"{skin.level:.0f} dB at most")
+    ax.legend(loc="lower left", fontsize="small")
+
+
+def _widest(skin: Skin) -> list[int]:
+    """Return the two axes along which the places, or the mesh, extend most."""
+    sides = np.ptp(skin.places, axis=0)
+    return [axis for axis in range(3) if axis != int(sides.argmin())]
+
+
+def _map(skin: Skin, ax: Axes, values: NDArray[np.float64], label: str, colours: Map) -> None:
+    from matplotlib.tri import Triangulation
+
+    first, second = _widest(skin)
+    x, y = 1e3 * skin.places[:, first], 1e3 * skin.places[:, second]
+    faces = skin.hand.faces if isinstance(skin.hand, Mesh) else None
+    drawn = ax.tripcolor(Triangulation(x, y, faces), values, cmap=colours, shading="gouraud")
+    ax.margins(0)
+    ax.set(aspect="equal", xlabel=f"{'xyz'[first]} / mm", ylabel=f"{'xyz'[second]} / mm")
+    ax.figure.colorbar(drawn, ax=ax, label=label)
