@@ -13,15 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._boards.errors import BoardError
-<<<<<<< HEAD
 from .._midair import SceneError, numbers
-from .._motion import document
-from .._support.arguments import json_object, number, refused, vectors
-=======
-from .._midair import SceneError
 from .._sequence import document
-from .._support.arguments import json_object, number, real, refused
->>>>>>> 316a9ddd (serve follows the room of sequences)
+from .._support.arguments import json_object, number, refused, vectors
 from .client import Client
 from .life import SILENCE
 from .live import Live
