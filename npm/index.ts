@@ -1,9 +1,9 @@
 /** midair in Node and browsers: scenes that are solved, evaluated and played. */
 
-import { compile, type Door, openDoor } from "../studio/src/work/door.ts";
+import { compile, Door } from "../studio/src/work/door.ts";
 
-export type { Answer, BoardKind, Catalogue, Door, Frame, Metrics, Preset, Probe, Solver } from "../studio/src/work/door.ts";
-export type { Vec3 } from "../studio/src/state/types.ts";
+export type * from "../studio/src/work/door.ts";
+export type { OwnArray, Vec3 } from "../studio/src/state/types.ts";
 
 /** The text of a scene file, or its content as an object. */
 export type SceneFile = string | object;
@@ -50,13 +50,13 @@ export async function load(source: Source = new URL(/* @vite-ignore */ "./midair
   const module = await compile(await bytes(source));
   return {
     catalogue() {
-      const door = openDoor(module);
+      const door = new Door(module);
       const catalogue = door.catalogue();
       door.free();
       return catalogue;
     },
     open(scene, { toml, scalar } = {}) {
-      const door = openDoor(module);
+      const door = new Door(module);
       const text = typeof scene === "string" ? scene : JSON.stringify(scene);
       try {
         const warnings = door.open(text, toml ?? !/^\s*\{/.test(text), scalar);

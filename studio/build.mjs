@@ -4,43 +4,24 @@ import { createHash } from "node:crypto";
 import { cp, mkdir, readdir, readFile, rm, writeFile } from "node:fs/promises";
 import { gzipSync } from "node:zlib";
 
-import { minify } from "terser";
 import { build } from "vite";
 import { viteSingleFile } from "vite-plugin-singlefile";
 
 const here = import.meta.dirname;
 const out = `${here}/built`;
 
-/** Removes comments and white space from shaders: template strings of several lines in painter/. */
-const short = (shader) =>
-  shader
-    .replace(/\/\/.*|\/\*[^]*?\*\//g, "")
-    .replace(/\s+/g, " ")
-    .replace(/ ?([{}();,=*/<>?:]) ?/g, "$1")
-    .replace(/(?<=[\w.)\]]) ([+-]) (?=[\w.(])/g, "$1");
-const shaders = {
-  name: "shaders",
-  transform: (code, id) => (/painter\/\w+\.ts$/.test(id) ? code.replace(/`[^`]*`/g, (text) => (text.includes("\n") ? short(text) : text)) : undefined),
-};
-
-/** The licence of gifenc, the only library in the page. */
+/** Adds the licence of gifenc, the only library in the page, to the file that contains it. */
 const notice = `/*! gifenc: ${(await readFile(`${here}/node_modules/gifenc/LICENSE.md`, "utf8")).trim()} */\n`;
-
-/** Minifies the chunks once more with terser, which saves 0.7 kB after gzip. */
-const smaller = {
-  name: "smaller",
-  async generateBundle(_, bundle) {
-    for (const chunk of Object.values(bundle)) {
-      if (chunk.type !== "chunk") continue;
-      const { code } = await minify(chunk.code, { module: true, compress: { passes: 3, ecma: 2020, unsafe_arrows: true } });
-      chunk.code = (chunk.moduleIds.some((id) => id.includes("gifenc")) ? notice : "") + code;
-    }
+const licence = {
+  name: "licence",
+  generateBundle(_, bundle) {
+    for (const chunk of Object.values(bundle)) if (chunk.moduleIds?.some((id) => id.includes("gifenc"))) chunk.code = notice + chunk.code;
   },
 };
 
-const common = { root: here, configFile: false, logLevel: "warn", worker: { format: "iife", plugins: () => [smaller] }, plugins: [shaders, smaller] };
+const common = { root: here, configFile: false, logLevel: "warn", worker: { format: "iife" }, plugins: [licence] };
 const page = (outDir, more, plugins = []) =>
-  build({ ...common, base: "./", plugins: [shaders, smaller, ...plugins], build: { outDir, emptyOutDir: true, modulePreload: false, target: "es2022", ...more } });
+  build({ ...common, base: "./", plugins: [licence, ...plugins], build: { outDir, emptyOutDir: true, modulePreload: false, target: "es2022", ...more } });
 
 /** Returns the page's Content-Security-Policy: only its own scripts, its own worker and its own files. */
 const policy = (script, style, connect) =>
@@ -58,7 +39,7 @@ await writeFile(index, withPolicy(await readFile(index, "utf8"), "'self'", "'sel
 const kept = ["./", "midair.wasm", ...(await readdir(`${out}/site/assets`)).map((name) => `assets/${name}`)];
 const version = createHash("sha256").update(await readFile(index)).update(await readFile(`${out}/site/midair.wasm`)).digest("hex").slice(0, 12);
 const worker = (await readFile(`${here}/sw.js`, "utf8")).replace("VERSION", version).replace("FILES = []", `FILES = ${JSON.stringify(kept)}`);
-await writeFile(`${out}/site/sw.js`, (await minify(worker)).code);
+await writeFile(`${out}/site/sw.js`, worker);
 
 await page(`${out}/single`, { assetsInlineLimit: 1e9 }, [viteSingleFile()]);
 const html = await readFile(`${out}/single/index.html`, "utf8");

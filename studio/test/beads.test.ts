@@ -4,14 +4,14 @@ import { readFileSync } from "node:fs";
 import { expect, test } from "vitest";
 
 import { type BeadFlight, balls, beadsAt, fateOf } from "../src/work/beads.ts";
-import { compile, openDoor } from "../src/work/door.ts";
+import { compile, Door } from "../src/work/door.ts";
 import { framesOf } from "../src/making/paths.ts";
 import { initial } from "../src/state/initial.ts";
 import { sceneOf, stateOf } from "../src/state/scene_file.ts";
 import type { State, Vec3 } from "../src/state/types.ts";
 import { say, type Word } from "../src/app/words.ts";
 
-const door = openDoor(await compile(readFileSync(`${import.meta.dirname}/../built/midair.wasm`)));
+const door = new Door(await compile(readFileSync(`${import.meta.dirname}/../built/midair.wasm`)));
 const english = (word: Word, put = {}) => say("en", word, put);
 
 /** Returns the simulated motion of beads that two boards carry around circles. */

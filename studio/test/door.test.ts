@@ -4,12 +4,12 @@ import { readFileSync, readdirSync } from "node:fs";
 
 import { expect, test } from "vitest";
 
-import { type Door, compile, openDoor } from "../src/work/door.ts";
+import { compile, Door } from "../src/work/door.ts";
 import { boardOf } from "../src/boards/serial.ts";
 
 const here = import.meta.dirname;
 const module = await compile(readFileSync(`${here}/../built/midair.wasm`));
-const door: Door = openDoor(module);
+const door: Door = new Door(module);
 const golden = `${here}/../../golden`;
 
 /** Returns a scene file of six points on a ring over an array. */

@@ -1,10 +1,10 @@
 // Arrays and drives as CSV, read and written by the core.
 import { readFileSync } from "node:fs";
 import { expect, test } from "vitest";
-import { compile, openDoor } from "../src/work/door.ts";
+import { compile, Door } from "../src/work/door.ts";
 import type { Vec3 } from "../src/state/types.ts";
 
-const door = openDoor(await compile(readFileSync(new URL("../built/midair.wasm", import.meta.url))));
+const door = new Door(await compile(readFileSync(new URL("../built/midair.wasm", import.meta.url))));
 const readDrive = (text: string) => door.readDrive(text, "drive");
 
 /** Returns the CSV of a drive of transducers at these positions. */

@@ -4,10 +4,10 @@ import { readFileSync } from "node:fs";
 
 import { expect, test } from "vitest";
 
-import { compile, openDoor } from "../src/work/door.ts";
+import { compile, Door } from "../src/work/door.ts";
 import { plain, report } from "../src/app/refusals.ts";
 
-const door = openDoor(await compile(readFileSync(`${import.meta.dirname}/../built/midair.wasm`)));
+const door = new Door(await compile(readFileSync(`${import.meta.dirname}/../built/midair.wasm`)));
 
 /** Returns the core's messages about points over an array. */
 function said(points: object[], more: object = {}): string {

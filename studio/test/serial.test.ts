@@ -1,6 +1,6 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import { attended, connect, guard } from "../src/boards/serial.ts";
-import type { Player, SerialBoard } from "../src/boards/serial.ts";
+import { attended, type Connection, guard } from "../src/boards/connection.ts";
+import { connect, type SerialBoard } from "../src/boards/serial.ts";
 
 const SURFACE = { name: "sonicsurface", baud: 230400, restarts: false };
 const SILENCE = Uint8Array.of(0, 0);
@@ -57,22 +57,22 @@ async function begin(port = fakePort(), board: SerialBoard = SURFACE) {
   };
   const connected = connect(port, board, encode, SILENCE, (state, line) => reports.push(line || state));
   await vi.runAllTimersAsync();
-  return { port, reports, player: await connected };
+  return { port, reports, connection: await connected };
 }
 
 const drive = (...bytes: number[]) => Float32Array.from(bytes);
 
 test("silence goes first and last, and the newest drive between", async () => {
-  const { port, player, reports } = await begin();
+  const { port, connection, reports } = await begin();
   expect(port.opened).toBe(230400);
   port.delay = 30;
-  player.play(drive(1, 1));
+  connection.play(drive(1, 1));
   await vi.advanceTimersByTimeAsync(10);
-  for (const k of [2, 3, 4]) player.play(drive(k, k));
+  for (const k of [2, 3, 4]) connection.play(drive(k, k));
   await vi.advanceTimersByTimeAsync(200);
-  expect(player.state).toBe("playing");
+  expect(connection.state).toBe("playing");
   await vi.runAllTimersAsync();
-  const closed = player.close();
+  const closed = connection.close();
   await vi.runAllTimersAsync();
   await closed;
   expect(port.given).toEqual([[0, 0], [1, 1], [4, 4], [0, 0]]);
@@ -91,25 +91,25 @@ test("an Arduino is silenced once more when it has restarted", async () => {
 });
 
 test("off drops what waits, and nothing follows silence before the next request", async () => {
-  const { port, player } = await begin();
+  const { port, connection } = await begin();
   port.delay = 30;
-  player.play(drive(1));
+  connection.play(drive(1));
   await vi.advanceTimersByTimeAsync(5);
-  player.play(drive(2));
-  const silent = player.off();
+  connection.play(drive(2));
+  const silent = connection.off();
   await vi.runAllTimersAsync();
   await silent;
   expect(port.given).toEqual([[0, 0], [1], [0, 0]]);
-  player.play(drive(3));
+  connection.play(drive(3));
   await vi.runAllTimersAsync();
   expect(port.given.at(-1)).toEqual([3]);
 });
 
 test("frames come no faster than the line carries them", async () => {
-  const { port, player } = await begin();
+  const { port, connection } = await begin();
   const frame = drive(...new Array<number>(230).fill(7));
   for (let ms = 0; ms < 1000; ms += 1) {
-    player.play(frame);
+    connection.play(frame);
     await vi.advanceTimersByTimeAsync(1);
   }
   // A frame of 230 bytes of 10 bits takes 10 ms at 230400 Bd. Two more frames may be in the line, and one write was silence.
@@ -118,50 +118,50 @@ test("frames come no faster than the line carries them", async () => {
 });
 
 test("a drive that the board cannot play turns it off, in one line", async () => {
-  const { port, player, reports } = await begin();
-  player.play(drive(1));
+  const { port, connection, reports } = await begin();
+  connection.play(drive(1));
   await vi.runAllTimersAsync();
-  player.play(drive(-1));
+  connection.play(drive(-1));
   await vi.runAllTimersAsync();
-  expect(player.state).toBe("off");
+  expect(connection.state).toBe("off");
   expect(port.given).toEqual([[0, 0], [1], [0, 0]]);
   expect(reports.at(-1)).toBe("sonicsurface cannot play this (2 transducers: give 256): it is off");
 });
 
 test.each(["throws", "hangs"] as const)("a port that %s: a failed silence is reported", async (fault) => {
-  const { port, player, reports } = await begin();
-  player.play(drive(1));
+  const { port, connection, reports } = await begin();
+  connection.play(drive(1));
   await vi.runAllTimersAsync();
   port.fault = fault;
-  const silent = player.off();
+  const silent = connection.off();
   await vi.runAllTimersAsync();
   await silent;
-  expect(player.state).toBe("gone");
+  expect(connection.state).toBe("gone");
   const why = fault === "throws" ? "device lost" : "it takes nothing";
   const cure = "the board may still play, switch its supply off and connect again";
   expect(reports.at(-1)).toBe(`the port of sonicsurface is gone (${why}): ${cure}`);
   expect(port.closed).toBe(1);
-  player.play(drive(2));
-  await player.off();
+  connection.play(drive(2));
+  await connection.off();
   await vi.runAllTimersAsync();
   expect(port.given).toEqual([[0, 0], [1]]);
 });
 
 test("a frame that fails is followed by silence where the port still takes it", async () => {
-  const { port, player, reports } = await begin();
+  const { port, connection, reports } = await begin();
   port.fault = "throws once";
-  player.play(drive(1));
+  connection.play(drive(1));
   await vi.runAllTimersAsync();
   expect(port.given).toEqual([[0, 0], [0, 0]]);
-  expect(player.state).toBe("gone");
+  expect(connection.state).toBe("gone");
   expect(reports.at(-1)).toContain("the board was turned off, connect again");
 });
 
 test("an unplugged board is reported once", async () => {
-  const { port, player, reports } = await begin();
+  const { port, connection, reports } = await begin();
   port.unplug();
   await vi.runAllTimersAsync();
-  expect(player.state).toBe("gone");
+  expect(connection.state).toBe("gone");
   expect(reports).toHaveLength(1);
   expect(reports[0]).toContain("gone (it was unplugged): the board may still play");
 });
@@ -172,11 +172,11 @@ test("a port that cannot be opened is an error of one line", async () => {
   await expect(opened).rejects.toThrow("the port of sonicsurface cannot be opened (Failed to open): plug");
 });
 
-test("a first silence that fails is a player that is gone", async () => {
+test("a first silence that fails is a connection that is gone", async () => {
   const port = fakePort();
   port.fault = "throws";
-  const { player, reports } = await begin(port);
-  expect(player.state).toBe("gone");
+  const { connection, reports } = await begin(port);
+  expect(connection.state).toBe("gone");
   expect(reports).toHaveLength(1);
 });
 
@@ -185,11 +185,11 @@ const seen = () => Object.assign(new EventTarget(), { hidden: false as boolean, 
 
 test("blur, a hidden or left page and Escape turn off, until that is ended", () => {
   const off = vi.fn(async () => {});
-  const player: Player = { state: "playing", play: () => {}, off, close: off };
+  const connection: Pick<Connection, "off" | "close"> = { off, close: off };
   const window = new EventTarget();
   const document = seen();
   const key = (name: string) => Object.assign(new Event("keydown"), { key: name });
-  const end = guard(player, window, document);
+  const end = guard(connection, window, document);
   const count = (event: Event, target: EventTarget) => {
     off.mockClear();
     target.dispatchEvent(event);
@@ -210,15 +210,15 @@ test("blur, a hidden or left page and Escape turn off, until that is ended", () 
 });
 
 test.each(["hashchange", "popstate", "pagehide"])("%s lets go of the port: nothing is played before a new request", async (kind) => {
-  const { port, player, reports } = await begin();
+  const { port, connection, reports } = await begin();
   const window = new EventTarget();
-  guard(player, window, seen());
-  player.play(drive(1));
+  guard(connection, window, seen());
+  connection.play(drive(1));
   await vi.runAllTimersAsync();
   window.dispatchEvent(new Event(kind));
   // Another page has opened another scene at this page's address; the drive of that scene follows at once.
-  expect(player.state).not.toBe("playing");
-  player.play(drive(9));
+  expect(connection.state).not.toBe("playing");
+  connection.play(drive(9));
   await vi.runAllTimersAsync();
   expect(port.given).toEqual([[0, 0], [1], [0, 0]]);
   expect(port.closed).toBe(1);
@@ -252,9 +252,9 @@ test.each(LEAVING)("while an Arduino restarts %s", async (_, happens, stays) => 
   await vi.advanceTimersByTimeAsync(1000);
   happens(window, document);
   await vi.runAllTimersAsync();
-  const { player, present } = await begun;
+  const { connection, present } = await begun;
   await vi.runAllTimersAsync();
   expect(present).toBe(stays);
-  expect(player.state).toBe(_ === "the page is led elsewhere" ? "gone" : "off");
+  expect(connection.state).toBe(_ === "the page is led elsewhere" ? "gone" : "off");
   expect(port.given.flat().every((byte) => byte === 0)).toBe(true);
 });

@@ -3,11 +3,11 @@ import { readFileSync } from "node:fs";
 import { expect, test } from "vitest";
 
 import type { Contour } from "../src/making/contours.ts";
-import { compile, openDoor } from "../src/work/door.ts";
+import { compile, Door } from "../src/work/door.ts";
 import { letters } from "../src/making/lettering.ts";
 import type { Vec3 } from "../src/state/types.ts";
 
-const door = openDoor(await compile(readFileSync(`${import.meta.dirname}/../built/midair.wasm`)));
+const door = new Door(await compile(readFileSync(`${import.meta.dirname}/../built/midair.wasm`)));
 
 /** The distance in m of neighbouring points, if there are enough points for the whole shape. */
 const STEP = 2.125e-3;

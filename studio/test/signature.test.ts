@@ -3,7 +3,7 @@ import { readFileSync } from "node:fs";
 
 import { expect, test } from "vitest";
 
-import { compile, openDoor } from "../src/work/door.ts";
+import { compile, Door } from "../src/work/door.ts";
 import { initial } from "../src/state/initial.ts";
 import { readLink, writeLink } from "../src/state/link.ts";
 import { added, removed } from "../src/state/points.ts";
@@ -14,7 +14,7 @@ import type { State } from "../src/state/types.ts";
 const state: State = { ...initial, array: { preset: "openmpd_pair", tiles: [1, 1] }, points: [[-0.02, 0, 0], [0.02, 0, 0], [0, 0.02, 0]], pressures: null, filled: [], signature: "trap.focus.vortex" };
 
 test("a list goes to the core and comes back", async () => {
-  const door = openDoor(await compile(readFileSync(`${import.meta.dirname}/../built/midair.wasm`)));
+  const door = new Door(await compile(readFileSync(`${import.meta.dirname}/../built/midair.wasm`)));
   expect(sceneOf(state, 0).signature).toEqual(["trap", "focus", "vortex"]);
   door.open(JSON.stringify(sceneOf(state, 0)));
   door.solve();

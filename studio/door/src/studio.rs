@@ -33,6 +33,17 @@ pub struct Studio {
 }
 
 impl Studio {
+    /// Returns the address of a result, by the number that [`crate::studio_result`] explains, and its number of entries.
+    pub(crate) fn result(&self, kind: u32) -> (*const u8, usize) {
+        match kind {
+            0 => (self.text.as_ptr(), self.text.len()),
+            1 => (self.numbers.as_ptr().cast(), self.numbers.len()),
+            2 => (self.drive.as_ptr().cast(), self.drive.len()),
+            3 => (self.pressures.as_ptr().cast(), self.pressures.len()),
+            _ => (self.bytes.as_ptr(), self.bytes.len()),
+        }
+    }
+
     /// Runs the work of a function; writes its error message to the text and returns 1 if it fails, else returns 0.
     pub(crate) fn work(&mut self, work: impl FnOnce(&mut Self) -> Result<(), Error>) -> u32 {
         self.text.clear();

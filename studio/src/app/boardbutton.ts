@@ -2,8 +2,9 @@
 
 import type { Context } from "./context.ts";
 import { element, write } from "./dom.ts";
-import { type Player, type PlayerState, type SerialBoard, type SerialPortLike, attended, boardOf, connect, guard } from "../boards/serial.ts";
-import { createServed, fits } from "../boards/served.ts";
+import { attended, type Connection, type ConnectionState, guard } from "../boards/connection.ts";
+import { type SerialBoard, type SerialPortLike, boardOf, connect } from "../boards/serial.ts";
+import { fits, Served } from "../boards/served.ts";
 import { shownOf } from "../work/studio.ts";
 
 /** The part of `navigator` that browsers with WebSerial have. */
@@ -14,14 +15,14 @@ export function createBoardButton(context: Context): HTMLElement {
   const { studio, engine, say, board: served } = context;
   const away = served ? say("playOn", { name: served.name }) : say("connect");
   const button = element("button", { className: "board" }, away);
-  let player: Player | null = null;
+  let connection: Connection | null = null;
   let unguard = () => undefined as void;
   /** The drive that the board plays, or will play next. */
   let given: Float32Array | null = null;
 
   /** Returns a function that connects the served board, or a board at a port that the user chooses. */
-  async function reach(): Promise<(() => Promise<Player>) | void> {
-    if (served) return async () => createServed(served.name, report);
+  async function reach(): Promise<(() => Promise<Connection>) | void> {
+    if (served) return async () => new Served(served.name, report);
     const { serial } = navigator as WithSerial;
     if (!serial) return context.alarm(say("noSerial"));
     const { array } = studio.view.state;
@@ -37,22 +38,22 @@ export function createBoardButton(context: Context): HTMLElement {
     const opening = await reach();
     if (!opening) return;
     const found = await attended(opening(), window, document);
-    player = found.player;
-    if (player.state === "gone") return forget();
-    unguard = guard(player, window, document);
+    connection = found.connection;
+    if (connection.state === "gone") return forget();
+    unguard = guard(connection, window, document);
     // If the user left the page meanwhile, the board stays off until the button is pressed again.
     if (found.present) play();
     else show();
   }
 
-  async function open(port: SerialPortLike, board: SerialBoard): Promise<Player> {
+  async function open(port: SerialPortLike, board: SerialBoard): Promise<Connection> {
     await studio.settled();
     const silence = await engine.slots[0].silence(studio.scene(0), board.name);
     const encode = (drive: Float32Array) => engine.slots[0].encode(studio.scene(0), drive, board.name);
     return connect(port, board, encode, silence, report);
   }
 
-  function report(state: PlayerState, line: string) {
+  function report(state: ConnectionState, line: string) {
     if (line) context.alarm(say("failed", { line }));
     if (state === "gone") forget();
     show();
@@ -60,41 +61,41 @@ export function createBoardButton(context: Context): HTMLElement {
 
   function forget() {
     unguard();
-    player = null;
+    connection = null;
     show();
   }
 
   function show() {
-    const plays = player?.state === "playing";
-    write(button, plays ? say("playing") : player ? say("playAgain") : away);
+    const plays = connection?.state === "playing";
+    write(button, plays ? say("playing") : connection ? say("playAgain") : away);
     button.classList.toggle("on", plays);
     context.announce(say(plays ? "boardOn" : "boardOff"));
   }
 
   function play() {
     const drive = shownOf(studio.view)[0].answer?.drive;
-    if (!player || !drive) return;
+    if (!connection || !drive) return;
     if (served && !fits(served, studio.view.state.array)) {
       context.alarm(say("otherArray", { name: served.name }));
-      return void player.off();
+      return void connection.off();
     }
     given = drive;
-    player.play(drive);
+    connection.play(drive);
   }
 
   button.onclick = () => {
-    if (player?.state === "playing") void player.off();
-    else if (player) play();
+    if (connection?.state === "playing") void connection.off();
+    else if (connection) play();
     else {
       void begin().catch(({ name, message }: Error) => {
         if (name !== "NotFoundError") context.alarm(say("failed", { line: message }));
       });
     }
   };
-  context.ending(() => void player?.close());
+  context.ending(() => void connection?.close());
   context.listen(() => {
     const drive = shownOf(studio.view)[0].answer?.drive;
-    if (player?.state === "playing" && (drive !== given || (served && !fits(served, studio.view.state.array)))) play();
+    if (connection?.state === "playing" && (drive !== given || (served && !fits(served, studio.view.state.array)))) play();
   });
   return button;
 }

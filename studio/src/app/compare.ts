@@ -2,7 +2,7 @@
 
 import { changes } from "../state/changes.ts";
 import { type Context } from "./context.ts";
-import { choice, element, explained, write } from "./dom.ts";
+import { choice, draggable, element, explained, resize, write } from "./dom.ts";
 import { MOST_POINTS } from "../state/initial.ts";
 import { createInstrument } from "./instrument.ts";
 import { numberRows, percent, pressure, type Row, sentenceOf, weakest } from "./numbers.ts";
@@ -60,54 +60,35 @@ export function createCompare(context: Context): Compare {
     element("div", { className: "row" }, element("div", { className: "wipe" }, picture, wiper), scale),
   );
   const rings: HTMLElement[] = [];
-  listen();
   const order = createInstrument(context, picture, (right) => (wiper.hidden ? (shownOf(studio.view)[0].lattice ? 0 : 1) : right < +wiper.value ? 0 : 1));
   // The role is set, because the CSS shows the rows as a grid and browsers then forget that this is a table.
   const table = element("table", { className: "numbers", role: "table" });
   const warnings = element("ul", { className: "warnings" });
 
-  /** Points can be dragged in the slice, and a double click adds a point. */
-  function listen() {
-    let begin: { index: number; at: Vec3; point: Vec3 } | null = null;
-    let gesture = 0;
-    const metres = (event: MouseEvent): Vec3 => {
-      const box = picture.getBoundingClientRect();
-      return placeOn(state().plane, (event.clientX - box.left) / box.width, 1 - (event.clientY - box.top) / box.height);
-    };
-    picture.onpointerdown = (event) => {
+  const metres = (event: MouseEvent): Vec3 => {
+    const box = picture.getBoundingClientRect();
+    return placeOn(state().plane, (event.clientX - box.left) / box.width, 1 - (event.clientY - box.top) / box.height);
+  };
+  draggable(picture, studio, {
+    begin(event) {
       const index = rings.indexOf(event.target as HTMLElement);
-      if (index < 0) return;
-      picture.setPointerCapture(event.pointerId);
-      begin = { index, at: metres(event), point: state().points[index] };
-      gesture += 1;
-      studio.setMoving(true);
-    };
-    picture.onpointermove = (event) => {
-      if (!begin) return;
-      const { at, point } = begin;
-      const to = metres(event).map((x, axis) => point[axis] + x - at[axis]) as Vec3;
-      studio.change(moved(state(), begin.index, to), `drag slice ${gesture}`);
-    };
-    picture.onpointerup = picture.onpointercancel = () => {
-      if (begin) studio.setMoving(false);
-      begin = null;
-    };
-    picture.ondblclick = (event) => {
-      if (state().points.length >= MOST_POINTS) return context.alarm(say("tooMany", { count: MOST_POINTS + 1 }));
-      studio.change(added(state(), metres(event)));
-      context.announce(say("added", { n: state().points.length }));
-    };
-  }
+      return index < 0 ? null : { index, from: metres(event), point: state().points[index] };
+    },
+    move({ index, from, point }, event, gesture) {
+      const to = metres(event).map((x, axis) => point[axis] + x - from[axis]) as Vec3;
+      studio.change(moved(state(), index, to), gesture);
+    },
+  });
+  picture.ondblclick = (event) => {
+    if (state().points.length >= MOST_POINTS) return context.alarm(say("tooMany", { count: MOST_POINTS + 1 }));
+    studio.change(added(state(), metres(event)));
+    context.announce(say("added", { n: state().points.length }));
+  };
 
   function ring() {
     const points = studio.view.frame?.points ?? state().points;
     picture.classList.toggle("many", points.length > MANY);
-    while (rings.length > points.length) rings.pop()!.remove();
-    while (rings.length < points.length) {
-      const made = element("i", { className: "ring" });
-      rings.push(made);
-      picture.append(made);
-    }
+    resize(picture, rings, points.length, () => element("i", { className: "ring" }));
     rings.forEach((each, index) => {
       const [right, up, off] = onPlane(state().plane, points[index]);
       each.style.left = `${100 * right}%`;

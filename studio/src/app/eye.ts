@@ -1,6 +1,6 @@
 /** Eye: the camera of the 3-D view. It is fitted to the scene until a user turns it. */
 
-import { along, type Camera, fit, FOCAL, frame, project } from "../painter/camera.ts";
+import { along, type Camera, fit, FOCAL, frame, Sight, type Spot } from "../painter/camera.ts";
 import { placeOn, planesOf } from "../state/plane.ts";
 import type { Studio } from "../work/studio.ts";
 import type { State, Vec3 } from "../state/types.ts";
@@ -8,7 +8,7 @@ import type { State, Vec3 } from "../state/types.ts";
 /** A camera that stays when the page is rebuilt in another theme or language. */
 export interface Eye {
   /** Returns the camera for a view of this size in CSS px. */
-  camera(size: [number, number]): Camera;
+  camera(size: Spot): Camera;
   /** Turns the view by a pointer's movement in px. */
   turn(dx: number, dy: number): void;
   /** Moves the camera nearer (factor below 1) or further away. */
@@ -39,7 +39,7 @@ const within = (value: number, [least, most]: number[]) => Math.min(Math.max(val
 /** Makes the camera of a studio. */
 export function createEye({ view }: Studio): Eye {
   let camera: Camera = { target: [0, 0, 0], yaw: 0, pitch: 0, distance: 1 };
-  let last = [1, 1];
+  let last: Spot = [1, 1];
   /** The array and the view's size at the last fit; the size counts only until a user turns the view. */
   let fitted = "";
   let turned = false;
@@ -65,10 +65,11 @@ export function createEye({ view }: Studio): Eye {
       const { state } = view;
       const fresh = fitted !== key(size);
       if (fresh || (state !== seen && !turned && !view.moving)) {
-        const best = fit(view.positions, all(), ...size, state.plane.axis);
+        const best = fit(view.positions, all(), size, state.plane.axis);
         // Fits again only if a part is out of sight or everything appears too small, so that the view does not jump.
+        const sight = new Sight(camera, size);
         const cut = all().some((place) => {
-          const at = project(camera, place, ...size);
+          const at = sight.project(place);
           return size.some((side, k) => Math.abs(2 * at[k] - side) > side);
         });
         if (fresh || cut || camera.distance > LOOSE * best.distance) camera = best;
@@ -90,7 +91,7 @@ export function createEye({ view }: Studio): Eye {
       fitted = "";
       if (from === "asFirst") return;
       const yaw = view.state.plane.axis === "x" && from === "fromAhead" ? Math.PI / 2 : 0;
-      hold(fit(view.positions, all(), last[0], last[1], view.state.plane.axis, [yaw, from === "fromAbove" ? PITCH[1] : 0]));
+      hold(fit(view.positions, all(), last, view.state.plane.axis, [yaw, from === "fromAbove" ? PITCH[1] : 0]));
     },
     zoom: (factor) => hold({ distance: within(camera.distance * factor, DISTANCE) }),
   };

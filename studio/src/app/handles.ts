@@ -1,17 +1,16 @@
 /** Handles: each slice of the 3-D view has a handle at its edge that moves it along its normal, also by keys. */
 
-import { lift } from "../painter/camera.ts";
 import { middleOf, placeOn, planesOf, SIDES, through } from "../state/plane.ts";
 import { AXES, type Axis, type Vec3 } from "../state/types.ts";
 import { type Context, millimetres } from "./context.ts";
 import { draggable, element, stepOf } from "./dom.ts";
-import type { Sight } from "./viewing.ts";
+import type { View } from "./viewing.ts";
 
 /** Largest distance of a slice from 0 along its normal, in m. */
 const REACH = 0.4;
 
 /** Makes the handles in the 3-D view, and returns a function that moves them to their slices. */
-export function createHandles({ studio, say }: Context, stage: Sight): () => void {
+export function createHandles({ studio, say }: Context, stage: View): () => void {
   const plane = () => studio.view.state.plane;
   /** Returns the place of a slice's handle: the middle of the right side, or the lower right corner of an upright slice. */
   const edge = (axis: Axis): Vec3 => placeOn({ ...plane(), axis }, 1, axis === "z" ? 0.5 : 0);
@@ -29,7 +28,7 @@ export function createHandles({ studio, say }: Context, stage: Sight): () => voi
         return { pointer: stage.local(event), place: edge(axis), height: middleOf(plane())[normal] };
       },
       move({ pointer, place, height }, event, gesture) {
-        const way = lift(stage.camera, pointer, stage.local(event), place, stage.size, normal);
+        const way = stage.sight.lift(pointer, stage.local(event), place, normal);
         if (way !== null) push(height + way, gesture);
       },
     });
@@ -50,7 +49,7 @@ export function createHandles({ studio, say }: Context, stage: Sight): () => voi
       const handle = handles[k];
       handle.hidden = !shown.includes(axis);
       if (handle.hidden) return;
-      const [x, y] = stage.seen(edge(axis));
+      const [x, y] = stage.sight.project(edge(axis));
       const value = millimetres(middleOf(plane())[SIDES[axis][2]]);
       handle.style.transform = `translate(${x.toFixed(2)}px, ${y.toFixed(2)}px)`;
       for (const [name, text] of [["aria-label", say("sliceNormal", { axis })], ["aria-valuenow", value], ["aria-valuetext", `${axis} ${value} mm`]]) {

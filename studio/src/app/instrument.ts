@@ -2,17 +2,12 @@
 
 import { changes } from "../state/changes.ts";
 import type { Context } from "./context.ts";
-import { element } from "./dom.ts";
+import { element, stepOf } from "./dom.ts";
 import { wavelength } from "../work/lattices.ts";
 import { roundStep } from "../painter/maps.ts";
 import { middleOf, placeOn, SIDES } from "../state/plane.ts";
 import { createReadout } from "./readout.ts";
 import type { Slot, State } from "../state/types.ts";
-
-/** Steps of the arrow keys in m: without and with Shift. */
-const STEPS = [1e-3, 1e-2];
-
-const WAYS: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
 /** Returns the marks along an axis of a slice: position as a part of the side, and text in mm. */
 export function marks(middle: number, size: number): { at: number; text: string }[] {
@@ -64,11 +59,11 @@ export function createInstrument(context: Context, picture: HTMLElement, slotAt:
   picture.addEventListener("focus", () => picture.matches(":focus-visible") && show(...at));
   picture.addEventListener("blur", hide);
   picture.addEventListener("keydown", (event) => {
-    const way = WAYS[event.key];
-    if (!way || event.target !== picture) return;
+    const way = stepOf(event);
+    if (!way || way[2] || event.target !== picture) return;
     event.preventDefault();
-    const step = STEPS[Number(event.shiftKey)] / state().plane.size;
-    show(at[0] + step * way[0], at[1] + step * way[1]);
+    const { size } = state().plane;
+    show(at[0] + way[0] / size, at[1] + way[1] / size);
   });
 
   const write = changes((key: string) => {

@@ -3,7 +3,7 @@
 import "./style.css";
 import { faultOf } from "../state/check.ts";
 import { type Engine, startEngine } from "../work/engine.ts";
-import { sceneOf, stateOf } from "../state/scene_file.ts";
+import { stateOf } from "../state/scene_file.ts";
 import { createEye } from "./eye.ts";
 import { createHook, type Hook } from "./hook.ts";
 import { first, initial } from "../state/initial.ts";
@@ -24,8 +24,6 @@ declare global {
 
 const root = document.getElementById("studio")!;
 const language: Language = navigator.language.startsWith("ja") ? "ja" : "en";
-const warm = () =>
-  JSON.stringify(sceneOf({ ...initial, array: { preset: "paper20", tiles: [1, 1] }, points: [[0, 0, 0.15]] }, 0));
 
 /** Returns the state in the page's address, or a message about its fault. */
 function linked({ catalogue }: Engine): State | string {
@@ -35,7 +33,7 @@ function linked({ catalogue }: Engine): State | string {
 
 async function start() {
   const wasm = await (await fetch(wasmUrl)).arrayBuffer();
-  const engine = await startEngine(() => new SolveWorker(), wasm, warm());
+  const engine = await startEngine(() => new SolveWorker(), wasm);
   const wrong: string[] = [];
   let begun = first;
   if (location.hash.length > 1) {

@@ -15,7 +15,7 @@ import type { Eye } from "./eye.ts";
 import { figure } from "./figure.ts";
 import { haunt } from "./ghost.ts";
 import { Painting } from "./painting.ts";
-import { createPanels } from "./panels.ts";
+import { Panels } from "./panels.ts";
 import { Player } from "./player.ts";
 import { plain, report } from "./refusals.ts";
 import { createSentence } from "./sentence.ts";
@@ -47,7 +47,7 @@ export class Page {
   private readonly context: Context;
   private readonly stage: Stage;
   private readonly compare;
-  private readonly panels;
+  private readonly panels: Panels;
   private readonly painting: Painting;
   private readonly sentence;
   private readonly levels;
@@ -75,7 +75,7 @@ export class Page {
     this.compare = createCompare(context);
     const player = new Player(context, () => this.painting.paint());
     this.stage.root.append(player.root);
-    this.panels = createPanels(context, this.compare, player, Boolean(manner.compact));
+    this.panels = new Panels(context, this.compare, player, Boolean(manner.compact));
     this.painting = new Painting(context, { stage: this.stage, compare: this.compare, panels: this.panels.root });
     this.sentence = createSentence(context);
     this.levels = segments(say("levelOfPage"), LEVELS.map((name) => [name, say(name)]), (level) => studio.change({ level: level as Level }));
@@ -86,7 +86,7 @@ export class Page {
     this.assemble();
     this.listen();
     this.update();
-    if (manner.greets && !matchMedia("(prefers-reduced-motion: reduce)").matches) void haunt(context, this.stage.view, this.stage.seen);
+    if (manner.greets && !matchMedia("(prefers-reduced-motion: reduce)").matches) void haunt(context, this.stage);
     manner.greets = false;
   }
 

@@ -141,10 +141,11 @@ export class Painting {
     const { state, frame } = view;
     const box = this.box(stage.view);
     if (!box.width) return;
+    const { sight } = stage;
     const results = shownOf(view);
     const slot = frame && (frame.touch || !frame.results[state.slot]) ? 0 : state.slot;
     painter.scene(box, {
-      camera: stage.camera,
+      camera: sight.camera,
       positions: view.positions,
       normals: view.normals,
       drive: results[slot].answer?.drive ?? null,
@@ -154,7 +155,7 @@ export class Painting {
       // The glow of |p| would cover the wave or the phase.
       volume: ["slice", "planes"].includes(state.view) || frame || (state.view === "both" && state.quantity !== "modulus") ? null : view.volume,
       points: frame?.points ?? state.points,
-      obstacles: [...state.obstacles, ...balls(frame?.beads ?? [], (place) => stage.seen(place)[2] / (FOCAL * box.height), state.bead?.radius)],
+      obstacles: [...state.obstacles, ...balls(frame?.beads ?? [], (place) => sight.project(place)[2] / (FOCAL * box.height), state.bead?.radius)],
       look: this.look,
       theme: this.context.theme,
       moving: view.moving,

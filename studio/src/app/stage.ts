@@ -4,7 +4,7 @@ import { MOST_POINTS } from "../state/initial.ts";
 import { following, middleOf, onPlane, SIDES } from "../state/plane.ts";
 import { added, removed, shifted } from "../state/points.ts";
 import type { State, Vec3 } from "../state/types.ts";
-import { along, type Camera, lift, meetPlane, project, slide } from "../painter/camera.ts";
+import { Sight, type Spot } from "../painter/camera.ts";
 import { type Context, millimetres } from "./context.ts";
 import { draggable, element, resize, stepOf } from "./dom.ts";
 import type { Eye } from "./eye.ts";
@@ -13,7 +13,7 @@ import { number } from "./numbering.ts";
 import { createPhaseKey } from "./phasekey.ts";
 import { createReadout } from "./readout.ts";
 import { createSliceChoice } from "./slicechoice.ts";
-import { createViewing, type Spot } from "./viewing.ts";
+import { createViewing } from "./viewing.ts";
 
 /** Above this number of points, rings are smaller, so that they do not hide the field. */
 export const MANY = 16;
@@ -71,21 +71,16 @@ export class Stage {
     this.view.ondblclick = (event) => event.target === this.view && this.add(this.local(event));
   }
 
-  get size(): [number, number] {
-    return [this.view.clientWidth || 1, this.view.clientHeight || 1];
+  /** The 3-D view as it is seen now. */
+  get sight(): Sight {
+    const size: Spot = [this.view.clientWidth || 1, this.view.clientHeight || 1];
+    return new Sight(this.eye.camera(size), size);
   }
-
-  get camera(): Camera {
-    return this.eye.camera(this.size);
-  }
-
-  /** Returns where a place is, in CSS px of the view, and its depth in m. */
-  readonly seen = (place: Vec3): Vec3 => project(this.camera, place, ...this.size);
 
   /** Returns where a place is, in CSS px of the window. */
   readonly project = (place: Vec3): [number, number] => {
     const box = this.view.getBoundingClientRect();
-    const [x, y] = this.seen(place);
+    const [x, y] = this.sight.project(place);
     return [box.left + x, box.top + y];
   };
 
@@ -99,14 +94,15 @@ export class Stage {
   update(): void {
     const { state, frame } = this.context.studio.view;
     const points = frame?.points ?? state.points;
+    const { sight } = this;
     this.view.classList.toggle("many", points.length > MANY);
     this.ear.hidden = !state.ear;
     if (state.ear) {
-      const [x, y] = this.seen(state.ear);
+      const [x, y] = sight.project(state.ear);
       this.ear.style.transform = `translate(${x}px, ${y}px) translate(-50%, -64px)`;
     }
     resize(this.view, this.buttons, points.length, (index) => this.button(index));
-    const rings = points.map(this.seen);
+    const rings = points.map((point) => sight.project(point));
     const style = getComputedStyle(this.view);
     const [ring, wide] = ["--ring", "--number"].map((name) => parseFloat(style.getPropertyValue(name)));
     const spots = number(points.length > MANY ? [] : rings, ring / 2, wide);
@@ -178,15 +174,15 @@ export class Stage {
   private grasp(event: PointerEvent, index: number, lifts: boolean): Grip {
     event.preventDefault();
     const { points } = this.state;
-    const [x, y] = this.seen(points[index]);
+    const [x, y] = this.sight.project(points[index]);
     return { index, all: this.group(index), points, pointer: this.local(event), from: [x, y], lifts, moved: false };
   }
 
   /** Returns the shift in m of a dragged point for a place of the pointer; null beyond the horizon. */
   private way({ index, points, pointer, from, lifts }: Grip, [x, y]: Spot): Vec3 | null {
     const to: Spot = [from[0] + x - pointer[0], from[1] + y - pointer[1]];
-    if (!lifts) return slide(this.camera, from, to, points[index], this.size, this.normal);
-    const off = lift(this.camera, from, to, points[index], this.size, this.normal);
+    if (!lifts) return this.sight.slide(from, to, points[index], this.normal);
+    const off = this.sight.lift(from, to, points[index], this.normal);
     return off === null ? null : ([0, 0, 0].with(this.normal, off) as Vec3);
   }
 
@@ -219,8 +215,9 @@ export class Stage {
   }
 
   private nearest([x, y]: Spot): number {
+    const { sight } = this;
     const distances = this.state.points.map((point) => {
-      const [left, top] = this.seen(point);
+      const [left, top] = sight.project(point);
       return Math.hypot(left - x, top - y);
     });
     return distances.indexOf(Math.min(...distances));
@@ -253,11 +250,10 @@ export class Stage {
     const { studio, alarm, announce, say } = this.context;
     const { plane, points } = this.state;
     const origin = middleOf(plane);
-    const [x, y] = this.seen(origin);
-    const way = slide(this.camera, [x, y], spot, origin, this.size, this.normal);
+    const place = this.sight.meet(spot, origin, this.normal);
     if (points.length >= MOST_POINTS) return alarm(say("tooMany", { count: MOST_POINTS + 1 }));
-    if (!way) return;
-    studio.change(added(this.state, along(origin, 1, way)));
+    if (!place) return;
+    studio.change(added(this.state, place));
     announce(say("added", { n: points.length + 1 }));
   }
 
@@ -268,8 +264,9 @@ export class Stage {
     this.lasso.hidden = done;
     Object.assign(this.lasso.style, { left: `${left}px`, top: `${top}px`, width: `${wide}px`, height: `${high}px` });
     if (!done) return;
+    const { sight } = this;
     const inside = (point: Vec3) => {
-      const [x, y] = this.seen(point);
+      const [x, y] = sight.project(point);
       return x >= left && x <= left + wide && y >= top && y <= top + high;
     };
     this.select(this.state.points.flatMap((point, k) => (inside(point) ? [k] : [])));
@@ -280,11 +277,11 @@ export class Stage {
     const { plane, view, slot } = this.state;
     const spot = this.local(event);
     const points = event.target === this.view && !event.buttons && event.pointerType !== "touch" && view !== "volume";
-    const place = points && meetPlane(this.camera, spot, this.size, middleOf(plane), this.normal);
+    const place = points && this.sight.meet(spot, middleOf(plane), this.normal);
     const [right, up] = place ? onPlane(plane, place) : [NaN, NaN];
     if (!place || !(Math.abs(right - 0.5) <= 0.5 && Math.abs(up - 0.5) <= 0.5)) return this.readout.hide();
     Object.assign(this.readout.root.style, { left: `${spot[0]}px`, top: `${spot[1]}px` });
-    this.readout.root.classList.toggle("left", spot[0] > this.size[0] - 260);
+    this.readout.root.classList.toggle("left", spot[0] > this.view.clientWidth - 260);
     this.readout.show(slot, place);
   }
 }

@@ -1,18 +1,16 @@
 /** Table of points: places and targets, which users can type. */
 
 import { type Context, millimetres } from "./context.ts";
-import { element, explained } from "./dom.ts";
+import { element, explained, resize } from "./dom.ts";
 import { MOST_POINTS } from "../state/initial.ts";
 import { added, withTarget, moved, removed } from "../state/points.ts";
-import type { Vec3 } from "../state/types.ts";
-
-const AXES = ["x", "y", "z"];
+import { AXES, type Vec3 } from "../state/types.ts";
 
 /** Makes the table. */
 export function createPointTable(context: Context): { root: HTMLElement; update(): void } {
   const { studio, say } = context;
   const state = () => studio.view.state;
-  const rows: { root: HTMLElement; inputs: HTMLInputElement[] }[] = [];
+  const rows: HTMLTableRowElement[] = [];
   const body = element("tbody");
   const heads = [...AXES.map((axis) => `${axis} mm`), say("target")].map((text, k) =>
     explained(element("th", { scope: "col" }, text), say(k < AXES.length ? "coordinateTip" : "targetHint")),
@@ -80,28 +78,21 @@ export function createPointTable(context: Context): { root: HTMLElement; update(
       },
       "×",
     );
-    const inputs = [...place, target];
-    const cells = inputs.map((input) => element("td", {}, input));
-    const root = element("tr", {}, element("th", { scope: "row" }, String(n)), ...cells, element("td", {}, gone));
-    return { root, inputs };
+    const cells = [...place, target, gone].map((control) => element("td", {}, control));
+    return element("tr", {}, element("th", { scope: "row" }, String(n)), ...cells);
   }
 
   /** Writes the values; the field that is being typed in is not overwritten until it is `done`. */
   function showAll(done = false) {
     const { points, pressures, filled } = state();
-    while (rows.length > points.length) rows.pop()!.root.remove();
-    while (rows.length < points.length) {
-      rows.push(row(rows.length));
-      body.append(rows.at(-1)!.root);
-    }
+    resize(body, rows, points.length, row);
     const { activeElement } = body.getRootNode() as Document | ShadowRoot;
-    rows.forEach(({ inputs }, index) => {
+    rows.forEach((row, index) => {
       const values = [...points[index].map(millimetres), pressures ? String(pressures[index]) : ""];
-      inputs.forEach((input, k) => {
+      row.querySelectorAll("input").forEach((input, k) => {
         if (k === AXES.length) {
-          const by = filled.includes(index);
-          input.classList.toggle("filled", by);
-          input.dataset.tip = say(by ? "filledHint" : "targetHint");
+          input.classList.toggle("filled", filled.includes(index));
+          input.dataset.tip = say(filled.includes(index) ? "filledHint" : "targetHint");
         }
         if ((done || input !== activeElement) && input.value !== values[k]) input.value = values[k];
       });

@@ -1,20 +1,14 @@
 /** Viewing: pointers turn, shift and zoom the 3-D view; buttons look from above, along the slice's normal or as at first. */
 
-import type { Camera } from "../painter/camera.ts";
-import type { Vec3 } from "../state/types.ts";
+import type { Sight, Spot } from "../painter/camera.ts";
 import type { Context } from "./context.ts";
 import { element } from "./dom.ts";
 import type { Eye } from "./eye.ts";
 
-/** A place in the view, CSS px. */
-export type Spot = [number, number];
-
-/** The 3-D view: its size in CSS px, where a place is seen in it (px, and its depth in m), and where a pointer is. */
-export interface Sight {
+/** The 3-D view, as it is seen now, and where a pointer is in it. */
+export interface View {
   readonly view: HTMLElement;
-  readonly camera: Camera;
-  readonly size: [number, number];
-  seen(place: Vec3): Vec3;
+  readonly sight: Sight;
   local(event: MouseEvent): Spot;
 }
 

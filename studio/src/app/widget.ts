@@ -2,8 +2,9 @@
 
 import style from "./style.css?inline";
 import { type Engine, startEngine } from "../work/engine.ts";
+import { element } from "./dom.ts";
 import { createEye } from "./eye.ts";
-import { sceneOf, stateOf } from "../state/scene_file.ts";
+import { stateOf } from "../state/scene_file.ts";
 import { initial } from "../state/initial.ts";
 import { weakest } from "./numbers.ts";
 import { type Manner, Page } from "./page.ts";
@@ -22,15 +23,12 @@ interface Model {
 
 async function render({ model, el }: { model: Model; el: HTMLElement }): Promise<() => void> {
   const shadow = el.attachShadow({ mode: "open" });
-  const sheet = document.createElement("style");
-  sheet.textContent = style;
-  const root = document.createElement("div");
-  shadow.append(sheet, root);
+  const root = element("div");
+  shadow.append(element("style", { textContent: style }), root);
   const { buffer, byteOffset, byteLength } = model.get("wasm") as DataView<ArrayBuffer>;
   // The WebAssembly functions accept no DataView.
   const bytes = new Uint8Array(buffer, byteOffset, byteLength);
-  const warm = JSON.stringify(sceneOf({ ...initial, array: { preset: "paper20", tiles: [1, 1] } }, 0));
-  const engine: Engine = await startEngine(() => new SolveWorker(), bytes, warm);
+  const engine: Engine = await startEngine(() => new SolveWorker(), bytes);
   const read = async (before: State) => stateOf(await engine.slow.read(model.get("scene") as string, false), before);
   const studio = new Studio(engine, await read(initial));
   const manner: Manner = {

@@ -1,6 +1,6 @@
 /** Served: a board of `midair studio --on`. Python on this machine plays the page's drives. */
 
-import type { Player, PlayerState } from "./serial.ts";
+import { Connection, type Report } from "./connection.ts";
 import type { ArrayChoice } from "../state/types.ts";
 
 /** A board as the server describes it; its array is written as in scene files. */
@@ -19,24 +19,45 @@ export function fits({ array: own }: ServedBoard, array: ArrayChoice): boolean {
   return "positions" in array && JSON.stringify(array.positions) === JSON.stringify(own.positions);
 }
 
-/** Makes the player of a served board; `report` is called with each new state, and with one line if something failed. */
-export function createServed(name: string, report: (state: PlayerState, line: string) => void): Player {
-  let state: PlayerState = "off";
-  let drive: Float32Array | null = null;
-  let runs = false;
-  let wake = () => undefined as void;
+/** A board that Python plays. */
+export class Served extends Connection {
+  private drive: Float32Array | null = null;
+  private runs = false;
+  private wake = () => undefined as void;
 
-  function turn(next: PlayerState, line = "") {
-    if (state === next && !line) return;
-    state = next;
-    report(state, line);
+  constructor(
+    private readonly name: string,
+    report: Report,
+  ) {
+    super(report);
+  }
+
+  play(drive: Float32Array): void {
+    if (this.state === "gone") return;
+    this.drive = drive;
+    this.turn("playing");
+    this.wake();
+    if (!this.runs) void this.run();
+  }
+
+  async off(line = ""): Promise<void> {
+    if (this.state === "gone") return;
+    this.drive = null;
+    this.wake();
+    this.turn("off", line);
+    await this.give(new Float32Array());
+  }
+
+  async close(): Promise<void> {
+    await this.off();
+    this.turn("gone");
   }
 
   /**
    * Sends the server a drive, or silence if it is empty. The time in the address lets the server ignore requests that arrive
    * out of order. Returns the server's error message, or "".
    */
-  async function give(content: Float32Array): Promise<string> {
+  private async give(content: Float32Array): Promise<string> {
     const at = (performance.timeOrigin + performance.now()).toFixed(3);
     const body = new Float32Array(content);
     const headers = { "Content-Type": "application/octet-stream" };
@@ -45,50 +66,24 @@ export function createServed(name: string, report: (state: PlayerState, line: st
       const answer = await fetch(`board?${at}`, { method: "POST", body, headers, keepalive: content.length === 0 });
       return answer.ok ? "" : (await answer.text()).split("\n")[0];
     } catch {
-      drive = null;
-      turn("gone", `midair studio, which has ${name}, is gone: the board is off, start it again`);
+      this.drive = null;
+      this.turn("gone", `midair studio, which has ${this.name}, is gone: the board is off, start it again`);
       return "";
     }
   }
 
-  async function run() {
-    runs = true;
-    while (drive) {
-      const given: Float32Array = drive;
-      const refused = await give(given);
-      if (refused) await off(refused);
-      if (drive !== given) continue;
+  private async run(): Promise<void> {
+    this.runs = true;
+    while (this.drive) {
+      const { drive } = this;
+      const refused = await this.give(drive);
+      if (refused) await this.off(refused);
+      if (this.drive !== drive) continue;
       await new Promise<void>((done) => {
-        wake = done;
+        this.wake = done;
         setTimeout(done, AGAIN);
       });
     }
-    runs = false;
+    this.runs = false;
   }
-
-  async function off(line = "") {
-    if (state === "gone") return;
-    drive = null;
-    wake();
-    turn("off", line);
-    await give(new Float32Array());
-  }
-
-  return {
-    get state() {
-      return state;
-    },
-    play(next) {
-      if (state === "gone") return;
-      drive = next;
-      turn("playing");
-      wake();
-      if (!runs) void run();
-    },
-    off: () => off(),
-    async close() {
-      await off();
-      turn("gone");
-    },
-  };
 }

@@ -22,113 +22,84 @@ export const cross = (a: Vec3, b: Vec3): Vec3 => [a[1] * b[2] - a[2] * b[1], a[2
 export const unit = (a: Vec3) => along([0, 0, 0], 1 / Math.sqrt(dot(a, a)), a);
 
 /** Returns the camera's own axes, of length 1, and its place (m). */
-export function frame({ target, yaw, pitch, distance }: Camera): {
-  right: Vec3;
-  up: Vec3;
-  ahead: Vec3;
-  eye: Vec3;
-} {
+export function frame({ target, yaw, pitch, distance }: Camera) {
   const [sy, cy, sp, cp] = [Math.sin(yaw), Math.cos(yaw), Math.sin(pitch), Math.cos(pitch)];
+  const right: Vec3 = [cy, sy, 0];
+  const up: Vec3 = [-sy * sp, cy * sp, cp];
   const ahead: Vec3 = [-sy * cp, cy * cp, -sp];
-  return { right: [cy, sy, 0], up: [-sy * sp, cy * sp, cp], ahead, eye: along(target, -distance, ahead) };
+  return { right, up, ahead, eye: along(target, -distance, ahead) };
 }
 
-/** Returns where `place` (m) is seen: x, y (CSS px of the view, y down) and depth (m; 0 or less: behind the camera). */
-export function project(camera: Camera, place: Vec3, width: number, height: number): Vec3 {
-  const { right, up, ahead, eye } = frame(camera);
-  const d = along(place, -1, eye);
-  const depth = dot(d, ahead);
-  const scale = (FOCAL * height) / depth;
-  return [width / 2 + scale * dot(d, right), height / 2 - scale * dot(d, up), depth];
-}
-
-/**
- * Returns the line of sight at x, y (CSS px of the view): from + t along, t > 0. `along` has a depth of 1, not a
- * length of 1.
- */
-export function ray(
-  camera: Camera,
-  x: number,
-  y: number,
-  width: number,
-  height: number,
-): { from: Vec3; along: Vec3 } {
-  const { right, up, ahead, eye } = frame(camera);
-  const scale = 1 / (FOCAL * height);
-  return {
-    from: eye,
-    along: along(along(ahead, (x - width / 2) * scale, right), (height / 2 - y) * scale, up),
-  };
-}
-
-/** Returns where the ray through `at` (px) meets the plane with this normal through `place`; null if it does not. */
-function meet(
-  camera: Camera,
-  at: [number, number],
-  size: [number, number],
-  place: Vec3,
-  normal: Vec3,
-): Vec3 | null {
-  const { from, along: way } = ray(camera, at[0], at[1], size[0], size[1]);
-  const t = dot(along(place, -1, from), normal) / dot(way, normal);
-  // No result beyond the horizon, or so near to it that a pixel is metres.
-  return t > 0 && t < 20 * camera.distance ? along(from, t, way) : null;
-}
+/** A place in a view, in CSS px from its upper left corner. */
+export type Spot = [number, number];
 
 /** Returns the unit vector along an axis, given by number. */
 const axisOf = (axis: number) => [0, 0, 0].with(axis, 1) as Vec3;
 
-/** Returns where the ray through `at` (px) meets the plane through `place` (m) normal to an axis; null if it does not. */
-export const meetPlane = (camera: Camera, at: [number, number], size: [number, number], place: Vec3, axis: number) => meet(camera, at, size, place, axisOf(axis));
+/** The view of a camera, of this size in CSS px. */
+export class Sight {
+  private readonly frame;
 
-/**
- * Returns the shift (m) of a drag from `from` to `to` (CSS px of the view) in the plane through `place` (m) normal to an axis,
- * null beyond the horizon. It is the difference of two rays, so that nothing jumps when a drag begins.
- */
-export function slide(
-  camera: Camera,
-  from: [number, number],
-  to: [number, number],
-  place: Vec3,
-  size: [number, number],
-  axis = 2,
-): Vec3 | null {
-  const a = meet(camera, from, size, place, axisOf(axis));
-  const b = meet(camera, to, size, place, axisOf(axis));
-  return a && b && along(b, -1, a);
-}
+  constructor(
+    readonly camera: Camera,
+    readonly size: Spot,
+  ) {
+    this.frame = frame(camera);
+  }
 
-/**
- * Returns the shift (m) along an axis for a drag of the object at `place` (m), in the plane along the axis that faces the
- * camera.
- */
-export function lift(
-  camera: Camera,
-  from: [number, number],
-  to: [number, number],
-  place: Vec3,
-  size: [number, number],
-  axis = 2,
-): number | null {
-  const { ahead } = frame(camera);
-  const normal = along(ahead, -ahead[axis], axisOf(axis));
-  const a = meet(camera, from, size, place, normal);
-  const b = meet(camera, to, size, place, normal);
-  return a && b && b[axis] - a[axis];
+  /** Returns where a place (m) is seen: x, y (CSS px, y down) and depth (m; 0 or less: behind the camera). */
+  project(place: Vec3): Vec3 {
+    const { right, up, ahead, eye } = this.frame;
+    const [width, height] = this.size;
+    const d = along(place, -1, eye);
+    const depth = dot(d, ahead);
+    const scale = (FOCAL * height) / depth;
+    return [width / 2 + scale * dot(d, right), height / 2 - scale * dot(d, up), depth];
+  }
+
+  /** Returns the line of sight at a spot: eye + t way, t > 0. `way` has a depth of 1, not a length of 1. */
+  ray([x, y]: Spot): { eye: Vec3; way: Vec3 } {
+    const { right, up, ahead, eye } = this.frame;
+    const [width, height] = this.size;
+    const scale = 1 / (FOCAL * height);
+    return { eye, way: along(along(ahead, (x - width / 2) * scale, right), (height / 2 - y) * scale, up) };
+  }
+
+  /** Returns where the plane through a place (m), normal to an axis or a vector, is seen at a spot; null if it is not. */
+  meet(spot: Spot, place: Vec3, axis: number | Vec3): Vec3 | null {
+    const normal = typeof axis === "number" ? axisOf(axis) : axis;
+    const { eye, way } = this.ray(spot);
+    const t = dot(along(place, -1, eye), normal) / dot(way, normal);
+    // No result beyond the horizon, or so near to it that a pixel is metres.
+    return t > 0 && t < 20 * this.camera.distance ? along(eye, t, way) : null;
+  }
+
+  /**
+   * Returns the shift (m) of a drag between two spots in the plane through a place (m), null beyond the horizon. It is the
+   * difference of two rays, so that nothing jumps when a drag begins.
+   */
+  slide(from: Spot, to: Spot, place: Vec3, axis: number | Vec3 = 2): Vec3 | null {
+    const [a, b] = [from, to].map((spot) => this.meet(spot, place, axis));
+    return a && b && along(b, -1, a);
+  }
+
+  /** Returns the shift (m) along an axis for a drag of a place (m), in the plane along the axis that faces the camera. */
+  lift(from: Spot, to: Spot, place: Vec3, axis = 2): number | null {
+    const { ahead } = this.frame;
+    return this.slide(from, to, place, along(ahead, -ahead[axis], axisOf(axis)))?.[axis] ?? null;
+  }
 }
 
 function extent(positions: Float32Array, axis: number): number {
   const values = positions.filter((_, i) => i % 3 === axis);
-  return (
-    values.reduce((a, b) => Math.max(a, b), -Infinity) - values.reduce((a, b) => Math.min(a, b), Infinity)
-  );
+  return values.reduce((a, b) => Math.max(a, b), -Infinity) - values.reduce((a, b) => Math.min(a, b), Infinity);
 }
 
 /**
  * Returns a camera that shows all transducers (N x 3, m) and points (m) in a view of this size (CSS px). `way` is its yaw and
  * pitch; without it they suit the slice normal to `axis`.
  */
-export function fit(positions: Float32Array, points: Vec3[], width: number, height: number, axis: Axis = "z", way?: [number, number]): Camera {
+export function fit(positions: Float32Array, points: Vec3[], [width, height]: Spot, axis: Axis = "z", way?: [number, number]): Camera {
   // The camera is so high that points at the same height appear apart, but not above a board that covers the points.
   const roofed = positions.some((z, i) => i % 3 === 2 && points.every((point) => point[2] < z));
   const [yaw, pitch] = way ?? [axis === "x" ? Math.PI / 2 - 0.5 : 0.5, axis !== "z" ? 0.3 : roofed ? 0.45 : 0.72];
@@ -139,13 +110,7 @@ export function fit(positions: Float32Array, points: Vec3[], width: number, heig
   const room = 0.1 * Math.max(...[0, 1].map((axis) => extent(positions, axis)), 0.1);
   for (let i = 0; i < positions.length; i += 3) {
     const [x, y, z] = positions.subarray(i, i + 3);
-    for (const [a, b] of [
-      [-room, -room],
-      [room, -room],
-      [-room, room],
-      [room, room],
-    ])
-      all.push([x + a, y + b, z]);
+    for (const a of [-room, room]) for (const b of [-room, room]) all.push([x + a, y + b, z]);
   }
   // A point q is in view if |c - e| <= slope (d + back). c and e are the coordinates of q and of the camera across the view, d
   // is q's depth, and `back` the camera's distance behind depth 0. The condition is linear in e and `back`.
@@ -167,10 +132,6 @@ export function fit(positions: Float32Array, points: Vec3[], width: number, heig
   };
   const depths = all.map((q) => dot(q, ahead));
   const middle = depths.reduce((sum, d) => sum + d, 0) / depths.length;
-  const target = along(
-    along(along([0, 0, 0], centre(right, wide), right), centre(up, high), up),
-    middle,
-    ahead,
-  );
+  const target = along(along(along([0, 0, 0], centre(right, wide), right), centre(up, high), up), middle, ahead);
   return { ...camera, target, distance: Math.max(back + middle, 0.05) };
 }

@@ -99,53 +99,6 @@ export interface Flight {
   places: Float64Array;
 }
 
-/** A scene in the WebAssembly module that can be solved, evaluated and played. */
-export interface Door {
-  catalogue(): Catalogue;
-  /** Opens the text of a scene file; returns warnings about probable mistakes, one line each. */
-  open(text: string, toml?: boolean, scalar?: boolean): string[];
-  /** Returns the scene as the command line writes it. */
-  save(toml: boolean): string;
-  /** Returns positions (N, 3) in m, then normals (N, 3). */
-  array(): Float64Array;
-  /**
-   * Moves the points (M of x, y, z in m), with new pressures in Pa or the old ones; the next solve starts from the
-   * last drive.
-   */
-  move(points: readonly (readonly number[])[], pressures?: readonly number[]): void;
-  solve(): Answer;
-  judge(): Metrics;
-  /** Sets the drive, and the factor that the supply voltage or modulation must apply. */
-  load(drive: ArrayLike<number>, scale?: number): void;
-  /** Reads the array of a CSV file. */
-  readArray(text: string, name: string): OwnArray;
-  /** Reads the drive (N of re, im) of a CSV file. */
-  readDrive(text: string, name: string): Float32Array;
-  /** Returns the drive as `midair solve -o drive.csv` writes it. */
-  writeDrive(): string;
-  /** Returns re and im of p at places (K, 3) in m. */
-  field(places: Float64Array): Float32Array;
-  /** Returns the field values at a place in m. */
-  probe(place: Vec3): Probe;
-  /** Returns at most this many points along the straight lines between the vertices of each contour; m. */
-  along(contours: Vec3[][], most: number): Vec3[];
-  bound(): number;
-  follow(points: Float64Array, frames: number): Frame[];
-  frame(index: number): Float32Array;
-  /**
-   * Predicts the touch of a skin at places (K, 3) in m, a square lattice, under the frames of `follow`, repeated for ever at
-   * `rate` frames per second.
-   */
-  skin(places: Float64Array, rate: number): Touch;
-  /** Returns the displacement of that skin in m at each place, at the start of a frame. */
-  moved(frame: number): Float64Array;
-  /** Simulates the bead in the trap of a point while the frames of `follow` repeat at `rate` frames/s. */
-  fly(point: number, rate: number): Flight;
-  encode(board: string): Uint8Array;
-  silence(board: string): Uint8Array;
-  free(): void;
-}
-
 type Call = (...numbers: number[]) => number;
 type Exports = { memory: WebAssembly.Memory } & Record<`studio_${string}`, Call>;
 
@@ -158,166 +111,217 @@ export async function compile(bytes: BufferSource): Promise<WebAssembly.Module> 
   }
 }
 
-/** Makes a binding of a compiled module, with a scene of its own. */
-export function openDoor(module: WebAssembly.Module): Door {
-  const wasm = new WebAssembly.Instance(module, {}).exports as unknown as Exports;
-  const studio = wasm.studio_new();
-  const encoder = new TextEncoder();
-  const decoder = new TextDecoder();
+/** The numbers of the results in the module. */
+const [TEXT, NUMBERS, DRIVE, PRESSURES, BYTES] = [0, 1, 2, 3, 4];
+
+/** A scene of its own in a compiled module, which can be solved, evaluated and played. */
+export class Door {
+  private readonly wasm: Exports;
+  private readonly studio: number;
+
+  constructor(module: WebAssembly.Module) {
+    this.wasm = new WebAssembly.Instance(module, {}).exports as unknown as Exports;
+    this.studio = this.wasm.studio_new();
+  }
+
+  catalogue(): Catalogue {
+    this.wasm.studio_catalogue(this.studio);
+    return read(this.lines());
+  }
+
+  /** Opens the text of a scene file; returns warnings about probable mistakes, one line each. */
+  open(text: string, toml = false, scalar = false): string[] {
+    this.giveText(text);
+    this.call("open", Number(toml), Number(scalar));
+    return this.lines();
+  }
+
+  /** Returns the scene as the command line writes it. */
+  save(toml: boolean): string {
+    this.call("save", Number(toml));
+    return this.text();
+  }
+
+  /** Returns positions (N, 3) in m, then normals (N, 3). */
+  array(): Float64Array {
+    this.call("array");
+    return this.numbers();
+  }
+
+  /**
+   * Moves the points (M of x, y, z in m), with new pressures in Pa or the old ones; the next solve starts from the
+   * last drive.
+   */
+  move(points: readonly (readonly number[])[], pressures: readonly number[] = []): void {
+    const odd = points.findIndex((point) => point.length !== 3);
+    if (odd >= 0) throw new Error(`points[${odd}] has ${points[odd].length} numbers: give x, y and z in m`);
+    this.giveNumbers([...points.flat(), ...pressures]);
+    this.call("move", points.length);
+  }
+
+  solve(): Answer {
+    this.call("solve");
+    const all = this.numbers();
+    const points = Array.from({ length: (all.length - 9) / 3 }, (_, j) => all.subarray(9 + 3 * j, 12 + 3 * j));
+    return {
+      metrics: metrics(all),
+      scale: all[6],
+      status: (["done", "out_of_steps", "stopped", "missed"] as const)[all[7]],
+      steps: all[8],
+      targets: points.map(([target]) => target),
+      pressures: points.map(([, re, im]) => [re, im]),
+      drive: this.drive(),
+      said: this.lines(),
+    };
+  }
+
+  judge(): Metrics {
+    this.call("judge");
+    return metrics(this.numbers());
+  }
+
+  /** Sets the drive, and the factor that the supply voltage or modulation must apply. */
+  load(drive: ArrayLike<number>, scale = 1): void {
+    this.giveNumbers(drive);
+    this.call("load", scale);
+  }
+
+  /** Reads the array of a CSV file. */
+  readArray(text: string, name: string): OwnArray {
+    this.giveFile(text, name);
+    this.call("read_array");
+    const rows = places(this.numbers());
+    const count = rows.length / 2;
+    if (count > MOST_TRANSDUCERS) throw new Error(`${name}: ${count} rows: give at most ${MOST_TRANSDUCERS}`);
+    return { name, positions: rows.slice(0, count), normals: rows.slice(count) };
+  }
+
+  /** Reads the drive (N of re, im) of a CSV file. */
+  readDrive(text: string, name: string): Float32Array {
+    this.giveFile(text, name);
+    this.call("read_drive");
+    return this.drive();
+  }
+
+  /** Returns the drive as `midair solve -o drive.csv` writes it. */
+  writeDrive(): string {
+    this.call("write_drive");
+    return this.text();
+  }
+
+  /** Returns re and im of p at places (K, 3) in m. */
+  field(places: Float64Array): Float32Array {
+    this.giveNumbers(places);
+    this.call("field");
+    return new Float32Array(...this.result(PRESSURES, 2)).slice();
+  }
+
+  /** Returns the field values at a place in m. */
+  probe(place: Vec3): Probe {
+    this.giveNumbers(place);
+    this.call("probe");
+    const [re, im, level, radiation] = this.numbers();
+    return { pressure: [re, im], level, radiation };
+  }
+
+  /** Returns at most this many points along the straight lines between the vertices of each contour; m. */
+  along(contours: Vec3[][], most: number): Vec3[] {
+    this.giveNumbers(contours.flatMap((contour) => [contour.length, ...contour.flat()]));
+    this.call("along", most);
+    return places(this.numbers());
+  }
+
+  bound(): number {
+    this.call("bound");
+    return this.numbers()[0];
+  }
+
+  follow(points: Float64Array, frames: number): Frame[] {
+    this.giveNumbers(points);
+    this.call("follow", frames);
+    const all = this.numbers();
+    return Array.from({ length: frames }, (_, t) => {
+      const [change, least, most] = all.subarray(3 * t);
+      return { change, least, most };
+    });
+  }
+
+  frame(index: number): Float32Array {
+    this.call("frame", index);
+    return this.drive();
+  }
+
+  /**
+   * Predicts the touch of a skin at places (K, 3) in m, a square lattice, under the frames of `follow`, repeated for ever at
+   * `rate` frames per second.
+   */
+  skin(places: Float64Array, rate: number): Touch {
+    this.giveNumbers(places);
+    this.call("skin", rate);
+    const all = this.numbers();
+    return { width: all[0], peak: all[1], strengths: all.slice(2) };
+  }
+
+  /** Returns the displacement of that skin in m at each place, at the start of a frame. */
+  moved(frame: number): Float64Array {
+    this.call("moved", frame);
+    return this.numbers();
+  }
+
+  /** Simulates the bead in the trap of a point while the frames of `follow` repeat at `rate` frames/s. */
+  fly(point: number, rate: number): Flight {
+    this.call("fly", point, rate);
+    const all = this.numbers();
+    return { lost: all[0], farthest: all[1], places: all.slice(2) };
+  }
+
+  encode(board: string): Uint8Array {
+    this.giveText(board);
+    this.call("encode");
+    return this.bytes();
+  }
+
+  silence(board: string): Uint8Array {
+    this.giveText(board);
+    this.call("silence");
+    return this.bytes();
+  }
+
+  free(): void {
+    this.wasm.studio_free(this.studio);
+  }
+
+  private call(job: string, ...given: number[]): void {
+    if (this.wasm[`studio_${job}`](this.studio, ...given)) throw new Error(this.text());
+  }
 
   // A call can grow the memory, which detaches old views; so each view is made after the call.
-  const text = () =>
-    decoder.decode(new Uint8Array(wasm.memory.buffer, wasm.studio_text(studio), wasm.studio_text_size(studio)));
-  const numbers = () =>
-    new Float64Array(wasm.memory.buffer, wasm.studio_numbers(studio), wasm.studio_numbers_count(studio)).slice();
-  const bytes = () =>
-    new Uint8Array(wasm.memory.buffer, wasm.studio_bytes(studio), wasm.studio_bytes_size(studio)).slice();
-  const drive = () =>
-    new Float32Array(wasm.memory.buffer, wasm.studio_drive(studio), 2 * wasm.studio_drive_count(studio)).slice();
-  const giveText = (given: string) => {
-    const encoded = encoder.encode(given);
-    const place = wasm.studio_text_in(studio, encoded.length);
-    new Uint8Array(wasm.memory.buffer, place, encoded.length).set(encoded);
-  };
-  const giveFile = (given: string, name: string) => giveText(`${name.replace(/\s+/g, " ")}\n${given}`);
-  const giveNumbers = (given: ArrayLike<number>) => {
-    const place = wasm.studio_numbers_in(studio, given.length);
-    new Float64Array(wasm.memory.buffer, place, given.length).set(given);
-  };
-  const lines = () => text().split("\n").filter(Boolean);
-  const done = (refused: number) => {
-    if (refused) throw new Error(text());
-  };
+  /** Returns the memory, and where a result is in it: its address, and how many numbers it has, so many in each entry. */
+  private result(kind: number, each = 1): [ArrayBuffer, number, number] {
+    const { memory, studio_result, studio_count } = this.wasm;
+    return [memory.buffer, studio_result(this.studio, kind), each * studio_count(this.studio, kind)];
+  }
 
-  return {
-    catalogue() {
-      wasm.studio_catalogue(studio);
-      return read(lines());
-    },
-    open(given, toml = false, scalar = false) {
-      giveText(given);
-      done(wasm.studio_open(studio, Number(toml), Number(scalar)));
-      return lines();
-    },
-    save(toml) {
-      done(wasm.studio_save(studio, Number(toml)));
-      return text();
-    },
-    array() {
-      done(wasm.studio_array(studio));
-      return numbers();
-    },
-    solve() {
-      done(wasm.studio_solve(studio));
-      const found = numbers();
-      const points = (found.length - 9) / 3;
-      const at = (j: number, k: number) => found[9 + 3 * j + k];
-      return {
-        metrics: metrics(found),
-        scale: found[6],
-        status: (["done", "out_of_steps", "stopped", "missed"] as const)[found[7]],
-        steps: found[8],
-        targets: Array.from({ length: points }, (_, j) => at(j, 0)),
-        pressures: Array.from({ length: points }, (_, j) => [at(j, 1), at(j, 2)]),
-        drive: drive(),
-        said: lines(),
-      };
-    },
-    move(points, pressures = []) {
-      const odd = points.findIndex((point) => point.length !== 3);
-      if (odd >= 0) throw new Error(`points[${odd}] has ${points[odd].length} numbers: give x, y and z in m`);
-      giveNumbers([...points.flat(), ...pressures]);
-      done(wasm.studio_move(studio, points.length));
-    },
-    judge() {
-      done(wasm.studio_judge(studio));
-      return metrics(numbers());
-    },
-    load(given, scale = 1) {
-      giveNumbers(given);
-      done(wasm.studio_load(studio, scale));
-    },
-    readArray(given, name) {
-      giveFile(given, name);
-      done(wasm.studio_read_array(studio));
-      const rows = places(numbers());
-      const count = rows.length / 2;
-      if (count > MOST_TRANSDUCERS) throw new Error(`${name}: ${count} rows: give at most ${MOST_TRANSDUCERS}`);
-      return { name, positions: rows.slice(0, count), normals: rows.slice(count) };
-    },
-    readDrive(given, name) {
-      giveFile(given, name);
-      done(wasm.studio_read_drive(studio));
-      return drive();
-    },
-    writeDrive() {
-      done(wasm.studio_write_drive(studio));
-      return text();
-    },
-    field(places) {
-      giveNumbers(places);
-      done(wasm.studio_field(studio));
-      const count = Math.floor(places.length / 3);
-      return new Float32Array(wasm.memory.buffer, wasm.studio_pressures(studio), 2 * count).slice();
-    },
-    probe(place) {
-      giveNumbers(place);
-      done(wasm.studio_probe(studio));
-      const [re, im, level, radiation] = numbers();
-      return { pressure: [re, im], level, radiation };
-    },
-    along(contours, most) {
-      giveNumbers(contours.flatMap((contour) => [contour.length, ...contour.flat()]));
-      done(wasm.studio_along(studio, most));
-      return places(numbers());
-    },
-    bound() {
-      done(wasm.studio_bound(studio));
-      return numbers()[0];
-    },
-    follow(points, frames) {
-      giveNumbers(points);
-      done(wasm.studio_follow(studio, frames));
-      const found = numbers();
-      return Array.from({ length: frames }, (_, t) => ({
-        change: found[3 * t],
-        least: found[3 * t + 1],
-        most: found[3 * t + 2],
-      }));
-    },
-    frame(index) {
-      done(wasm.studio_frame(studio, index));
-      return drive();
-    },
-    skin(places, rate) {
-      giveNumbers(places);
-      done(wasm.studio_skin(studio, rate));
-      const found = numbers();
-      return { width: found[0], peak: found[1], strengths: found.subarray(2) };
-    },
-    moved(frame) {
-      done(wasm.studio_moved(studio, frame));
-      return numbers();
-    },
-    fly(point, rate) {
-      done(wasm.studio_fly(studio, point, rate));
-      const found = numbers();
-      return { lost: found[0], farthest: found[1], places: found.slice(2) };
-    },
-    encode(board) {
-      giveText(board);
-      done(wasm.studio_encode(studio));
-      return bytes();
-    },
-    silence(board) {
-      giveText(board);
-      done(wasm.studio_silence(studio));
-      return bytes();
-    },
-    free() {
-      wasm.studio_free(studio);
-    },
-  };
+  private text = () => new TextDecoder().decode(new Uint8Array(...this.result(TEXT)));
+  private lines = () => this.text().split("\n").filter(Boolean);
+  private numbers = () => new Float64Array(...this.result(NUMBERS)).slice();
+  private bytes = () => new Uint8Array(...this.result(BYTES)).slice();
+  private drive = () => new Float32Array(...this.result(DRIVE, 2)).slice();
+
+  private giveText(text: string): void {
+    const encoded = new TextEncoder().encode(text);
+    const address = this.wasm.studio_text_in(this.studio, encoded.length);
+    new Uint8Array(this.wasm.memory.buffer, address, encoded.length).set(encoded);
+  }
+
+  private giveFile(text: string, name: string): void {
+    this.giveText(`${name.replace(/\s+/g, " ")}\n${text}`);
+  }
+
+  private giveNumbers(numbers: ArrayLike<number>): void {
+    const address = this.wasm.studio_numbers_in(this.studio, numbers.length);
+    new Float64Array(this.wasm.memory.buffer, address, numbers.length).set(numbers);
+  }
 }
 
 /** Returns places as [x, y, z] from K x 3 numbers. */

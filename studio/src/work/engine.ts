@@ -1,5 +1,7 @@
 /** The engine: three workers. One for each slot solves and computes its slice; the third does slow work. */
 
+import { initial } from "../state/initial.ts";
+import { sceneOf } from "../state/scene_file.ts";
 import type { Catalogue } from "./door.ts";
 import type { Jobs } from "./solve.worker.ts";
 
@@ -40,12 +42,15 @@ function hand(worker: Worker): Hand {
   return new Proxy({} as Hand, { get: (_, job: string) => (...given: unknown[]) => ask(job, given) });
 }
 
-/** Starts the workers with the bytes of the WebAssembly module. `warm` is the text of a small scene that is solved first. */
-export async function startEngine(makeWorker: () => Worker, wasm: BufferSource, warm: string): Promise<Engine> {
+/** A small scene that each worker solves first, because the first solve is slow. */
+const WARM = JSON.stringify(sceneOf({ ...initial, array: { preset: "paper20", tiles: [1, 1] }, points: [[0, 0, 0.15]] }, 0));
+
+/** Starts the workers with the bytes of the WebAssembly module. */
+export async function startEngine(makeWorker: () => Worker, wasm: BufferSource): Promise<Engine> {
   const workers = [makeWorker(), makeWorker(), makeWorker()];
   const [first, second, slow] = workers.map(hand);
-  const { catalogue, module } = await first.setup(wasm, warm);
-  for (const other of [second, slow]) other.setup(module, warm).catch(() => undefined);
+  const { catalogue, module } = await first.setup(wasm, WARM);
+  for (const other of [second, slow]) other.setup(module, WARM).catch(() => undefined);
   return {
     catalogue,
     slots: [first, second],

@@ -1,6 +1,6 @@
 /** The worker: WebAssembly scenes, and the jobs that the page requests. */
 
-import { compile, openDoor, type Answer, type Door, type Probe } from "./door.ts";
+import { type Answer, compile, Door } from "./door.ts";
 import type { SceneFile } from "../state/scene_file.ts";
 import type { Lattice, Vec3, Volume } from "../state/types.ts";
 
@@ -47,22 +47,24 @@ function open(scene: string): string[] {
   return warnings;
 }
 
-function openBeside(scene: string): void {
+/** Returns the second scene, opened from a text unless it has this text open, with the drive if there is one. */
+function aside(scene: string, played?: { drive: Float32Array; scale?: number }): Door {
   if (other !== scene) beside.open(scene);
   other = scene;
+  if (played) beside.load(played.drive, played.scale);
+  return beside;
 }
 
 /** Returns the outcome of a solution: its slices, and |p| at the ear; 0 if the scene shows no ear. */
-function looked(by: Door, answer: Answer, warnings: string[], grids: Grid[], ear: Vec3 | null): Outcome {
-  const [re, im] = ear ? by.field(Float64Array.from(ear)) : [0, 0];
-  const lattices = grids.map((grid) => ({ ...grid, values: by.field(places(grid)) }));
+function looked(shown: Door, answer: Answer, warnings: string[], grids: Grid[], ear: Vec3 | null): Outcome {
+  const [re, im] = ear ? shown.field(Float64Array.from(ear)) : [0, 0];
+  const lattices = grids.map((grid) => ({ ...grid, values: shown.field(places(grid)) }));
   return { answer, warnings, lattices, atEar: Math.hypot(re, im) };
 }
 
 /** Returns the outcome of a drive that was computed elsewhere. */
 function judged(scene: string, drive: Float32Array, grids: Grid[], ear: Vec3 | null): Outcome {
-  openBeside(scene);
-  beside.load(drive);
+  aside(scene, { drive });
   const points = JSON.parse(scene).points as { position: Vec3; pressure?: number }[];
   const field = beside.field(Float64Array.from(points.flatMap(({ position }) => position)));
   const pressures = points.map((_, k): [number, number] => [field[2 * k], field[2 * k + 1]]);
@@ -75,7 +77,7 @@ const jobs = {
   /** Compiles the module, unless it is given compiled, and solves a small scene, because the first solve is slow. */
   async setup(source: BufferSource | WebAssembly.Module, warm: string) {
     const module = source instanceof WebAssembly.Module ? source : await compile(source);
-    [door, beside, mover] = [openDoor(module), openDoor(module), openDoor(module)];
+    [door, beside, mover] = [new Door(module), new Door(module), new Door(module)];
     open(warm);
     door.solve();
     return { catalogue: door.catalogue(), module };
@@ -83,18 +85,16 @@ const jobs = {
   /** Solves a scene and computes its slices and |p| at the ear. With `passing`, the shown scene stays open. */
   update(scene: string, grids: Grid[], ear: Vec3 | null, passing = false): Outcome {
     try {
-      if (passing) openBeside(scene);
       const warnings = passing ? [] : open(scene);
-      const by = passing ? beside : door;
-      return looked(by, by.solve(), warnings, grids, ear);
+      const shown = passing ? aside(scene) : door;
+      return looked(shown, shown.solve(), warnings, grids, ear);
     } catch (error) {
       return { refused: (error as Error).message };
     }
   },
   /** Returns the time of a solve in ms: the median of five after a first one, of fewer if they take more than a second. */
   time(scene: string): number {
-    openBeside(scene);
-    beside.solve();
+    aside(scene).solve();
     const times: number[] = [];
     const first = performance.now();
     do {
@@ -110,48 +110,34 @@ const jobs = {
   },
   array: () => door.array(),
   /** Returns the array of another scene. */
-  arrayOf(scene: string): Float64Array {
-    openBeside(scene);
-    return beside.array();
-  },
+  arrayOf: (scene: string) => aside(scene).array(),
   along: (contours: Vec3[][], most: number) => door.along(contours, most),
   field: (at: Float64Array) => door.field(at),
   save: (toml: boolean) => door.save(toml),
   /** Returns the bytes with which a board plays a drive. */
-  encode(scene: string, drive: Float32Array, board: string): Uint8Array {
-    openBeside(scene);
-    beside.load(drive);
-    return beside.encode(board);
-  },
+  encode: (scene: string, drive: Float32Array, board: string) => aside(scene, { drive }).encode(board),
   /** Returns the bytes that turn a board off. */
-  silence(scene: string, board: string): Uint8Array {
-    openBeside(scene);
-    return beside.silence(board);
-  },
+  silence: (scene: string, board: string) => aside(scene).silence(board),
   readArray: (text: string, name: string) => beside.readArray(text, name),
   readDrive: (text: string, name: string) => beside.readDrive(text, name),
   /** Returns the CSV of a drive for a scene. */
-  writeDrive(scene: string, drive: Float32Array): string {
-    openBeside(scene);
-    beside.load(drive);
-    return beside.writeDrive();
-  },
+  writeDrive: (scene: string, drive: Float32Array) => aside(scene, { drive }).writeDrive(),
   /** Returns a scene file as JSON; of its array, without the parts that all such arrays have. */
   read(text: string, toml: boolean): SceneFile {
-    const saved = (text: string, toml = false) => (beside.open(text, toml), JSON.parse(beside.save(false)) as SceneFile);
+    beside.open(text, toml);
     other = "";
-    const scene = saved(text, toml);
+    const scene: SceneFile = JSON.parse(beside.save(false));
     const { preset, tiles, grid, positions, normals } = scene.array;
     const place = { preset, tiles, grid, positions, normals };
-    const usual = saved(JSON.stringify({ array: place, points: scene.points })).array;
-    for (const [key, value] of Object.entries(usual)) if (!(key in place) && JSON.stringify(value) === JSON.stringify(scene.array[key])) delete scene.array[key];
+    beside.open(JSON.stringify({ array: place, points: scene.points }));
+    const usual: SceneFile = JSON.parse(beside.save(false));
+    for (const [key, value] of Object.entries(usual.array)) {
+      if (!(key in place) && JSON.stringify(value) === JSON.stringify(scene.array[key])) delete scene.array[key];
+    }
     return scene;
   },
   /** Returns the bound on the level of a scene. */
-  bound(scene: string): number {
-    openBeside(scene);
-    return beside.bound();
-  },
+  bound: (scene: string) => aside(scene).bound(),
   /** Returns |p| of a solution in one horizontal layer of a box. */
   layer(scene: string, { drive, scale }: Played, box: Omit<Volume, "moduli">, layer: number): Float32Array {
     if (text !== scene) open(scene);
@@ -169,11 +155,7 @@ const jobs = {
     return Float32Array.from({ length: values.length / 2 }, (_, k) => Math.hypot(values[2 * k], values[2 * k + 1]));
   },
   /** Returns the field values of a solution at a place. */
-  probe(scene: string, { drive, scale }: Played, place: Vec3): Probe {
-    openBeside(scene);
-    beside.load(drive, scale);
-    return beside.probe(place);
-  },
+  probe: (scene: string, played: Played, place: Vec3) => aside(scene, played).probe(place),
   judged,
   /** Solves frames of points (T, M, 3) one after the other, and returns their metrics. */
   follow(scene: string, points: Float64Array, frames: number) {
