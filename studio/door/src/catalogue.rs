@@ -1,27 +1,29 @@
-//! Catalogue: the core's version, presets, solvers and boards, as text.
-
-use std::fmt::Write;
+//! Catalogue: the core's version, presets, solvers and boards, as JSON.
 
 use midair::solvers::SOLVERS;
 use midair::{Board, presets::PRESETS};
+use serde_json::{Value, json};
 
-/// Returns version, presets, solvers and boards: one line each, with tabs between the entries.
-pub(crate) fn catalogue() -> String {
-    let mut text = format!("version\t{}\n", env!("CARGO_PKG_VERSION"));
-    for preset in PRESETS {
-        let (tiles, board) = (u8::from(preset.tiles), preset.board.unwrap_or_default());
-        let _ = writeln!(text, "preset\t{}\t{}\t{}\t{tiles}\t{board}", preset.name, preset.summary, preset.count);
-    }
-    for entry in SOLVERS {
-        let aims = u8::from(entry.info.uses_aim);
-        let _ = writeln!(text, "solver\t{}\t{}\t{aims}", entry.info.name, entry.info.summary);
-    }
-    for name in Board::names() {
-        if let Ok(board) = Board::new(name, 1) {
+/// Returns version, presets, solvers and boards, with the names of `Catalogue` in studio/src/work/door.ts.
+pub(crate) fn catalogue() -> Value {
+    let presets = PRESETS.iter().map(|preset| {
+        let board = preset.board.unwrap_or_default();
+        json!({ "name": preset.name, "summary": preset.summary, "count": preset.count, "tiles": preset.tiles, "board": board })
+    });
+    let solvers = SOLVERS.iter().map(|entry| {
+        let info = &entry.info;
+        json!({ "name": info.name, "summary": info.summary, "aims": info.uses_aim })
+    });
+    let boards =
+        Board::names().filter_map(|name| Board::new(name, 1).ok().map(|board| (name, board))).map(|(name, board)| {
+            let (baud, restarts) = (board.baud().unwrap_or_default(), board.link().restarts());
             let (summary, channels) = (board.summary(), board.channel_count());
-            let (baud, restarts) = (board.baud().unwrap_or_default(), u8::from(board.link().restarts()));
-            let _ = writeln!(text, "board\t{name}\t{summary}\t{channels}\t{baud}\t{restarts}");
-        }
-    }
-    text
+            json!({ "name": name, "summary": summary, "channels": channels, "baud": baud, "restarts": restarts })
+        });
+    json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "presets": presets.collect::<Value>(),
+        "solvers": solvers.collect::<Value>(),
+        "boards": boards.collect::<Value>(),
+    })
 }

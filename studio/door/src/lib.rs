@@ -56,10 +56,10 @@ pub extern "C" fn studio_count(studio: &Studio, kind: u32) -> usize {
     studio.result(kind).1
 }
 
-/// Writes version, presets, solvers and boards to the text: one line each, with tabs between the entries.
+/// Writes version, presets, solvers and boards to the text, as JSON.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_catalogue(studio: &mut Studio) {
-    studio.text = catalogue::catalogue();
+    studio.text = catalogue::catalogue().to_string();
 }
 
 /// Declares functions that call a method of a [`Studio`]. They return 0 if it succeeds, else 1.

@@ -1,27 +1,9 @@
 /** Announcements: tells users of screen readers about changes. */
 
 import { type Context, millimetres } from "./context.ts";
-import { write } from "./dom.ts";
 import { middleOf, SIDES } from "../state/plane.ts";
 import type { State } from "../state/types.ts";
 import type { Word } from "./words.ts";
-
-/** Changes within this time, in ms, are announced together. */
-const GATHER = 250;
-
-/** Returns a function that announces texts in a live region (ARIA). */
-export function announcer(region: HTMLElement): (text: string) => void {
-  let texts: string[] = [];
-  let timer = 0;
-  return (text) => {
-    if (!texts.includes(text)) texts.push(text);
-    clearTimeout(timer);
-    timer = window.setTimeout(() => {
-      write(region, texts.join(". "));
-      texts = [];
-    }, GATHER);
-  };
-}
 
 /** For each part of the state, the word and the value that are announced when it changes. */
 const SAID: { [Key in keyof State]?: [Word, (state: State) => string] } = {

@@ -6,7 +6,7 @@ import { choice, draggable, element, explained, resize, write } from "./dom.ts";
 import { MOST_POINTS } from "../state/initial.ts";
 import { createInstrument } from "./instrument.ts";
 import { numberRows, percent, pressure, type Row, sentenceOf, weakest } from "./numbers.ts";
-import { entry, mapOf, type Tick, ticks } from "../painter/maps.ts";
+import { drawPixels, entry, type MapName, mapOf, type Tick, ticks } from "../painter/maps.ts";
 import { onPlane, placeOn } from "../state/plane.ts";
 import { added, moved } from "../state/points.ts";
 import { MANY } from "./stage.ts";
@@ -15,22 +15,12 @@ import { touchOf } from "../work/touch.ts";
 import type { Look, Slot, Vec3 } from "../state/types.ts";
 
 /** The page's elements for the comparison. */
-export interface Compare {
-  /** Both methods above one slice. A movable line (the wiper) divides it: A's field to its left, B's to its right. */
-  root: HTMLElement;
-  /** The element over which the painter paints the slice. */
-  slice: HTMLElement;
-  /** The part of the slice's width that shows A, 0 to 1. */
-  share(): number;
-  /** The table of metrics, and the warnings. */
-  numbers: HTMLElement[];
-  update(look: Look): void;
-}
+export type Compare = ReturnType<typeof createCompare>;
 
 const SLOTS: Slot[] = [0, 1];
 
 /** Makes the elements of the comparison. */
-export function createCompare(context: Context): Compare {
+export function createCompare(context: Context) {
   const { studio, say, plain, engine } = context;
   const state = () => studio.view.state;
   const solvers = engine.catalogue.solvers.map(({ name }) => [name, name] as const);
@@ -118,7 +108,7 @@ export function createCompare(context: Context): Compare {
     warnings.replaceChildren(...(lines.length ? [element("li", {}, `${say("notes")}:`)] : []), ...items);
   });
 
-  const writeBar = changes((map: ReturnType<typeof mapOf>) => paint(bar, map));
+  const writeBar = changes((map: MapName) => drawPixels(bar, (_, up) => entry(map, up)));
   const writeTicks = changes((text: string) => {
     const spans = (JSON.parse(text) as Tick[]).map(({ at, label }) => {
       const tick = element("span", {}, label);
@@ -129,11 +119,15 @@ export function createCompare(context: Context): Compare {
   });
 
   return {
+    /** Both methods above one slice. A movable line (the wiper) divides it: A's field to its left, B's to its right. */
     root,
+    /** The element over which the painter paints the slice. */
     slice: picture,
+    /** Returns the part of the slice's width that shows A, 0 to 1. */
     share: () => +wiper.value,
+    /** The table of metrics, and the warnings. */
     numbers: [table, warnings],
-    update(look) {
+    update(look: Look) {
       const { frame } = studio.view;
       const results = shownOf(studio.view);
       for (const slot of SLOTS) {
@@ -158,14 +152,3 @@ export function createCompare(context: Context): Compare {
     },
   };
 }
-
-/** Paints the colour bar: the colour map from bottom to top. */
-function paint(bar: HTMLCanvasElement, map: ReturnType<typeof mapOf>) {
-  const context = bar.getContext("2d")!;
-  const image = context.createImageData(1, 256);
-  for (let k = 0; k < 256; k += 1) {
-    image.data.set([...entry(map, 1 - k / 255), 255], 4 * k);
-  }
-  context.putImageData(image, 0, 0);
-}
-

@@ -1,31 +1,66 @@
-/** Context: the objects and functions that every part of the page uses. */
+/** Context: the objects and functions that every part of the page uses, and the lines that it reports. */
 
-import type { Engine } from "../work/engine.ts";
 import type { ServedBoard } from "../boards/served.ts";
+import type { Theme } from "../state/types.ts";
+import type { Engine } from "../work/engine.ts";
 import type { Studio } from "../work/studio.ts";
+import { element, write } from "./dom.ts";
+import { plain, report } from "./refusals.ts";
 import type { Language, Word } from "./words.ts";
 
+/** Announcements within this time, in ms, are made together. */
+const GATHER = 250;
+
 /** The context that all parts of the page share. */
-export interface Context {
-  engine: Engine;
-  studio: Studio;
-  language: Language;
-  theme: "dark" | "light";
-  /** The board of `midair studio --on`, if there is one. */
-  board: ServedBoard | null;
-  say(word: Word, put?: Record<string, string | number>): string;
+export class Context {
+  /** The places of faults, and of announcements (an ARIA live region). */
+  readonly alert = element("div", { className: "alert", role: "alert" });
+  readonly status = element("div", { className: "hidden", role: "status", "aria-live": "polite" });
+  private readonly endings: (() => void)[] = [];
+  private announced: string[] = [];
+  private timer = 0;
+
+  /** `board` is that of `midair studio --on`, if there is one; `repaint` requests a new picture. */
+  constructor(
+    readonly engine: Engine,
+    readonly studio: Studio,
+    readonly language: Language,
+    readonly theme: Theme,
+    readonly board: ServedBoard | null,
+    readonly repaint: () => void,
+  ) {}
+
+  readonly say = (word: Word, put?: Record<string, string | number>) => report(this.language, word, put);
+
   /** Returns a message of the core in the words and the language of the page. */
-  plain(line: string): string;
+  readonly plain = (line: string) => plain(this.language, line);
+
   /** Announces a text to users of screen readers. */
-  announce(text: string): void;
-  /** Shows one line about a fault. */
-  alarm(text: string): void;
-  /** Requests a new picture. */
-  repaint(): void;
+  readonly announce = (text: string): void => {
+    if (!this.announced.includes(text)) this.announced.push(text);
+    clearTimeout(this.timer);
+    this.timer = window.setTimeout(() => {
+      write(this.status, this.announced.join(". "));
+      this.announced = [];
+    }, GATHER);
+  };
+
+  /** Shows one line about a fault; "" removes it. */
+  readonly alarm = (text: string): void => {
+    const close = element("button", { className: "plain", "aria-label": this.say("close"), onclick: () => this.alert.replaceChildren() }, "×");
+    this.alert.replaceChildren(...(text ? [element("span", {}, text), close] : []));
+  };
+
   /** Calls `listener` at each change, until the page ends. */
-  listen(listener: () => void): void;
+  readonly listen = (listener: () => void) => this.ending(this.studio.listen(listener));
+
   /** Calls `act` when the page ends. */
-  ending(act: () => void): void;
+  readonly ending = (act: () => void) => void this.endings.push(act);
+
+  /** Ends the page. */
+  end(): void {
+    this.endings.forEach((act) => act());
+  }
 }
 
 /** Formats a length in m as millimetres, with at most two decimals. */

@@ -1,6 +1,7 @@
 /** Exchange: opens and saves scenes, drives, arrays and drawings as files. */
 
 import type { Context } from "./context.ts";
+import { element } from "./dom.ts";
 import { drawing } from "../making/drawing.ts";
 import { MOST_POINTS } from "../state/initial.ts";
 import { gridOf, wavelength } from "../work/lattices.ts";
@@ -58,9 +59,7 @@ async function compareDrive({ studio, engine }: Context, drive: Float32Array, na
 
 /** Downloads a file to the user. */
 export function save(name: string, content: BlobPart, type: string): void {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([content], { type }));
-  link.download = name;
+  const link = element("a", { href: URL.createObjectURL(new Blob([content], { type })), download: name });
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
@@ -88,8 +87,7 @@ export async function exportFigure(svg: string, ending: "png" | "svg"): Promise<
   drawn.src = `data:image/svg+xml,${encodeURIComponent(svg)}`;
   await drawn.decode();
   const { width, height } = drawn;
-  const canvas = document.createElement("canvas");
-  [canvas.width, canvas.height] = [2 * width, 2 * height];
+  const canvas = element("canvas", { width: 2 * width, height: 2 * height });
   canvas.getContext("2d")!.drawImage(drawn, 0, 0, canvas.width, canvas.height);
   canvas.toBlob((blob) => blob && save("field.png", blob, "image/png"));
 }

@@ -5,20 +5,6 @@ import { placeOn, planesOf } from "../state/plane.ts";
 import type { Studio } from "../work/studio.ts";
 import type { State, Vec3 } from "../state/types.ts";
 
-/** A camera that stays when the page is rebuilt in another theme or language. */
-export interface Eye {
-  /** Returns the camera for a view of this size in CSS px. */
-  camera(size: Spot): Camera;
-  /** Turns the view by a pointer's movement in px. */
-  turn(dx: number, dy: number): void;
-  /** Moves the camera nearer (factor below 1) or further away. */
-  zoom(factor: number): void;
-  /** Shifts the view by a pointer's movement in px. */
-  pan(dx: number, dy: number): void;
-  /** Looks from above, along the slice's normal, or from where the camera was at the start. */
-  look(from: "fromAbove" | "fromAhead" | "asFirst"): void;
-}
-
 /** Rotation per pixel, in rad. */
 const TURN = 0.008;
 
@@ -36,63 +22,85 @@ const LOOSE = 1.5;
 
 const within = (value: number, [least, most]: number[]) => Math.min(Math.max(value, least), most);
 
-/** Makes the camera of a studio. */
-export function createEye({ view }: Studio): Eye {
-  let camera: Camera = { target: [0, 0, 0], yaw: 0, pitch: 0, distance: 1 };
-  let last: Spot = [1, 1];
+/** A camera that stays when the page is rebuilt in another theme or language. */
+export class Eye {
+  private now: Camera = { target: [0, 0, 0], yaw: 0, pitch: 0, distance: 1 };
+  private last: Spot = [1, 1];
   /** The array and the view's size at the last fit; the size counts only until a user turns the view. */
-  let fitted = "";
-  let turned = false;
+  private fitted = "";
+  private turned = false;
   /** The state at the last check whether everything is in sight. */
-  let seen: State;
-  const key = (size: number[]) => JSON.stringify([view.state.array, view.array.length, turned ? [] : [size, view.state.plane.axis]]);
+  private seen: State | null = null;
 
-  function corners(): Vec3[] {
-    return planesOf(view.state).flatMap((plane) => [0, 1].flatMap((a) => [0, 1].map((b) => placeOn(plane, a, b))));
+  constructor(private readonly studio: Studio) {}
+
+  /** Returns the camera for a view of this size in CSS px. */
+  camera(size: Spot): Camera {
+    const { state, moving } = this.studio.view;
+    const fresh = this.fitted !== this.key(size);
+    if (fresh || (state !== this.seen && !this.turned && !moving)) {
+      const best = this.fit(size);
+      // Fits again only if a part is out of sight or everything appears too small, so that the view does not jump.
+      const sight = new Sight(this.now, size);
+      const cut = this.all().some((place) => {
+        const at = sight.project(place);
+        return size.some((side, k) => Math.abs(2 * at[k] - side) > side);
+      });
+      if (fresh || cut || this.now.distance > LOOSE * best.distance) this.now = best;
+      if (fresh) this.turned = false;
+      this.fitted = this.key(size);
+      this.seen = state;
+    }
+    this.last = size;
+    return this.now;
   }
 
-  /** The corners of everything to be shown: points with the glow above them, and slices. */
-  const all = () => [...view.state.points.map(([x, y, z]): Vec3 => [x, y, z + GLOW]), ...corners()];
-
-  function hold(changes: Partial<Camera>) {
-    camera = { ...camera, ...changes };
-    turned = true;
-    fitted = key([]);
+  /** Turns the view by a pointer's movement in px. */
+  turn(dx: number, dy: number): void {
+    this.hold({ yaw: this.now.yaw - TURN * dx, pitch: within(this.now.pitch + TURN * dy, PITCH) });
   }
 
-  return {
-    camera(size) {
-      const { state } = view;
-      const fresh = fitted !== key(size);
-      if (fresh || (state !== seen && !turned && !view.moving)) {
-        const best = fit(view.positions, all(), size, state.plane.axis);
-        // Fits again only if a part is out of sight or everything appears too small, so that the view does not jump.
-        const sight = new Sight(camera, size);
-        const cut = all().some((place) => {
-          const at = sight.project(place);
-          return size.some((side, k) => Math.abs(2 * at[k] - side) > side);
-        });
-        if (fresh || cut || camera.distance > LOOSE * best.distance) camera = best;
-        if (fresh) turned = false;
-        fitted = key(size);
-        seen = state;
-      }
-      last = size;
-      return camera;
-    },
-    turn: (dx, dy) => hold({ yaw: camera.yaw - TURN * dx, pitch: within(camera.pitch + TURN * dy, PITCH) }),
-    pan(dx, dy) {
-      const { right, up } = frame(camera);
-      const metres = camera.distance / FOCAL / last[1];
-      hold({ target: along(along(camera.target, -dx * metres, right), dy * metres, up) });
-    },
-    look(from) {
-      turned = false;
-      fitted = "";
-      if (from === "asFirst") return;
-      const yaw = view.state.plane.axis === "x" && from === "fromAhead" ? Math.PI / 2 : 0;
-      hold(fit(view.positions, all(), last, view.state.plane.axis, [yaw, from === "fromAbove" ? PITCH[1] : 0]));
-    },
-    zoom: (factor) => hold({ distance: within(camera.distance * factor, DISTANCE) }),
-  };
+  /** Moves the camera nearer (factor below 1) or further away. */
+  zoom(factor: number): void {
+    this.hold({ distance: within(this.now.distance * factor, DISTANCE) });
+  }
+
+  /** Shifts the view by a pointer's movement in px. */
+  pan(dx: number, dy: number): void {
+    const { right, up } = frame(this.now);
+    const metres = this.now.distance / FOCAL / this.last[1];
+    this.hold({ target: along(along(this.now.target, -dx * metres, right), dy * metres, up) });
+  }
+
+  /** Looks from above, along the slice's normal, or from where the camera was at the start. */
+  look(from: "fromAbove" | "fromAhead" | "asFirst"): void {
+    this.turned = false;
+    this.fitted = "";
+    if (from === "asFirst") return;
+    const yaw = this.studio.view.state.plane.axis === "x" && from === "fromAhead" ? Math.PI / 2 : 0;
+    this.hold(this.fit(this.last, [yaw, from === "fromAbove" ? PITCH[1] : 0]));
+  }
+
+  private key(size: number[]): string {
+    const { state, array } = this.studio.view;
+    return JSON.stringify([state.array, array.length, this.turned ? [] : [size, state.plane.axis]]);
+  }
+
+  private fit(size: Spot, way?: [number, number]): Camera {
+    const { positions, state } = this.studio.view;
+    return fit(positions, this.all(), size, state.plane.axis, way);
+  }
+
+  /** Returns the corners of everything to be shown: points with the glow above them, and slices. */
+  private all(): Vec3[] {
+    const { state } = this.studio.view;
+    const corners = planesOf(state).flatMap((plane) => [0, 1].flatMap((a) => [0, 1].map((b) => placeOn(plane, a, b))));
+    return [...state.points.map(([x, y, z]): Vec3 => [x, y, z + GLOW]), ...corners];
+  }
+
+  private hold(changes: Partial<Camera>): void {
+    this.now = { ...this.now, ...changes };
+    this.turned = true;
+    this.fitted = this.key([]);
+  }
 }

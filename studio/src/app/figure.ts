@@ -2,11 +2,12 @@
 
 import type { Context } from "./context.ts";
 import { millimetres } from "./context.ts";
+import { element } from "./dom.ts";
 import { marks } from "./instrument.ts";
 import { writeLink } from "../state/link.ts";
 import { numberRows } from "./numbers.ts";
 import { sampleAt } from "../painter/lattice.ts";
-import { colour, entry, mapOf, ticks } from "../painter/maps.ts";
+import { colour, drawPixels, entry, mapOf, ticks } from "../painter/maps.ts";
 import { middleOf, onPlane, SIDES } from "../state/plane.ts";
 import { AXES, type Lattice, type Look, type Slot } from "../state/types.ts";
 import { shownOf } from "../work/studio.ts";
@@ -33,25 +34,9 @@ const text = (x: number, y: number, words: string, more = "") => `<text x="${x}"
 const picture = (canvas: HTMLCanvasElement, x: number, y: number, width: number, height: number) =>
   `<image x="${x}" y="${y}" width="${width}" height="${height}" preserveAspectRatio="none" href="${canvas.toDataURL()}"/>`;
 
-function canvasOf(width: number, height: number): [HTMLCanvasElement, CanvasRenderingContext2D] {
-  const canvas = document.createElement("canvas");
-  [canvas.width, canvas.height] = [width, height];
-  return [canvas, canvas.getContext("2d")!];
-}
-
 /** Draws the slice in pixels of `canvas`, with `v` up. */
-export function drawSlice(canvas: HTMLCanvasElement, lattice: Lattice, look: Look): void {
-  const { width, height } = canvas;
-  const pen = canvas.getContext("2d")!;
-  const image = pen.createImageData(width, height);
-  for (let y = 0; y < height; y++) {
-    for (let x = 0; x < width; x++) {
-      const [re, im] = sampleAt(lattice, (x + 0.5) / width, 1 - (y + 0.5) / height);
-      image.data.set([...colour(look, re, im), 255], 4 * (y * width + x));
-    }
-  }
-  pen.putImageData(image, 0, 0);
-}
+export const drawSlice = (canvas: HTMLCanvasElement, lattice: Lattice, look: Look) =>
+  drawPixels(canvas, (right, up) => colour(look, ...sampleAt(lattice, right, up)));
 
 /**
  * Returns the figure of the current view. `canvas` is the page's canvas, painted just before, `box` the 3-D view in it (px of
@@ -64,15 +49,15 @@ export function figure({ studio, say, engine }: Context, look: Look, root: HTMLE
   const [back, ink, soft] = ["--back", "--text", "--soft"].map((name) => style.getPropertyValue(name));
 
   function space(): string {
-    const [copy, pen] = canvasOf(box.width, box.height);
-    pen.drawImage(canvas, box.x, box.y, box.width, box.height, 0, 0, box.width, box.height);
+    const copy = element("canvas", { width: box.width, height: box.height });
+    copy.getContext("2d")!.drawImage(canvas, box.x, box.y, box.width, box.height, 0, 0, box.width, box.height);
     const scale = Math.min(VIEW[0] / box.width, VIEW[1] / box.height);
     return picture(copy, 24, 60 + (VIEW[1] - scale * box.height) / 2, scale * box.width, scale * box.height);
   }
 
   /** Returns a slice with its axes in mm, its rings and the colour bar. */
   function slice(slot: Slot, lattice: Lattice, x: number, y: number): string {
-    const [copy] = canvasOf(PIXELS, PIXELS);
+    const copy = element("canvas", { width: PIXELS, height: PIXELS });
     drawSlice(copy, lattice, look);
     const { plane } = state;
     const { size, axis: normal } = plane;
@@ -87,11 +72,8 @@ export function figure({ studio, say, engine }: Context, look: Look, root: HTMLE
       const ring = `<circle cx="${left}" cy="${top}" r="7" fill="none" stroke="#fff"/>`;
       return Math.max(Math.abs(aside - 0.5), Math.abs(above - 0.5)) > 0.5 ? "" : ring + text(left + 9, top - 5, String(k + 1), 'fill="#fff"');
     });
-    const [bar, pen] = canvasOf(1, 256);
-    for (let k = 0; k < 256; k += 1) {
-      pen.fillStyle = `rgb(${entry(mapOf(look), 1 - k / 255).map(Math.round)})`;
-      pen.fillRect(0, k, 1, 1);
-    }
+    const bar = element("canvas", { width: 1, height: 256 });
+    drawPixels(bar, (_, up) => entry(mapOf(look), up));
     const levels = ticks(look).map((tick) => text(x + SIDE + 28, y + SIDE * (1 - tick.at) + 4, tick.label));
     const name = view.frame?.names[slot] || state.methods[slot];
     return [

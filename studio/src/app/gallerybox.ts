@@ -9,7 +9,7 @@ export function showGallery(context: Context): void {
   const { studio, say, language } = context;
   const root = document.querySelector(".studio") ?? document.body;
   const cards = gallery.map(({ name, line, state }) => {
-    const word = (pair: readonly [string, string]) => pair[language === "ja" ? 1 : 0];
+    const word = (pair: string[]) => pair[language === "ja" ? 1 : 0];
     const choose = () => {
       dialog.close();
       const { level } = studio.view.state;

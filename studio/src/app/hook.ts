@@ -4,7 +4,7 @@ import { checked } from "../state/check.ts";
 import type { Engine } from "../work/engine.ts";
 import { writeLink } from "../state/link.ts";
 import { lookOf } from "./look.ts";
-import { strengthLevel, weakest } from "./numbers.ts";
+import { metricsOf, strengthLevel } from "./numbers.ts";
 import type { Page } from "./page.ts";
 import { onPlane } from "../state/plane.ts";
 import { sample } from "../painter/lattice.ts";
@@ -12,58 +12,35 @@ import type { Studio } from "../work/studio.ts";
 import type { Slot, State, Vec3 } from "../state/types.ts";
 
 /** The functions that scripts may call; complex numbers are [re, im], lengths metres, pressures Pa. */
-export interface Hook {
-  version: string;
-  /** Returns a copy of the state and the results. */
-  state(): Record<string, unknown>;
-  /** Changes parts of the state; throws a message of one line if they are not valid. */
-  set(partial: Partial<Omit<State, "plane">> & { plane?: Partial<State["plane"]> | null }): void;
-  /** Resolves when solutions and pictures match the state; the bound follows later. */
-  settled(): Promise<void>;
-  /** Computes the field of a slot at places. */
-  field(slot: Slot, places: Vec3[]): Promise<[number, number][]>;
-  /** Returns the field as the slice's picture shows it, interpolated; null for places that are not on the slice. */
-  shown(slot: Slot, places: Vec3[]): ([number, number] | null)[];
-  /** Returns the drive of a slot. */
-  drive(slot: Slot): [number, number][];
-  permalink(): string;
-  /** Returns where a place appears in the 3-D view, in CSS px of the window. */
-  project(place: Vec3): [number, number];
-}
+export type Hook = ReturnType<typeof createHook>;
 
 const pairs = (values: Float32Array) =>
   Array.from({ length: values.length / 2 }, (_, k): [number, number] => [values[2 * k], values[2 * k + 1]]);
 
 /** Makes the interface; `page` returns the page that is shown. */
-export function createHook(engine: Engine, studio: Studio, page: () => Page): Hook {
+export function createHook(engine: Engine, studio: Studio, page: () => Page) {
   const result = (slot: Slot) => {
-    const found = studio.view.results[slot];
-    if (!found?.answer || !found.lattice) throw new Error(found?.refused || `slot is ${slot}: give 0 or 1, once settled`);
-    return { answer: found.answer, lattice: found.lattice };
+    const { answer, lattice, refused } = studio.view.results[slot] ?? {};
+    if (!answer || !lattice) throw new Error(refused || `slot is ${slot}: give 0 or 1, once settled`);
+    return { answer, lattice };
   };
   return {
     version: engine.catalogue.version,
-    state() {
+    /** Returns a copy of the state and the results. */
+    state(): Record<string, unknown> {
       const { state, results, bound, frame } = studio.view;
       const touch = frame?.touch ? { level: strengthLevel(frame.touch.most), width: frame.touch.width, peak: frame.touch.peak } : null;
-      const metrics = results.map((each) =>
-        each.answer
-          ? {
-              ...each.answer.metrics,
-              weakest: weakest(each),
-              scale: each.answer.scale,
-              status: each.answer.status,
-              milliseconds: each.milliseconds,
-              atEar: state.ear && each.atEar,
-            }
-          : null,
-      );
+      const metrics = results.map((each) => {
+        const { answer, milliseconds, atEar } = each;
+        return answer && { ...metricsOf(each), scale: answer.scale, status: answer.status, milliseconds, atEar: state.ear && atEar };
+      });
       const refused = results.map((each) => each.refused);
       const warnings = results.map((each) => each.warnings);
       const ready = results.some((each) => each.answer !== null || each.refused !== "");
       return structuredClone({ ready, ...state, top: lookOf(studio.view, "dark").top, metrics, bound, touch, refused, warnings });
     },
-    set(partial) {
+    /** Changes parts of the state; throws a message of one line if they are not valid. */
+    set(partial: Partial<Omit<State, "plane">> & { plane?: Partial<State["plane"]> | null }): void {
       const now = studio.view.state;
       const plane = partial?.plane === null ? (null as never) : { ...now.plane, ...partial?.plane };
       const next = structuredClone({ ...now, ...("pressures" in partial && { filled: [] }), ...partial, plane });
@@ -71,21 +48,26 @@ export function createHook(engine: Engine, studio: Studio, page: () => Page): Ho
       if (typeof state === "string") throw new Error(state);
       studio.change(state);
     },
+    /** Resolves when solutions and pictures match the state; the bound follows later. */
     settled: () => studio.settled(),
-    async field(slot, places) {
+    /** Computes the field of a slot at places. */
+    async field(slot: Slot, places: Vec3[]) {
       await studio.settled();
       result(slot);
       return pairs(await engine.slots[slot].field(Float64Array.from(places.flat())));
     },
-    shown(slot, places) {
+    /** Returns the field as the slice's picture shows it, interpolated; null for places that are not on the slice. */
+    shown(slot: Slot, places: Vec3[]) {
       const { lattice } = result(slot);
       return places.map((place) => {
         const [right, up, off] = onPlane(studio.view.state.plane, place);
         return Math.abs(off) > 1e-6 || Math.abs(right - 0.5) > 0.5 || Math.abs(up - 0.5) > 0.5 ? null : sample(lattice, place);
       });
     },
-    drive: (slot) => pairs(result(slot).answer.drive),
+    /** Returns the drive of a slot. */
+    drive: (slot: Slot) => pairs(result(slot).answer.drive),
     permalink: () => new URL(`#${writeLink(studio.view.state)}`, location.href).href,
-    project: (place) => page().project(place),
+    /** Returns where a place appears in the 3-D view, in CSS px of the window. */
+    project: (place: Vec3) => page().project(place),
   };
 }

@@ -4,7 +4,7 @@ import "./style.css";
 import { faultOf } from "../state/check.ts";
 import { type Engine, startEngine } from "../work/engine.ts";
 import { stateOf } from "../state/scene_file.ts";
-import { createEye } from "./eye.ts";
+import { Eye } from "./eye.ts";
 import { createHook, type Hook } from "./hook.ts";
 import { first, initial } from "../state/initial.ts";
 import { readLink } from "../state/link.ts";
@@ -53,7 +53,7 @@ async function start() {
   }
   const studio = new Studio(engine, begun);
   const manner: Manner = {
-    eye: createEye(studio),
+    eye: new Eye(studio),
     language,
     board: served.has("board") ? await (await fetch("board.json")).json() : null,
     greets: begun === first,

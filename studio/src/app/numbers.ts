@@ -35,6 +35,9 @@ export function weakest({ answer }: Result): number {
   return Math.min(...loud);
 }
 
+/** Returns the metrics of a result, with its weakest point. */
+export const metricsOf = (result: Result) => result.answer && { ...result.answer.metrics, weakest: weakest(result) };
+
 const NONE = "–";
 
 /** Formats a time in ms with its unit. */

@@ -5,10 +5,10 @@ import { LEVELS, type Level, QUANTITIES, type Quantity, type Theme } from "../st
 import type { Engine } from "../work/engine.ts";
 import type { Result, Studio } from "../work/studio.ts";
 import { isTouch, skinPlane } from "../work/touch.ts";
-import { announceChanges, announcer } from "./announce.ts";
+import { announceChanges } from "./announce.ts";
 import { createBar } from "./bar.ts";
 import { createCompare } from "./compare.ts";
-import type { Context } from "./context.ts";
+import { Context } from "./context.ts";
 import { element, segments, write } from "./dom.ts";
 import { exportFigure, open } from "./exchange.ts";
 import type { Eye } from "./eye.ts";
@@ -17,7 +17,6 @@ import { haunt } from "./ghost.ts";
 import { Painting } from "./painting.ts";
 import { Panels } from "./panels.ts";
 import { Player } from "./player.ts";
-import { plain, report } from "./refusals.ts";
 import { createSentence } from "./sentence.ts";
 import { Stage } from "./stage.ts";
 import { createTips } from "./tips.ts";
@@ -40,10 +39,7 @@ export interface Manner {
 
 /** A shown page. */
 export class Page {
-  private readonly alert = element("div", { className: "alert", role: "alert" });
-  private readonly status = element("div", { className: "hidden", role: "status", "aria-live": "polite" });
   private readonly listening = new AbortController();
-  private readonly endings: (() => void)[] = [];
   private readonly context: Context;
   private readonly stage: Stage;
   private readonly compare;
@@ -52,7 +48,7 @@ export class Page {
   private readonly sentence;
   private readonly levels;
   private readonly quantities;
-  private readonly bar;
+  private readonly bar: ReturnType<Page["makeBar"]>;
   /** The place of the comparison at the level "compare". */
   private readonly bench: HTMLElement;
   /** The results that the page shows. */
@@ -68,8 +64,8 @@ export class Page {
     private readonly studio: Studio,
     private readonly manner: Manner,
   ) {
-    this.context = this.makeContext(engine);
-    const { context } = this;
+    const { language, theme, board = null } = manner;
+    const context = (this.context = new Context(engine, studio, language, theme, board, () => this.painting.repaint()));
     const { say } = context;
     this.stage = new Stage(context, manner.eye);
     this.compare = createCompare(context);
@@ -95,34 +91,14 @@ export class Page {
     return this.stage.project;
   }
 
-  /** Shows one line about a fault; "" removes it. */
-  readonly alarm = (text: string): void => {
-    const close = element("button", { className: "plain", "aria-label": this.context.say("close") }, "×");
-    close.onclick = () => this.alert.replaceChildren();
-    this.alert.replaceChildren(...(text ? [element("span", {}, text), close] : []));
-  };
-
-  dispose(): void {
-    this.endings.forEach((act) => act());
-    this.listening.abort();
+  /** Shows one line about a fault. */
+  get alarm() {
+    return this.context.alarm;
   }
 
-  private makeContext(engine: Engine): Context {
-    const { language, theme, board = null } = this.manner;
-    return {
-      engine,
-      studio: this.studio,
-      language,
-      theme,
-      board,
-      say: (word, put) => report(language, word, put),
-      plain: (line) => plain(language, line),
-      announce: announcer(this.status),
-      listen: (listener) => void this.endings.push(this.studio.listen(listener)),
-      ending: (act) => void this.endings.push(act),
-      alarm: this.alarm,
-      repaint: () => this.painting.repaint(),
-    };
+  dispose(): void {
+    this.context.end();
+    this.listening.abort();
   }
 
   private makeBar() {
@@ -134,7 +110,7 @@ export class Page {
         // The canvas is painted with the resolution of the PNG.
         const drawn = figure(context, this.painting.look, this.root, this.painting.paint(2));
         context.repaint();
-        exportFigure(drawn, ending).catch(({ message }: Error) => this.alarm(context.say("failed", { line: message })));
+        exportFigure(drawn, ending).catch(({ message }: Error) => this.context.alarm(context.say("failed", { line: message })));
       },
     });
   }
@@ -160,7 +136,7 @@ export class Page {
     root.classList.toggle("compact", Boolean(manner.compact));
     root.dataset.theme = manner.theme;
     root.lang = manner.language;
-    root.replaceChildren(this.painting.canvas, ...(manner.compact ? [] : [skip, this.bar.root]), main, this.alert, this.status, tip);
+    root.replaceChildren(this.painting.canvas, ...(manner.compact ? [] : [skip, this.bar.root]), main, context.alert, context.status, tip);
   }
 
   private listen(): void {
@@ -216,7 +192,7 @@ export class Page {
     const refused = a && b && !moving ? a : "";
     if (refused === this.warned) return;
     this.warned = refused;
-    this.alarm(refused && this.context.say("unsolved", { line: this.context.plain(refused) }));
+    this.context.alarm(refused && this.context.say("unsolved", { line: this.context.plain(refused) }));
   }
 
   private choose(quantity: Quantity): void {

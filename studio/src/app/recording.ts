@@ -2,6 +2,7 @@
 
 import { applyPalette, GIFEncoder, quantize } from "gifenc/dist/gifenc.esm.js";
 
+import { element } from "./dom.ts";
 import { save } from "./exchange.ts";
 
 /** A rectangle of a canvas, in its own px. */
@@ -70,10 +71,9 @@ function gif(film: HTMLCanvasElement): Recorder {
  * picture.
  */
 export async function record(kind: Film, source: () => Part, act: (shoot: () => void) => Promise<void>): Promise<void> {
-  const film = document.createElement("canvas");
   const { box } = source();
   const scale = kind === "GIF" ? Math.min(1, WIDEST / box.width) : 1;
-  [film.width, film.height] = [Math.round(scale * box.width), Math.round(scale * box.height)];
+  const film = element("canvas", { width: Math.round(scale * box.width), height: Math.round(scale * box.height) });
   const pen = film.getContext("2d", { willReadFrequently: kind === "GIF" })!;
   const recorder = kind === "GIF" ? gif(film) : webm(film);
   await act(() => {

@@ -3,10 +3,10 @@
 import style from "./style.css?inline";
 import { type Engine, startEngine } from "../work/engine.ts";
 import { element } from "./dom.ts";
-import { createEye } from "./eye.ts";
+import { Eye } from "./eye.ts";
 import { stateOf } from "../state/scene_file.ts";
 import { initial } from "../state/initial.ts";
-import { weakest } from "./numbers.ts";
+import { metricsOf } from "./numbers.ts";
 import { type Manner, Page } from "./page.ts";
 import SolveWorker from "../work/solve.worker.ts?worker&inline";
 import { Studio } from "../work/studio.ts";
@@ -32,7 +32,7 @@ async function render({ model, el }: { model: Model; el: HTMLElement }): Promise
   const read = async (before: State) => stateOf(await engine.slow.read(model.get("scene") as string, false), before);
   const studio = new Studio(engine, await read(initial));
   const manner: Manner = {
-    eye: createEye(studio),
+    eye: new Eye(studio),
     language: "en",
     theme: matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light",
     compact: true,
@@ -42,11 +42,7 @@ async function render({ model, el }: { model: Model; el: HTMLElement }): Promise
   let sent = "";
   studio.listen(() => {
     const { state, results } = studio.view;
-    const metrics = Object.fromEntries(
-      results.flatMap((result, slot) =>
-        result.answer ? [[state.methods[slot], { ...result.answer.metrics, weakest: weakest(result) }]] : [],
-      ),
-    );
+    const metrics = Object.fromEntries(results.flatMap((result, slot) => (result.answer ? [[state.methods[slot], metricsOf(result)]] : [])));
     const shown = { state: studio.scene(0), methods: state.methods, metrics };
     if (sent === (sent = JSON.stringify(shown))) return;
     for (const [name, value] of Object.entries(shown)) model.set(name, value);

@@ -53,12 +53,6 @@ export function program(gl: Gl, vertex: string, fragment: string): Program {
   };
 }
 
-/** Vectors in a texture, which vertex shaders read by index. Instanced drawing would be slow with software rendering. */
-export interface Vectors {
-  set(data: ArrayLike<number>): void;
-  readonly texture: WebGLTexture;
-}
-
 /** Vectors per row of the texture. */
 const ROW = 1024;
 
@@ -70,13 +64,16 @@ export const LOOK_UP = `
 vec4 vectorOf(sampler2D vectors, int index) { return texelFetch(vectors, ivec2(index % ${ROW}, index / ${ROW}), 0); }
 int corner() { return int[6](0, 1, 2, 2, 1, 3)[gl_VertexID % 6]; }`;
 
-/** Makes a texture of vectors of this many numbers. */
-export function vectors(gl: Gl, size: 2 | 3 | 4): Vectors {
+/**
+ * Makes a texture of vectors of this many numbers, which vertex shaders read by index. Instanced drawing would be slow with
+ * software rendering.
+ */
+export function vectors(gl: Gl, size: 2 | 3 | 4) {
   const made = texture(gl, gl.TEXTURE_2D, gl.NEAREST);
   const [kept, given] = { 2: [gl.RG32F, gl.RG], 3: [gl.RGB32F, gl.RGB], 4: [gl.RGBA32F, gl.RGBA] }[size];
   return {
     texture: made,
-    set(data) {
+    set(data: ArrayLike<number>): void {
       const rows = Math.max(1, Math.ceil(data.length / size / ROW));
       const padded = new Float32Array(rows * ROW * size);
       padded.set(data);

@@ -70,6 +70,17 @@ export function entry(map: MapName, t: number): [number, number, number] {
   return [mix(0), mix(1), mix(2)];
 }
 
+/** Draws each pixel of a canvas in the colour that `at` returns for its middle, 0 to 1 to the right and up. */
+export function drawPixels(canvas: HTMLCanvasElement, at: (right: number, up: number) => [number, number, number]): void {
+  const { width, height } = canvas;
+  const pen = canvas.getContext("2d")!;
+  const image = pen.createImageData(width, height);
+  for (let y = 0; y < height; y++) {
+    for (let x = 0; x < width; x++) image.data.set([...at((x + 0.5) / width, 1 - (y + 0.5) / height), 255], 4 * (y * width + x));
+  }
+  pen.putImageData(image, 0, 0);
+}
+
 /** Returns the colour of p = re + j im (Pa): red, green, blue, 0 to 255. */
 export function colour(look: Look, re: number, im = 0): [number, number, number] {
   return entry(mapOf(look), shade(look, re, im));

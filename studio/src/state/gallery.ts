@@ -13,20 +13,13 @@ import { initial } from "./initial.ts";
 import { type SceneFile, stateOf } from "./scene_file.ts";
 import type { State } from "./types.ts";
 
-/** An example: its name and one line about it, both in English and in Japanese, and its state. */
-export interface Example {
-  name: [string, string];
-  line: [string, string];
-  state: State;
-}
-
 const SCENES: Record<string, object> = { ball, ear, letters, pair, ring, smiley, traps, weak };
 
 /**
- * The eight examples. Each names a scene file, which has method A; method B; and what else its state has. Examples of the
- * Python package use the same scene files.
+ * The eight examples: the name and a line, in English and in Japanese, and the state. Each names a scene file, which has method
+ * A; method B; and what else its state has. Examples of the Python package use the same scene files.
  */
 export const gallery = texts.map(({ scene, b, name, line, more }) => {
   const state = stateOf(SCENES[scene] as SceneFile, initial);
-  return { name, line, state: { ...state, methods: [state.methods[0], b], ...more } } as Example;
+  return { name, line, state: { ...state, methods: [state.methods[0], b], ...more } as State };
 });

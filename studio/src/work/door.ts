@@ -126,7 +126,7 @@ export class Door {
 
   catalogue(): Catalogue {
     this.wasm.studio_catalogue(this.studio);
-    return read(this.lines());
+    return JSON.parse(this.text());
   }
 
   /** Opens the text of a scene file; returns warnings about probable mistakes, one line each. */
@@ -332,27 +332,4 @@ function places(found: Float64Array): Vec3[] {
 function metrics(found: Float64Array): Metrics {
   const [accuracy, sigma, uniformity, level, residual, leak] = found;
   return { accuracy, sigma, uniformity, level, residual, leak };
-}
-
-function read(lines: string[]): Catalogue {
-  const rows = lines.map((line) => line.split("\t"));
-  const of = (kind: string) => rows.filter((row) => row[0] === kind).map((row) => row.slice(1));
-  return {
-    version: of("version")[0][0],
-    presets: of("preset").map(([name, summary, count, tiles, board]) => ({
-      name,
-      summary,
-      count: Number(count),
-      tiles: tiles === "1",
-      board,
-    })),
-    solvers: of("solver").map(([name, summary, aims]) => ({ name, summary, aims: aims === "1" })),
-    boards: of("board").map(([name, summary, channels, baud, restarts]) => ({
-      name,
-      summary,
-      channels: Number(channels),
-      baud: Number(baud),
-      restarts: restarts === "1",
-    })),
-  };
 }
