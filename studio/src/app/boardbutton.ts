@@ -18,7 +18,7 @@ export function createBoardButton(context: Context): HTMLElement {
   let connection: Connection | null = null;
   let unguard = () => undefined as void;
   /** The drive that the board plays, or will play next. */
-  let given: Float32Array | null = null;
+  let newest: Float32Array | null = null;
 
   /** Returns a function that connects the served board, or a board at a port that the user chooses. */
   async function reach(): Promise<(() => Promise<Connection>) | void> {
@@ -37,12 +37,12 @@ export function createBoardButton(context: Context): HTMLElement {
   async function begin() {
     const opening = await reach();
     if (!opening) return;
-    const found = await attended(opening(), window, document);
-    connection = found.connection;
+    const reached = await attended(opening(), window, document);
+    connection = reached.connection;
     if (connection.state === "gone") return forget();
     unguard = guard(connection, window, document);
     // If the user left the page meanwhile, the board stays off until the button is pressed again.
-    if (found.present) play();
+    if (reached.present) play();
     else show();
   }
 
@@ -79,7 +79,7 @@ export function createBoardButton(context: Context): HTMLElement {
       context.alarm(say("otherArray", { name: served.name }));
       return void connection.off();
     }
-    given = drive;
+    newest = drive;
     connection.play(drive);
   }
 
@@ -95,7 +95,7 @@ export function createBoardButton(context: Context): HTMLElement {
   context.ending(() => void connection?.close());
   context.listen(() => {
     const drive = shownOf(studio.view)[0].answer?.drive;
-    if (connection?.state === "playing" && (drive !== given || (served && !fits(served, studio.view.state.array)))) play();
+    if (connection?.state === "playing" && (drive !== newest || (served && !fits(served, studio.view.state.array)))) play();
   });
   return button;
 }

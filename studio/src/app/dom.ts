@@ -3,21 +3,21 @@
 import type { Vec3 } from "../state/types.ts";
 
 type Child = Node | string | null | undefined | false;
-type Given = Record<string, unknown>;
+type Properties = Record<string, unknown>;
 
 /** Makes an element with properties (`onclick`), attributes (`aria-label`) and children. */
 export function element<Name extends keyof HTMLElementTagNameMap>(
   name: Name,
-  given: Given = {},
+  properties: Properties = {},
   ...children: Child[]
 ): HTMLElementTagNameMap[Name] {
-  const made = document.createElement(name);
-  for (const [key, value] of Object.entries(given)) {
-    if (key.includes("-") || key === "role" || key === "for") made.setAttribute(key, String(value));
-    else Object.assign(made, { [key]: value });
+  const node = document.createElement(name);
+  for (const [key, value] of Object.entries(properties)) {
+    if (key.includes("-") || key === "role" || key === "for") node.setAttribute(key, String(value));
+    else Object.assign(node, { [key]: value });
   }
-  made.append(...children.filter((child): child is Node | string => Boolean(child)));
-  return made;
+  node.append(...children.filter((child): child is Node | string => Boolean(child)));
+  return node;
 }
 
 /** Writes a text only if it has changed, so that screen readers do not repeat it and the caret does not move. */
@@ -32,10 +32,10 @@ export function resize<Each extends Element>(root: Element, list: Each[], count:
 }
 
 /** Marks an element to be explained in one line by `createTips`, while the pointer or the focus is in it. */
-export function explained<Made extends HTMLElement>(made: Made, line: string): Made {
-  made.dataset.tip = line;
-  if (!made.querySelector("input, select") && !made.matches("input, select, button")) made.tabIndex = 0;
-  return made;
+export function explained<Each extends HTMLElement>(each: Each, line: string): Each {
+  each.dataset.tip = line;
+  if (!each.querySelector("input, select") && !each.matches("input, select, button")) each.tabIndex = 0;
+  return each;
 }
 
 /** Makes a titled group of controls that folds. `holds` is an element in its title for a summary of its content. */
@@ -47,8 +47,8 @@ export function group(title: string, ...children: (Node | null)[]): { root: HTML
 
 /** Makes a label for a control, with a value beside its name; `tip` explains the value. */
 export function labelled(name: string, control: HTMLElement, aside?: HTMLElement | null, tip?: string): HTMLElement {
-  const made = element("label", { className: aside ? "field wide" : "field" }, element("span", {}, name), aside, control);
-  return tip ? explained(made, tip) : made;
+  const label = element("label", { className: aside ? "field wide" : "field" }, element("span", {}, name), aside, control);
+  return tip ? explained(label, tip) : label;
 }
 
 /** Makes a row of buttons of which one is chosen. */
@@ -65,9 +65,9 @@ export function choice(
   pairs: readonly (readonly [string, string])[],
   value: string,
   change: (value: string) => void,
-  given: Given = {},
+  properties: Properties = {},
 ): HTMLSelectElement {
-  const select = element("select", { onchange: () => change(select.value), ...given });
+  const select = element("select", { onchange: () => change(select.value), ...properties });
   offer(select, pairs, value);
   return select;
 }

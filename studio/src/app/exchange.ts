@@ -52,9 +52,9 @@ export async function open(context: Context, file: File): Promise<void> {
 async function compareDrive({ studio, engine }: Context, drive: Float32Array, name: string): Promise<void> {
   const { state, results } = studio.view;
   const grids = planesOf(state).map((plane) => gridOf(state, undefined, plane));
-  const found = resultOf(await engine.slow.judged(studio.scene(0), drive, grids, state.ear));
-  if (found.refused) throw new Error(found.refused);
-  studio.show({ points: state.points, results: [found, results[1]], names: [name, ""] });
+  const result = resultOf(await engine.slow.judged(studio.scene(0), drive, grids, state.ear));
+  if (result.refused) throw new Error(result.refused);
+  studio.show({ points: state.points, results: [result, results[1]], names: [name, ""] });
 }
 
 /** Downloads a file to the user. */

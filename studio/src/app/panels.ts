@@ -152,8 +152,8 @@ export class Panels {
     const array = {
       root: labelled(say("preset"), picker.root, null, say("arrayTip")),
       update: (state: State) => {
-        const own = "preset" in state.array ? [] : [[state.array.name, state.array.name] as const];
-        picker.update([...own, ...presets.map(({ name, count }) => [name, `${name} · ${count}`] as const)], nameOf(state));
+        const file = "preset" in state.array ? [] : [[state.array.name, state.array.name] as const];
+        picker.update([...file, ...presets.map(({ name, count }) => [name, `${name} · ${count}`] as const)], nameOf(state));
       },
     };
     const tilesOf = ({ array }: State) => ("preset" in array ? array.tiles.join("x") : "1x1");

@@ -35,13 +35,13 @@ export function createReadout({ studio, engine, say }: Context, shown: (line: st
         continue;
       }
       if (!answer) continue;
-      const found = await engine.slots[slot].probe(studio.scene(slot), playedOf(answer), place).catch(() => null);
-      if (!found || root.hidden) continue;
-      const [re, im] = found.pressure;
+      const probe = await engine.slots[slot].probe(studio.scene(slot), playedOf(answer), place).catch(() => null);
+      if (!probe || root.hidden) continue;
+      const [re, im] = probe.pressure;
       write([
         where,
-        `|p| ${pressure(Math.hypot(re, im))}  ·  ${found.level.toFixed(1)} dB SPL`,
-        `${say("phase")} ${Math.atan2(im, re).toFixed(2)} rad  ·  ${say("radiation")} ${pressure(found.radiation)}`,
+        `|p| ${pressure(Math.hypot(re, im))}  ·  ${probe.level.toFixed(1)} dB SPL`,
+        `${say("phase")} ${Math.atan2(im, re).toFixed(2)} rad  ·  ${say("radiation")} ${pressure(probe.radiation)}`,
       ]);
     }
     busy = false;

@@ -81,6 +81,6 @@ export async function record(kind: Film, source: () => Part, act: (shoot: () => 
     pen.drawImage(canvas, box.x, box.y, box.width, box.height, 0, 0, film.width, film.height);
     recorder.shoot();
   });
-  const made = await recorder.end();
-  save(`midair.${kind.toLowerCase()}`, made, made.type);
+  const blob = await recorder.end();
+  save(`midair.${kind.toLowerCase()}`, blob, blob.type);
 }

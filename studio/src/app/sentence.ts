@@ -24,22 +24,22 @@ export function createSentence({ studio, say, language }: Context): { root: HTML
   const build = changes((word: Word) => {
     numbers = [];
     const parts = WORDS[word][language === "ja" ? 1 : 0].split(/\{(\w+)\}/);
-    const made = parts.map((part, k) => {
+    const texts = parts.map((part, k) => {
       if (k % 2 === 0) return part;
       const number = explained(element(["pressure", "strength"].includes(part) ? "strong" : "b"), say(TIPS[part]));
       numbers.push([part, number]);
       return number;
     });
-    root.replaceChildren(...made);
+    root.replaceChildren(...texts);
   });
   return {
     root,
     update() {
-      const found = sentenceOf(studio.view);
-      root.hidden = !found;
-      if (!found) return;
-      build(found.word);
-      for (const [part, number] of numbers) write(number, String(found.put[part]));
+      const sentence = sentenceOf(studio.view);
+      root.hidden = !sentence;
+      if (!sentence) return;
+      build(sentence.word);
+      for (const [part, number] of numbers) write(number, String(sentence.put[part]));
     },
   };
 }

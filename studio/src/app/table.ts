@@ -65,7 +65,7 @@ export function createPointTable(context: Context): { root: HTMLElement; update(
         showAll(true);
       },
     });
-    const gone = element(
+    const remove = element(
       "button",
       {
         className: "plain",
@@ -78,7 +78,7 @@ export function createPointTable(context: Context): { root: HTMLElement; update(
       },
       "×",
     );
-    const cells = [...place, target, gone].map((control) => element("td", {}, control));
+    const cells = [...place, target, remove].map((control) => element("td", {}, control));
     return element("tr", {}, element("th", { scope: "row" }, String(n)), ...cells);
   }
 

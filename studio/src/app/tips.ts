@@ -8,33 +8,33 @@ const GAP = 6;
 /** Makes the tip of a page: one element that explains any element with `data-tip` in `root`, until `signal` aborts. */
 export function createTips(root: HTMLElement, signal: AbortSignal): HTMLElement {
   const tip = element("div", { className: "tip", id: "tip", role: "tooltip", hidden: true });
-  let place: HTMLElement | null = null;
+  let target: HTMLElement | null = null;
   let described: Element | null = null;
 
   function hide() {
     tip.hidden = true;
     described?.removeAttribute("aria-describedby");
-    place = described = null;
+    target = described = null;
   }
 
   /** Places the tip below its number, or above if there is no space below. */
   function put() {
-    if (!place) return;
-    const [box, own] = [place.getBoundingClientRect(), tip.getBoundingClientRect()];
-    const below = box.bottom + GAP + own.height < innerHeight;
-    tip.style.left = `${Math.min(Math.max(box.left, GAP), innerWidth - own.width - GAP)}px`;
-    tip.style.top = `${below ? box.bottom + GAP : box.top - GAP - own.height}px`;
+    if (!target) return;
+    const [box, size] = [target.getBoundingClientRect(), tip.getBoundingClientRect()];
+    const below = box.bottom + GAP + size.height < innerHeight;
+    tip.style.left = `${Math.min(Math.max(box.left, GAP), innerWidth - size.width - GAP)}px`;
+    tip.style.top = `${below ? box.bottom + GAP : box.top - GAP - size.height}px`;
   }
 
   /** Shows the explanation of the number around `target`, if there is one. */
-  function show(target: Element) {
-    if (tip.contains(target)) return;
+  function show(pointed: Element) {
+    if (tip.contains(pointed)) return;
     hide();
-    place = target.closest<HTMLElement>("[data-tip]");
-    if (!place) return;
-    described = target.matches("input, select") ? target : place;
+    target = pointed.closest<HTMLElement>("[data-tip]");
+    if (!target) return;
+    described = pointed.matches("input, select") ? pointed : target;
     described.setAttribute("aria-describedby", tip.id);
-    tip.textContent = place.dataset.tip!;
+    tip.textContent = target.dataset.tip!;
     tip.hidden = false;
     put();
   }

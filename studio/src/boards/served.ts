@@ -13,10 +13,10 @@ export interface ServedBoard {
 const AGAIN = 250;
 
 /** Returns whether the drives of an array fit a board. */
-export function fits({ array: own }: ServedBoard, array: ArrayChoice): boolean {
-  if (JSON.stringify(own.mask) !== JSON.stringify(array.parts?.mask)) return false;
-  if ("preset" in own) return "preset" in array && array.preset === own.preset && array.tiles.join() === (own.tiles ?? [1, 1]).join();
-  return "positions" in array && JSON.stringify(array.positions) === JSON.stringify(own.positions);
+export function fits({ array: board }: ServedBoard, array: ArrayChoice): boolean {
+  if (JSON.stringify(board.mask) !== JSON.stringify(array.parts?.mask)) return false;
+  if ("preset" in board) return "preset" in array && array.preset === board.preset && array.tiles.join() === (board.tiles ?? [1, 1]).join();
+  return "positions" in array && JSON.stringify(array.positions) === JSON.stringify(board.positions);
 }
 
 /** A board that Python plays. */

@@ -53,30 +53,30 @@ function lines(ink: Uint8Array): number[][] {
   const beside = (at: number) => AROUND.filter((way, k) => ink[at + way] && (k % 2 === 0 || !(ink[at + AROUND[k - 1]] || ink[at + AROUND[(k + 1) % 8]]))).map((way) => at + way);
   const next = new Map([...ink.keys()].filter((at) => ink[at]).map((at) => [at, beside(at)]));
   const count = (at: number) => next.get(at)!.length;
-  const gone = new Set<string>();
+  const walked = new Set<string>();
   const walk = (path: number[]) => {
     for (;;) {
       const [before, at] = path.slice(-2);
-      gone.add(`${before} ${at}`).add(`${at} ${before}`);
+      walked.add(`${before} ${at}`).add(`${at} ${before}`);
       const on = count(at) === 2 && at !== path[0] ? next.get(at)!.find((other) => other !== before) : undefined;
       if (on === undefined) return path;
       path.push(on);
     }
   };
-  const from = (at: number) => next.get(at)!.filter((other) => !gone.has(`${at} ${other}`)).map((other) => (gone.has(`${at} ${other}`) ? [] : walk([at, other])));
+  const from = (at: number) => next.get(at)!.filter((other) => !walked.has(`${at} ${other}`)).map((other) => (walked.has(`${at} ${other}`) ? [] : walk([at, other])));
   const all = [...next.keys()];
-  const found = all.filter((at) => count(at) !== 2).flatMap((at) => (count(at) ? from(at) : [[at]]));
+  const open = all.filter((at) => count(at) !== 2).flatMap((at) => (count(at) ? from(at) : [[at]]));
   // Closed lines have neither an end nor a crossing.
-  const rings = all.flatMap((at) => (next.get(at)!.some((other) => gone.has(`${at} ${other}`)) || !count(at) ? [] : from(at)));
+  const rings = all.flatMap((at) => (next.get(at)!.some((other) => walked.has(`${at} ${other}`)) || !count(at) ? [] : from(at)));
   const crosses = (at: number) => count(at) > 2;
-  return [...found, ...rings].filter((path) => path.length > (crosses(path[0]) || crosses(path.at(-1)!) ? SPUR : 0));
+  return [...open, ...rings].filter((path) => path.length > (crosses(path[0]) || crosses(path.at(-1)!) ? SPUR : 0));
 }
 
 /** Returns the strokes of a character in a square of this height, as x, y from its lower left corner. */
 export function traced(letter: string, height: number): number[][][] {
   const ink = inked(letter);
   const none = inked(NOWHERE);
-  if (!ink.includes(1) || ink.every((is, at) => is === none[at])) throw new Error(`the text has "${letter}", which no font here draws: give another`);
+  if (!ink.includes(1) || ink.every((pixel, at) => pixel === none[at])) throw new Error(`the text has "${letter}", which no font here draws: give another`);
   thin(ink);
   const unit = height / FINE;
   return lines(ink).map((path) => path.filter((_, k) => k % STEP === 0 || k === path.length - 1).map((at) => [unit * ((at % ROW) - 0.5), unit * (FINE + 0.5 - Math.floor(at / ROW))]));

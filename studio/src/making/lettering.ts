@@ -29,8 +29,8 @@ function word(text: string, trace: Trace): Line {
   const contours: Contour[] = [];
   let pen = 0;
   for (const letter of text) {
-    const own = Object.hasOwn(STROKES, letter) && STROKES[letter].split(" ").map((stroke) => stroke.match(/../g)!.map((pair) => [...pair].map(Number)));
-    const strokes = own || trace(letter, HEIGHT);
+    const known = Object.hasOwn(STROKES, letter) && STROKES[letter].split(" ").map((stroke) => stroke.match(/../g)!.map((pair) => [...pair].map(Number)));
+    const strokes = known || trace(letter, HEIGHT);
     const start = pen;
     contours.push(...strokes.map((stroke) => stroke.map(([x, y]): Vec3 => [start + x, y, 0])));
     pen += GAP + Math.max(...strokes.flat().map(([x]) => x));

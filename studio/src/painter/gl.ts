@@ -69,30 +69,30 @@ int corner() { return int[6](0, 1, 2, 2, 1, 3)[gl_VertexID % 6]; }`;
  * software rendering.
  */
 export function vectors(gl: Gl, size: 2 | 3 | 4) {
-  const made = texture(gl, gl.TEXTURE_2D, gl.NEAREST);
-  const [kept, given] = { 2: [gl.RG32F, gl.RG], 3: [gl.RGB32F, gl.RGB], 4: [gl.RGBA32F, gl.RGBA] }[size];
+  const map = texture(gl, gl.TEXTURE_2D, gl.NEAREST);
+  const [internal, format] = { 2: [gl.RG32F, gl.RG], 3: [gl.RGB32F, gl.RGB], 4: [gl.RGBA32F, gl.RGBA] }[size];
   return {
-    texture: made,
+    texture: map,
     set(data: ArrayLike<number>): void {
       const rows = Math.max(1, Math.ceil(data.length / size / ROW));
       const padded = new Float32Array(rows * ROW * size);
       padded.set(data);
       gl.activeTexture(gl.TEXTURE0);
-      gl.bindTexture(gl.TEXTURE_2D, made);
-      gl.texImage2D(gl.TEXTURE_2D, 0, kept, ROW, rows, 0, given, gl.FLOAT, padded);
+      gl.bindTexture(gl.TEXTURE_2D, map);
+      gl.texImage2D(gl.TEXTURE_2D, 0, internal, ROW, rows, 0, format, gl.FLOAT, padded);
     },
   };
 }
 
 /** Makes a texture, bound to unit 0, which is clamped at its edges. */
 export function texture(gl: Gl, target: number, filter: number): WebGLTexture {
-  const made = gl.createTexture();
+  const map = gl.createTexture();
   gl.activeTexture(gl.TEXTURE0);
-  gl.bindTexture(target, made);
+  gl.bindTexture(target, map);
   gl.texParameteri(target, gl.TEXTURE_MIN_FILTER, filter);
   gl.texParameteri(target, gl.TEXTURE_MAG_FILTER, filter);
   for (const wrap of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T, gl.TEXTURE_WRAP_R]) {
     gl.texParameteri(target, wrap, gl.CLAMP_TO_EDGE);
   }
-  return made;
+  return map;
 }

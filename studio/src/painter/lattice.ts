@@ -53,8 +53,8 @@ export function coefficients(lattice: Lattice): Float32Array<ArrayBuffer> {
   const old = known.get(values);
   if (old) return old;
   if (nu < 4 || nv < 4 || values.length !== 2 * nu * nv) {
-    const found = `${nu} x ${nv} places with ${values.length} numbers`;
-    throw new Error(`lattice: ${found}: give 4 x 4 places or more and 2 nu nv numbers`);
+    const size = `${nu} x ${nv} places with ${values.length} numbers`;
+    throw new Error(`lattice: ${size}: give 4 x 4 places or more and 2 nu nv numbers`);
   }
   const row = 2 * (nu + 2);
   const c = new Float32Array(row * (nv + 2));

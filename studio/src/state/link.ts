@@ -66,21 +66,21 @@ function place(item: string, cells: string[]): Vec3 {
 
 /** Splits a value into its cells; throws if their number is not one of `counts`. */
 function cells(item: string, text: string, counts: number[], form: string): string[] {
-  const found = text.split(",");
-  return counts.includes(found.length) ? found : wrong(item, text, `give ${form}`);
+  const parts = text.split(",");
+  return counts.includes(parts.length) ? parts : wrong(item, text, `give ${form}`);
 }
 
 function readArray(text: string): State["array"] {
   if (text === "own") wrong("a", text, "an array of one's own is in no link, load its file");
-  const found = /^([a-z][a-z0-9_]{0,39})(?:\.(\d+)x(\d+))?$/.exec(text);
-  if (!found) return wrong("a", text, "give a preset such as autd3.2x2 or sonicsurface");
+  const match = /^([a-z][a-z0-9_]{0,39})(?:\.(\d+)x(\d+))?$/.exec(text);
+  if (!match) return wrong("a", text, "give a preset such as autd3.2x2 or sonicsurface");
   const boards = (count = "1") => number("boards of a", count, 1, MOST_BOARDS);
-  return { preset: found[1], tiles: [boards(found[2]), boards(found[3])] };
+  return { preset: match[1], tiles: [boards(match[2]), boards(match[3])] };
 }
 
 function readMethods(text: string): [string, string] {
-  const found = /^([a-z][a-z0-9_]{0,19})\.([a-z][a-z0-9_]{0,19})$/.exec(text);
-  return found ? [found[1], found[2]] : wrong("m", text, "give two methods such as uniform.naive");
+  const match = /^([a-z][a-z0-9_]{0,19})\.([a-z][a-z0-9_]{0,19})$/.exec(text);
+  return match ? [match[1], match[2]] : wrong("m", text, "give two methods such as uniform.naive");
 }
 
 function readPoints(text: string): Pick<State, "points" | "pressures" | "filled"> {
@@ -97,9 +97,9 @@ function readPoints(text: string): Pick<State, "points" | "pressures" | "filled"
 }
 
 function readPlane(text: string): State["plane"] {
-  const found = cells("z", text, [2, 4], "height,size or height,size,x,y in mm");
-  const [x, y] = found.length === 4 ? [metres("z", found[2]), metres("z", found[3])] : [0, 0];
-  return { axis: "z", z: metres("z", found[0]), size: metres("size of z", found[1], 1), center: [x, y] };
+  const parts = cells("z", text, [2, 4], "height,size or height,size,x,y in mm");
+  const [x, y] = parts.length === 4 ? [metres("z", parts[2]), metres("z", parts[3])] : [0, 0];
+  return { axis: "z", z: metres("z", parts[0]), size: metres("size of z", parts[1], 1), center: [x, y] };
 }
 
 function readObstacle(text: string, index: number): Obstacle {
@@ -125,10 +125,10 @@ function readObstacles(text: string): Obstacle[] {
 }
 
 function readPath(text: string): State["path"] {
-  const found = cells("g", text, [3], "circle,radius,frequency or line,length,frequency in mm and Hz");
-  const kind = word("g", found[0], PATHS);
-  const size = metres("size of g", found[1], 0.01);
-  const frequency = number("frequency of g", found[2], 1e-3, 1000);
+  const parts = cells("g", text, [3], "circle,radius,frequency or line,length,frequency in mm and Hz");
+  const kind = word("g", parts[0], PATHS);
+  const size = metres("size of g", parts[1], 0.01);
+  const frequency = number("frequency of g", parts[2], 1e-3, 1000);
   return kind === "circle" ? { kind, radius: size, frequency } : { kind, length: size, frequency };
 }
 

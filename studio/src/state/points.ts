@@ -46,8 +46,8 @@ export function withTarget(state: State, index: number, pressure: number | null,
   const before = state.pressures ? state.filled : all;
   const filled = pressure === null ? [...new Set([...before, index])].toSorted((a, b) => a - b) : before.filter((k) => k !== index);
   if (filled.length === all.length) return { pressures: null };
-  const own = state.pressures ?? all.map((k) => Math.round(balanced[k] ?? 1000));
-  const pressures = pressure === null ? own : own.with(index, pressure);
+  const targets = state.pressures ?? all.map((k) => Math.round(balanced[k] ?? 1000));
+  const pressures = pressure === null ? targets : targets.with(index, pressure);
   return pressures.some((each) => each > 0) ? { pressures, filled } : {};
 }
 

@@ -33,7 +33,6 @@ export const isTrap = (signature: string, point: number) => Boolean(signature) &
 export function signatureOf({ signature }: State, left: number[], more = 0): string {
   const names = signature.split(".");
   if (names.length < 2) return signature;
-  const kept = left.map((k) => names[k]);
-  const all = [...kept, ...Array<string>(more).fill(names.at(-1)!)];
+  const all = [...left.map((k) => names[k]), ...Array<string>(more).fill(names.at(-1)!)];
   return all.length === 1 ? all[0].replace("focus", "") : all.join(".");
 }

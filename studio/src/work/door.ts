@@ -291,8 +291,8 @@ export class Door {
     this.wasm.studio_free(this.studio);
   }
 
-  private call(job: string, ...given: number[]): void {
-    if (this.wasm[`studio_${job}`](this.studio, ...given)) throw new Error(this.text());
+  private call(job: string, ...inputs: number[]): void {
+    if (this.wasm[`studio_${job}`](this.studio, ...inputs)) throw new Error(this.text());
   }
 
   // A call can grow the memory, which detaches old views; so each view is made after the call.
@@ -325,11 +325,11 @@ export class Door {
 }
 
 /** Returns places as [x, y, z] from K x 3 numbers. */
-function places(found: Float64Array): Vec3[] {
-  return Array.from({ length: found.length / 3 }, (_, k) => [...found.subarray(3 * k, 3 * k + 3)] as Vec3);
+function places(numbers: Float64Array): Vec3[] {
+  return Array.from({ length: numbers.length / 3 }, (_, k) => [...numbers.subarray(3 * k, 3 * k + 3)] as Vec3);
 }
 
-function metrics(found: Float64Array): Metrics {
-  const [accuracy, sigma, uniformity, level, residual, leak] = found;
+function metrics(numbers: Float64Array): Metrics {
+  const [accuracy, sigma, uniformity, level, residual, leak] = numbers;
   return { accuracy, sigma, uniformity, level, residual, leak };
 }

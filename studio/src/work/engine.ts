@@ -7,7 +7,7 @@ import type { Jobs } from "./solve.worker.ts";
 
 /** The jobs of a worker as asynchronous functions. */
 export type Hand = {
-  [Job in keyof Jobs]: (...given: Parameters<Jobs[Job]>) => Promise<Awaited<ReturnType<Jobs[Job]>>>;
+  [Job in keyof Jobs]: (...inputs: Parameters<Jobs[Job]>) => Promise<Awaited<ReturnType<Jobs[Job]>>>;
 };
 
 /** The workers, and the core's methods, presets and boards. */
@@ -33,13 +33,13 @@ function hand(worker: Worker): Hand {
     waiting.forEach(({ reject }) => reject(new Error(event.message || "a worker could not be started")));
     waiting.clear();
   };
-  const ask = (job: string, given: unknown[]) =>
+  const ask = (job: string, inputs: unknown[]) =>
     new Promise((resolve, reject) => {
       last += 1;
       waiting.set(last, { resolve, reject });
-      worker.postMessage({ id: last, job, given });
+      worker.postMessage({ id: last, job, inputs });
     });
-  return new Proxy({} as Hand, { get: (_, job: string) => (...given: unknown[]) => ask(job, given) });
+  return new Proxy({} as Hand, { get: (_, job: string) => (...inputs: unknown[]) => ask(job, inputs) });
 }
 
 /** A small scene that each worker solves first, because the first solve is slow. */

@@ -175,9 +175,9 @@ const jobs = {
 /** The jobs that the page can request. */
 export type Jobs = typeof jobs;
 
-self.onmessage = async ({ data: { id, job, given } }: MessageEvent) => {
+self.onmessage = async ({ data: { id, job, inputs } }: MessageEvent) => {
   try {
-    self.postMessage({ id, result: await (jobs[job as keyof Jobs] as (...all: unknown[]) => unknown)(...given) });
+    self.postMessage({ id, result: await (jobs[job as keyof Jobs] as (...all: unknown[]) => unknown)(...inputs) });
   } catch (error) {
     self.postMessage({ id, refused: (error as Error).message });
   }

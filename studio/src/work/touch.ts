@@ -63,8 +63,8 @@ export async function predict(hand: Hand, state: State, transducers: number, rat
 }
 
 /** Returns a lattice of real values. */
-function real(grid: Grid, given: Float64Array): Lattice {
-  const values = new Float32Array(2 * given.length);
-  given.forEach((value, k) => (values[2 * k] = value));
+function real(grid: Grid, reals: Float64Array): Lattice {
+  const values = new Float32Array(2 * reals.length);
+  reals.forEach((value, k) => (values[2 * k] = value));
   return { ...grid, values };
 }
