@@ -10,7 +10,6 @@ speed of `midair.fly`: how many seconds of flight it simulates in one second on 
     python bench/flight.py [record.csv]
 """
 
-import csv
 import sys
 import time
 from collections.abc import Iterator
@@ -23,7 +22,6 @@ import midair
 RATE, CHANGE, AIR = 10e3, np.pi / 4, {"temperature": 25}
 #: The margins that are tried, in rising order.
 MARGINS = np.round(np.arange(0.1, 0.95, 0.1), 2)
-FIELDS = ("shape", "size_mm", "margin", "rate_Hz", "held", "off_mm", "speed", "acceleration")
 
 
 def mirrored(half: list[tuple[float, float]]) -> np.ndarray:
@@ -137,10 +135,9 @@ def main() -> None:
         print(" ".join(f"{name} {value}" for name, value in row.items()), flush=True)
     speed()
     if len(sys.argv) > 1:
-        with Path(sys.argv[1]).open("w", newline="") as file:
-            writer = csv.DictWriter(file, FIELDS, lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(rows)
+        import record
+
+        record.write(Path(sys.argv[1]), rows, rows[0])
 
 
 if __name__ == "__main__":

@@ -8,13 +8,9 @@ have little effect. This needs `midair[jax]`.
 
 from __future__ import annotations
 
-import csv
-import datetime
-import platform
 import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import jax
@@ -22,8 +18,8 @@ import jax.numpy as jnp
 import numpy as np
 
 import midair
+import record
 
-RECORD = Path(__file__).parent / "records" / "gradients.csv"
 WAVENUMBER = 2 * np.pi * 40e3 / 340
 #: Transducers along a side of the array, and numbers of points.
 SIZES = ((16, 4), (16, 64), (32, 4), (32, 64), (32, 256))
@@ -99,17 +95,7 @@ def main() -> None:
         }
         rows.append({"N": side * side, "M": count, **shown, **ratios})
         print(rows[-1])
-    new = not RECORD.exists()
-    with RECORD.open("a", newline="") as stream:
-        head = {
-            "date": datetime.date.today().isoformat(),
-            "cpu": platform.machine(),
-            "version": midair.__version__,
-        }
-        writer = csv.DictWriter(stream, [*head, "jax", *rows[0]], lineterminator="\n")
-        if new:
-            writer.writeheader()
-        writer.writerows({**head, "jax": jax.__version__, **row} for row in rows)
+    record.add("gradients.csv", [{"jax": jax.__version__, **row} for row in rows])
 
 
 if __name__ == "__main__":

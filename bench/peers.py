@@ -12,17 +12,18 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-import judge
 import numpy as np
 import setting
 from rivals import BENCH, RIVALS, Worker
-from tasks import TASKS, Task
+from tasks import TASKS, Task, oracle
 
 import record
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "book"))
 from marked import put
 
+#: The metrics of a record.
+QUALITY = ("accuracy", "sigma", "uniformity")
 PLACE = 1e-6  # m, the largest allowed difference of positions
 CLAIM = 1e-3  # the largest allowed difference of judged metrics from reported ones
 
@@ -70,7 +71,7 @@ class Entry:
         if not apart <= PLACE:
             raise SystemExit(f"{self}: transducers are {apart:.1e} m from where they should be")
         re, im = np.array(answer["drive"])
-        found = judge.metrics(self.task.propagation(points), re + 1j * im, self.task.targets)
+        found = oracle.metrics(np.abs(self.task.propagation(points) @ (re + 1j * im)), self.task.targets)
         for name, reported in answer.get("metrics", {}).items():
             if not abs(reported - found[name]) <= CLAIM:
                 both = f"reports {name} {reported:.6f}, judged {found[name]:.6f}"
@@ -85,7 +86,7 @@ class Entry:
         self.repeat = max(1, math.ceil(least / self.ask(0, 1)["ns"]))
 
     def row(self, date: str, rounds: int, cpu: str) -> record.Row:
-        quality = {name: f"{np.mean([a[name] for a in self.answers]):.6f}" for name in self.answers[0]}
+        quality = {name: f"{np.mean([a[name] for a in self.answers]):.6f}" for name in QUALITY}
         return {
             "date": date,
             "cpu": cpu,

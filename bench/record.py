@@ -1,11 +1,14 @@
 """Writes the record of a run as CSV, and makes the tables of pages from it."""
 
 import csv
+import datetime
 import os
 import platform
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+
+import midair
 
 FIELDS = (
     "date", "cpu", "rival", "version", "method", "form", "grid", "N", "M", "rounds", "ns_median", "ns_min",
@@ -42,15 +45,23 @@ def cpu() -> str:
     return f"{platform.machine()} {widest}".strip()
 
 
-def write(path: Path, rows: Sequence[Row]) -> None:
+def write(path: Path, rows: Sequence[Mapping[str, object]], fields: Iterable[str] = FIELDS) -> None:
     """Writes the file completely or not at all."""
     path.parent.mkdir(exist_ok=True)
     new = path.with_suffix(".new")
     with new.open("w", newline="") as file:
-        writer = csv.DictWriter(file, FIELDS, lineterminator="\n")
+        writer = csv.DictWriter(file, [*fields], lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)
     os.replace(new, path)
+
+
+def add(name: str, rows: Sequence[Mapping[str, object]]) -> None:
+    """Adds rows to a file of records; the date, the processor and the version stand before them."""
+    path = Path(__file__).with_name("records") / name
+    common = {"date": datetime.date.today(), "cpu": platform.machine(), "version": midair.__version__}
+    new = [common | row for row in rows]
+    write(path, [*(read(path) if path.exists() else []), *new], new[0])
 
 
 def read(path: Path) -> list[Row]:

@@ -24,6 +24,9 @@ from websockets.sync.client import connect
 import midair
 from midair._boards.transport import before_what_computes
 
+sys.path.append(str(Path(__file__).resolve().parents[1] / "python" / "tests"))
+import tactons
+
 #: Number of messages of each kind, and range of the time between two messages in s.
 MESSAGES, APART = 400, (0.02, 0.04)
 
@@ -87,38 +90,8 @@ def parameters(address: str, frames: Frames, messages: int) -> list[float]:
     It must be off if the intensity has become 0, and on otherwise.
     """
     off = midair.Board("autd3").off_frame
-    constant = {"name": "linear", "params": {}}
-
-    def value(given: Any) -> dict[str, Any]:
-        return {"type": "param" if isinstance(given, str) else "f64", "value": given}
-
-    place = {"coords": {"x": 0, "y": 0, "z": 0}, "transition": constant}
-    ring = {"name": "circle", "params": {"radius": value(10), "am_freq": value(0)}}
-    strength = {"name": "constant", "params": {"value": value("on")}}
-    keyframe = {
-        "time": 0,
-        "type": "standard",
-        "cjumps": [],
-        "coords": place,
-        "brush": {"brush": ring, "transition": constant},
-        "intensity": {"intensity": strength, "transition": constant},
-    }
-    pattern = {
-        "$DATA_FORMAT": "MidAirHapticsAnimationFileFormat",
-        "$REVISION": "0.1.0-alpha.3",
-        "name": "",
-        "keyframes": [keyframe],
-        "pattern_transform": {
-            "geometric_transforms": {
-                "translate": {axis: value(150 * (axis == "z")) for axis in "xyz"},
-                "rotation": value(0),
-                "scale": {axis: value(1) for axis in "xyz"},
-            },
-            "intensity_factor": value(1),
-            "playback_speed": value(1),
-        },
-        "user_parameter_definitions": {"on": {"default": 1, "step": 1}},
-    }
+    shown = tactons.keyframe(0, (0, 0, 0), ("circle", {"radius": 10, "am_freq": 0}), "on")
+    pattern = tactons.pattern([shown], {"on": (1, 0, 1)}, shift=(0, 0, 150))
     found, random = [], np.random.default_rng(0)
     with connect(address, max_queue=None) as client:
         threading.Thread(target=lambda: [None for _ in client], daemon=True).start()

@@ -1,14 +1,20 @@
 """The tasks of all compared programs: arrays, seeded points, targets, grid of the drives."""
 
+import sys
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
-import judge
 import numpy as np
 
 import midair
 
+sys.path.append(str(Path(__file__).resolve().parents[1] / "python" / "tests"))
+import oracle
+
+SOUND_SPEED = 340.0  # m/s
+WAVENUMBER = 2 * np.pi * 40e3 / SOUND_SPEED  # rad/m
 HEIGHT = 0.15  # m
 HALF = 0.1  # m, half the side of the square of points
 
@@ -37,17 +43,20 @@ class Task:
     def array(self) -> midair.Array:
         return midair.Array.preset(self.preset, self.tiles)
 
-    def propagation(self, points: judge.Real) -> judge.Complex:
-        return judge.propagation(self.array.positions, points, self.array.source_pressure)
+    def propagation(self, points: oracle.Real) -> oracle.Complex:
+        """Returns G (M, N) in Pa in f64, of point sources."""
+        return oracle.propagation(
+            self.array.positions, points, source_pressure=self.array.source_pressure, sound_speed=SOUND_SPEED
+        )
 
-    def points(self, scene: int) -> judge.Real:
+    def points(self, scene: int) -> oracle.Real:
         """Returns points (M, 3) in m, the same for the same scene number."""
         rng = np.random.default_rng([len(self.array), self.count, scene])
         flat = rng.uniform(-HALF, HALF, (self.count, 2))
         return np.column_stack([flat, np.full(self.count, HEIGHT)])
 
     @cached_property
-    def targets(self) -> judge.Real:
+    def targets(self) -> oracle.Real:
         """Returns targets (M,) in Pa."""
         p1 = np.abs(self.propagation(np.array([[0, 0, HEIGHT]]))).sum()
         return np.full(self.count, p1 * (ALONE if self.count == 1 else 1 / np.sqrt(self.count)))
@@ -60,8 +69,8 @@ class Task:
             "grid": self.grid,
             "positions": self.array.positions.tolist(),
             "source_pressure": self.array.source_pressure,
-            "wavenumber": judge.WAVENUMBER,
-            "sound_speed": judge.SOUND_SPEED,
+            "wavenumber": WAVENUMBER,
+            "sound_speed": SOUND_SPEED,
             "points": self.points(scene).tolist(),
             "pressures": self.targets.tolist(),
             "seed": scene,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import midair
-from scenes import POINTS, small
+import oracle
 
 ROOT = Path(__file__).parents[2]
 BENCH = ROOT / "bench"
@@ -20,15 +20,15 @@ def load(name: str) -> SimpleNamespace:
     return SimpleNamespace(**runpy.run_path(str(BENCH / f"{name}.py")))
 
 
-def test_the_judge_agrees_with_midairs() -> None:
-    judge, scene = load("judge"), small(pressures=[900.0, 700.0, 500.0, 800.0])
+def test_the_tasks_field_and_metrics_agree_with_midairs() -> None:
+    task = load("tasks").Task("paper20", None, 4, (), ())
     rng = np.random.default_rng(1)
-    drive = (rng.uniform(0, 1, 64) * np.exp(2j * np.pi * rng.uniform(size=64))).astype(np.complex64)
-    G = judge.propagation(scene.array.positions, POINTS, scene.array.source_pressure)
-    found, expected = judge.metrics(G, drive, scene.pressures), midair.judge(scene, drive, precision="double")
+    drive = (rng.uniform(0, 1, 400) * np.exp(2j * np.pi * rng.uniform(size=400))).astype(np.complex64)
+    found = oracle.metrics(np.abs(task.propagation(task.points(0)) @ drive), task.targets)
+    scene = midair.Scene(task.array, task.points(0), task.targets, sound_speed=340.0)
+    expected = midair.judge(scene, drive, precision="double")
     for name in ("accuracy", "sigma", "uniformity"):
-        # Both results are in double precision. The error of kr = 200 rad is 3e-14, of a sum of 64 terms below
-        # 1e-12.
+        # Both results are in double precision. The error of kr = 200 rad is 3e-14, of 400 terms below 1e-11.
         assert found[name] == pytest.approx(getattr(expected, name), rel=1e-11), name
 
 
