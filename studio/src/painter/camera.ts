@@ -18,6 +18,11 @@ export const dot = (a: Vec3, b: Vec3): number => a[0] * b[0] + a[1] * b[1] + a[2
 /** Returns a + f b. */
 export const along = (a: Vec3, f: number, b: Vec3): Vec3 => [a[0] + f * b[0], a[1] + f * b[1], a[2] + f * b[2]];
 export const cross = (a: Vec3, b: Vec3): Vec3 => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+/** A flat piece: a corner (m), and its sides. */
+export type Piece = { corner: Vec3; u: Vec3; v: Vec3 };
+
+/** Returns the place that is `s` and `t` along the sides of a piece. */
+export const placeIn = ({ corner, u, v }: Piece, s: number, t: number): Vec3 => along(along(corner, s, u), t, v);
 /** Returns the vector of length 1 in the direction of `a`. */
 export const unit = (a: Vec3) => along([0, 0, 0], 1 / Math.sqrt(dot(a, a)), a);
 

@@ -5,18 +5,13 @@
 // here once per field; `sampleAt` and the shaders then sum 4 x 4 of them.
 
 import type { Lattice, Vec3 } from "../state/types.ts";
+import { along, dot } from "./camera.ts";
 
 /**
  * Replaces n values (with this stride, from `start`) at slots 1 to n by the n + 2 coefficients of their spline, at slots 0 to n
  * + 1. The spline is one cubic over the first two and over the last two intervals ("not a knot").
  */
-function filterLine(
-  c: Float64Array | Float32Array,
-  start: number,
-  stride: number,
-  n: number,
-  ratios: Float64Array,
-): void {
+function filterLine(c: Float64Array | Float32Array, start: number, stride: number, n: number, ratios: Float64Array): void {
   const at = (slot: number) => start + slot * stride;
   const f0 = c[at(1)];
   const f1 = c[at(2)];
@@ -102,9 +97,7 @@ export function sampleAt(lattice: Lattice, s: number, t: number): [number, numbe
 
 /** Returns re and im of p (Pa) at `place` (m), projected onto the lattice's plane; `u` and `v` must be at right angles. */
 export function sample(lattice: Lattice, place: Vec3): [number, number] {
-  const { corner, u, v } = lattice;
-  const d = [place[0] - corner[0], place[1] - corner[1], place[2] - corner[2]];
-  const along = (w: Vec3) =>
-    (d[0] * w[0] + d[1] * w[1] + d[2] * w[2]) / (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
-  return sampleAt(lattice, along(u), along(v));
+  const away = along(place, -1, lattice.corner);
+  const [s, t] = [lattice.u, lattice.v].map((side) => dot(away, side) / dot(side, side));
+  return sampleAt(lattice, s, t);
 }

@@ -1,5 +1,6 @@
 /** Lines of any width in px, with soft edges. */
 
+import { type Piece, placeIn } from "./camera.ts";
 import { type Gl, LOOK_UP, program, vectors } from "./gl.ts";
 import { aim, type View } from "./view.ts";
 import type { Vec3 } from "../state/types.ts";
@@ -46,10 +47,9 @@ flat in float half_;
 out vec4 colour;
 void main() { colour = paint * clamp(half_ + .5 - abs(across), 0., 1.); }`;
 
-/** Returns the four sides of the parallelogram with a corner at `corner` and the sides `u` and `v`. */
-export function outline(corner: Vec3, u: Vec3, v: Vec3, ink: Ink, width: number): Line[] {
-  const at = (s: number, t: number): Vec3 => [0, 1, 2].map((k) => corner[k] + s * u[k] + t * v[k]) as Vec3;
-  const corners = [at(0, 0), at(1, 0), at(1, 1), at(0, 1)];
+/** Returns the four sides of a flat piece. */
+export function outline(piece: Piece, ink: Ink, width: number): Line[] {
+  const corners = [[0, 0], [1, 0], [1, 1], [0, 1]].map(([s, t]) => placeIn(piece, s, t));
   return corners.map((a, i) => ({ a, b: corners[(i + 1) % 4], ink, width }));
 }
 

@@ -1,7 +1,7 @@
 /** The 3-D view: floor, transducers, obstacles, slices, glow, lines and labels, painted from back to front. */
 
 import type { Lattice } from "../state/types.ts";
-import { along, cross, dot, unit } from "./camera.ts";
+import { along, cross, dot, placeIn, unit } from "./camera.ts";
 import { canRadius, createDiscs, HEIGHT } from "./discs.ts";
 import { ALL, Field, type Part } from "./field.ts";
 import { createFloor } from "./floor.ts";
@@ -83,8 +83,8 @@ export class Scene {
 
   /** Paints slices that cross, in quarters, the most distant first. */
   private crossing(view: View, picture: Picture): void {
-    const away = ({ corner, u, v }: Lattice, [a, b, c, d]: Part) => {
-      const to = along(along(along(corner, (a + c) / 2, u), (b + d) / 2, v), -1, view.eye);
+    const away = (lattice: Lattice, [a, b, c, d]: Part) => {
+      const to = along(placeIn(lattice, (a + c) / 2, (b + d) / 2), -1, view.eye);
       return dot(to, to);
     };
     const quarters = picture.slices.flatMap(({ lattice, key }) => QUARTERS.map((part) => ({ lattice, key, part, away: away(lattice, part) })));

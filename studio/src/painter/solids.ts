@@ -1,7 +1,7 @@
 /** Obstacles: shaded spheres, and walls as translucent squares near the scene. */
 
 import type { Obstacle, Vec3 } from "../state/types.ts";
-import { along, cross, dot, unit } from "./camera.ts";
+import { along, cross, dot, type Piece, unit } from "./camera.ts";
 import { type Gl, program } from "./gl.ts";
 import { type Line, outline } from "./lines.ts";
 import type { Bounds } from "./stage.ts";
@@ -46,7 +46,7 @@ out vec4 colour;
 void main() { colour = vec4(ink.rgb * ink.a, ink.a); }`;
 
 /** Returns the shown part of a wall: corner and sides (m) of a square, at the height of the middle of `bounds`. */
-export function wallSquare(point: Vec3, normal: Vec3, bounds: Bounds): { corner: Vec3; u: Vec3; v: Vec3 } {
+export function wallSquare(point: Vec3, normal: Vec3, bounds: Bounds): Piece {
   const n = unit(normal);
   const middle = [0, 1, 2].map((k) => (bounds.least[k] + bounds.most[k]) / 2) as Vec3;
   const foot = along(middle, dot(n, along(point, -1, middle)), n);
@@ -62,8 +62,7 @@ export function wallSquare(point: Vec3, normal: Vec3, bounds: Bounds): { corner:
 export function wallLines(obstacles: Obstacle[], bounds: Bounds): Line[] {
   return obstacles.flatMap((wall) => {
     if ("radius" in wall) return [];
-    const { corner, u, v } = wallSquare(wall.point, wall.normal, bounds);
-    return outline(corner, u, v, [...tint(wall), 0.7], 1.2);
+    return outline(wallSquare(wall.point, wall.normal, bounds), [...tint(wall), 0.7], 1.2);
   });
 }
 

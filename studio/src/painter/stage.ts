@@ -1,7 +1,7 @@
 /** Stage: the axes with their marks, the vertical lines below points, and a bar of one wavelength. */
 
 import type { Vec3 } from "../state/types.ts";
-import { along, type Camera, dot, frame } from "./camera.ts";
+import { along, type Camera, dot, frame, placeIn } from "./camera.ts";
 import type { Label } from "./labels.ts";
 import { type Ink, type Line, outline, ring } from "./lines.ts";
 import { roundStep } from "./maps.ts";
@@ -82,9 +82,9 @@ export function axes(camera: Camera, bounds: Bounds, floor: number, theme: Pictu
 /** Returns a bar of one wavelength at the lower edge of the first slice, with its length in mm. */
 export function scaleBar({ slices, wavelength, theme }: Picture): { lines: Line[]; labels: Label[] } {
   if (!slices.length) return { lines: [], labels: [] };
-  const { corner, u, v } = slices[0].lattice;
+  const { u, v } = slices[0].lattice;
   const part = wavelength / Math.hypot(...u);
-  const from = along(along(corner, 0.03, u), 0.03, v);
+  const from = placeIn(slices[0].lattice, 0.03, 0.03);
   const { strong, text } = INKS[theme];
   return {
     lines: [{ a: from, b: along(from, part, u), ink: strong, width: 3 }],
@@ -99,5 +99,5 @@ export function guides(picture: Picture, plane: number): Line[] {
     { a: [x, y, z], b: [x, y, plane], ink: faint, width: 1 },
     ...ring([x, y, plane], 0.003, strong, 1.2),
   ]);
-  return [...foot, ...picture.slices.flatMap(({ lattice: { corner, u, v } }) => outline(corner, u, v, faint, 1))];
+  return [...foot, ...picture.slices.flatMap(({ lattice }) => outline(lattice, faint, 1))];
 }

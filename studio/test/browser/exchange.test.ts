@@ -33,6 +33,42 @@ const drop = (name: string, text: string) =>
     [name, text],
   );
 
+const SCENE = `
+signature = "trap"
+[array]
+preset = "openmpd_pair"
+[[points]]
+position = [0, 0, 0]
+[bead]
+radius = 1.2e-3
+density = 900
+[solver]
+name = "uniform"
+seed = 3
+`;
+
+test("a scene that is dropped in keeps its bead and options, in link and file; what the page has not is named", async () => {
+  const alert = () => page.getByRole("alert").innerText();
+  await drop("scene.toml", SCENE);
+  await expect.poll(points).toEqual([[0, 0, 0]]);
+  const state = await page.evaluate(() => window.midair!.state());
+  expect(state).toMatchObject({ bead: { radius: 1.2e-3, density: 900 }, options: { uniform: { seed: 3 } }, signature: "trap" });
+  // The parts of an array that all such arrays have do not make it one's own.
+  expect(await page.evaluate(() => window.midair!.permalink())).toMatch(/a=openmpd_pair\.1x1&.*&b=1\.2,900,[\d.]+,0,0,-9\.81&x=/);
+  const [file] = await Promise.all([page.waitForEvent("download"), fromMenu(page, "Export scene")]);
+  const scene = await readFile((await file.path())!, "utf8");
+  for (const line of ["[bead]", "radius = 0.0012", "density = 900.0", "seed = 3"]) expect(scene).toContain(line);
+  for (const [text, line] of [
+    [`${SCENE}\n[table]\nx = 1`, /scene\.toml: .*table/],
+    [SCENE.replace("seed", "sead"), /scene\.toml: .*sead/],
+    [SCENE.replace("[bead]", "weight = 2\n[bead]"), /scene\.toml: points\[0\]\.weight is 2: the page has 1, use the package/],
+  ] as const) {
+    await drop("scene.toml", text);
+    await expect.poll(alert).toMatch(line);
+  }
+  expect(await points()).toEqual([[0, 0, 0]]);
+});
+
 test("an SVG that is dropped in becomes points along its lines; one with a script is refused", async () => {
   const before = await points();
   const svg = (body: string) => `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 10 10">${body}</svg>`;
