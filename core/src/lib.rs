@@ -103,18 +103,12 @@ pub use scene::{
     Transducer, Value, presets, spell, spl, word,
 };
 pub use session::{Batch, Frames, Session, SolveRequest};
+#[doc(hidden)]
+pub use solvers::options::private as __private;
 pub use solvers::options::{Configure, OptionInfo};
 pub use solvers::{Solve, solve::solve};
 pub use threads::Threads;
 pub use workspace::{Buffer, Pool, Workspace};
-
-/// Imports that [`options!`] needs where it is used.
-#[doc(hidden)]
-pub mod __private {
-    pub use crate::error::same_name;
-    pub use crate::solvers::options::{describe, note};
-    pub use alloc::vec::Vec;
-}
 
 /// The chapters of `docs/` whose code is run as tests.
 #[cfg(doctest)]

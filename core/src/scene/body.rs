@@ -1,25 +1,6 @@
-//! Body: an obstacle that a few numbers describe, declared once for scene files and bindings.
+//! Body: declares the obstacles that a few numbers describe, once for scene files and bindings.
 
 use alloc::vec::Vec;
-
-use crate::scene::{Key, Obstacle, Surface};
-
-/// The numbers of each parameter of a body, and its boundary condition.
-pub(crate) type Described = (Vec<Vec<f64>>, Surface);
-
-/// A kind of obstacle that a few numbers describe.
-#[derive(Debug)]
-#[non_exhaustive]
-pub struct Body {
-    /// The name of the kind in messages.
-    pub noun: &'static str,
-    /// The parameters, each with its count of numbers.
-    pub parts: &'static [(Key, usize)],
-    /// Makes the obstacle from the numbers of each parameter and its boundary condition. The caller gives the right counts.
-    pub make: fn(&[Vec<f64>], Surface) -> Obstacle,
-    /// Returns the numbers of each parameter and the boundary condition; `None` for an obstacle of another kind.
-    pub read: fn(&Obstacle) -> Option<Described>,
-}
 
 /// A type that is made from a fixed count of numbers: a scalar or an array.
 pub(crate) trait Numbers {
@@ -55,8 +36,8 @@ impl<const N: usize> Numbers for [f64; N] {
 /// Declares the enum of obstacles: first the kinds that a few numbers describe, with unit and example of each
 /// parameter, then the kinds that wrap one value.
 ///
-/// The enum gets `BODIES`, a [`Body`] for each kind that numbers describe; `PARTS`, the parameters of these kinds as
-/// keys; and `noun`.
+/// The enum gets `BODIES`, a `Body` for each kind that numbers describe; `PARTS`, the parameters of these kinds as
+/// keys; and `noun`. The file that calls this macro has `Body`, `Key` and `Surface`.
 macro_rules! obstacles {
     (
         $(#[$meta:meta])*
@@ -78,7 +59,7 @@ macro_rules! obstacles {
                 $name {
                     $( $(#[doc = $doc])+ $field: $type, )+
                     /// The acoustic boundary condition of the surface.
-                    kind: $crate::scene::Surface,
+                    kind: Surface,
                 },
             )+
             $( $(#[$other_about])* $other($of), )*
@@ -86,11 +67,11 @@ macro_rules! obstacles {
 
         impl $enum {
             /// The kinds that a few numbers describe.
-            pub const BODIES: &[$crate::scene::Body] = &[$(
-                $crate::scene::Body {
+            pub const BODIES: &[Body] = &[$(
+                Body {
                     noun: $noun,
                     parts: &[$( (
-                        $crate::scene::Key::new(stringify!($field), $example, concat!("Of a ", $noun, ":", $($doc),+)),
+                        Key::new(stringify!($field), $example, concat!("Of a ", $noun, ":", $($doc),+)),
                         <$type as $crate::scene::body::Numbers>::COUNT,
                     ), )+],
                     make: |parts, kind| {
@@ -111,8 +92,8 @@ macro_rules! obstacles {
             )+];
 
             /// The parameters of the kinds in [`Self::BODIES`], in the same order.
-            pub const PARTS: &[$crate::scene::Key] = &[$($(
-                $crate::scene::Key::new(stringify!($field), $example, concat!("Of a ", $noun, ":", $($doc),+)),
+            pub const PARTS: &[Key] = &[$($(
+                Key::new(stringify!($field), $example, concat!("Of a ", $noun, ":", $($doc),+)),
             )+)+];
 
             pub(crate) fn noun(&self) -> &'static str {

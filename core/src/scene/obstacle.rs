@@ -12,7 +12,7 @@ use crate::scene::geometry::vector;
 use crate::scene::mesh::{Mesh, area_vector};
 use crate::scene::surface::ON;
 use crate::scene::wall::{Mirror, compatible, mirror};
-use crate::scene::{Array, Medium};
+use crate::scene::{Array, Key, Medium, Surface};
 
 /// The most walls of a scene: a box has six sides.
 const MOST_WALLS: usize = 6;
@@ -27,6 +27,23 @@ const MOST_ELEMENTS: f64 = 30_000.0;
 /// The least distance between a body and a transducer, in wavelengths. A transducer is computed as a point source.
 /// This is wrong for the waves that a nearer body reflects.
 const CLEAR: f64 = 0.25;
+
+/// The numbers of each parameter of a body, and its boundary condition.
+pub(crate) type Described = (Vec<Vec<f64>>, Surface);
+
+/// A kind of obstacle that a few numbers describe.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct Body {
+    /// The name of the kind in messages.
+    pub noun: &'static str,
+    /// The parameters, each with its count of numbers.
+    pub parts: &'static [(Key, usize)],
+    /// Makes the obstacle from the numbers of each parameter and its boundary condition. The caller gives the right counts.
+    pub make: fn(&[Vec<f64>], Surface) -> Obstacle,
+    /// Returns the numbers of each parameter and the boundary condition; `None` for an obstacle of another kind.
+    pub read: fn(&Obstacle) -> Option<Described>,
+}
 
 obstacles! {
     /// A body that waves cannot enter.

@@ -43,6 +43,14 @@ pub fn note<T: OptionValue>(options: &mut Options, name: &str, value: &T) {
     options.insert(name.into(), value.show());
 }
 
+/// Names that [`crate::options!`] needs where it is used.
+#[doc(hidden)]
+pub mod private {
+    pub use crate::error::same_name;
+    pub use crate::solvers::options::{describe, note};
+    pub use alloc::vec::Vec;
+}
+
 /// Declares a solver's options once: the struct, its `Default` and its [`Configure`].
 ///
 /// ```

@@ -15,8 +15,8 @@ use core::array;
 
 use num_complex::Complex32;
 
-use crate::kernels::closed_form;
-use crate::kernels::closed_form::{Block, Layout, Look, MOST, Sweep, direction};
+use crate::kernels::closed_form::blocks;
+use crate::kernels::closed_form::blocks::{Block, Layout, Look, MOST, Sweep, direction};
 use crate::kernels::lanes::{LANES, Lanes, Octet, groups, groups_mut};
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
@@ -30,7 +30,7 @@ pub(crate) fn sweep(
     drive: &mut [f32],
     pressures: [&mut [f32]; 2],
 ) {
-    dispatch!(set, s => closed_form::run(s, sweep, order, ProblemsInLanes { drive }, pressures, |_| true));
+    dispatch!(set, s => blocks::run(s, sweep, order, ProblemsInLanes { drive }, pressures, |_| true));
 }
 
 /// Number of transducers whose real and imaginary parts fill one lane group.

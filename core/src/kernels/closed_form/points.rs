@@ -2,8 +2,8 @@
 
 use num_complex::Complex32;
 
-use crate::kernels::closed_form;
-use crate::kernels::closed_form::{Block, Layout, Look, MOST, QUAD, Sweep, directions, own_power};
+use crate::kernels::closed_form::blocks;
+use crate::kernels::closed_form::blocks::{Block, Layout, Look, MOST, QUAD, Sweep, directions, own_power};
 use crate::kernels::lanes::{LANES, Lanes, Octet, groups};
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
@@ -17,7 +17,7 @@ pub(super) fn sweep(
     pressures: [&mut [f32]; 2],
     report: impl FnMut([&[f32]; 2]) -> bool,
 ) -> bool {
-    dispatch!(set, s => !s.is_short() && closed_form::run(s, sweep, order, PointsInLanes { drive }, pressures, report))
+    dispatch!(set, s => !s.is_short() && blocks::run(s, sweep, order, PointsInLanes { drive }, pressures, report))
 }
 
 /// The drives of one problem whose points are in the lanes.

@@ -18,8 +18,10 @@ use core::array;
 
 use num_complex::Complex32;
 
-use crate::kernels::closed_form;
-use crate::kernels::closed_form::{Block, Layout, Look, MOST, Memory, QUAD, ROWS, Sweep, directions, own_power};
+use crate::kernels::closed_form::blocks;
+use crate::kernels::closed_form::blocks::{
+    Block, Layout, Look, MOST, Memory, QUAD, ROWS, Sweep, directions, own_power,
+};
 use crate::kernels::lanes::{LANES, Lanes, Line, Octet, groups};
 use crate::kernels::propagate::octets::write_segments;
 use crate::kernels::propagate::row::ControlPoints;
@@ -61,7 +63,7 @@ pub(super) fn sweep<const N: usize>(
     let few = Sweep { rows, target: &target.0, weight: &weight.0, memory, ..*sweep };
     let pressures = [&mut real.0[..], &mut imag.0[..]];
     let sweep = Segments::<N> { drive };
-    let goes_on = dispatch!(set, s => !s.is_short() && closed_form::run(s, few, order, sweep, pressures, report));
+    let goes_on = dispatch!(set, s => !s.is_short() && blocks::run(s, few, order, sweep, pressures, report));
     re[..count].copy_from_slice(&real.0[..count]);
     im[..count].copy_from_slice(&imag.0[..count]);
     goes_on

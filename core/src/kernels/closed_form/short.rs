@@ -6,7 +6,7 @@
 
 use num_complex::Complex32;
 
-use crate::kernels::closed_form::{MOST, Memory, QUAD, Sweep, own_power, residual, unit};
+use crate::kernels::closed_form::blocks::{MOST, Memory, QUAD, Sweep, own_power, residual, unit};
 use crate::kernels::grid::Phases;
 use crate::kernels::lanes::{LANES, Lanes, Octet, groups, groups_mut};
 use crate::kernels::propagate::octets::write_rows;
