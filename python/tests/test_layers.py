@@ -1,5 +1,5 @@
 """Allowed imports within the package: from lower layers only, without cycles;
-lazy and type-checking imports count.
+lazy and type-checking imports count, and so do modules that a text names.
 """
 
 from __future__ import annotations
@@ -48,6 +48,18 @@ LAYERS = (
     "__main__",
 )
 
+#: Imports upward, each with its reason.
+UPWARD = {
+    ("midair._sequence.sequence", "midair._judging.exposure"): "a method, loaded at its first use",
+}
+
+#: Modules that import by a name that they compute, each with the reason.
+COMPUTED = {
+    "midair._boards.transport": "a kind of transport is loaded by its name in TRANSPORTS",
+    "midair._support.slips": "the name stands where a method is declared by Later",
+    "midair._toolbox": "HOMES, METHODS and CALLED list the names",
+}
+
 #: The modules of fewer than 40 lines, each with the reason why it is not merged into another one.
 SHORT = {
     "midair.__main__": "python -m midair",
@@ -71,6 +83,37 @@ def imported(text: str, package: str) -> Iterator[str]:
             yield from (f"{origin}.{alias.name}" for alias in node.names)
 
 
+def named(text: str, package: str) -> Iterator[str]:
+    """Yields the texts that may name a module: `midair.x`, `_x` for `midair._x`, `.x` beside the module."""
+    for node in ast.walk(ast.parse(text)):
+        if not isinstance(node, ast.Constant) or not isinstance(node.value, str):
+            continue
+        name = node.value.lstrip(".")
+        if above := len(node.value) - len(name):
+            yield ".".join([*package.split(".")[: 1 - above or None], name])
+        elif name.startswith("midair."):
+            yield name
+        elif name.startswith("_") and name != "__main__":
+            yield f"midair.{name}"
+
+
+def computes(text: str) -> bool:
+    """Returns whether a module imports by a name that is no plain text."""
+    nodes = list(ast.walk(ast.parse(text)))
+    importers = {"__import__"} | {
+        alias.asname or alias.name
+        for node in nodes
+        if isinstance(node, ast.ImportFrom) and node.module == "importlib"
+        for alias in node.names
+    }
+    return any(
+        isinstance(node, ast.Call)
+        and (ast.unparse(node.func) in importers or ast.unparse(node.func).endswith(".import_module"))
+        and not (node.args and isinstance(node.args[0], ast.Constant))
+        for node in nodes
+    )
+
+
 def graph(texts: dict[str, str]) -> dict[str, set[str]]:
     """Returns the modules that each module imports, by dotted names; `a.b.__init__` is the package a.b."""
     known = {name.removesuffix(".__init__") for name in texts} | {"midair._midair"}
@@ -82,7 +125,9 @@ def graph(texts: dict[str, str]) -> dict[str, set[str]]:
     uses = {}
     for name, text in texts.items():
         module, package = name.removesuffix(".__init__"), name.rpartition(".")[0]
-        uses[module] = {used for inner in imported(text, package) if (used := longest(inner))} - {module}
+        own = {used for inner in imported(text, package) if (used := longest(inner))}
+        own |= known.intersection(named(text, package))
+        uses[module] = {used for used in own if (module, used) not in UPWARD} - {module}
     return uses
 
 
@@ -129,6 +174,13 @@ def test_imports_run_downwards_and_in_no_circle() -> None:
         ("midair._support.text", "from .._sequence.sequence import Sequence"),
         ("midair._points.ear", "def later():\n    from .. import _boards"),
         ("midair._sweep.axes", "import midair"),
+        ("midair._support.text", "import importlib\nimportlib.import_module('midair._boards.guard')"),
+        ("midair._support.text", "from importlib import import_module as load\nload('midair._boards')"),
+        ("midair._support.text", "import importlib as i\ni.import_module('.._boards', __package__)"),
+        ("midair._support.text", "__import__('midair._boards.guard')"),
+        ("midair._sequence.drives", "plot = Later('_files.reading', 'read')"),
+        ("midair._sequence.drives", "HOMES = {'_files': 'read write'}"),
+        ("midair._sequence.drives", "def later() -> None:\n    from .._judging.exposure import exposure"),
     ],
 )
 def test_an_import_of_a_higher_layer_is_seen(module: str, line: str) -> None:
@@ -142,6 +194,29 @@ def test_a_circle_is_seen_through_a_type_checking_import() -> None:
     texts["midair._sweep.axes"] += "\nif TYPE_CHECKING:\n    from .block import Block\n"
     texts["midair._sweep.block"] += "\nfrom .axes import plain\n"
     assert set(circle(graph(texts))) == {"midair._sweep.axes", "midair._sweep.block"}
+
+
+def test_a_circle_is_seen_through_a_text() -> None:
+    texts = sources()
+    texts["midair._sweep.axes"] += "\nBLOCK = import_module('.block', __package__)\n"
+    texts["midair._sweep.block"] += "\nfrom .axes import plain\n"
+    assert set(circle(graph(texts))) == {"midair._sweep.axes", "midair._sweep.block"}
+
+
+def test_a_module_that_imports_by_a_computed_name_has_its_reason() -> None:
+    assert {name for name, text in sources().items() if computes(text)} == set(COMPUTED)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "from importlib import import_module as load\nload(f'midair.{name}')",
+        "import importlib\nimportlib.import_module(name)",
+        "__import__(name)",
+    ],
+)
+def test_a_computed_name_is_seen(line: str) -> None:
+    assert computes(line)
 
 
 def test_the_package_has_few_modules_and_a_short_one_has_its_reason() -> None:
