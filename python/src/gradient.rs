@@ -10,8 +10,9 @@ use crate::ctrl_c::attend;
 use crate::error::{invalid, refused, warn_all};
 use crate::give::fresh;
 use crate::limits;
+use crate::numbers::{NUMBER, REAL};
 use crate::numbers::{Numbers, numbers, reported};
-use crate::read::{self, NUMBER, REAL};
+use crate::read;
 use crate::solution::{Solution, about, played};
 
 type Argument<'py> = Option<Bound<'py, PyAny>>;

@@ -12,10 +12,13 @@ use pyo3::types::{IntoPyDict, PyBool, PyFloat, PyInt, PyList, PyTuple};
 
 use crate::error::invalid;
 use crate::give;
-use crate::read::REAL;
 
 /// Largest number of dimensions of an argument: (B, M, 3).
 const DEEPEST: usize = 3;
+
+/// Kinds of numbers, as NumPy's letters.
+pub(crate) const REAL: &str = "iuf";
+pub(crate) const NUMBER: &str = "iufc";
 
 /// Values in C order, and their shape.
 pub(crate) struct Numbers<T> {

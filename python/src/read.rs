@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString};
 
 use crate::error::{invalid, refused};
-use crate::numbers::{Numbers, array, numbers, quoted, reported};
+use crate::numbers::{NUMBER, Numbers, REAL, array, numbers, quoted, reported};
 
 /// Reads the number of boards along x and y; one by default.
 pub(crate) fn tiles(value: Option<&Bound<'_, PyAny>>) -> PyResult<[usize; 2]> {
@@ -18,10 +18,6 @@ pub(crate) fn tiles(value: Option<&Bound<'_, PyAny>>) -> PyResult<[usize; 2]> {
     };
     Ok([count("tiles[0]", x)?, count("tiles[1]", y)?])
 }
-
-/// Kinds of numbers, as NumPy's letters.
-pub(crate) const REAL: &str = "iuf";
-pub(crate) const NUMBER: &str = "iufc";
 
 /// Reads vectors (K, 3).
 pub(crate) fn vectors(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 3]>> {

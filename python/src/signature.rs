@@ -6,8 +6,8 @@ use pyo3::types::{PyList, PyString};
 
 use crate::error::{invalid, refused};
 use crate::give;
+use crate::numbers::NUMBER;
 use crate::numbers::{Numbers, numbers, quoted, reported};
-use crate::read::NUMBER;
 
 /// Reads a signature: a name, a list with a name or None for each point, or factors (N,) or (M, N) for N `transducers`.
 pub(crate) fn read_signature(value: &Bound<'_, PyAny>, transducers: usize) -> PyResult<Signature> {
