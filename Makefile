@@ -17,7 +17,7 @@ SHOWN := naive,greedy,uniform
 BUILT := $(or $(CARGO_TARGET_DIR),target)/release
 PREFIX := /usr/local
 CODE := python capi bench book firmware fuzz gateware examples
-RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml $(shell find core/src python/src -name '*.rs')
+RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml $(shell find core/src python/src python/stubs -name '*.rs')
 
 # A step prints its name, with the expected time on two cores without earlier builds; then the time that it took, or its
 # name again if it fails.
@@ -42,7 +42,7 @@ setup: .venv/ready ## Build midair into .venv
 	@touch .venv/extension
 
 # The extension for `make check`: compiled with the tests' profile, only if a Rust file is newer than the installed one.
-.venv/extension: .venv/ready $(RUST)
+.venv/extension: .venv/ready $(RUST) python/midair/_toolbox.py python/midair/_keywords.pyi
 	$(call step,package: the extension as the tests are compiled (2 min; 20 s after a change),$(BIN)/maturin develop --uv --quiet)
 	@touch $@
 
@@ -224,7 +224,7 @@ book/.venv/ready studio/.venv/ready: %/.venv/ready: %/requirements.txt .venv/rea
 
 generated: stubs schema api map header ## Write all generated files anew, except those that need a word: golden and pins
 
-stubs: .venv/extension # python/midair/_keywords.pyi, _calls.pyi, _bodies.pyi
+stubs: .venv/extension # python/midair/_keywords.pyi
 	$(PYTHON) python/stubs.py
 
 schema: .venv/extension # docs/*.schema.json, docs/columns.md, fuzz/*.dict
@@ -257,4 +257,4 @@ release: setup studio npm ## Rehearse a release: all parts into out/release, eac
 
 clean: ## Remove what was built
 	$(CARGO) clean
-	rm -rf .venv out bench/.envs core/tests/no_std/target python/midair/*.so studio/.venv studio/node_modules studio/built python/midair/_studio/built
+	rm -rf .venv out bench/.envs core/tests/no_std/target python/midair/*.so python/midair/_midair.pyi studio/.venv studio/node_modules studio/built python/midair/_studio/built

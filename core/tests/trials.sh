@@ -192,8 +192,6 @@ swap '        radius: f64,' '        radius: f64,
         size: f64,' python/src/bodies.rs
 after '    BatchMetrics,' python/midair/__init__.py <<<'    Bubble,'
 after '    "BoardTimeout",' python/midair/__init__.py <<<'    "Bubble",'
-after 'from ._bodies import Sphere as Sphere' python/midair/_midair.pyi <<<'from ._bodies import Bubble as Bubble'
-after '    "Boundary",' python/midair/_midair.pyi <<<'    "Bubble",'
 swap '#: The function that draws each kind of obstacle' 'def _bubble(bubble: Bubble, plane: Plane, ax: Axes, axes: tuple[int, int]) -> None:
     ax.plot(1e3 * bubble.middle[axes[0]], 1e3 * bubble.middle[axes[1]], ".", color=COLOUR)
 

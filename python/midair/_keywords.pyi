@@ -1,12 +1,17 @@
-"""Keywords by solver and call: its options, and what goes beside them. Made by `make stubs`."""
+"""Keywords that the core declares: of the air, of arrays, of scenes and of each solver.
+Made by `make stubs`.
+"""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, Literal, TypedDict
+from typing import Any, Literal, TypeAlias, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._midair import Solution, _Directivity, _Obstacle, _Quantization
+from ._midair import Array, Plane
+
+_Directivity: TypeAlias = str | dict[str, float]
+_Quantization: TypeAlias = dict[str, int | ArrayLike | None]
 
 class Air(TypedDict, total=False):
     frequency: float | None
@@ -74,34 +79,22 @@ class Radiating:
     def quantization(self) -> dict[str, int | NDArray[np.float64] | None] | None:
         """Phases and amplitudes that the board can play; by default those of the preset. {} allows any drive."""
 
-class Board(TypedDict, total=False):
-    quantization: _Quantization | None
-    mask: ArrayLike | None
+class _Request(Keys, total=False):
+    signature: str | ArrayLike | Sequence[str | None] | None
+    bead: Mapping[str, Any] | None
+    obstacles: Iterable[Any] | None
+
+class Changes(_Request, total=False):
+    array: Array | None
+    points: ArrayLike | None
+    pressures: ArrayLike | None
+    weights: ArrayLike | None
+    plane: Plane | None
+
+class Setting(_Request, total=False):
     positions: ArrayLike | None
     balance: bool | None
     aim: Literal["target", "max"] | None
-
-class Solve(Board, total=False):
-    pressures: ArrayLike | None
-    weights: ArrayLike | None
-    start: ArrayLike | Solution | None
-    progress: Callable[[int, int, float], object] | None
-    trace: bool
-
-class Setting(Board, Keys, total=False):
-    signature: str | ArrayLike | Sequence[str | None] | None
-    bead: Mapping[str, Any] | None
-    obstacles: Iterable[_Obstacle] | None
-
-class Solver(Setting, total=False):
-    points: int | None
-
-class Batch(Setting, total=False):
-    weights: ArrayLike | None
-    start: ArrayLike | None
-    out: NDArray[np.complex64] | None
-    threads: int | None
-    progress: Callable[[int, int, float], object] | None
 
 class Uniform(TypedDict, total=False):
     """even points at the highest common level, |q| alike."""
@@ -111,9 +104,7 @@ class Uniform(TypedDict, total=False):
     """Ends when no point is off the common level by more than this part of it."""
     quiet: float | None
     """Allowed leak of a quiet point, relative to the loudest point. It is divided by the point's weight, relative to the largest weight of a target."""
-class SolveUniform(Solve, Uniform): ...
-class SolverUniform(Solver, Uniform): ...
-class BatchUniform(Batch, Uniform): ...
+class SettingUniform(Setting, Uniform): ...
 
 class Best(TypedDict, total=False):
     """the loudest even field from many starts."""
@@ -127,9 +118,7 @@ class Best(TypedDict, total=False):
     """Allowed leak of a quiet point, relative to the loudest point. It is divided by the point's weight, relative to the largest weight of a target."""
     seed: int | None
     """Seed of the point phases, 0 to 2^64 - 1."""
-class SolveBest(Solve, Best): ...
-class SolverBest(Solver, Best): ...
-class BatchBest(Batch, Best): ...
+class SettingBest(Setting, Best): ...
 
 class Greedy(TypedDict, total=False):
     """greedy with brute-force search over phases and amplitudes."""
@@ -147,9 +136,7 @@ class Greedy(TypedDict, total=False):
     """Largest change of a phase from a start drive, in rad, 0 or above; below 2 pi/phases no phase changes."""
     sweeps: int | None
     """Number of passes over all transducers, 1 to 1000. From the second on, each one is chosen again in the field of all others."""
-class SolveGreedy(Solve, Greedy): ...
-class SolverGreedy(Solver, Greedy): ...
-class BatchGreedy(Batch, Greedy): ...
+class SettingGreedy(Setting, Greedy): ...
 
 class Fast(TypedDict, total=False):
     """greedy in closed form: one sum instead of a search."""
@@ -159,9 +146,7 @@ class Fast(TypedDict, total=False):
     """Further sweeps over all transducers, 0 to 1000."""
     seed: int | None
     """Seed of the order of the updates, 0 to 2^64 - 1."""
-class SolveFast(Solve, Fast): ...
-class SolverFast(Solver, Fast): ...
-class BatchFast(Batch, Fast): ...
+class SettingFast(Setting, Fast): ...
 
 class Glide(TypedDict, total=False):
     """even points in motion, phases within a bound of the last frame's."""
@@ -175,9 +160,7 @@ class Glide(TypedDict, total=False):
     """Weighted Gerchberg-Saxton sweeps a frame."""
     steps: int | None
     """Largest number of Gauss-Newton steps a frame."""
-class SolveGlide(Solve, Glide): ...
-class SolverGlide(Solver, Glide): ...
-class BatchGlide(Batch, Glide): ...
+class SettingGlide(Setting, Glide): ...
 
 class Descent(TypedDict, total=False):
     """least squares over all phases: pictures, and more points than can be even."""
@@ -189,9 +172,7 @@ class Descent(TypedDict, total=False):
     """Number of starts, each followed for a fifth of the steps: a focus behind the points whose cone covers them, then one in front of them, then random phases. Points among the transducers start with all in phase instead."""
     seed: int | None
     """Seed of the random phases, 0 to 2^64 - 1."""
-class SolveDescent(Solve, Descent): ...
-class SolverDescent(Solver, Descent): ...
-class BatchDescent(Batch, Descent): ...
+class SettingDescent(Setting, Descent): ...
 
 class Lm(TypedDict, total=False):
     """Levenberg-Marquardt on all phases, |q| = 1."""
@@ -203,9 +184,7 @@ class Lm(TypedDict, total=False):
     """Ends when the gradient, or the root mean square of a step in turns, is below this; 0 takes all steps."""
     seed: int | None
     """Seed of the random start phases, 0 to 2^64 - 1."""
-class SolveLm(Solve, Lm): ...
-class SolverLm(Solver, Lm): ...
-class BatchLm(Batch, Lm): ...
+class SettingLm(Setting, Lm): ...
 
 class Gspat(TypedDict, total=False):
     """GS-PAT: Gerchberg-Saxton on the M x M matrix."""
@@ -215,9 +194,7 @@ class Gspat(TypedDict, total=False):
     """Ends when no |p| changes by more than this part of its target in a step; 0 takes all steps."""
     limit: Literal["clamp", "normalize", "full"] | None
     """Rule that reduces drives above 1: "clamp", "normalize" or "full"."""
-class SolveGspat(Solve, Gspat): ...
-class SolverGspat(Solver, Gspat): ...
-class BatchGspat(Batch, Gspat): ...
+class SettingGspat(Setting, Gspat): ...
 
 class Gs(TypedDict, total=False):
     """Gerchberg-Saxton, |q| = 1."""
@@ -225,9 +202,7 @@ class Gs(TypedDict, total=False):
     """Largest number of steps."""
     tolerance: float | None
     """Ends when no |p| changes by more than this part of its target in a step; 0 takes all steps."""
-class SolveGs(Solve, Gs): ...
-class SolverGs(Solver, Gs): ...
-class BatchGs(Batch, Gs): ...
+class SettingGs(Setting, Gs): ...
 
 class Wgs(TypedDict, total=False):
     """weighted Gerchberg-Saxton, damped, |q| = 1, best iterate kept."""
@@ -235,9 +210,7 @@ class Wgs(TypedDict, total=False):
     """Largest number of steps."""
     tolerance: float | None
     """Ends when 1 - uniformity is at most this; 0 takes all steps."""
-class SolveWgs(Solve, Wgs): ...
-class SolverWgs(Solver, Wgs): ...
-class BatchWgs(Batch, Wgs): ...
+class SettingWgs(Setting, Wgs): ...
 
 class Evd(TypedDict, total=False):
     """leading eigenvector's phases, then a regularised solve."""
@@ -245,9 +218,7 @@ class Evd(TypedDict, total=False):
     """Exponent of Long's regularising weights, 0 to 10."""
     limit: Literal["clamp", "normalize", "full"] | None
     """Rule that reduces drives above 1: "clamp", "normalize" or "full"."""
-class SolveEvd(Solve, Evd): ...
-class SolverEvd(Solver, Evd): ...
-class BatchEvd(Batch, Evd): ...
+class SettingEvd(Setting, Evd): ...
 
 class Sdp(TypedDict, total=False):
     """SDP relaxation of the point phases, then the pseudo-inverse."""
@@ -265,9 +236,7 @@ class Sdp(TypedDict, total=False):
     """Seed of the order of the columns, 0 to 2^64 - 1."""
     limit: Literal["clamp", "normalize", "full"] | None
     """Rule that reduces drives above 1: "clamp", "normalize" or "full"."""
-class SolveSdp(Solve, Sdp): ...
-class SolverSdp(Solver, Sdp): ...
-class BatchSdp(Batch, Sdp): ...
+class SettingSdp(Setting, Sdp): ...
 
 class Bounded(TypedDict, total=False):
     """the least error of complex targets, to a proven tolerance."""
@@ -275,9 +244,7 @@ class Bounded(TypedDict, total=False):
     """Largest number of steps."""
     tolerance: float | None
     """Ends when the error is proven to be within this part of the least possible one; 0 takes all steps."""
-class SolveBounded(Solve, Bounded): ...
-class SolverBounded(Solver, Bounded): ...
-class BatchBounded(Batch, Bounded): ...
+class SettingBounded(Setting, Bounded): ...
 
 class Tikhonov(TypedDict, total=False):
     """regularised pseudo-inverse, target phases 0 unless given."""
@@ -285,17 +252,13 @@ class Tikhonov(TypedDict, total=False):
     """Damping relative to the mean of diag(G G^H), above 0."""
     limit: Literal["clamp", "normalize", "full"] | None
     """Rule that reduces drives above 1: "clamp", "normalize" or "full"."""
-class SolveTikhonov(Solve, Tikhonov): ...
-class SolverTikhonov(Solver, Tikhonov): ...
-class BatchTikhonov(Batch, Tikhonov): ...
+class SettingTikhonov(Setting, Tikhonov): ...
 
 class Naive(TypedDict, total=False):
     """single foci, superposed."""
     limit: Literal["clamp", "normalize", "full"] | None
     """Rule that reduces drives above 1: "clamp", "normalize" or "full"."""
-class SolveNaive(Solve, Naive): ...
-class SolverNaive(Solver, Naive): ...
-class BatchNaive(Batch, Naive): ...
+class SettingNaive(Setting, Naive): ...
 
 class Every(TypedDict, total=False):
     """Options of all solvers, for the one that a scene file names."""
@@ -320,6 +283,4 @@ class Every(TypedDict, total=False):
     alpha: float | None
     moduli: Literal["raw", "unit"] | None
     regularization: float | None
-class SolveEvery(Solve, Every): ...
-class SolverEvery(Solver, Every): ...
-class BatchEvery(Batch, Every): ...
+class SettingEvery(Setting, Every): ...

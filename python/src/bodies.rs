@@ -101,17 +101,6 @@ macro_rules! bodies {
             Ok(())
         }
 
-        /// Returns the classes by name, each with its fields and how many numbers a field has.
-        #[pyfunction]
-        pub(crate) fn bodies(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
-            let classes = PyDict::new(py);
-            for (name, body) in [$( stringify!($name) ),+].into_iter().zip(Obstacle::BODIES) {
-                let parts: Vec<_> = body.parts.iter().map(|(key, count)| (key.name, *count)).collect();
-                classes.set_item(name, parts.into_py_dict(py)?)?;
-            }
-            Ok(classes)
-        }
-
         /// Names of the classes.
         pub(crate) const NAMES: &[&str] = &[$( stringify!($name) ),+];
 
@@ -204,6 +193,17 @@ bodies! {
         /// Radius in m.
         radius: f64,
     }
+}
+
+/// Returns the classes by name, each with its fields and how many numbers a field has.
+#[pyfunction]
+pub(crate) fn bodies(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let classes = PyDict::new(py);
+    for (name, body) in NAMES.iter().zip(Obstacle::BODIES) {
+        let parts: Vec<_> = body.parts.iter().map(|(key, count)| (key.name, *count)).collect();
+        classes.set_item(name, parts.into_py_dict(py)?)?;
+    }
+    Ok(classes)
 }
 
 /// Reads the boundary condition of a surface by its name.

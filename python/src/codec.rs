@@ -147,6 +147,6 @@ getters! {
     steady_rate(self) -> f64 = self.board.steady_rate();
 
     /// Phases and amplitudes of the board, in the form of `Array.quantization`.
-    quantization(self, py) -> PyResult<Option<Bound<'py, PyDict>>> =
-        quantization::shown(py, Some(&self.board.quantization().map_err(refused)?));
+    quantization(self, py) -> PyResult<Bound<'py, PyDict>> =
+        quantization::shown(py, &self.board.quantization().map_err(refused)?);
 }

@@ -58,7 +58,7 @@ use pyo3::prelude::*;
 /// The compiled core of midair; import `midair` instead.
 #[pymodule]
 mod _midair {
-    use midair::touch::{self, HIGHEST, REACH};
+    use midair::touch;
     use numpy::PyArray1;
     use pyo3::prelude::*;
 
@@ -129,16 +129,30 @@ mod _midair {
     #[pymodule_export]
     use super::toolbox::register;
 
+    /// Highest frequency in Hz that the skin feels.
+    #[pymodule_export]
+    const HIGHEST: f64 = touch::HIGHEST;
+
+    /// Distance in m over which the slow channel senses the slope of the skin.
+    #[pymodule_export]
+    const REACH: f64 = touch::REACH;
+
+    /// The membrane of a fingertip: wave speed in m/s, loss factor and mass in kg/m^2.
+    #[pymodule_export]
+    const SKIN: (f64, f64, f64) = (touch::Membrane::SKIN[0], touch::Membrane::SKIN[1], touch::Membrane::SKIN[2]);
+
+    /// Default distance in m between points of a shape.
+    #[pymodule_export]
+    const STEP: f64 = midair::points::STEP;
+
+    /// Largest number of points of a shape.
+    #[pymodule_export]
+    const MOST_POINTS: usize = midair::points::MOST;
+
     /// The first array makes the numpy crate import NumPy, which panics if Ctrl-C comes at that moment. Making one array
     /// during the import of midair avoids this, because an import may be interrupted.
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        module.add("HIGHEST", HIGHEST)?;
-        module.add("REACH", REACH)?;
-        let [speed, loss, mass] = touch::Membrane::SKIN;
-        module.add("SKIN", (speed, loss, mass))?;
-        module.add("STEP", midair::points::STEP)?;
-        module.add("MOST_POINTS", midair::points::MOST)?;
         super::bodies::add_bodies(module)?;
         module.py().import("numpy")?;
         PyArray1::<f64>::zeros(module.py(), 0, false);

@@ -6,57 +6,47 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::getters::getters;
 use crate::give;
 use crate::pickle::{Reduced, restored};
 
 use midair::Metrics as Core;
 
+/// Quality of a drive, over the points with a pressure and a weight above 0, x = |p| / target.
+///
+/// Examples
+/// --------
+/// >>> import midair
+/// >>> metrics = midair.solve(midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]])).metrics
+/// >>> metrics.uniformity, sorted(metrics.asdict())
+/// (1.0, ['accuracy', 'leak', 'level', 'residual', 'sigma', 'uniformity'])
+#[pyclass(frozen, eq, hash, module = "midair")]
+#[derive(Clone, PartialEq)]
+pub(crate) struct Metrics(Core);
+
+/// Declares the properties of both classes, whose names and documentation the core has.
 macro_rules! define {
     ($($(#[$text:meta])* $name:ident)*) => {
-        /// Quality of a drive, over the points with a pressure and a weight above 0, x = |p| / target.
-        ///
-        /// Examples
-        /// --------
-        /// >>> import midair
-        /// >>> metrics = midair.solve(midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]])).metrics
-        /// >>> metrics.uniformity, sorted(metrics.asdict())
-        /// (1.0, ['accuracy', 'leak', 'level', 'residual', 'sigma', 'uniformity'])
-        #[pyclass(frozen, get_all, eq, hash, module = "midair")]
-        #[derive(Clone, PartialEq)]
-        pub(crate) struct Metrics {
-            $($(#[$text])* $name: f64,)*
-        }
-
-        impl From<Core> for Metrics {
-            fn from(metrics: Core) -> Self {
-                Self { $($name: metrics.$name),* }
-            }
-        }
-
-        impl Metrics {
-            fn values(&self) -> [f64; 6] {
-                [$(self.$name),*]
-            }
-        }
-
-        #[pymethods]
-        impl BatchMetrics {
-            $(
-                $(#[$text])*
-                #[getter]
-                fn $name<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-                    give::list(py, self.inner.iter().map(|metrics| metrics.$name).collect())
-                }
-            )*
+        getters! { Metrics: $($(#[$text])* $name(self) -> f64 = self.0.$name;)* }
+        getters! {
+            BatchMetrics:
+            $($(#[$text])* $name(self, py) -> Bound<'py, PyArray1<f64>> =
+                give::list(py, self.inner.iter().map(|metrics| metrics.$name).collect());)*
         }
     };
 }
 midair::metrics!(define);
 
+impl From<Core> for Metrics {
+    fn from(metrics: Core) -> Self {
+        Self(metrics)
+    }
+}
+
 impl Hash for Metrics {
     fn hash<H: Hasher>(&self, state: &mut H) {
         // Equal values need equal hashes, and 0 equals -0: adding 0 turns -0 into 0.
-        self.values().map(|value| (value + 0.0).to_bits()).hash(state);
+        self.0.values().map(|value| (value + 0.0).to_bits()).hash(state);
     }
 }
 
@@ -65,7 +55,7 @@ impl Metrics {
     /// Return all six metrics by name.
     fn asdict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
-        Core::NAMES.iter().zip(self.values()).try_for_each(|(name, value)| dict.set_item(name, value))?;
+        Core::NAMES.iter().zip(self.0.values()).try_for_each(|(name, value)| dict.set_item(name, value))?;
         Ok(dict)
     }
 
@@ -75,11 +65,11 @@ impl Metrics {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
-        restored::<Self>(py, (self.values(),))
+        restored::<Self>(py, (self.0.values(),))
     }
 
     fn __repr__(&self) -> String {
-        let parts = Core::NAMES.iter().zip(self.values()).map(|(name, value)| format!("{name}={value:.4}"));
+        let parts = Core::NAMES.iter().zip(self.0.values()).map(|(name, value)| format!("{name}={value:.4}"));
         format!("Metrics({})", parts.collect::<Vec<_>>().join(", "))
     }
 }

@@ -53,7 +53,7 @@ pub(crate) fn shown(py: Python<'_>, value: PartValue) -> PyResult<Bound<'_, PyAn
         PartValue::Complexes(list) => give::list(py, list).into_any(),
         PartValue::Flags(list) => give::list(py, list).into_any(),
         PartValue::Indices(list) => give::list(py, list.into_iter().map(usize::cast_signed).collect()).into_any(),
-        PartValue::Quantization(board) => quantization::shown(py, Some(&board))?.into_pyobject(py)?.into_any(),
+        PartValue::Quantization(board) => quantization::shown(py, &board)?.into_any(),
     })
 }
 

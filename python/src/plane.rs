@@ -27,8 +27,8 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 ///     Samples along each side.
 /// center : (float, float), optional
 ///     Middle in m, across and up: (x, y) for axis "z", (x, z) for "y", (y, z) for "x".
-/// axis : {"z", "y", "x"}, optional
-///     Axis that the plane is normal to.
+/// axis : str, optional
+///     Axis that the plane is normal to: "z", "y" or "x".
 /// at : float, optional
 ///     Place along that axis in m.
 ///
@@ -108,8 +108,8 @@ impl Plane {
     ///
     /// Parameters
     /// ----------
-    /// axis : {"x", "y", "z"}
-    ///     The axis.
+    /// axis : str
+    ///     The axis: "x", "y" or "z".
     ///
     /// Returns
     /// -------

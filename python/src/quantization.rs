@@ -40,14 +40,13 @@ pub(crate) fn read_quantization(value: &Bound<'_, PyAny>) -> PyResult<Quantizati
     .map_err(refused)
 }
 
-/// Returns a quantization as a dict, or None if any drive is possible.
-pub(crate) fn shown<'py>(py: Python<'py>, quantization: Option<&Quantization>) -> PyResult<Option<Bound<'py, PyDict>>> {
-    let Some(quantization) = quantization else { return Ok(None) };
+/// Returns a quantization as a dict.
+pub(crate) fn shown<'py>(py: Python<'py>, quantization: &Quantization) -> PyResult<Bound<'py, PyDict>> {
     let table = PyDict::new(py);
     table.set_item("phases", quantization.phases())?;
     table.set_item("amplitudes", quantization.amplitudes().map(|table| give::list(py, table.to_vec())))?;
     if let Some(ticks) = quantization.ticks() {
         table.set_item("pulses", give::list(py, ticks.to_vec()))?;
     }
-    Ok(Some(table))
+    Ok(table)
 }

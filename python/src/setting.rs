@@ -95,7 +95,10 @@ impl Source {
                 Bound::new(py, Array::from(model.array().clone()))?.into_any()
             }
             Self::Given(propagation, setup) => {
-                keywords.set_item("quantization", shown(py, setup.quantization.as_deref())?)?;
+                keywords.set_item(
+                    "quantization",
+                    setup.quantization.as_deref().map(|board| shown(py, board)).transpose()?,
+                )?;
                 keywords.set_item("positions", setup.positions.as_deref().map(|at| rows(py, at)).transpose()?)?;
                 Bound::new(py, Propagation { inner: propagation.clone() })?.into_any()
             }

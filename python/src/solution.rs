@@ -137,7 +137,8 @@ impl Solution {
             record.set_item("requested", request.pressures)?;
             record.set_item("phases", request.phases)?;
             record.set_item("weights", request.weights)?;
-            record.set_item("quantization", shown(py, setup.quantization.as_deref())?)?;
+            record
+                .set_item("quantization", setup.quantization.as_deref().map(|board| shown(py, board)).transpose()?)?;
             record.set_item("positions", setup.positions.as_deref().map(|at| rows(py, at)).transpose()?)?;
         }
         record.set_item("solver", self.solver())?;

@@ -124,6 +124,11 @@ getters! {
 }
 
 /// Return every solver by name, with its options, their documentation and defaults.
+///
+/// Returns
+/// -------
+/// dict of str to midair.SolverInfo
+///     The solvers.
 #[pyfunction]
 pub(crate) fn solvers(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);

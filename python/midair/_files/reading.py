@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from os import PathLike
-from typing import Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,9 @@ from . import acoustools, autd3, control_points, handybeam, record, ultraino, xm
 from . import played as board_frames
 from .control_points import ControlPoints
 from .played import known
+
+if TYPE_CHECKING:
+    from .._keywords import Parts
 
 CSV = (
     "give index,x,y,z,amplitude,phase, or t,x,y,z,intensity, or AcousTools' frames,transducers,"
@@ -121,7 +124,7 @@ ENDINGS = (
 )
 
 
-def read_array(path: str | PathLike[str], **parts: Any) -> Array:
+def read_array(path: str | PathLike[str], **parts: Unpack[Parts]) -> Array:
     """Read an array from a file; a keyword replaces the values of the file or its format.
 
     Parameters
@@ -155,7 +158,7 @@ def read_array(path: str | PathLike[str], **parts: Any) -> Array:
     to +z. Phase corrections are no part of an array: a board applies them when it plays.
     """
     found = _layout(path)
-    given = {name: value for name, value in parts.items() if value is not None}
+    given: dict[str, Any] = {name: value for name, value in parts.items() if value is not None}
     own = {name: getattr(found, name, None) for name in array_parts()}
     try:
         made = Array(found.positions, found.normals, **{**own, **given})
