@@ -28,10 +28,12 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 ///     A name of `solvers()`; by default the scene file's, else `uniform`. Or a function: solver(propagation, targets,
 ///     weights, **options) gets G (M, N) in Pa, targets (M,) in Pa and weights (M,) up to 1, of the points with a
 ///     weight above 0, and returns a drive (N,) of moduli up to 1.
-/// pressures, weights, mask
+/// pressures, weights
 ///     For a matrix, as for `Scene`; for a scene they replace its own.
 /// quantization : mapping, optional
-///     For a matrix, as for `Array`; for a scene it replaces that of its array.
+///     Steps of the board, as for `Array`.
+/// mask : (N,) array_like of bool, optional
+///     Transducers that are on.
 /// positions : (N, 3) array_like, optional
 ///     Places of the transducers in m, for a matrix only.
 /// balance : bool, optional

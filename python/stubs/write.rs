@@ -13,7 +13,7 @@ const HEAD: &str = r#""""The compiled core. Made by python/stubs at each build."
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any, Final, Literal, Unpack, final, overload
+from typing import Any, Final, Literal, TypeAlias, Unpack, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -78,6 +78,7 @@ impl Writer<'_> {
         let mut names: Vec<_> = names.chain(source.constants.iter().map(|constant| &constant.name)).collect();
         names.sort();
         write!(self.text, "\n__all__ = {names:?}\n\n").unwrap();
+        self.text += "_Parts: TypeAlias = k.Parts\n\n";
         for Property { name, kind, doc } in &source.constants {
             let kind = self.types.result(Some(kind), "", "");
             writeln!(self.text, "{name}: Final[{kind}]\n\"\"\"{doc}\"\"\"").unwrap();

@@ -21,7 +21,7 @@ from .control_points import ControlPoints
 from .played import known
 
 if TYPE_CHECKING:
-    from .._keywords import Parts
+    from .._midair import _Parts
 
 CSV = (
     "give index,x,y,z,amplitude,phase, or t,x,y,z,intensity, or AcousTools' frames,transducers,"
@@ -124,7 +124,7 @@ ENDINGS = (
 )
 
 
-def read_array(path: str | PathLike[str], **parts: Unpack[Parts]) -> Array:
+def read_array(path: str | PathLike[str], **parts: Unpack[_Parts]) -> Array:
     """Read an array from a file; a keyword replaces the values of the file or its format.
 
     Parameters
