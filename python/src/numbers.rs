@@ -112,6 +112,10 @@ fn as_array<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
 /// `shapes` are the shapes that it may have, or `None` for any; in a shape, -k stands for any size of at least k. `kinds`
 /// are NumPy's letters of the types that are accepted. Values are at least `least`, and their moduli at most `most`. With
 /// `copy=False` the result is the array in its own type, without a copy if possible, and its values are not checked.
+///
+/// Returns
+/// -------
+/// ndarray
 #[pyfunction]
 #[pyo3(name = "numbers", signature = (item, value, shapes, cure, *, kinds=REAL, least=None, most=None, copy=true))]
 #[allow(clippy::too_many_arguments, reason = "keywords of Python")]
