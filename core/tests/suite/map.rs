@@ -40,7 +40,9 @@ fn draw(root: &Path, folder: &str, map: &mut String) {
 fn the_map_names_every_file_and_what_is_in_it() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a folder");
     let mut map = String::from("```text\n");
-    for folder in ["core/src", "python/src", "python/stubs", "capi/src", "python/midair", "studio/door/src", "studio/src"] {
+    for folder in
+        ["core/src", "python/src", "python/stubs", "capi/src", "python/midair", "studio/door/src", "studio/src"]
+    {
         draw(root, folder, &mut map);
     }
     map.push_str("```\n");
