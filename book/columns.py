@@ -1,5 +1,5 @@
 """Writes docs/columns.md: every column of every printed table, from the package's columns.toml:
-`make schema`.
+`make generated`.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 """Makes JSON Schemas and fuzzing dictionaries of scene files and sweeps from the core's keys:
-`make schema`.
+`make generated`.
 """
 
 from __future__ import annotations
@@ -172,7 +172,7 @@ def page() -> str:
     return "\n".join(lines)
 
 
-#: Functions that make the files of `make schema`, by path.
+#: Functions that make the files of `make generated`, by path.
 WRITTEN = {
     "docs/scene.schema.json": lambda: text(schema()),
     "docs/sweep.schema.json": lambda: text(sweep_schema()),

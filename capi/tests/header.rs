@@ -1,4 +1,4 @@
-//! Tests that the header is what cbindgen generates for the crate; `make header` writes it.
+//! Tests that the header is what cbindgen generates for the crate; `make generated` writes it.
 
 use std::fs;
 use std::path::Path;
@@ -14,7 +14,7 @@ fn the_header_is_that_of_the_crate() {
         fs::write(&path, made).expect("written");
     } else {
         let kept = fs::read(&path).expect("a header");
-        assert!(kept == made, "capi/include/midair.h is not what capi/src says: run `make header`");
+        assert!(kept == made, "capi/include/midair.h is not what capi/src says: run `make generated`");
     }
 }
 

@@ -89,11 +89,11 @@ def test_every_preset_is_described(reference: ModuleType) -> None:
 
 def test_the_page_of_columns_is_what_the_package_prints(book: Callable[[str], ModuleType]) -> None:
     page = book("columns").page()
-    assert (ROOT / "docs" / "columns.md").read_text() == page, "run `make schema`"
+    assert (ROOT / "docs" / "columns.md").read_text() == page, "run `make generated`"
 
 
 def test_the_page_of_names_is_what_the_docstrings_say(reference: ModuleType) -> None:
-    assert (ROOT / "docs" / "api.md").read_text(encoding="utf-8") == reference.index(), "run `make api`"
+    assert (ROOT / "docs" / "api.md").read_text(encoding="utf-8") == reference.index(), "run `make generated`"
 
 
 def test_the_landing_page_leads_to_what_most_people_want() -> None:

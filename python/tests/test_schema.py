@@ -65,7 +65,7 @@ def documents() -> list[tuple[str, str]]:
 
 def test_it_is_what_the_cores_table_says() -> None:
     for name, content in schema.WRITTEN.items():
-        assert content() == (ROOT / name).read_text(), "run `make schema`"
+        assert content() == (ROOT / name).read_text(), "run `make generated`"
 
 
 def test_every_key_has_its_meaning_on_one_line() -> None:

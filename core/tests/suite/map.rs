@@ -1,10 +1,10 @@
-//! docs/map.md lists every source file with its first line; `make map` writes it again.
+//! docs/map.md lists every source file with its first line; `make generated` writes it again.
 
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const HEAD: &str = "# Map of the sources\n\nEvery source file with its first line. `make map` writes this page.\n\n";
+const HEAD: &str = "# Map of the sources\n\nEvery source file with its first line. `make generated` writes this page.\n\n";
 
 /// The first line of a file, which describes its contents.
 fn first_line(path: &Path) -> String {
@@ -50,6 +50,6 @@ fn the_map_names_every_file_and_what_is_in_it() {
     if std::env::var("MIDAIR_MAP").is_ok_and(|what| what == "write") {
         fs::write(&page, map).expect("written");
     } else if fs::read_to_string(&page).ok().is_none_or(|found| found.replace('\r', "") != map) {
-        panic!("docs/map.md does not list the sources as they are: run `make map` and commit docs/map.md");
+        panic!("docs/map.md does not list the sources as they are: run `make generated` and commit docs/map.md");
     }
 }
