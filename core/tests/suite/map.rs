@@ -1,10 +1,10 @@
-//! docs/map.md lists every source file with its first line; `make generated` writes it again.
+//! docs/map.md lists the source files of core, bindings, package and studio with their first lines; `make generated` writes it again.
 
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const HEAD: &str = "# Map of the sources\n\nEvery source file with its first line. `make generated` writes this page.\n\n";
+const HEAD: &str = "# Map of the sources\n\nThe source files of the core, its bindings, the package and the studio, each with its first line. `make generated`\nwrites this page.\n\n";
 
 /// The first line of a file, which describes its contents.
 fn first_line(path: &Path) -> String {
