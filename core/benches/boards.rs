@@ -5,46 +5,19 @@
 //! on one thread, N = 996. Results are checked first; then all variants alternate, and their medians are compared.
 #![forbid(unsafe_code)]
 
+mod turns;
+
 use std::hint::black_box;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use midair::{
     Array, Complex32, Control, Directivity, InstructionSet, Medium, Metrics, Model, Options, Quantization, Rng,
     Session, SolveRequest, Threads, Transducer, Value, solvers,
 };
-
-/// A measurement takes at least this long: the work is repeated.
-const LEAST: Duration = Duration::from_micros(1500);
+use turns::{Side, medians, side};
 
 /// The number of scenes that a session solves in turn.
 const SCENES: usize = 8;
-
-/// A measured function: repeats its work a given number of times.
-type Side<'a> = Box<dyn FnMut(usize) + 'a>;
-
-fn timed(side: &mut Side<'_>, times: usize) -> Duration {
-    let start = Instant::now();
-    side(times);
-    start.elapsed()
-}
-
-/// Returns the median time of the work of each side, over rounds in which all sides alternate.
-fn medians(sides: &mut [Side<'_>], rounds: usize) -> Vec<Duration> {
-    let enough = |side: &mut Side<'_>| (LEAST.as_nanos() / timed(side, 2).as_nanos().max(1) * 2).max(1) as usize;
-    let counts: Vec<usize> = sides.iter_mut().map(enough).collect();
-    let mut times = vec![Vec::new(); sides.len()];
-    for round in 0..rounds {
-        for k in 0..sides.len() {
-            let k = (k + round) % sides.len();
-            times[k].push(timed(&mut sides[k], counts[k]) / counts[k] as u32);
-        }
-    }
-    let median = |mut times: Vec<Duration>| {
-        times.sort_unstable();
-        times[rounds / 2]
-    };
-    times.into_iter().map(median).collect()
-}
 
 /// A method with a label for the table.
 struct Method {
@@ -100,16 +73,14 @@ fn calls(arrays: &[Array], method: &Method, points: usize, rounds: usize) -> Vec
     let metrics: Vec<Metrics> = pairs.map(|(session, array)| checked(session, array, &scenes[0])).collect();
     // Rounding to 16 phases loses 2 % of the pressure, and in an uneven field it may lose more.
     assert!(metrics.iter().all(|m| m.accuracy > 0.8 * metrics[0].accuracy), "{}: {metrics:?}", method.label);
-    let side = |mut session: Session| -> Side<'_> {
+    let call = |mut session: Session| -> Side<'_> {
         let (scenes, mut next) = (&scenes, 0);
-        Box::new(move |times| {
-            for _ in 0..times {
-                black_box(session.solve(&scenes[next % SCENES], &mut Control::none()).expect("an answer"));
-                next += 1;
-            }
+        side(move || {
+            black_box(session.solve(&scenes[next % SCENES], &mut Control::none()).expect("an answer"));
+            next += 1;
         })
     };
-    over_first(&mut sessions.into_iter().map(side).collect::<Vec<_>>(), 1, rounds)
+    over_first(&mut sessions.into_iter().map(call).collect::<Vec<_>>(), 1, rounds)
 }
 
 /// Returns the times of one problem of a batch: for the first array in us, for the others relative to the first.
@@ -119,17 +90,15 @@ fn batches(arrays: &[Array], method: &Method, (count, points): (usize, usize), r
         ask.points.clone_from(&scenes[k].points);
         Ok(())
     };
-    let side = |array: &Array| -> Side<'_> {
+    let batch = |array: &Array| -> Side<'_> {
         let (mut session, mut drives) = (method.session(array), vec![Complex32::ZERO; count * array.len()]);
         let ask = &ask;
-        Box::new(move |times| {
-            for _ in 0..times {
-                let control = &mut Control::none().on(Threads::default().at_most(1));
-                black_box(session.solve_batch(count, points, ask, &mut drives, control).expect("answers"));
-            }
+        side(move || {
+            let control = &mut Control::none().on(Threads::default().at_most(1));
+            black_box(session.solve_batch(count, points, ask, &mut drives, control).expect("answers"));
         })
     };
-    over_first(&mut arrays.iter().map(side).collect::<Vec<_>>(), count, rounds)
+    over_first(&mut arrays.iter().map(batch).collect::<Vec<_>>(), count, rounds)
 }
 
 fn over_first(sides: &mut [Side<'_>], count: usize, rounds: usize) -> Vec<f64> {

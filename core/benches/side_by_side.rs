@@ -6,15 +6,17 @@
 //! as ours.
 #![forbid(unsafe_code)]
 
+mod turns;
+
 use std::hint::black_box;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 use midair::solvers;
 use midair::{
     Array, Complex32, Complex64, Control, InstructionSet, Medium, Metrics, Model, Options, Plane, Precision, Problem,
     Propagation, Request, Rng, Scene, Session, Setup, SolveRequest, Transducer, Value, Workspace,
 };
+use turns::{Side, medians, side};
 
 /// Algorithm 2 of Suzuki et al. 2021, implemented directly.
 fn textbook(scene: &Scene, targets: &[f64], phases: usize, order: &[u32]) -> Vec<Complex64> {
@@ -47,17 +49,6 @@ fn textbook(scene: &Scene, targets: &[f64], phases: usize, order: &[u32]) -> Vec
         }
     }
     drive
-}
-
-fn median(mut times: Vec<Duration>) -> Duration {
-    times.sort_unstable();
-    times[times.len() / 2]
-}
-
-fn timed<T>(work: impl FnOnce() -> T) -> Duration {
-    let start = Instant::now();
-    black_box(work());
-    start.elapsed()
 }
 
 /// Points in a square of 200 mm, all with the target p1/sqrt(M); p1 is the pressure of all transducers at (0, 0, 150 mm).
@@ -99,6 +90,12 @@ impl Entrant {
         solution.recycle(work);
         metrics
     }
+
+    /// The same, measured with a workspace of its own.
+    fn side<'a>(&'a self, scene: &'a Scene) -> Side<'a> {
+        let mut work = Workspace::new();
+        side(move || self.solve(scene, &mut work))
+    }
 }
 
 /// Compares greedy and `fast`, for each instruction set, with the textbook implementation.
@@ -130,15 +127,9 @@ fn against_the_textbook(array: &Array, points: usize, rounds: usize) {
         let apart = ours.accuracy - theirs.accuracy;
         assert!(if same { apart.abs() < 1e-2 } else { apart > -0.08 }, "{}: {ours:?} for {theirs:?}", entrant.name);
     }
-    let mut times = vec![Vec::new(); entrants.len() + 1];
-    for _ in 0..rounds {
-        times[0].push(timed(book));
-        for (entrant, times) in entrants.iter().zip(&mut times[1..]) {
-            let many = 5;
-            times.push(timed(|| (0..many).map(|_| entrant.solve(&scene, &mut work).accuracy).sum::<f64>()) / many);
-        }
-    }
-    let mut medians = times.into_iter().map(median);
+    let mut sides = vec![side(book)];
+    sides.extend(entrants.iter().map(|entrant| entrant.side(&scene)));
+    let mut medians = medians(&mut sides, rounds).into_iter();
     let book = medians.next().expect("the textbook");
     println!("N={count} M={points}: textbook f64 {book:.2?}");
     for (entrant, time) in entrants.iter().zip(medians) {
@@ -159,13 +150,8 @@ fn many_candidates(array: &Array, points: usize, rounds: usize) {
     let mut work = Workspace::new();
     let [few, many] = entrants.each_ref().map(|entrant| entrant.solve(&scene, &mut work).residual);
     assert!(many < 1.2 * few, "a finer grid serves no worse: {many} for {few}");
-    let mut times = [const { Vec::new() }; 2];
-    for _ in 0..rounds {
-        for (entrant, times) in entrants.iter().zip(&mut times) {
-            times.push(timed(|| (0..5).map(|_| entrant.solve(&scene, &mut work).accuracy).sum::<f64>()) / 5);
-        }
-    }
-    let [few, many] = times.map(median);
+    let medians = medians(&mut entrants.each_ref().map(|entrant| entrant.side(&scene)), rounds);
+    let (few, many) = (medians[0], medians[1]);
     let ratio = many.as_secs_f64() / few.as_secs_f64();
     println!("greedy N={} M={points}: K=16 L=256 {many:.2?}, {ratio:.2} times K=1 L=16, {few:.2?}", array.len());
 }
@@ -205,13 +191,11 @@ fn batch(array: &Array, name: &str, points: usize, count: usize, rounds: usize) 
     single(&mut drives[0]);
     together(&mut drives[1]);
     assert_eq!(drives[0], drives[1], "a batch is single solves");
-    let mut times = [const { Vec::new() }; 3];
-    for _ in 0..rounds {
-        times[0].push(timed(|| (0..count).for_each(|k| drop(black_box(problem(k))))));
-        times[1].push(timed(|| single(&mut drives[0])));
-        times[2].push(timed(|| together(&mut drives[1])));
-    }
-    let [made, single, together] = times.map(|times| median(times) / count as u32);
+    let [first, second] = &mut drives;
+    let make = side(|| (0..count).for_each(|k| drop(black_box(problem(k)))));
+    let sides = &mut [make, side(|| single(first)), side(|| together(second))];
+    let each: Vec<_> = medians(sides, rounds).iter().map(|&time| time / count as u32).collect();
+    let (made, single, together) = (each[0], each[1], each[2]);
     println!(
         "batch of {count}, {name}, N={} M={points}, one problem: alone {single:.2?}, together {together:.2?} ({:.2} times); \
          making it is {made:.2?} of both",
@@ -229,7 +213,7 @@ fn field() {
         midair::field(&Model::of(&scene, InstructionSet::best()), &drive, &pixels, &mut Control::none())
             .expect("a field")
     };
-    let time = median((0..3).map(|_| timed(draw)).collect());
+    let time = medians(&mut [side(draw)], 3)[0];
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     println!("field 500 x 500 from 1296 transducers on {threads} threads: {time:.2?}");
 }
