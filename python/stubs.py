@@ -1,4 +1,4 @@
-"""Writes the type stubs of keywords that the core declares: `make stubs`.
+"""Writes the type stubs of keywords that the core declares: `make generated`.
 
 For each solver there is a TypedDict of its options: editors complete the options, and type checkers reject
 options that the solver does not have. python/stubs makes the other stubs at each build.
@@ -14,7 +14,7 @@ import midair
 STUB = Path(__file__).parent / "midair" / "_keywords.pyi"
 
 KEYWORDS = '''"""Keywords that the core declares: of the air, of arrays, of scenes and of each solver.
-Made by `make stubs`.
+Made by `make generated`.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence

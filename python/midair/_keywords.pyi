@@ -1,5 +1,5 @@
 """Keywords that the core declares: of the air, of arrays, of scenes and of each solver.
-Made by `make stubs`.
+Made by `make generated`.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence

@@ -59,7 +59,7 @@ midair.solve_batch(array, points, solver="lm", phases=16)  # wrong: another solv
 
 
 def test_the_stubs_of_keywords_are_what_the_core_declares() -> None:
-    assert MADE["STUB"].read_text(encoding="utf-8") == MADE["keywords"](), "run `make stubs`"
+    assert MADE["STUB"].read_text(encoding="utf-8") == MADE["keywords"](), "run `make generated`"
 
 
 def test_the_stubs_of_the_extension_have_its_docstrings() -> None:
