@@ -83,7 +83,7 @@ test: outlook lint test-rust test-python ## The core's tests and the package's (
 	@echo; echo "== all passed. Left out: make test-capi (the C library, 6 min), test-studio, test-npm, test-unity, test-firmware, test-boards, test-serve, test-portable, fuzz, sanitize"
 
 outlook:
-	@echo "make test: lint, the core's tests, the package's tests; 20 minutes on two cores, a third of it when built before."
+	@echo "make test: lint, the core's tests, the package's tests; 18 minutes on two cores, a third of it when built before."
 
 test-rust: ## The core: tests, doctests, each feature set, no_std, a solver added by its page
 	$(call step,core: tests are compiled (5 min),$(CARGO) test $(CORE) --no-run)
@@ -96,7 +96,7 @@ test-rust: ## The core: tests, doctests, each feature set, no_std, a solver adde
 	$(call step,core: the steps of docs/extending.md on a copy (1 min),core/tests/extending.sh)
 	$(call step,all crates: the oldest Rust (1 min),core/tests/minimum.sh)
 
-test-python: setup ## The package: tests, stubs, types
+test-python: .venv/extension ## The package: tests, stubs, types
 	$(call step,package: tests (4 min),$(PYTHON) -m pytest --numprocesses auto)
 	$(call step,package: stubs against the extension (20 s),$(PYTHON) -m mypy.stubtest midair._midair)
 	$(call step,package: types (20 s),$(PYTHON) -m mypy python/midair)

@@ -46,7 +46,7 @@ class Life:
             self._signs.pop(next(each for each in self._signs if each != self.player))
 
     def hand(self, tracker: Hashable, at: float | None) -> None:
-        """Record that a tracker sees a hand, at the time when it told so; None: it sees none."""
+        """Record that a tracker sees a hand, at the time that it states; None: it sees none."""
         if at is not None:
             self._hand = tracker, at
         elif self._hand is not None and self._hand[0] == tracker:

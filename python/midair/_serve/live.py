@@ -1,4 +1,4 @@
-"""Plays the points that other programs send, and keeps the board off while nobody sends any."""
+"""Plays the points that other programs send, and keeps the board off while no program sends any."""
 
 from __future__ import annotations
 
@@ -156,7 +156,7 @@ class Live:
             self._life.sign(source, at)
 
     def hand(self, tracker: Hashable, at: float | None) -> None:
-        """Record that a tracker sees a hand, and told so at this time; None: it sees none."""
+        """Record that a tracker sees a hand at the time that it states; None: it sees none."""
         with self._news:
             self._life.hand(tracker, at)
             self._news.notify_all()

@@ -118,7 +118,7 @@ class PointServer:
 
     async def _serve(self) -> None:
         """Serve both ports until `close` is called."""
-        self._loop.set_exception_handler(_told)
+        self._loop.set_exception_handler(_reported)
         hears = partial(Datagrams, self._hear)
         datagrams, _ = await self._loop.create_datagram_endpoint(hears, sock=self._udp)
         async with serve(
@@ -232,7 +232,7 @@ def _bound(port: int, osc_port: int) -> tuple[socket.socket, socket.socket]:
     return tcp, udp
 
 
-def _told(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+def _reported(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
     """Log an error of the loop, but not that there are no files left for a new connection: it tries again."""
     if not isinstance(context.get("exception"), OSError):
         loop.default_exception_handler(context)

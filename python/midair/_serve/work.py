@@ -38,8 +38,8 @@ class Work:
 
     def _run(self) -> None:
         before_what_computes()
-        while (asked := self._queue.get()) is not None:
-            source, act = asked
+        while (request := self._queue.get()) is not None:
+            source, act = request
             # A function tells its source of errors itself. An unexpected one must not end the others.
             with suppress(Exception):
                 act()
