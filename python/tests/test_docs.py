@@ -119,3 +119,16 @@ def test_the_papers_page_is_what_its_tables_say(book: Callable[[str], ModuleType
     assert len(made) == 8
     for name, text in made.items():
         assert book("marked").parts(ROOT / "docs" / "paper.md", name)[1] == text, name
+
+
+def test_the_files_that_contributing_names_are_there() -> None:
+    page = ROOT.joinpath("CONTRIBUTING.md").read_text()
+    assert len(page.encode()) <= 10_000
+    for row in re.findall(r"^\| [^|]+ \| (.*) \|$", page.partition("## The map")[2], re.MULTILINE):
+        # A name without a folder is in the last folder of its cell.
+        folder = ROOT
+        for name in re.findall(r"`([\w./-]+(?:/|\.(?:rs|py|ts|cs|yml)))`", row):
+            if ROOT.joinpath(name).exists():
+                path = ROOT / name
+                folder = path if path.is_dir() else path.parent
+            assert any((place / name).exists() for place in (ROOT, folder)), f"{name} is not in {folder}"
