@@ -98,8 +98,8 @@ pub use propagation::forces::rest::{Rest, poised, rest};
 pub use propagation::{Boundary, KeptField, Model, Propagation, field};
 pub use rng::Rng;
 pub use scene::{
-    Aim, Array, Axis, Bead, Body, Choice, Directivity, Doubt, Key, Medium, Mesh, Obstacle, OptionValue, Options,
-    Origin, Parameter, Part, PartKind, PartValue, Particle, Plane, Request, Scene, Signature, Start, Surface,
+    Aim, Array, Axis, Bead, Body, Choice, Directivity, Doubt, Extras, Key, Medium, Mesh, Obstacle, OptionValue,
+    Options, Origin, Parameter, Part, PartKind, PartValue, Particle, Plane, Request, Scene, Signature, Start, Surface,
     Transducer, Value, presets, spell, spl, word,
 };
 pub use session::{Batch, Frames, Session, SolveRequest};

@@ -95,7 +95,7 @@ fn ask(draw: &mut Draw, transducers: usize) -> SolveRequest {
 
 /// Solves the same request without a session.
 fn alone(model: &Model, ask: &SolveRequest, solver: &dyn Solve, balance: bool) -> Result<(Problem, Solution), Error> {
-    let setup = Setup::of(model.array(), model.medium());
+    let setup = Setup::of_model(&model);
     let mut problem = Problem::with_propagation(model.propagation(&ask.points)?, setup, &ask.request)?;
     if let Some(start) = &ask.start {
         problem = problem.with_start(start.clone())?;

@@ -55,5 +55,5 @@ fn given(draw: &mut Draw) -> Result<(Propagation, Setup, Allowed), Error> {
     let quantization = draw.maybe(Draw::quantization).transpose()?.map(Into::into);
     let positions = draw.maybe(|draw| draw.list(transducers, Draw::place).into());
     let allowed = Allowed::given(&propagation);
-    Ok((propagation, Setup { medium: draw.medium()?, quantization, positions, channels: None }, allowed))
+    Ok((propagation, Setup { medium: draw.medium()?, quantization, positions, ..Setup::default() }, allowed))
 }

@@ -87,6 +87,16 @@ test("points move without a new scene, as a new scene has them", () => {
   fresh.free();
 });
 
+test("a moved scene keeps its bead, its solver and its plane", () => {
+  const parts = { signature: "trap", bead: { radius: 1.2e-3, density: 900 }, solver: { name: "uniform" }, plane: { axis: "x" } };
+  const scene = midair.open({ array: { preset: "openmpd_pair" }, points: [{ position: [0, 0, 0] }], ...parts });
+  const before = scene.save(false);
+  scene.move([[0, 0, 0]]);
+  assert.equal(scene.save(false), before);
+  assert.equal(JSON.parse(before).bead.density, 900);
+  scene.free();
+});
+
 test("pressures change with the points, and their number too", () => {
   const scene = midair.open(ring());
   scene.move([...points, [0, 0.03, 0.12]], [500, 700, 900]);

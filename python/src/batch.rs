@@ -1,15 +1,14 @@
 //! `midair.solve_batch` and `midair.Batch`.
 
-use std::sync::Arc;
 use std::time::Instant;
 
-use midair::solvers::Info;
-use midair::{Choice, Complex32, Control, Request, SolveRequest, Start, Status};
+use midair::{Complex32, Control, Request, SolveRequest, Start, Status};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyIndexError, PyOverflowError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::chosen::Chosen;
 use crate::ctrl_c::attend;
 use crate::error::{SceneError, invalid, refused, warn_all};
 use crate::getters::getters;
@@ -20,7 +19,7 @@ use crate::numbers::quoted;
 use crate::out;
 use crate::pickle::{Reduced, part, part_or_none, restored};
 use crate::read::{self, Starts};
-use crate::setting::{Setting, Source, answered};
+use crate::setting::{Setting, Source};
 use crate::solution::Solution;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -40,14 +39,13 @@ pub(crate) struct Batch {
     points: usize,
     elapsed: f64,
     request: BatchRequest,
-    info: &'static Info,
 }
 
 /// The requests of all problems, one after the other.
 #[derive(PartialEq)]
 struct BatchRequest {
     source: Source,
-    choice: Arc<Choice>,
+    chosen: Chosen,
     /// Points (B, M, 3); empty for a given matrix G.
     points: Vec<[f64; 3]>,
     request: Request,
@@ -79,10 +77,7 @@ impl Batch {
         let request = Request { pressures: part(pressures), phases: part(phases), weights: part(weights) };
         let points = whole.points.get(own.clone()).unwrap_or_default();
         let problem = attend(py, None, |mut control| whole.source.problem(points, &request, &mut control))?;
-        let problem = match whole.choice.aim {
-            Some(aim) => problem.with_aim(aim),
-            None => problem,
-        };
+        let problem = problem.with_aim(whole.chosen.choice.aim);
         let drives = self.borrowed(py)?;
         let transducers = drives.len() / count;
         let drive = drives.as_slice()?[k * transducers..(k + 1) * transducers].to_vec();
@@ -96,8 +91,7 @@ impl Batch {
             let other = error.is_instance_of::<SceneError>(py);
             if other { invalid(&format!("drives[{k}]"), "not what was answered", cure) } else { error }
         })?;
-        let choice = answered(&whole.choice, self.info, Some(&problem));
-        Ok(Solution::new(solution, choice, self.elapsed / count as f64))
+        Ok(Solution::new(solution, whole.chosen.answered(&problem), self.elapsed / count as f64))
     }
 
     /// Number of steps of each problem (B,).
@@ -119,12 +113,12 @@ impl Batch {
         let py = record.py();
         let (part, maybe) = (|name: &str| part(record, name), |name: &str| part_or_none(record, name));
         let options = part("options")?;
-        let Setting { choice, source, info, .. } =
+        let Setting { chosen, source, .. } =
             Setting::read(&part("scene")?, Some(&part("solver")?), Some(options.cast()?))?;
         let list = |name: &str| maybe(name)?.map(|list| read::reals(name, &list)).transpose();
         let request = BatchRequest {
             source,
-            choice: Arc::new(choice),
+            chosen,
             points: read::vectors("points", &part("points")?)?,
             request: Request { pressures: list("requested")?, phases: list("phases")?, weights: list("weights")? },
         };
@@ -144,14 +138,14 @@ impl Batch {
         let drives = read::drive("drives", &part("drives")?.call_method1("ravel", ())?)?;
         let transducers = drives.len() / count;
         let drives = give::table(py, drives, [count, transducers])?.unbind();
-        Ok(Self { drives, inner, points, elapsed: read::real("elapsed", &part("elapsed")?)?, request, info })
+        Ok(Self { drives, inner, points, elapsed: read::real("elapsed", &part("elapsed")?)?, request })
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
         let (record, request) = (PyDict::new(py), &self.request);
-        let (scene, options) = request.source.arguments(py, &request.choice)?;
+        let (scene, options) = request.source.arguments(py, &request.chosen.choice)?;
         record.set_item("scene", scene)?;
-        record.set_item("solver", &request.choice.name)?;
+        record.set_item("solver", &request.chosen.choice.name)?;
         record.set_item("options", options)?;
         record.set_item("points", rows(py, &request.points)?)?;
         let Request { pressures, phases, weights } = request.request.clone();
@@ -277,7 +271,7 @@ pub(crate) fn solve_batch(
     progress: Option<Py<PyAny>>,
     options: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Batch> {
-    let Setting { mut session, choice, info, source } = Setting::read(scene, solver, options)?;
+    let Setting { mut session, chosen, source } = Setting::read(scene, solver, options)?;
     let (points, [count, size]) = match (session.given_points(), points) {
         (None, Some(points)) => read::batch_of_points("points", points)?,
         (Some(size), None) => (Vec::new(), [read::batch_size("pressures", pressures, size)?, size]),
@@ -292,9 +286,7 @@ pub(crate) fn solve_batch(
     let weights = weights.map(|value| read::batch_of_numbers("weights", value, [count, size])).transpose()?;
     let request = Request { weights, ..given.unwrap_or_default() };
     let transducers = session.transducers();
-    if start.is_some() && !info.uses_start {
-        return Err(refused(midair::solvers::unused("start", info.name, |info| info.uses_start)));
-    }
+    chosen.check_start(start.is_some())?;
     let starts = match start {
         None => Starts::None,
         Some(start) => read::batch_of_starts("start", start, [count, transducers], [count, size])?,
@@ -321,7 +313,7 @@ pub(crate) fn solve_batch(
             Starts::Drives(drives) => Some(Start::Drive(drives[k * transducers..(k + 1) * transducers].to_vec())),
             Starts::Phases(phases) => Some(Start::Phases(phases[own].to_vec())),
         };
-        single.aim = choice.aim;
+        single.aim = chosen.choice.aim;
         Ok(())
     };
     let slice = writable.as_slice_mut()?;
@@ -334,8 +326,8 @@ pub(crate) fn solve_batch(
     warn_all(py, session.batch_doubts(&points, size))?;
     warn_all(py, &inner.remarks)?;
     let elapsed = clock.elapsed().as_secs_f64();
-    let request = BatchRequest { source, choice: Arc::new(choice), points, request };
-    Ok(Batch { drives: drives.unbind(), inner, points: size, elapsed, request, info })
+    let request = BatchRequest { source, chosen, points, request };
+    Ok(Batch { drives: drives.unbind(), inner, points: size, elapsed, request })
 }
 
 /// Replaces the points, pressures, phases and weights of a request, and reuses its memory.

@@ -1,7 +1,7 @@
-//! A cost function written in Python, by which greedy compares its candidates.
+//! A cost function written in Python, by which a solver compares its candidates.
 
-use midair::solvers::{ActiveRequest, Configured, Energy, Greedy, GreedyBy};
-use midair::{Complex32, Configure, Error, Options, Value};
+use midair::solvers::{ActiveRequest, Configured, Energy};
+use midair::{Complex32, Error};
 use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -17,7 +17,7 @@ pub(crate) struct Function {
 }
 
 impl Function {
-    /// Removes `objective` from greedy's options and returns it, if it is a function.
+    /// Removes `objective` from the options and returns it, if it is a function.
     pub(crate) fn take<'py>(
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<(Option<Self>, Option<Bound<'py, PyDict>>)> {
@@ -37,19 +37,12 @@ impl Function {
         self.raised.clone()
     }
 
-    /// Returns greedy with this cost function and the given options.
-    pub(crate) fn configured(self, py: Python<'_>, mut options: Options) -> PyResult<Configured> {
-        let mut greedy = Greedy::default();
-        for (name, value) in &options {
-            greedy.set(name, value).map_err(refused)?;
-        }
-        // The label is the function's name, or the name of its class.
+    /// Returns the solver with this cost function. The label of the objective is the function's name, or that of its class.
+    pub(crate) fn configured(self, py: Python<'_>, solver: Configured) -> PyResult<Configured> {
         let function = self.function.bind(py);
         let name = function.getattr("__name__").and_then(|name| name.extract());
         let name = name.or_else(|_| function.get_type().name()?.extract())?;
-        options.insert("objective".into(), Value::Text(name));
-        let solver = Box::new(GreedyBy::new(greedy, Box::new(self)));
-        Ok(Configured { info: &GreedyBy::INFO, options, solver })
+        solver.by_energy(Box::new(self), name).map_err(refused)
     }
 
     fn call(&self, py: Python<'_>, fields: &[Complex32], request: &ActiveRequest, count: usize) -> PyResult<Vec<f64>> {

@@ -85,7 +85,7 @@ impl Scene {
     ///     If it cannot be read, such as FileNotFoundError.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        Self::of(load(py, &path)?)?.reported(py)
+        Self::of(load(py, &path)?)?.reported(py, &[])
     }
 
     /// Read a scene from text, TOML or JSON by its content.
@@ -111,7 +111,7 @@ impl Scene {
     #[staticmethod]
     #[pyo3(signature = (text, *, name="scene", folder=None))]
     fn parse(text: &Bound<'_, PyAny>, name: &str, folder: Option<PathBuf>) -> PyResult<Self> {
-        Self::of(parse(text, name, folder.as_deref())?)?.reported(text.py())
+        Self::of(parse(text, name, folder.as_deref())?)?.reported(text.py(), &[])
     }
 
     /// Write the scene as TOML or (by the ending .json) JSON, whole or not at all.

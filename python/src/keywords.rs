@@ -1,13 +1,16 @@
 //! Keyword arguments of a call: those of air and transducers, and the rest.
 
-use midair::Medium;
+use midair::{Extras, Medium};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyDictMethods};
 
 use crate::array::Array;
+use crate::bead::read_bead;
 use crate::error::refused;
+use crate::obstacle::read_obstacles;
 use crate::parts;
 use crate::read;
+use crate::signature::read_signature;
 
 /// Keyword arguments, which are taken out one by one.
 pub(crate) struct Keywords<'py>(Bound<'py, PyDict>);
@@ -53,6 +56,22 @@ impl<'py> Keywords<'py> {
             }
         }
         own.map_or_else(|| array.inner.medium(&given), |own| own.with(&given)).map_err(refused)
+    }
+
+    /// Writes the optional parts that the keywords give over those of a scene. None removes a signature, and leaves a bead as it
+    /// is.
+    pub(crate) fn write_extras(&self, extras: &mut Extras, transducers: usize) -> PyResult<()> {
+        if let Some(signature) = self.take_or_none("signature")? {
+            let given = !signature.is_none();
+            extras.signature = given.then(|| read_signature(&signature, transducers)).transpose()?;
+        }
+        if let Some(bead) = self.take("bead")? {
+            extras.bead = read_bead(&bead)?;
+        }
+        if let Some(obstacles) = self.take_or_none("obstacles")? {
+            extras.obstacles = read_obstacles(&obstacles)?;
+        }
+        Ok(())
     }
 
     /// Returns the array with the parts that the keywords give instead of its own.

@@ -5,6 +5,7 @@ mod array;
 mod batch;
 mod bead;
 mod bodies;
+mod chosen;
 mod codec;
 mod ctrl_c;
 mod draw;

@@ -20,5 +20,5 @@ pub(crate) fn read_motion<'py>(
 ) -> PyResult<Option<(Scene, Bound<'py, PyDict>)>> {
     let found = read(&path, &bytes_of(&path)?, |bytes, format, source| draw::motion(bytes, format, source, start))?;
     let Some(Motion { scene, settings }) = found else { return Ok(None) };
-    Ok(Some((Scene::of(scene)?.reported(start.py())?, option_dict(start.py(), &settings)?)))
+    Ok(Some((Scene::of(scene)?.reported(start.py(), &[])?, option_dict(start.py(), &settings)?)))
 }

@@ -1,6 +1,5 @@
 //! Reads arguments by their meaning (points, pressures, drives, options) for the core. Errors state the argument's name.
 
-use midair::solvers as registry;
 use midair::{Aim, Choice, Complex32, Complex64, Directivity, OptionValue, Options, Request, Start, Value};
 use numpy::Element;
 use pyo3::prelude::*;
@@ -272,24 +271,6 @@ pub(crate) fn options(keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Options>
         }
     }
     Ok(options)
-}
-
-/// Returns solver, options, balance and aim from the keywords and from a scene file's choice.
-pub(crate) fn chosen(
-    file: Option<&Choice>,
-    solver: Option<&Bound<'_, PyAny>>,
-    keywords: Option<&Bound<'_, PyDict>>,
-) -> PyResult<Choice> {
-    let named = solver.map(name).transpose()?;
-    let given = options(keywords)?;
-    // The file's options apply only if the solver is the file's. Keywords replace them.
-    let named = named.as_deref().map(registry::find).transpose().map_err(refused)?.map(|entry| entry.info.name);
-    let file = file.filter(|choice| named.is_none_or(|name| name == choice.name));
-    let name = named.or(file.map(|choice| choice.name.as_str())).unwrap_or(registry::DEFAULT);
-    let mut options = file.map(|choice| choice.options.clone()).unwrap_or_default();
-    options.extend(registry::find(name).and_then(|entry| entry.spelled(&given)).map_err(refused)?);
-    let (balance, aim) = file.map_or((None, None), |choice| (choice.balance, choice.aim));
-    Ok(Choice { name: name.into(), options, balance, aim })
 }
 
 /// Returns a solver's choice from its name and options, as `Solution.options` and `Scene.solver` contain them.

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use midair::{Doubt, Medium, Model, Obstacle, Workspace};
+use midair::{Doubt, Extras, Medium, Model, Obstacle, Workspace};
 use pyo3::prelude::*;
 
 use crate::error::refused;
@@ -36,8 +36,14 @@ impl Ready {
         }
     }
 
+    /// Returns the model with the optional parts of a scene.
+    pub(crate) fn model_with(&self, py: Python<'_>, extras: Extras) -> PyResult<Model> {
+        let Extras { signature, bead, obstacles, solver: _, plane: _ } = extras;
+        Ok(self.behind(py, &obstacles)?.with_signature(signature).with_bead(bead))
+    }
+
     /// Returns the model with these obstacles.
-    pub(crate) fn behind(&self, py: Python<'_>, obstacles: &[Obstacle]) -> PyResult<Model> {
+    fn behind(&self, py: Python<'_>, obstacles: &[Obstacle]) -> PyResult<Model> {
         if obstacles.is_empty() {
             return Ok(self.model.clone());
         }

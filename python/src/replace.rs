@@ -5,15 +5,12 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::array::Array;
-use crate::bead::read_bead;
 use crate::error::{invalid, refused};
 use crate::keywords::Keywords;
 use crate::numbers::quoted;
-use crate::obstacle::read_obstacles;
 use crate::plane::Plane;
 use crate::read;
-use crate::scene::{ARGUMENTS, Around, Scene, remade};
-use crate::signature::read_signature;
+use crate::scene::{ARGUMENTS, Scene};
 
 // In this file instead of scene.rs, to keep that file short.
 #[pymethods]
@@ -86,24 +83,17 @@ fn replaced(py: Python<'_>, scene: &Scene, changes: &Bound<'_, PyDict>) -> PyRes
         Some(value) => Some(read::list("weights", &value, points.len())?),
     };
     let request = Request { weights, ..given };
-    let plane = match keywords.take_or_none("plane")? {
-        None => own.plane,
-        Some(plane) if plane.is_none() => None,
-        Some(plane) => match plane.cast::<Plane>() {
+    let mut extras = own.extras();
+    if let Some(plane) = keywords.take_or_none("plane")? {
+        extras.plane = match plane.cast::<Plane>() {
             Ok(plane) => Some(plane.get().inner),
+            Err(_) if plane.is_none() => None,
             Err(_) => return Err(invalid("plane", &quoted(&plane), "give a midair.Plane or None")),
-        },
-    };
-    let signature = match keywords.take_or_none("signature")? {
-        None => own.signature().cloned(),
-        Some(signature) if signature.is_none() => None,
-        Some(signature) => Some(read_signature(&signature, array.inner.len())?),
-    };
-    let bead = keywords.take("bead")?.map_or_else(|| Ok(own.bead()), |bead| read_bead(&bead))?;
-    let obstacles = keywords.take_or_none("obstacles")?;
-    let obstacles = obstacles.map_or_else(|| Ok(own.obstacles().to_vec()), |given| read_obstacles(&given))?;
+        };
+    }
+    keywords.write_extras(&mut extras, array.inner.len())?;
     if let Some(unknown) = keywords.unknown("part of a scene", &[&ARGUMENTS[..], &["plane"]].concat()) {
         return Err(refused(unknown));
     }
-    remade(py, scene, (&array, medium), points, request, Around { plane, signature, bead, obstacles })
+    Scene::made(&array, medium, points, request, extras)?.reported(py, &scene.doubts())
 }

@@ -3,7 +3,7 @@
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
-use midair::{Bead, Complex32, Control, Doubt, Medium, Request};
+use midair::{Bead, Complex32, Control, Doubt, Extras, Medium, Request};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -113,16 +113,27 @@ impl Scene {
     }
 
     /// Makes a scene whose array may already be prepared for the medium.
-    pub(crate) fn with(array: &Array, inner: midair::Scene) -> PyResult<Self> {
+    fn with(array: &Array, inner: midair::Scene) -> PyResult<Self> {
         let ready = array.ready(inner.medium())?;
-        let model = Python::attach(|py| ready.behind(py, inner.obstacles()))?;
-        let model = model.with_signature(inner.signature().cloned()).with_bead(inner.bead());
+        let model = Python::attach(|py| ready.model_with(py, inner.extras()))?;
         Ok(Self { ready, model, inner: Arc::new(inner) })
     }
 
-    /// Returns the scene after warnings about probable mistakes.
-    pub(crate) fn reported(self, py: Python<'_>) -> PyResult<Self> {
-        warn_all(py, self.doubts())?;
+    /// Makes a scene of all its parts.
+    pub(crate) fn made(
+        array: &Array,
+        medium: Medium,
+        points: Vec<[f64; 3]>,
+        request: Request,
+        extras: Extras,
+    ) -> PyResult<Self> {
+        let inner = midair::Scene::new(array.inner.clone(), medium, points, request);
+        Self::with(array, inner.and_then(|inner| inner.with_extras(extras)).map_err(refused)?)
+    }
+
+    /// Returns the scene after warnings about probable mistakes, without those that are already known.
+    pub(crate) fn reported(self, py: Python<'_>, known: &[Doubt]) -> PyResult<Self> {
+        warn_all(py, self.doubts().iter().filter(|doubt| !known.contains(doubt)))?;
         Ok(self)
     }
 
@@ -173,12 +184,13 @@ impl Scene {
         // Without points, pressures have no length to compare with; the core reports the missing points.
         let request =
             if points.is_empty() { Request::default() } else { read::request(points.len(), pressures, weights)? };
-        let signature = signature.map(|value| read_signature(value, array.inner.len())).transpose()?;
-        let bead = bead.map_or_else(|| Ok(Bead::default()), read_bead)?;
-        let obstacles = obstacles.map_or_else(|| Ok(Vec::new()), read_obstacles)?;
-        let scene = midair::Scene::new(array.inner.clone(), medium, points, request);
-        let scene = scene.and_then(|scene| scene.with_signature(signature)?.with_bead(bead)?.with_obstacles(obstacles));
-        Self::with(&array, scene.map_err(refused)?)?.reported(py)
+        let extras = Extras {
+            signature: signature.map(|value| read_signature(value, array.inner.len())).transpose()?,
+            bead: bead.map_or_else(|| Ok(Bead::default()), read_bead)?,
+            obstacles: obstacles.map_or_else(|| Ok(Vec::new()), read_obstacles)?,
+            ..Extras::default()
+        };
+        Self::made(&array, medium, points, request, extras)?.reported(py, &[])
     }
 
     /// The array.
@@ -268,14 +280,14 @@ impl Scene {
         let phases = phases.map(|phases| read::reals("phases", phases)).transpose()?;
         let request = Request { phases, ..read::request(points.len(), pressures, weights)? };
         let array = array.get();
-        let signature = signature.map(|value| read_signature(value, array.inner.len())).transpose()?;
-        let scene = midair::Scene::new(array.inner.clone(), medium, points, request);
-        let (bead, obstacles) = (read_bead(bead)?, read_obstacles(obstacles)?);
-        let scene = scene.and_then(|scene| scene.with_signature(signature)?.with_bead(bead)?.with_obstacles(obstacles));
-        let mut scene = scene.map_err(refused)?;
-        scene.solver = solver.map(|(name, options)| read::choice(name, &options)).transpose()?;
-        scene.plane = plane.map(|plane| plane.get().inner);
-        Self::with(array, scene)
+        let extras = Extras {
+            signature: signature.map(|value| read_signature(value, array.inner.len())).transpose()?,
+            bead: read_bead(bead)?,
+            obstacles: read_obstacles(obstacles)?,
+            solver: solver.map(|(name, options)| read::choice(name, &options)).transpose()?,
+            plane: plane.map(|plane| plane.get().inner),
+        };
+        Self::made(array, medium, points, request, extras)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
@@ -329,31 +341,4 @@ getters! {
 
     /// The plane of the scene file for pictures, or None.
     plane(self) -> Option<Plane> = self.inner.plane.map(|inner| Plane { inner });
-}
-
-/// Parts of a scene in addition to array, air, points and request.
-pub(crate) struct Around {
-    pub(crate) plane: Option<midair::Plane>,
-    pub(crate) signature: Option<midair::Signature>,
-    pub(crate) bead: Bead,
-    pub(crate) obstacles: Vec<midair::Obstacle>,
-}
-
-/// Returns a scene with other parts and the same solver, after warnings about probable mistakes.
-pub(crate) fn remade(
-    py: Python<'_>,
-    own: &Scene,
-    (array, medium): (&Array, Medium),
-    points: Vec<[f64; 3]>,
-    request: Request,
-    Around { plane, signature, bead, obstacles }: Around,
-) -> PyResult<Scene> {
-    let scene = midair::Scene::new(array.inner.clone(), medium, points, request);
-    let scene = scene.and_then(|scene| scene.with_signature(signature)?.with_bead(bead)?.with_obstacles(obstacles));
-    let mut scene = scene.map_err(refused)?;
-    scene.solver.clone_from(&own.inner.solver);
-    scene.plane = plane;
-    let (scene, reported) = (Scene::with(array, scene)?, own.doubts());
-    warn_all(py, scene.doubts().iter().filter(|doubt| !reported.contains(doubt)))?;
-    Ok(scene)
 }

@@ -2,24 +2,24 @@
 
 use std::sync::Arc;
 
-use midair::solvers::{Configured, Info, configure};
-use midair::{Choice, Control, Model, Problem, Request, Session, Setup};
+use midair::solvers::Configured;
+use midair::{Choice, Control, Extras, Model, Problem, Request, Session, Setup};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyDictMethods};
 
 use crate::array::Array;
-use crate::bead::{read_bead, shown_bead};
+use crate::bead::shown_bead;
+use crate::chosen::{Chosen, Naming};
 use crate::error::{invalid, refused, warn_all};
 use crate::give::rows;
 use crate::keywords::Keywords;
-use crate::obstacle::{read_obstacles, shown_obstacles};
+use crate::obstacle::shown_obstacles;
 use crate::propagation::Propagation;
 use crate::quantization::shown;
 use crate::read;
-use crate::ready::Ready;
 use crate::scene::Scene;
-use crate::signature::{read_signature, shown_signature};
+use crate::signature::shown_signature;
 use crate::subject::{Beside, given};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -27,18 +27,16 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// A session, and the choices from which it was made.
 pub(crate) struct Setting {
     pub(crate) session: Session,
-    pub(crate) choice: Choice,
-    pub(crate) info: &'static Info,
+    pub(crate) chosen: Chosen,
     pub(crate) source: Source,
 }
 
-/// Returns the choice (solver, options, balance, aim) for a solution's record, with the problem's aim if the method uses one.
-pub(crate) fn answered(choice: &Arc<Choice>, info: &Info, problem: Option<&Problem>) -> Arc<Choice> {
-    match problem {
-        Some(problem) if info.uses_aim => Arc::new(Choice { aim: Some(problem.aim()), ..Choice::clone(choice) }),
-        _ => Arc::clone(choice),
-    }
-}
+/// Keywords that a matrix does not take, each with the cure.
+const NOT_OF_A_MATRIX: [(&str, &str); 3] = [
+    ("signature", "multiply the matrix by it: it goes with a Scene or an Array"),
+    ("obstacles", "a matrix has them in it: they go with a Scene or an Array"),
+    ("bead", "a matrix has no traps: it goes with a Scene or an Array"),
+];
 
 /// Where a session gets G from: a model, or a given matrix.
 pub(crate) enum Source {
@@ -115,50 +113,33 @@ impl Setting {
         solver: Argument<'_, '_>,
         keywords: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
-        let keywords = Keywords::of(object.py(), keywords)?;
-        let (signature, obstacles) = (keywords.take_or_none("signature")?, keywords.take_or_none("obstacles")?);
-        let bead = keywords.take("bead")?;
+        let py = object.py();
+        let keywords = Keywords::of(py, keywords)?;
         let (balance, aim, positions) = (keywords.take("balance")?, keywords.take("aim")?, keywords.take("positions")?);
-        let balance = balance.map(|value| read::flag("balance", &value)).transpose()?;
-        let aim = aim.map(|value| read::aim(&value)).transpose()?;
-        let chosen = |own: Option<&Choice>, board: Option<&midair::Quantization>| {
-            let mut choice = read::chosen(own, solver, Some(keywords.rest()))?;
-            (choice.balance, choice.aim) = (balance.or(choice.balance), aim.or(choice.aim));
-            let configured = configure(&choice, board).map_err(refused)?;
-            choice.balance = Some(choice.balance.unwrap_or(configured.info.balance));
-            choice.options.clone_from(&configured.options);
-            Ok::<_, PyErr>((choice, configured))
-        };
+        let naming = Naming { solver, balance: balance.as_ref(), aim: aim.as_ref() };
         if let Ok(matrix) = object.cast::<Propagation>() {
-            if signature.is_some_and(|signature| !signature.is_none()) {
-                return Err(invalid(
-                    "signature",
-                    "given",
-                    "multiply the matrix by it: it goes with a Scene or an Array",
-                ));
-            }
-            if obstacles.is_some_and(|obstacles| !obstacles.is_none()) {
-                return Err(invalid("obstacles", "given", "a matrix has them in it: they go with a Scene or an Array"));
-            }
-            if bead.is_some() {
-                return Err(invalid("bead", "given", "a matrix has no traps: it goes with a Scene or an Array"));
+            for (name, cure) in NOT_OF_A_MATRIX {
+                if keywords.take(name)?.is_some() {
+                    return Err(invalid(name, "given", cure));
+                }
             }
             let (quantization, mask) = (keywords.take("quantization")?, keywords.take("mask")?);
             let (quantization, mask, positions) = (quantization.as_ref(), mask.as_ref(), positions.as_ref());
             let beside = Beside { quantization, mask, positions, ..Beside::default() };
             let (propagation, setup) = given(&matrix.get().inner, beside)?;
-            let (choice, Configured { solver, info, .. }) = chosen(None, setup.quantization.as_deref())?;
+            let board = setup.quantization.as_deref();
+            let (chosen, Configured { solver, .. }) = Chosen::read(None, board, naming, Some(keywords.rest()))?;
             let source = Source::Given(propagation.clone(), Arc::new(setup.clone()));
-            let session = Session::with_propagation(propagation, setup, solver, choice.balance == Some(true));
-            return Ok(Self { session: session.map_err(refused)?, choice, info, source });
+            let session = Session::with_propagation(propagation, setup, solver, chosen.balances());
+            return Ok(Self { session: session.map_err(refused)?, chosen, source });
         }
         if positions.is_some() {
             return Err(invalid("positions", "given", "an array has its own: they go with Propagation"));
         }
         let scene = object.cast::<Scene>().ok().map(Bound::get);
-        let (array, medium) = match (scene, object.cast::<Array>()) {
-            (Some(scene), _) => (scene.array(), Some(scene.inner.medium())),
-            (None, Ok(array)) => (array.get().clone(), None),
+        let (array, medium, mut extras) = match (scene, object.cast::<Array>()) {
+            (Some(scene), _) => (scene.array(), Some(scene.inner.medium()), scene.inner.extras()),
+            (None, Ok(array)) => (array.get().clone(), None, Extras::default()),
             (None, Err(_)) => {
                 let kind = object.get_type().qualname()?;
                 return Err(PyTypeError::new_err(format!(
@@ -166,24 +147,15 @@ impl Setting {
                 )));
             }
         };
-        let signature = match signature {
-            None => scene.and_then(|scene| scene.inner.signature()).cloned(),
-            Some(none) if none.is_none() => None,
-            Some(signature) => Some(read_signature(&signature, array.inner.len())?),
-        };
+        keywords.write_extras(&mut extras, array.inner.len())?;
         let medium = keywords.medium(medium, &array)?;
         let ready = keywords.array(array)?.ready(medium)?;
-        let Ready { model, doubts, .. } = &*ready;
         let reported = scene.map_or(&[][..], |scene| &scene.ready.doubts);
-        warn_all(object.py(), doubts.iter().filter(|doubt| !reported.contains(doubt)))?;
-        let own = scene.and_then(|scene| scene.inner.solver.as_ref());
-        let (choice, Configured { solver, info, .. }) = chosen(own, model.array().quantization())?;
-        let behind = scene.map_or(&[][..], |scene| scene.inner.obstacles());
-        let obstacles = obstacles.map_or_else(|| Ok(behind.to_vec()), |given| read_obstacles(&given))?;
-        let bead = bead.map(|bead| read_bead(&bead)).transpose()?;
-        let bead = bead.or(scene.map(|scene| scene.inner.bead())).unwrap_or_default();
-        let model = ready.behind(object.py(), &obstacles)?.with_signature(signature).with_bead(bead);
-        let session = Session::new(model.clone(), solver, choice.balance == Some(true));
-        Ok(Self { session, choice, info, source: Source::Model(model) })
+        warn_all(py, ready.doubts.iter().filter(|doubt| !reported.contains(doubt)))?;
+        let (file, board) = (extras.solver.as_ref(), ready.model.array().quantization());
+        let (chosen, Configured { solver, .. }) = Chosen::read(file, board, naming, Some(keywords.rest()))?;
+        let model = ready.model_with(py, extras)?;
+        let session = Session::new(model.clone(), solver, chosen.balances());
+        Ok(Self { session, chosen, source: Source::Model(model) })
     }
 }

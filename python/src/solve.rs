@@ -1,18 +1,15 @@
 //! `midair.solve`.
 
-use std::sync::Arc;
 use std::time::Instant;
 
-use midair::solvers::{self as registry, Greedy, Method, Remark};
+use midair::solvers::remarks;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::chosen::{Chosen, Naming};
 use crate::ctrl_c::attend;
-use crate::energy;
-use crate::error::{invalid, refused, warn};
-use crate::function::Function;
+use crate::error::warn_all;
 use crate::read;
-use crate::ready::Ready;
 use crate::solution::{Solution, begin};
 use crate::subject::{Beside, Subject};
 
@@ -109,72 +106,29 @@ pub(crate) fn solve(
     options: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Solution> {
     let subject = Subject::read(scene, Beside { pressures, weights, quantization, mask, positions })?;
-    let function = solver.map(|solver| Function::read(solver, options)).transpose()?.flatten();
-    let (energy, options) = if function.is_some() { (None, None) } else { energy::Function::take(options)? };
-    let raised = function.as_ref().map(Function::raised).or(energy.as_ref().map(energy::Function::raised));
-    let mut choice = match &function {
-        Some(function) => function.choice(py)?,
-        None => read::chosen(subject.choice(), solver, options.as_ref())?,
-    };
     read::callback(progress.as_ref().map(|callback| callback.bind(py)), "step, steps, residual")?;
-    if let Some(aim) = aim {
-        choice.aim = Some(read::aim(aim)?);
-    }
-    let configured = match function {
-        Some(function) => function.configured(&choice)?,
-        None => registry::configure(&choice, subject.quantization()).map_err(refused)?,
-    };
-    let configured = match energy {
-        Some(_) if configured.info.name != Greedy::INFO.name => {
-            return Err(invalid("objective", "a function", "greedy alone takes one: name it, or leave this out"));
-        }
-        Some(energy) => energy.configured(py, configured.options)?,
-        None => configured,
-    };
-    if start.is_some() && !configured.info.uses_start {
-        return Err(refused(registry::unused("start", &choice.name, |info| info.uses_start)));
-    }
-    if let Some(balance) = balance {
-        choice.balance = Some(read::flag("balance", balance)?);
-    }
-    let balance = choice.balance.unwrap_or(configured.info.balance);
-    choice.balance = Some(balance);
-    choice.options = configured.options;
+    let (file, board) = (subject.choice(), subject.quantization());
+    let naming = Naming { solver, balance, aim };
+    let (chosen, configured, raised) = Chosen::read_with_functions(py, file, board, naming, options)?;
+    chosen.check_start(start.is_some())?;
+    let (solver, balance) = (&*configured.solver, chosen.balances());
     let clock = Instant::now();
     let start = start.map(begin).transpose()?;
-    let mut problem = attend(py, None, |mut control| match start {
-        None => subject.problem(configured.solver.computes_rows(), &mut control),
-        Some(start) => subject.problem(configured.solver.computes_rows(), &mut control)?.with_start(start),
+    let problem = attend(py, None, |mut control| {
+        let problem = subject.problem(solver.computes_rows(), &mut control)?.with_aim(chosen.choice.aim);
+        start.map_or(Ok(problem.clone()), |start| problem.with_start(start))
     })?;
-    if let Some(aim) = choice.aim {
-        problem = problem.with_aim(aim);
-    }
-    if configured.info.uses_aim {
-        choice.aim = Some(problem.aim());
-    }
-    let weak = Remark::weak(&problem, &*configured.solver, balance);
-    for remark in weak.into_iter().chain(Remark::phases_unused(&problem, &*configured.solver)) {
-        warn(py, &remark)?;
-    }
-    let ready = subject.ready();
-    let mut work = ready.map(Ready::workspace).unwrap_or_default();
+    let mut work = subject.workspace();
     let answer = attend(py, progress, |control| {
         let mut control = if trace { control.traced() } else { control };
-        let solution = midair::solve(&problem, &*configured.solver, balance, &mut work, &mut control)?;
+        let solution = midair::solve(&problem, solver, balance, &mut work, &mut control)?;
         Ok((solution, control.into_trace()))
     });
-    if let Some(ready) = ready {
-        ready.keep(work);
-    }
-    raised.map_or(Ok(()), |raised| raised.check())?;
+    subject.keep(work);
+    raised.check()?;
     let (inner, trace) = answer?;
     let elapsed = clock.elapsed().as_secs_f64();
     let beyond = attend(py, None, |mut control| problem.beyond(&mut control))?;
-    let leak = Remark::leak(&problem, &*configured.solver, &inner);
-    let missed = Remark::missed(&problem, &*configured.solver, &inner);
-    let (scaled, harmonic) = (Remark::scaled(&inner), Remark::harmonic(&problem, &inner));
-    for remark in [beyond.map(Remark::Beyond), missed, leak, scaled, harmonic].into_iter().flatten() {
-        warn(py, &remark)?;
-    }
-    Ok(Solution::new(inner, Arc::new(choice), elapsed).of(subject.scene(), trace))
+    warn_all(py, remarks(&problem, solver, balance, None, &inner, beyond).into_iter().flatten())?;
+    Ok(Solution::new(inner, chosen.answered(&problem), elapsed).of(subject.scene(), trace))
 }

@@ -1,16 +1,16 @@
 //! `midair.Solver`.
 
-use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::sync::{Mutex, MutexGuard, TryLockError};
 use std::time::Instant;
 
-use midair::solvers::{Info, unused};
 use midair::{Complex32, Frames, Request, Session, SolveRequest};
 use numpy::{Ix1, Ix2, PyArray1, PyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::chosen::Chosen;
 use crate::ctrl_c::attend;
-use crate::error::{invalid, refused, warn_all};
+use crate::error::{invalid, warn_all};
 use crate::getters::getters;
 use crate::give;
 use crate::metrics::Metrics;
@@ -19,7 +19,7 @@ use crate::numbers::in_place;
 use crate::out;
 use crate::pickle::{Reduced, called};
 use crate::read;
-use crate::setting::{Setting, Source, answered};
+use crate::setting::{Setting, Source};
 use crate::solution::{Solution, begin};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -61,8 +61,7 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 #[pyclass(frozen, module = "midair")]
 pub(crate) struct Solver {
     state: Mutex<State>,
-    choice: Arc<midair::Choice>,
-    info: &'static Info,
+    chosen: Chosen,
     points: Option<usize>,
     source: Source,
 }
@@ -153,21 +152,15 @@ impl Solver {
         if points == Some(0) {
             return Err(invalid("points", "0", "give a whole number, 1 or above"));
         }
-        let Setting { session, choice, info, source } = Setting::read(scene, solver, options)?;
+        let Setting { session, chosen, source } = Setting::read(scene, solver, options)?;
         if let (Some(count), Some(most)) = (session.given_points(), points)
             && most < count
         {
             let cure = format!("the matrix has {count} points: give as many, or leave it out");
             return Err(invalid("points", &most.to_string(), &cure));
         }
-        let ask = SolveRequest { aim: choice.aim, ..SolveRequest::default() };
-        Ok(Self {
-            state: Mutex::new(State { session, ask, elapsed: 0.0 }),
-            choice: Arc::new(choice),
-            info,
-            points,
-            source,
-        })
+        let ask = SolveRequest { aim: chosen.choice.aim, ..SolveRequest::default() };
+        Ok(Self { state: Mutex::new(State { session, ask, elapsed: 0.0 }), chosen, points, source })
     }
 
     /// Find a drive for some points, as `solve` does.
@@ -204,12 +197,10 @@ impl Solver {
             return Err(unknown_argument("midair.Solver", others, &["points", "pressures", "weights", "start", "out"]));
         }
         let clock = Instant::now();
-        let (py, Self { choice, info, points: most, .. }) = (slf.py(), slf.get());
+        let (py, Self { chosen, points: most, .. }) = (slf.py(), slf.get());
         let mut state = slf.get().state()?;
         let State { session, ask, elapsed } = &mut *state;
-        if start.is_some() && !info.uses_start {
-            return Err(refused(unused("start", info.name, |info| info.uses_start)));
-        }
+        chosen.check_start(start.is_some())?;
         let count = match (session.given_points(), points) {
             (Some(count), None) => count,
             (None, Some(points)) => {
@@ -242,8 +233,9 @@ impl Solver {
             tell()?;
             return Ok(slf.clone().into_any().unbind());
         }
-        let inner = session.take().ok_or_else(|| invalid("solution", "none", "report this"))?;
-        let solution = Solution::new(inner, answered(choice, info, session.problem()), *elapsed);
+        let none = || invalid("solution", "none", "report this");
+        let (inner, problem) = session.take().zip(session.problem()).ok_or_else(none)?;
+        let solution = Solution::new(inner, chosen.answered(problem), *elapsed);
         drop(state);
         tell()?;
         Ok(Bound::new(py, solution)?.into_any().unbind())
@@ -294,10 +286,9 @@ impl Solver {
         let targets = targets.as_ref().and_then(|request| request.pressures.as_deref());
         let transducers = session.transducers();
         let mut drives = vec![Complex32::ZERO; frames * transducers];
-        let starts = self.info.uses_start && self.info.name != "glide";
         ask.request = Request::default();
         let path = Frames { points: &points, targets, count, margin };
-        attend(py, None, |mut control| session.follow(path, starts, ask, &mut drives, &mut control))?;
+        attend(py, None, |mut control| session.follow(path, ask, &mut drives, &mut control))?;
         ask.start = None;
         let remarks = session.remarks();
         drop(state);
@@ -313,7 +304,7 @@ impl Solver {
 
     /// Pickles the setting. A copy has its own memory and no last solution.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
-        let (py, Self { choice, points, source, .. }) = (slf.py(), slf.get());
+        let (py, Self { chosen: Chosen { choice, .. }, points, source, .. }) = (slf.py(), slf.get());
         let (first, keywords) = source.arguments(py, choice)?;
         keywords.set_item("points", points)?;
         called((slf.get_type(), first, &choice.name).into_pyobject(py)?, &keywords)
@@ -322,7 +313,7 @@ impl Solver {
     fn __repr__(&self) -> PyResult<String> {
         let points = self.points.map_or_else(String::new, |points| format!(", up to {points} points"));
         let transducers = self.state()?.session.transducers();
-        Ok(format!("<midair.Solver by {}: {transducers} transducers{points}>", self.choice.name))
+        Ok(format!("<midair.Solver by {}: {transducers} transducers{points}>", self.chosen.choice.name))
     }
 }
 
@@ -356,8 +347,8 @@ getters! {
     elapsed(self) -> PyResult<f64> = Ok(self.state()?.elapsed);
 
     /// The solver's name.
-    solver(self) -> &str = &self.choice.name;
+    solver(self) -> &str = &self.chosen.choice.name;
 
     /// All options, and whether the targets are balanced.
-    options(self, py) -> PyResult<Bound<'py, PyDict>> = read::option_dict(py, &self.choice.table());
+    options(self, py) -> PyResult<Bound<'py, PyDict>> = read::option_dict(py, &self.chosen.choice.table());
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use midair::{Control, Problem, Quantization, Request, Setup};
+use midair::{Control, Problem, Quantization, Request, Setup, Workspace};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
@@ -13,7 +13,7 @@ use crate::propagation::Propagation;
 use crate::quantization::read_quantization;
 use crate::read;
 use crate::ready::Ready;
-use crate::scene::{Around, Scene, remade};
+use crate::scene::Scene;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
@@ -50,9 +50,8 @@ impl Beside<'_, '_> {
         let given = read::request(own.points().len(), pressures, weights)?;
         let requested = if given.pressures.is_some() { given.clone() } else { own.request().clone() };
         let request = Request { weights: given.weights.or_else(|| own.request().weights.clone()), ..requested };
-        let (signature, obstacles) = (own.signature().cloned(), own.obstacles().to_vec());
-        let rest = Around { plane: own.plane, signature, bead: own.bead(), obstacles };
-        remade(py, scene, (&array, own.medium()), own.points().to_vec(), request, rest)
+        let changed = Scene::made(&array, own.medium(), own.points().to_vec(), request, own.extras())?;
+        changed.reported(py, &scene.doubts())
     }
 }
 
@@ -121,8 +120,20 @@ impl Subject {
         }
     }
 
+    /// Returns a workspace: that of the last solve with the scene's array, if no other call uses it.
+    pub(crate) fn workspace(&self) -> Workspace {
+        self.ready().map(Ready::workspace).unwrap_or_default()
+    }
+
+    /// Stores a workspace for the next solve with the scene's array.
+    pub(crate) fn keep(&self, work: Workspace) {
+        if let Some(ready) = self.ready() {
+            ready.keep(work);
+        }
+    }
+
     /// Returns the prepared array of a scene; None for a matrix.
-    pub(crate) fn ready(&self) -> Option<&Ready> {
+    fn ready(&self) -> Option<&Ready> {
         match self {
             Self::Scene(scene) => Some(&scene.ready),
             Self::Given(..) => None,

@@ -32,8 +32,8 @@ def test_a_batch_tells_each_kind_once_with_counts() -> None:
         lambda: batches.append(midair.solve_batch(ARRAY, points, PRESSURES, "wgs", balance=False))
     )
     assert len(texts) == 2
-    assert texts[0].startswith("in 2 of 5 problems a pressure is beyond reach, in problems[1] 3")
-    assert texts[1].startswith("in 1 of 5 problems targets are weak; problems[4]: targets are 6.1e-3 of the")
+    assert texts[0].startswith("in 2 of 5 problems, worst in problems[1]: points[0].pressure is 800.000 Pa")
+    assert texts[1].startswith("in 1 of 5 problems, worst in problems[4]: targets are 6.1e-3 of the")
     assert batches[0].beyond.tolist() == [False, True, False, True, False]
     assert batches[0].weak.tolist() == [False, False, False, False, True]
     assert batches[0].beyond.dtype == batches[0].weak.dtype == bool
@@ -53,8 +53,8 @@ def test_a_batch_counts_what_is_left_to_the_supply() -> None:
     points, pressures = np.stack([POINTS, POINTS]), [[1, 1], [0.1, 0.1]]
     texts = received(lambda: midair.solve_batch(array, points, pressures, balance=True))
     assert len(texts) == 1
-    assert texts[0].startswith("in 2 of 2 problems the device has no such amplitude: scale the drives")
-    assert "those of problems[1] by 0." in texts[0]
+    assert texts[0].startswith("in 2 of 2 problems, worst in problems[1]: the device has no such amplitude")
+    assert "scale all drives by 0." in texts[0]
 
 
 @pytest.mark.parametrize("out", [None, np.empty(400, np.complex64)])
@@ -113,4 +113,40 @@ def test_the_second_harmonic_has_a_warning_where_it_is_large() -> None:
         assert text.startswith(line)
     assert not received(lambda: solver(loud.points, 8000))
     (text,) = received(lambda: midair.solve_batch(board, [point, point], [[6000], [8000]]))
-    assert text.startswith(f"in 1 of 2 problems harmonics count; problems[1]: {line}")
+    assert text.startswith(f"in 1 of 2 problems, worst in problems[1]: {line}")
+
+
+def test_a_solve_a_solver_and_a_batch_give_the_same_warnings_in_the_same_order() -> None:
+    """Of a board of 32 phases, by a bound below a step of them: the drive stands still."""
+    array, points = midair.Array.preset("sonicsurface"), np.array([[0, 0, 0.12], [0.02, 0, 0.12]])
+    first = midair.solve(midair.Scene(array, points), "glide")
+    asked = np.array([1e5, 1e5])
+    texts = received(
+        lambda: midair.solve(midair.Scene(array, points, asked), "glide", change=0.05, start=first)
+    )
+    assert "beyond reach" in texts[0]
+    (still,) = (text for text in texts if "less than a step of the board's 32 phases" in text)
+    solver = midair.Solver(array, "glide", change=0.05)
+    assert received(lambda: solver(points, asked, start=first)) == texts
+    starts = np.stack([first.drive] * 2)
+    batch = received(
+        lambda: midair.solve_batch(
+            array, np.stack([points] * 2), asked, "glide", change=0.05, start=starts
+        )
+    )
+    assert batch == [f"in 2 of 2 problems, worst in problems[0]: {text}" for text in texts]
+    # Without a start, the phases are free.
+    assert still not in received(lambda: midair.solve(midair.Scene(array, points), "glide", change=0.05))
+
+
+def test_a_batch_warns_of_quiet_points_that_leak() -> None:
+    """As a solve does: 60 quiet points are more than 64 transducers can silence."""
+    array = midair.Array.grid(8, 8, 0.01)
+    angles = np.arange(60) * 2.4
+    around = np.stack([0.03 * np.sqrt(angles) * f(angles) for f in (np.cos, np.sin)], 1)
+    points = np.concatenate([[[0, 0, 0.15]], np.column_stack([around, np.full(60, 0.15)])])
+    asked = np.r_[100.0, np.zeros(60)]
+    texts = received(lambda: midair.solve(midair.Scene(array, points, asked)))
+    assert any("quiet points leak" in text for text in texts)
+    batch = received(lambda: midair.solve_batch(array, points[None], asked))
+    assert batch == [f"in 1 of 1 problems, worst in problems[0]: {text}" for text in texts]

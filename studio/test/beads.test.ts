@@ -64,6 +64,19 @@ test("an opened scene keeps its bead: a heavy one lies lower in its trap", () =>
   expect(farthest(state.bead)).toBeGreaterThan(4 * farthest(null));
 });
 
+test("a scene whose points are moved keeps its bead", () => {
+  const bead = { radius: 1.2e-3, density: 900 };
+  const text = { array: { preset: "openmpd_pair" }, points: [{ position: [0, 0, 0] }], signature: "trap", bead, solver: { name: "glide", rate: 1000 } };
+  const flown = (moved: boolean) => {
+    door.open(JSON.stringify(text));
+    if (moved) door.move([[0, 0, 0]]);
+    expect(JSON.parse(door.save(false)).bead).toMatchObject(bead);
+    door.follow(framesOf([[0, 0, 0]], { kind: "circle", radius: 0.01, frequency: 4 }, 1000, 0.25), 250);
+    return door.fly(0, 1000);
+  };
+  expect(flown(true)).toEqual(flown(false));
+});
+
 test("frames that were not followed are not flown", () => {
   door.open(JSON.stringify({ array: { preset: "openmpd_pair" }, points: [{ position: [0, 0, 0] }] }));
   expect(() => door.fly(0, 1000)).toThrow(/drives is 0/);

@@ -15,8 +15,8 @@ use crate::files::node::Node;
 use crate::files::positions;
 use crate::files::source::Source;
 use crate::scene::{
-    Array, Axis, Bead, Body, Choice, Directivity, Key, Medium, Mesh, Obstacle, OptionValue, Options, Part, PartKind,
-    PartValue, Particle, Plane, Request, Scene, Signature, Surface, Value,
+    Array, Axis, Bead, Body, Choice, Directivity, Extras, Key, Medium, Mesh, Obstacle, OptionValue, Options, Part,
+    PartKind, PartValue, Particle, Plane, Request, Scene, Signature, Surface, Value,
 };
 use crate::solvers::registry;
 
@@ -44,14 +44,15 @@ pub(super) fn at(
 ) -> Result<Scene, Fault> {
     let array = array(&root.need("array")?.table()?, source)?;
     let medium = root.read("medium", |item| Ok(array.medium(&item.table()?.reals(Medium::KEYS)?)?))?;
-    let signature = root.read("signature", signature)?;
-    let obstacles = root.get("obstacles").map_or_else(|| Ok(Vec::new()), |all| obstacles(&all, draw))?;
-    let bead = root.read("bead", bead)?.unwrap_or_default();
-    let scene = Scene::new(array, medium, places, request)?.with_signature(signature)?.with_bead(bead)?;
-    let mut scene = scene.with_obstacles(obstacles)?;
-    scene.plane = root.read("plane", |item| plane(&item.table()?, &scene))?;
-    scene.solver = root.read("solver", |item| choice(&item.open_table()?, scene.array().quantization()))?;
-    Ok(scene)
+    let scene = Scene::new(array, medium, places, request)?;
+    let extras = Extras {
+        signature: root.read("signature", signature)?,
+        bead: root.read("bead", bead)?.unwrap_or_default(),
+        obstacles: root.get("obstacles").map_or_else(|| Ok(Vec::new()), |all| obstacles(&all, draw))?,
+        plane: root.read("plane", |item| plane(&item.table()?, &scene))?,
+        solver: root.read("solver", |item| choice(&item.open_table()?, scene.array().quantization()))?,
+    };
+    Ok(scene.with_extras(extras)?)
 }
 
 /// The position of a point; and its pressure, phase and weight, each if given.

@@ -56,8 +56,6 @@ pub(crate) struct ArrayRequest {
     pub(crate) balance: f64,
     /// The first point whose target exceeds the pressure of all transducers there, with that pressure in Pa.
     pub(crate) overasked: Option<(usize, f64)>,
-    /// The largest ratio of a target to the pressure of all transducers at its point, if it is above 1; else 0.
-    pub(crate) excess: f64,
 }
 
 impl ArrayRequest {
@@ -77,7 +75,6 @@ impl ArrayRequest {
             weighted: false,
             balance: 1.0,
             overasked: None,
-            excess: 0.0,
         }
     }
 
@@ -151,7 +148,7 @@ impl ArrayRequest {
     /// A target at a point that no transducer reaches; a target so large or small that it must have a wrong unit.
     pub(crate) fn balance(&mut self, reach: &[f64]) -> Result<(), Error> {
         let reference = self.propagation.reference();
-        (self.overasked, self.excess) = (None, 0.0);
+        self.overasked = None;
         let within = LEAST_TARGET..=MOST_TARGET;
         for (&j, &reach) in self.active.iter().zip(reach) {
             let target = self.pascals[j];
@@ -166,7 +163,6 @@ impl ArrayRequest {
             // The tolerance covers the sums of f32 values, which are exact to 1e-4 of the reach.
             if self.given && target > (1.0 + 1e-4) * alone {
                 self.overasked = self.overasked.or(Some((j, alone)));
-                self.excess = self.excess.max(target / alone);
             }
         }
         // The loads (target over reach) are divided by the largest load, so that no square overflows or underflows.

@@ -120,13 +120,6 @@ impl Problem {
         Some(Beyond::Alone { point, target: self.targets_in_pascals()[point], alone })
     }
 
-    /// The largest ratio of a target to the pressure of all transducers at its point, for [`Aim::Target`]; 0 if no target
-    /// exceeds it.
-    #[must_use]
-    pub fn excess(&self) -> f64 {
-        if self.aim() == Aim::Target { self.targets.excess } else { 0.0 }
-    }
-
     /// Whether [`Problem::beyond`] must compute a bound, because the targets are so high that the points together may not reach
     /// them.
     #[must_use]

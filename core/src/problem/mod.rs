@@ -99,8 +99,7 @@ impl Problem {
         request: &Request,
         control: &mut Control,
     ) -> Result<Self, Error> {
-        let setup = Setup::of(model.array(), model.medium());
-        Self::read(model.driven(points)?, setup.into(), request, control)
+        Self::read(model.driven(points)?, Setup::of_model(model).into(), request, control)
     }
 
     /// Returns the problem of any propagation matrix G, computed or given by the user, and the setup of its array.
@@ -251,10 +250,10 @@ impl Problem {
         Ok(())
     }
 
-    /// Returns a copy of this problem with another aim, for the methods that use one.
+    /// Returns a copy of this problem with another aim, for the methods that use one. `None` leaves it as it is.
     #[must_use]
-    pub fn with_aim(mut self, aim: Aim) -> Self {
-        self.aim = Some(aim);
+    pub fn with_aim(mut self, aim: impl Into<Option<Aim>>) -> Self {
+        self.aim = aim.into().or(self.aim);
         self
     }
 

@@ -1,4 +1,4 @@
-//! Setup: the properties of an array that a problem needs: medium, quantization, positions and channels.
+//! Setup: the properties of an array that a problem needs: medium, quantization, positions, bead and channels.
 
 use alloc::borrow::Cow;
 use alloc::sync::Arc;
@@ -8,8 +8,8 @@ use num_complex::Complex32;
 use crate::device::channels::Channels;
 use crate::device::quantization::Quantization;
 use crate::error::{Error, one_each};
-use crate::propagation::Propagation;
-use crate::scene::{Array, Medium, check_drive, check_positions};
+use crate::propagation::{Model, Propagation};
+use crate::scene::{Array, Bead, Medium, check_drive, check_positions};
 
 /// The inputs of a problem besides the propagation matrix G and the request. They are useful with any G, also a measured one:
 /// the quantization of a board, positions for methods that order the transducers, and a medium for radiation pressures.
@@ -36,18 +36,26 @@ pub struct Setup {
     /// The position in m of each column of the propagation matrix G, if known, for methods that order the columns. For a
     /// channel it is the middle of its transducers.
     pub positions: Option<Arc<[[f64; 3]]>>,
+    /// The bead that traps are made for.
+    pub bead: Bead,
     /// The channels, if each column of the propagation matrix G is a channel; `None` if each column is a transducer.
     pub channels: Option<Channels>,
 }
 
 impl Setup {
-    /// Returns the setup of an array in a medium.
+    /// Returns the setup of a model: its array in its medium, and its bead.
+    #[must_use]
+    pub fn of_model(model: &Model) -> Self {
+        Self { bead: model.bead(), ..Self::of(model.array(), model.medium()) }
+    }
+
+    /// Returns the setup of an array in a medium, with the default bead.
     #[must_use]
     pub fn of(array: &Array, medium: Medium) -> Self {
         let (positions, quantization) = array.shared();
         let channels = array.wiring().cloned();
         let middles = channels.as_ref().map(|channels| channels.middles(&positions).into());
-        Self { medium, quantization, positions: middles.or(Some(positions)), channels }
+        Self { medium, quantization, positions: middles.or(Some(positions)), bead: Bead::default(), channels }
     }
 
     /// Checks that the parts fit the propagation matrix G.

@@ -17,7 +17,7 @@ use crate::problem::metrics::Metrics;
 use crate::problem::setup::Setup;
 use crate::problem::status::Status;
 use crate::propagation::{Propagation, field_of};
-use crate::scene::{Bead, Request, Scene, check_drive};
+use crate::scene::{Extras, Request, Scene, check_drive};
 use crate::workspace::Workspace;
 
 /// Returns z / factor. Multiplies by the reciprocal in double precision.
@@ -265,17 +265,21 @@ impl Solution {
         (&self.request.propagation, &self.request.setup, self.request.request())
     }
 
-    /// Returns the scene of the solution: array, medium, points and request. `None` if the user gave the propagation matrix G.
+    /// Returns the scene of the solution, without a file's solver and plane. `None` if the user gave the propagation matrix G.
     #[must_use]
     pub fn scene(&self) -> Option<Scene> {
         let ArrayRequest { propagation, setup, .. } = &*self.request;
         let (array, points, kept) = propagation.origin()?;
         let scene = Scene::new(array.clone(), setup.medium, points.to_vec(), self.request.request()).ok()?;
-        let signature = kept.and_then(|kept| kept.signature.clone());
-        let bead = kept.map_or_else(Bead::default, |kept| kept.bead);
         let obstacles = kept.and_then(|kept| kept.scattering.as_ref()).map_or(&[][..], |all| all.obstacles.given());
-        let scene = scene.with_obstacles(obstacles.to_vec()).and_then(|scene| scene.with_bead(bead));
-        scene.and_then(|scene| scene.with_signature(signature)).ok()
+        let extras = Extras {
+            signature: kept.and_then(|kept| kept.signature.clone()),
+            bead: setup.bead,
+            obstacles: obstacles.to_vec(),
+            solver: None,
+            plane: None,
+        };
+        scene.with_extras(extras).ok()
     }
 
     /// The targets (M,) in Pa that the metrics refer to.

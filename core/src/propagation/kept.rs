@@ -35,7 +35,7 @@ pub(crate) struct Make {
     /// Computes the propagation matrix G, by [`Kept::matrix`].
     pub(crate) matrix: fn(&Kept, Known<'_>) -> Matrix,
     /// Computes the stiffness of traps, by [`Kept::stiffness`].
-    pub(crate) stiffness: fn(&Kept, &mut Control) -> Result<Option<Stiffness>, Error>,
+    pub(crate) stiffness: fn(&Kept, Bead, &mut Control) -> Result<Option<Stiffness>, Error>,
 }
 
 /// The parameters of a stored propagation matrix G.
@@ -45,8 +45,6 @@ pub(crate) struct Kept {
     pub(crate) points: Arc<[[f64; 3]]>,
     pub(crate) scattering: Option<Arc<Scattering>>,
     pub(crate) signature: Option<Signature>,
-    /// The bead for which the signature makes traps.
-    pub(crate) bead: Bead,
     /// The channels: the columns of transducers on one channel are summed.
     pub(crate) channels: Option<Channels>,
     pub(crate) make: Make,
@@ -59,7 +57,6 @@ impl PartialEq for Kept {
         same && self.points == other.points
             && obstacles[0] == obstacles[1]
             && self.signature == other.signature
-            && self.bead == other.bead
             && self.channels == other.channels
     }
 }
@@ -68,7 +65,7 @@ impl Kept {
     pub(crate) const MAKE: Make = Make { matrix: Self::matrix, stiffness: Self::stiffness };
 
     /// The functions for channels alone, without obstacles and signature.
-    pub(crate) const BARE: Make = Make { matrix: Self::bare, stiffness: |_, _| Ok(None) };
+    pub(crate) const BARE: Make = Make { matrix: Self::bare, stiffness: |_, _, _| Ok(None) };
 
     /// Computes the propagation matrix G in Pa, column by column (N or C, M).
     ///
@@ -146,18 +143,18 @@ impl Kept {
         Ok(matrix.into())
     }
 
-    /// The stiffness of the points that are traps, without the signature; the other points are foci. `None` where derivatives of
+    /// The stiffness for a bead of the points that are traps, without the signature; the other points are foci. `None` where derivatives of
     /// the field are unknown, as on the surface of a sphere or a mesh.
     ///
     /// # Errors
     /// More memory than allowed, a stop by the caller.
-    fn stiffness(&self, control: &mut Control) -> Result<Option<Stiffness>, Error> {
+    fn stiffness(&self, bead: Bead, control: &mut Control) -> Result<Option<Stiffness>, Error> {
         // The best instruction set can be used, because all sets give the same bits.
         let set = InstructionSet::best();
         let trap = |j: &usize| self.signature.as_ref().is_some_and(|signature| signature.is_trap(*j));
         let (traps, foci): (Vec<usize>, _) = (0..self.points.len()).partition(trap);
         Stiffness::of(
-            (set, self.bead),
+            (set, bead),
             &self.sources,
             self.scattering.as_deref(),
             self.channels.as_ref(),

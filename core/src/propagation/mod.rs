@@ -30,7 +30,7 @@ use crate::kernels::propagate::rows;
 use crate::kernels::{self, ControlPoints, InstructionSet, Row, padded};
 use crate::math;
 use crate::propagation::kept::{Kept, Known};
-use crate::scene::{Array, Bead, Scene, Signature, UNITS};
+use crate::scene::{Array, Scene, Signature, UNITS};
 
 /// The matrix G, one row for each transducer. Rows are computed from positions when needed, or come from a matrix of the user's
 /// own (measured, or computed elsewhere). Solvers work with both alike.
@@ -111,7 +111,6 @@ impl Propagation {
                 points: Arc::clone(points),
                 scattering: None,
                 signature: None,
-                bead: Bead::default(),
                 channels: None,
                 make: Kept::BARE,
             },

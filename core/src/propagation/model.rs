@@ -186,8 +186,7 @@ impl Model {
             });
         };
         let (scattering, signature) = (self.scattering.clone(), self.signature.clone());
-        let (points, bead) = (points.into(), self.bead);
-        let kept = Kept { sources, points, scattering, signature, bead, channels, make };
+        let kept = Kept { sources, points: points.into(), scattering, signature, channels, make };
         Propagation::kept(kept, (&[], &[]), self.set)
     }
 

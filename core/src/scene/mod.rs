@@ -65,6 +65,24 @@ use crate::error::Error;
 /// distance is then half a wavelength, which contains the loud shell around the trap.
 const SHELL: f64 = 5.0;
 
+/// The optional parts of a scene: all except array, medium, points and request.
+///
+/// Who makes a scene from another one names each part here, so that the compiler finds the copies that lack a new part.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[allow(clippy::exhaustive_structs, reason = "a part must not be forgotten; Scene::with_extras checks them")]
+pub struct Extras {
+    /// The signature, which turns the foci into traps; `None` for plain foci.
+    pub signature: Option<Signature>,
+    /// The bead that traps are made for.
+    pub bead: Bead,
+    /// Bodies that reflect the waves.
+    pub obstacles: Vec<Obstacle>,
+    /// The solver that the scene file names.
+    pub solver: Option<Choice>,
+    /// The plane of the pictures, if the scene file gives one.
+    pub plane: Option<Plane>,
+}
+
 /// An array, a medium, control points and the request at them. A scene is checked when it is made, and never changes
 /// afterwards.
 ///
@@ -107,11 +125,53 @@ impl Scene {
     ) -> Result<Self, Error> {
         let medium = medium.into().map_or_else(|| array.medium(&[]), Ok)?;
         check_array(&array, medium)?;
+        let scene = Self {
+            array,
+            medium,
+            points: Vec::new(),
+            request: Request::default(),
+            signature: None,
+            bead: Bead::default(),
+            obstacles: Obstacles::default(),
+            solver: None,
+            plane: None,
+        };
+        scene.with_points(points, request)
+    }
+
+    /// Returns a copy of this scene with other control points (M, 3) in m and their request. All other parts stay.
+    ///
+    /// # Errors
+    /// The errors of [`Scene::new`] for points and request; a signature of another number of points, a point behind an
+    /// obstacle.
+    pub fn with_points(self, points: Vec<[f64; 3]>, request: Request) -> Result<Self, Error> {
         request.check(points.len())?;
-        check_places(array.centre(), medium, "points", ".position", &points)?;
-        let obstacles = Obstacles::default();
-        let bead = Bead::default();
-        Ok(Self { array, medium, points, request, signature: None, bead, obstacles, solver: None, plane: None })
+        check_places(self.array.centre(), self.medium, "points", ".position", &points)?;
+        self.signature.as_ref().map_or(Ok(()), |signature| signature.check(self.array.len(), points.len()))?;
+        self.obstacles.check_points(&points)?;
+        Ok(Self { points, request, ..self })
+    }
+
+    /// The optional parts of this scene.
+    #[must_use]
+    pub fn extras(&self) -> Extras {
+        Extras {
+            signature: self.signature.clone(),
+            bead: self.bead,
+            obstacles: self.obstacles().to_vec(),
+            solver: self.solver.clone(),
+            plane: self.plane,
+        }
+    }
+
+    /// Returns a copy of this scene with these optional parts instead of its own.
+    ///
+    /// # Errors
+    /// The errors of [`Scene::with_signature`], [`Scene::with_bead`] and [`Scene::with_obstacles`].
+    pub fn with_extras(self, extras: Extras) -> Result<Self, Error> {
+        let Extras { signature, bead, obstacles, solver, plane } = extras;
+        let scene = self.with_signature(signature)?.with_bead(bead)?.with_obstacles(obstacles)?;
+        Ok(Self { solver, plane, ..scene })
     }
 
     /// Returns a copy of this scene with a signature, which turns foci into traps, or without a signature.

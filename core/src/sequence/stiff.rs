@@ -178,7 +178,7 @@ impl Lap<'_> {
         let first = t % TOGETHER * each;
         let Some((.., Some(kept))) = self.frames.blocks[t / TOGETHER].origin() else { return Ok(None) };
         let kept = kept.select(&(first..first + each).collect::<Vec<_>>());
-        let Some(mut traps) = (kept.make.stiffness)(&kept, control)? else { return Ok(None) };
+        let Some(mut traps) = (kept.make.stiffness)(&kept, self.frames.model.bead(), control)? else { return Ok(None) };
         let places = |t: usize| &self.points[t * each..(t + 1) * each];
         let count = self.frames.count;
         let around = if self.closed {

@@ -28,8 +28,8 @@ pub struct Frames<'a> {
 
 impl Session {
     /// Solves T frames one after another and writes their drives into `drives` (T, N). A solver with a memory continues from
-    /// the last frame, also from one call to the next, until [`Session::last`] is cleared. With `starts`, other solvers start
-    /// from the previous drive. `ask` contains the other parts of the request; its lists are overwritten. The drive of a frame
+    /// the last frame, also from one call to the next, until [`Session::last`] is cleared. Other solvers start from the
+    /// previous drive, if they use a start. `ask` contains the other parts of the request; its lists are overwritten. The drive of a frame
     /// without points is 0.
     ///
     /// # Errors
@@ -44,7 +44,7 @@ impl Session {
     /// let points: Vec<[f64; 3]> = (0..20).map(|t| [5e-5 * f64::from(t), 0.0, 0.15]).collect();
     /// let mut drives = vec![Complex32::ZERO; 20 * 256];
     /// let frames = Frames { points: &points, count: 1, ..Frames::default() };
-    /// session.follow(frames, false, &mut SolveRequest::default(), &mut drives, &mut Control::none())?;
+    /// session.follow(frames, &mut SolveRequest::default(), &mut drives, &mut Control::none())?;
     /// let change = |t: usize, i: usize| (drives[256 * t + i] * drives[256 * (t - 1) + i].conj()).arg().abs();
     /// assert!((1..20).all(|t| (0..256).all(|i| change(t, i) < 0.2)));
     /// # Ok::<(), midair::Error>(())
@@ -52,7 +52,6 @@ impl Session {
     pub fn follow(
         &mut self,
         frames: Frames<'_>,
-        starts: bool,
         ask: &mut SolveRequest,
         drives: &mut [Complex32],
         control: &mut Control,
@@ -69,6 +68,7 @@ impl Session {
             return Err(Error::invalid("points", format!("{} of them", all.len()), cure));
         }
         let points = &all[margin * count..];
+        let starts = !self.task.solver.remembers();
         let mut before: Option<usize> = None;
         for t in 0..steps {
             let frame = t * count..(t + 1) * count;

@@ -24,12 +24,12 @@ use crate::kernels::LANES;
 use crate::problem::{Problem, Setup, Solution};
 use crate::propagation::{Model, Propagation};
 use crate::scene::{Doubt, Vicinity, contrary};
-use crate::session::batch::Outcome;
+use crate::session::batch::{Outcome, Tally};
 use crate::session::parts::{Part, parts};
 use crate::session::worker::{Requests, Task, Transducers, Worker};
 use crate::solvers::last::Last;
 use crate::solvers::method::Solve;
-use crate::solvers::remark::Remark;
+use crate::solvers::remark::{KINDS, Remark, remarks};
 use crate::solvers::solve::solve_after;
 
 /// How many entries of the propagation matrix G a thread computes between two calls of the control. This takes `fast` about 100
@@ -61,7 +61,7 @@ pub struct Session {
     /// The memory of the last frame, for solvers that use it.
     last: Last,
     /// For each kind of remark, whether it has been made.
-    reported: [bool; 8],
+    reported: [bool; KINDS],
     /// Whether the session has searched for a proof that no drive gives all targets together.
     looked: bool,
     /// The region in which points are plausible; `None` after the first warning about a point outside of it.
@@ -74,7 +74,7 @@ impl Session {
     /// Returns a session for an array and a solver; `balance` says whether it balances.
     #[must_use]
     pub fn new(model: Model, solver: impl Into<Arc<dyn Solve + Send + Sync>>, balance: bool) -> Self {
-        let setup = Arc::new(Setup::of(model.array(), model.medium()));
+        let setup = Arc::new(Setup::of_model(&model));
         let vicinity = Some(Vicinity::of(model.array()));
         let solver = solver.into();
         let transducers = Transducers::Model(model.for_rows(solver.computes_rows()));
@@ -105,7 +105,7 @@ impl Session {
             workers: Vec::new(),
             solution: None,
             last: Last::default(),
-            reported: [false; 8],
+            reported: [false; KINDS],
             looked: false,
             vicinity,
             compared,
@@ -181,6 +181,7 @@ impl Session {
         let workers = &mut self.workers[..threads];
         let mut pressures = vec![Complex32::ZERO; count * points];
         let mut outcomes = vec![Outcome::default(); count];
+        workers.iter_mut().for_each(|worker| worker.tally = Tally::default());
         let mut done = 0;
         while done < count {
             let end = count.min(done + share * threads);
@@ -203,7 +204,9 @@ impl Session {
                 break;
             }
         }
-        Ok(Batch::of(pressures, &outcomes))
+        let mut tally = Tally::default();
+        workers.iter().for_each(|worker| tally.merge(&worker.tally));
+        Ok(Batch::of(pressures, &outcomes, &tally))
     }
 
     /// Checks the size of a batch. Returns the number of transducers, the number of threads, and how many problems a thread
@@ -235,20 +238,15 @@ impl Session {
     /// [`Problem::beyond`] takes time and is made only once.
     pub fn remarks(&mut self) -> impl Iterator<Item = Remark> + use<> {
         let (Some(problem), Some(solution)) = (self.problem(), self.solution()) else {
-            return [None; 8].into_iter().flatten();
+            return [None; KINDS].into_iter().flatten();
         };
+        let Task { solver, balance, .. } = &self.task;
         let mut beyond = problem.beyond_alone();
         let look = beyond.is_none() && problem.is_doubtful() && !self.looked;
         if look {
             beyond = problem.beyond(&mut Control::none()).ok().flatten();
         }
-        let weak = Remark::weak(problem, &*self.task.solver, self.task.balance);
-        let unused = Remark::phases_unused(problem, &*self.task.solver);
-        let leak = Remark::leak(problem, &*self.task.solver, solution);
-        let still = Remark::still(problem, &*self.task.solver);
-        let missed = Remark::missed(problem, &*self.task.solver, solution);
-        let (scaled, harmonic) = (Remark::scaled(solution), Remark::harmonic(problem, solution));
-        let mut remarks = [beyond.map(Remark::Beyond), missed, weak, unused, leak, still, scaled, harmonic];
+        let mut remarks = remarks(problem, &**solver, *balance, Some(&self.last), solution, beyond);
         self.looked |= look;
         for (reported, remark) in self.reported.iter_mut().zip(&mut remarks) {
             *remark = remark.filter(|_| !*reported);

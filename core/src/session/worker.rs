@@ -12,10 +12,11 @@ use crate::kernels::LANES;
 use crate::problem::{Problem, Setup, Solution, Status};
 use crate::propagation::{Model, Propagation};
 use crate::scene::{Aim, Request, Scene, Start};
-use crate::session::batch::Outcome;
+use crate::session::batch::{Outcome, Tally};
 use crate::session::parts::Part;
 use crate::solvers::common::interleaved_batch;
 use crate::solvers::method::Solve;
+use crate::solvers::remark::remarks;
 use crate::solvers::solve::{solve, solve_interleaved};
 use crate::workspace::Workspace;
 
@@ -106,6 +107,8 @@ impl Task {
 pub(super) struct Worker {
     pub(super) problems: Vec<Problem>,
     pub(super) work: Workspace,
+    /// The remarks about the problems of the present batch that this worker has solved.
+    pub(super) tally: Tally,
     ask: SolveRequest,
 }
 
@@ -157,9 +160,12 @@ impl Worker {
         let (count, refused) = self.prepare(part.first + start, range.len(), task, requests, control);
         let refused = refused.map_err(|(k, error)| (start + k, error));
         let problems = &self.problems[..count];
-        let (solver, balance, work) = (&*task.solver, task.balance, &mut self.work);
+        let (solver, balance, work, tally) = (&*task.solver, task.balance, &mut self.work, &mut self.tally);
         let mut keep = |k: usize, solution: &Solution| {
-            part.keep(start + k, solution, Outcome::of(&problems[k], solver, balance, solution));
+            let problem = &problems[k];
+            let remarks = remarks(problem, solver, balance, None, solution, problem.beyond_alone());
+            tally.add(part.first + start + k, remarks);
+            part.keep(start + k, solution, Outcome::of(solution, &remarks));
         };
         let solutions = solve_interleaved(problems, solver, balance, work);
         if let Some(solutions) = solutions.map_err(|(k, error)| (start + k, error))? {

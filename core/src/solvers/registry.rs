@@ -16,12 +16,13 @@ use crate::solvers::evd::Evd;
 use crate::solvers::fast::Fast;
 use crate::solvers::glide::Glide;
 use crate::solvers::greedy::Greedy;
+use crate::solvers::greedy::by_energy::{Energy, GreedyBy};
 use crate::solvers::gs::Gs;
 use crate::solvers::gspat::Gspat;
 use crate::solvers::lm::Lm;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::solvers::naive::Naive;
-use crate::solvers::options::OptionInfo;
+use crate::solvers::options::{Configure, OptionInfo};
 use crate::solvers::sdp::Sdp;
 use crate::solvers::tikhonov::Tikhonov;
 use crate::solvers::uniform::Uniform;
@@ -68,6 +69,23 @@ pub struct Configured {
     pub options: Options,
     /// The solver itself.
     pub solver: Box<dyn Solve + Send + Sync>,
+}
+
+impl Configured {
+    /// Returns `greedy` with an energy of the caller's in place of its objective. `name` is the energy's name in the options.
+    ///
+    /// # Errors
+    /// Any other solver.
+    pub fn by_energy(mut self, energy: Box<dyn Energy>, name: String) -> Result<Self, Error> {
+        if self.info.name != Greedy::INFO.name {
+            let cure = format!("{} alone takes one: name it, or leave this out", Greedy::INFO.name);
+            return Err(Error::invalid("objective", "a function", cure));
+        }
+        let mut greedy = Greedy::default();
+        set_all(self.info.name, &self.options, &mut |name, value| greedy.set(name, value))?;
+        self.options.insert("objective".into(), Value::Text(name));
+        Ok(Self { info: &GreedyBy::INFO, solver: Box::new(GreedyBy::new(greedy, energy)), ..self })
+    }
 }
 
 impl Entry {

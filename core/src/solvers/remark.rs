@@ -11,6 +11,7 @@ use crate::math;
 use crate::problem::{Beyond, Problem, Solution};
 use crate::scene::Aim;
 use crate::solvers::even_field::silence::silenceable;
+use crate::solvers::last::Last;
 use crate::solvers::method::Solve;
 use crate::solvers::registry::SOLVERS;
 
@@ -107,76 +108,97 @@ impl fmt::Display for Remark {
     }
 }
 
+/// The number of kinds of remarks.
+pub(crate) const KINDS: usize = 8;
+
 /// The share of the second harmonic from which on there is a warning: that of about 6 kPa.
 const HARMONIC: f64 = 0.25;
 
 impl Remark {
-    /// Warns of weak targets that a solver does not balance.
-    #[must_use]
-    pub fn weak(problem: &Problem, solver: &dyn Solve, balance: bool) -> Option<Self> {
-        weak_part(problem, solver, balance).map(Self::Weak)
-    }
-
-    /// Warns of targets missed by more than 1 %, for a solver that continues until they are met.
-    #[must_use]
-    pub fn missed(problem: &Problem, solver: &dyn Solve, solution: &Solution) -> Option<Self> {
-        problem.missed(solver.meets_targets(), solver.quiet(), solution).map(Self::Missed)
-    }
-
-    /// Warns of phases of the targets that the solver does not use.
-    #[must_use]
-    pub fn phases_unused(problem: &Problem, solver: &dyn Solve) -> Option<Self> {
-        (problem.target_phases().is_some() && !solver.uses_phases()).then_some(Self::PhasesUnused)
-    }
-
-    /// Warns of quiet points that leak much more than the solver's tolerance.
-    #[must_use]
-    pub fn leak(problem: &Problem, solver: &dyn Solve, solution: &Solution) -> Option<Self> {
-        let quiet = solver.quiet()?;
-        let leak = problem.leaks(quiet, solution)?;
-        let able = silenceable(problem.propagation().transducers(), problem.targeted().len());
-        Some(Self::Leak { leak, quiet, able })
-    }
-
-    /// Warns of a large second harmonic at the loudest point.
-    #[must_use]
-    pub fn harmonic(problem: &Problem, solution: &Solution) -> Option<Self> {
-        harmonic(problem, solution).map(|(share, pressure)| Self::Harmonic { share, pressure })
-    }
-
-    /// Warns of a board whose phases are too coarse for the bound on their changes, unless the bound is 0.
-    #[must_use]
-    pub fn still(problem: &Problem, solver: &dyn Solve) -> Option<Self> {
-        Self::still_on(solver.bound()?, problem.quantization()?.phases()?)
-    }
-
-    /// Warns of a board with too few phases for a bound on their changes in rad.
+    /// Warns of a board with too few phases for a bound on their changes in rad, unless the bound is 0.
     #[must_use]
     pub fn still_on(change: f64, phases: u32) -> Option<Self> {
         (change > 0.0 && steps_within(change, phases) < 1.0).then_some(Self::Still { change, phases })
     }
 
-    /// Warns of a factor that supply voltage or modulation must provide.
-    #[must_use]
-    pub fn scaled(solution: &Solution) -> Option<Self> {
-        (solution.scale < 1.0).then_some(Self::Scaled(solution.scale))
+    /// How far the solution is from the request. It compares remarks of one kind: the largest is the worst.
+    pub(crate) fn severity(&self) -> f64 {
+        match *self {
+            Self::Beyond(Beyond::Alone { target, alone, .. }) => target / alone,
+            Self::Missed(error) => error,
+            Self::Beyond(Beyond::Together { most: part }) | Self::Weak(part) | Self::Scaled(part) => 1.0 / part,
+            Self::Leak { leak, quiet, .. } => leak / quiet,
+            Self::Harmonic { share, .. } => share,
+            Self::PhasesUnused | Self::Still { .. } => 1.0,
+        }
     }
 }
 
-/// Returns the part of the balanced level that weak targets have, for a solver that does not balance them.
-pub(crate) fn weak_part(problem: &Problem, solver: &dyn Solve, balance: bool) -> Option<f64> {
-    (problem.is_weak() && !balance && !solver.finds_level() && solver.plays_at_full()).then(|| 1.0 / problem.balance())
+/// Returns the warnings about a solution, at most one of each kind, in the order in which all languages report them.
+/// `last` is the memory of the last frame in a session. `beyond` is the result of [`Problem::beyond`], which may take long,
+/// or of [`Problem::beyond_alone`].
+///
+/// ```
+/// use midair::solvers::{Greedy, remarks};
+/// use midair::{Array, Control, Medium, Problem, Request, Scene, Workspace};
+///
+/// let request = Request { pressures: Some(vec![1e4]), ..Request::default() };
+/// let scene = Scene::new(Array::preset("paper20", [1, 1])?, Medium::default(), vec![[0.0, 0.0, 0.15]], request)?;
+/// let (problem, solver) = (Problem::new(&scene)?, Greedy::default());
+/// let solution = midair::solve(&problem, &solver, false, &mut Workspace::new(), &mut Control::none())?;
+/// let warnings = remarks(&problem, &solver, false, None, &solution, problem.beyond_alone());
+/// let texts: Vec<String> = warnings.iter().flatten().map(ToString::to_string).collect();
+/// assert!(texts[0].starts_with("points[0].pressure is 10000 Pa, beyond reach"));
+/// # Ok::<(), midair::Error>(())
+/// ```
+#[must_use]
+pub fn remarks(
+    problem: &Problem,
+    solver: &dyn Solve,
+    balance: bool,
+    last: Option<&Last>,
+    solution: &Solution,
+    beyond: Option<Beyond>,
+) -> [Option<Remark>; KINDS] {
+    let missed = problem.missed(solver.meets_targets(), solver.quiet(), solution);
+    let weak = problem.is_weak() && !balance && !solver.finds_level() && solver.plays_at_full();
+    let unused = problem.target_phases().is_some() && !solver.uses_phases();
+    let follows = problem.start_drive().is_some() || last.is_some_and(|last| !last.is_empty());
+    let scale = solution.scale;
+    [
+        beyond.map(Remark::Beyond),
+        missed.map(Remark::Missed),
+        weak.then(|| Remark::Weak(1.0 / problem.balance())),
+        unused.then_some(Remark::PhasesUnused),
+        leak(problem, solver, solution),
+        if follows { still(problem, solver) } else { None },
+        (scale < 1.0).then_some(Remark::Scaled(scale)),
+        harmonic(problem, solution),
+    ]
 }
 
-/// Returns the estimated share of the second harmonic at the loudest point, and |p| in Pa there, if the share is large
-/// and pressures are requested. With a signature it returns `None`: the real pressures then differ from these.
-pub(crate) fn harmonic(problem: &Problem, solution: &Solution) -> Option<(f64, f64)> {
-    let kept = problem.propagation().origin().and_then(|(.., kept)| kept);
-    if !problem.asks_pressures() || problem.aim() != Aim::Target || kept.is_some_and(|kept| kept.signature.is_some()) {
+/// Warns of quiet points that leak much more than the solver's tolerance.
+fn leak(problem: &Problem, solver: &dyn Solve, solution: &Solution) -> Option<Remark> {
+    let quiet = solver.quiet()?;
+    let leak = problem.leaks(quiet, solution)?;
+    let able = silenceable(problem.propagation().transducers(), problem.targeted().len());
+    Some(Remark::Leak { leak, quiet, able })
+}
+
+/// Warns of a board whose phases are too coarse for the bound on their changes.
+fn still(problem: &Problem, solver: &dyn Solve) -> Option<Remark> {
+    Remark::still_on(solver.bound()?, problem.quantization()?.phases()?)
+}
+
+/// Warns of a large second harmonic at the loudest point, if pressures are requested. With a signature it returns `None`: the
+/// real pressures then differ from these.
+fn harmonic(problem: &Problem, solution: &Solution) -> Option<Remark> {
+    let signed = problem.propagation().signature().is_some();
+    if !problem.asks_pressures() || problem.aim() != Aim::Target || signed {
         return None;
     }
     let loudest = solution.pressures.iter().fold(0.0f32, |most, p| most.max(p.norm_sqr()));
     let pressure = math::sqrt(f64::from(loudest));
     let share = problem.setup().medium.second_harmonic(pressure);
-    (share > HARMONIC).then_some((share, pressure))
+    (share > HARMONIC).then_some(Remark::Harmonic { share, pressure })
 }

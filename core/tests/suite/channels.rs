@@ -117,7 +117,7 @@ fn moving_points_keep_their_bounds_and_their_channels() {
     let mut drives = vec![Complex32::ZERO; points.len() * 64];
     let moved = Frames { points: &points, count: 1, ..Frames::default() };
     let mut session = Session::new(model.clone(), solver, true);
-    session.follow(moved, false, &mut SolveRequest::default(), &mut drives, &mut Control::none()).expect("drives");
+    session.follow(moved, &mut SolveRequest::default(), &mut drives, &mut Control::none()).expect("drives");
     drives.chunks(64).for_each(|row| assert_eq!(of_channels(&array, row).len(), 32));
     let how = Ahead { change: 0.4, phases: 64, ends: Ends::Open, rounds: 3 };
     let run = |start: Option<&[u16]>| {

@@ -33,6 +33,7 @@ mod props;
 mod quantization;
 mod range;
 mod registry;
+mod scene;
 mod scenes;
 mod session;
 mod skin;

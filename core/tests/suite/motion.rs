@@ -34,7 +34,7 @@ fn session(array: &Array, glide: Glide) -> Session {
 fn followed(session: &mut Session, points: &[[f64; 3]]) -> Vec<Complex32> {
     let mut drives = vec![Complex32::ZERO; points.len() / COUNT * SIDE * SIDE];
     let frames = Frames { points, count: COUNT, ..Frames::default() };
-    session.follow(frames, false, &mut SolveRequest::default(), &mut drives, &mut Control::none()).expect("drives");
+    session.follow(frames, &mut SolveRequest::default(), &mut drives, &mut Control::none()).expect("drives");
     drives
 }
 
@@ -93,7 +93,7 @@ fn above_the_speed_limit_points_are_still_even() {
         let mut drives = vec![Complex32::ZERO; 60 * SIDE * SIDE];
         let mut session = session(&array, Glide { change: PI / 32.0, ..Glide::default() });
         let frames = Frames { points: &points, count: 16, ..Frames::default() };
-        session.follow(frames, false, &mut SolveRequest::default(), &mut drives, &mut Control::none()).expect("drives");
+        session.follow(frames, &mut SolveRequest::default(), &mut drives, &mut Control::none()).expect("drives");
         for (t, frame) in drives.chunks(SIDE * SIDE).enumerate() {
             let received = moduli(&array, &points[16 * t..16 * (t + 1)], frame);
             let (low, high) = received.iter().fold((f64::MAX, 0.0_f64), |(low, high), &p| (low.min(p), high.max(p)));
@@ -138,7 +138,7 @@ fn points_at_rest_leave_every_code_where_it_is() {
     let mut drives = vec![Complex32::ZERO; 80 * SIDE * SIDE];
     let frames = Frames { points: &points, count: many.len(), ..Frames::default() };
     let mut session = session(&array(Some(256)), Glide::default());
-    session.follow(frames, false, &mut SolveRequest::default(), &mut drives, &mut Control::none()).expect("drives");
+    session.follow(frames, &mut SolveRequest::default(), &mut drives, &mut Control::none()).expect("drives");
     let frames: Vec<&[Complex32]> = drives.chunks(SIDE * SIDE).collect();
     assert!(frames[20..].windows(2).all(|pair| pair[0] == pair[1]));
 }
@@ -228,9 +228,7 @@ fn frames_that_do_not_fit_and_points_that_are_not_there() {
     let mut drives = vec![Complex32::ONE; 2 * SIDE * SIDE];
     let mut follow = |points: &[[f64; 3]], targets: Option<&[f64]>| {
         let frames = Frames { points, targets, count: COUNT, margin: 0 };
-        session
-            .follow(frames, false, &mut SolveRequest::default(), &mut drives, &mut Control::none())
-            .map(|()| drives.clone())
+        session.follow(frames, &mut SolveRequest::default(), &mut drives, &mut Control::none()).map(|()| drives.clone())
     };
     assert!(follow(&points[1..], None).is_err());
     let targets = [500.0, 0.0, 500.0, 0.0, 0.0, 0.0];

@@ -32,14 +32,9 @@ impl Opened {
 
     /// Moves the points of the scene, with these pressures or, if there are none, the old ones.
     pub(crate) fn set_points(&mut self, points: Vec<[f64; 3]>, pressures: Option<Vec<f64>>) -> Result<(), Error> {
-        let scene = &self.scene;
-        let mut request = scene.request().clone();
+        let mut request = self.scene.request().clone();
         request.pressures = pressures.or(request.pressures);
-        let mut moved = Scene::new(scene.array().clone(), scene.medium(), points, request)?
-            .with_obstacles(scene.obstacles().to_vec())?
-            .with_signature(scene.signature().cloned())?;
-        (moved.solver, moved.plane) = (scene.solver.clone(), scene.plane);
-        self.scene = moved;
+        self.scene = self.scene.clone().with_points(points, request)?;
         self.ask = SolveRequest::of_scene(&self.scene);
         Ok(())
     }

@@ -142,7 +142,7 @@ pub(crate) fn requested(problem: &Problem, control: &mut Control) -> Result<Opti
     let kept = problem.propagation().origin().and_then(|(_, _, kept)| kept);
     let trapping = problem.aim() == Aim::Max && !problem.asks_pressures() || problem.frees_traps();
     match kept.filter(|kept| trapping && kept.signature.as_ref().is_some_and(Signature::traps)) {
-        Some(kept) => (kept.make.stiffness)(kept, control),
+        Some(kept) => (kept.make.stiffness)(kept, problem.setup().bead, control),
         None => Ok(None),
     }
 }

@@ -7,7 +7,7 @@ use crate::propagation::Model;
 use crate::propagation::forces::gorkov::gorkov;
 use crate::propagation::kept::Kept;
 use crate::rng::Rng;
-use crate::scene::{Array, Directivity, Obstacle, Particle, Signature, Surface, Transducer};
+use crate::scene::{Array, Bead, Directivity, Obstacle, Particle, Signature, Surface, Transducer};
 
 /// Returns a model of two facing arrays of 4 x 3 transducers with a wall beside them, and the stored propagation matrix G at
 /// two points.
@@ -30,7 +30,8 @@ fn kept() -> (Model, Kept) {
 #[test]
 fn it_is_the_stiffness_of_gorkov_and_its_slope() {
     let (model, kept) = kept();
-    let traps = (kept.make.stiffness)(&kept, &mut Control::none()).expect("room").expect("derivatives");
+    let traps =
+        (kept.make.stiffness)(&kept, Bead::default(), &mut Control::none()).expect("room").expect("derivatives");
     let mut rng = Rng::new(3);
     let drive: Vec<_> = (0..24).map(|_| Complex32::cis(6.3 * rng.uniform() as f32)).collect();
     let felt = gorkov(&model, &drive, &kept.points, Particle::default(), &mut Control::none()).expect("a force");
@@ -77,7 +78,7 @@ fn beside_a_ball_it_is_that_of_gorkov_and_on_its_surface_there_is_none() {
     let traps = |points: &[[f64; 3]]| {
         let propagation = model.propagation(points).expect("points");
         let kept = propagation.origin().and_then(|(_, _, kept)| kept).expect("kept");
-        (kept.make.stiffness)(kept, &mut Control::none()).expect("room")
+        (kept.make.stiffness)(kept, Bead::default(), &mut Control::none()).expect("room")
     };
     let mut rng = Rng::new(4);
     let drive: Vec<_> = (0..24).map(|_| Complex32::cis(6.3 * rng.uniform() as f32)).collect();
