@@ -55,12 +55,7 @@ impl From<midair::Metrics> for Metrics {
 
 impl From<midair::Status> for Status {
     fn from(status: midair::Status) -> Self {
-        match status {
-            midair::Status::Done => Self::Done,
-            midair::Status::OutOfSteps => Self::OutOfSteps,
-            midair::Status::Missed => Self::Missed,
-            _ => Self::Stopped,
-        }
+        [Self::Done, Self::OutOfSteps, Self::Stopped, Self::Missed][status as usize]
     }
 }
 

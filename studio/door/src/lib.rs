@@ -96,9 +96,8 @@ jobs! {
     /// Writes the drive as CSV to the text.
     studio_write_drive() = write_drive;
 
-    /// Solves the scene with its solver. The numbers are accuracy, sigma, uniformity, level, residual, leak, scale, status
-    /// (0 done, 1 out of steps, 2 stopped, 3 missed), steps, and target, re and im of each point in Pa. Writes warnings to
-    /// the text.
+    /// Solves the scene with its solver. The numbers are accuracy, sigma, uniformity, level, residual, leak, scale, steps,
+    /// and target, re and im of each point in Pa. Writes the status to the text, and warnings to the lines after it.
     studio_solve() = solve;
 
     /// Moves the scene's points. The number buffer has M points (M, 3) in m, then M pressures in Pa, or no pressures to keep

@@ -2,7 +2,7 @@
 
 use midair::files::{read_array, read_drive, write_drive};
 use midair::flight::Course;
-use midair::{Array, Complex32, Control, Error, InstructionSet, Precision, Status, bound, spl};
+use midair::{Array, Complex32, Control, Error, InstructionSet, Precision, bound, spl};
 
 use crate::lattices::Lattices;
 use crate::opened::Opened;
@@ -119,17 +119,12 @@ impl Studio {
         self.scale = solution.scale as f32;
         self.numbers.clear();
         self.numbers.extend(solution.metrics().values());
-        let status = match solution.status {
-            Status::Done => 0.0,
-            Status::OutOfSteps => 1.0,
-            Status::Missed => 3.0,
-            _ => 2.0,
-        };
-        self.numbers.extend([solution.scale, status, solution.steps as f64]);
+        self.numbers.extend([solution.scale, solution.steps as f64]);
+        let status = solution.status.name();
         for (target, p) in solution.targets().iter().zip(&solution.pressures) {
             self.numbers.extend([*target, f64::from(p.re), f64::from(p.im)]);
         }
-        self.text = lines(session.remarks());
+        self.text = format!("{status}\n{}", lines(session.remarks()));
         Ok(())
     }
 

@@ -161,17 +161,17 @@ export class Door {
 
   solve(): Answer {
     this.call("solve");
-    const all = this.numbers();
-    const points = Array.from({ length: (all.length - 9) / 3 }, (_, j) => all.subarray(9 + 3 * j, 12 + 3 * j));
+    const [all, [status, ...said]] = [this.numbers(), this.lines()];
+    const points = Array.from({ length: (all.length - 8) / 3 }, (_, j) => all.subarray(8 + 3 * j, 11 + 3 * j));
     return {
       metrics: metrics(all),
       scale: all[6],
-      status: (["done", "out_of_steps", "stopped", "missed"] as const)[all[7]],
-      steps: all[8],
+      status: status as Answer["status"],
+      steps: all[7],
       targets: points.map(([target]) => target),
       pressures: points.map(([, re, im]) => [re, im]),
       drive: this.drive(),
-      said: this.lines(),
+      said,
     };
   }
 
