@@ -12,7 +12,6 @@ use pyo3::types::{PyBytes, PyDict, PyString};
 
 use crate::draw;
 use crate::error::{invalid, refused};
-use crate::scene::Scene;
 use crate::toolbox;
 
 /// Converts an error of the file system to the OSError that Python's own functions would raise.
@@ -58,79 +57,14 @@ pub(crate) fn parse(text: &Bound<'_, PyAny>, name: &str, folder: Option<&Path>) 
     draw::scene(text.py(), &bytes, Format::of_text(&bytes), Source { name, folder })
 }
 
+/// Returns a scene as text.
+pub(crate) fn written(scene: &midair::Scene, format: Format, provenance: &Provenance) -> PyResult<String> {
+    files::write(scene, format, provenance).map_err(refused)
+}
+
 /// Writes a file completely or not at all, like every result.
 pub(crate) fn save(py: Python<'_>, path: &Path, text: &str) -> PyResult<()> {
     toolbox::call(py, "write", (path, text.as_bytes())).map(drop)
-}
-
-#[pymethods]
-impl Scene {
-    /// Read a scene file: JSON by its ending .json, TOML by .toml, else by its content.
-    ///
-    /// Parameters
-    /// ----------
-    /// path : str or path
-    ///     File to read.
-    ///
-    /// Returns
-    /// -------
-    /// midair.Scene
-    ///     The scene.
-    ///
-    /// Raises
-    /// ------
-    /// SceneError
-    ///     For an error in it. The text states line and column, and shows a correct line.
-    /// OSError
-    ///     If it cannot be read, such as FileNotFoundError.
-    #[staticmethod]
-    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        Self::of(load(py, &path)?)?.reported(py, &[])
-    }
-
-    /// Read a scene from text, TOML or JSON by its content.
-    ///
-    /// Parameters
-    /// ----------
-    /// text : str or bytes
-    ///     The text.
-    /// name : str, optional
-    ///     Name of the text in errors.
-    /// folder : str or path, optional
-    ///     Folder of the files that the text names, which are rejected without one.
-    ///
-    /// Returns
-    /// -------
-    /// midair.Scene
-    ///     The scene.
-    ///
-    /// Raises
-    /// ------
-    /// SceneError
-    ///     For an error in it. The text states line and column, and shows a correct line.
-    #[staticmethod]
-    #[pyo3(signature = (text, *, name="scene", folder=None))]
-    fn parse(text: &Bound<'_, PyAny>, name: &str, folder: Option<PathBuf>) -> PyResult<Self> {
-        Self::of(parse(text, name, folder.as_deref())?)?.reported(text.py(), &[])
-    }
-
-    /// Write the scene as TOML or (by the ending .json) JSON, whole or not at all.
-    ///
-    /// Parameters
-    /// ----------
-    /// path : str or path
-    ///     File to write.
-    ///
-    /// Raises
-    /// ------
-    /// OSError
-    ///     If it cannot be written.
-    /// SceneError
-    ///     For parts that no file can store, such as a signature of your own factors.
-    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        let text = files::write(&self.inner, Format::of(&path.to_string_lossy()), &Provenance::default());
-        save(py, &path, &text.map_err(refused)?)
-    }
 }
 
 /// Returns the files of a scene: the scene file itself, and those that it names. `text` is its content, for files that can

@@ -39,7 +39,6 @@ mod quantization;
 mod reach;
 mod read;
 mod ready;
-mod replace;
 mod scene;
 mod setting;
 mod shifted;

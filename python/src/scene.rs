@@ -1,8 +1,10 @@
 //! `midair.Scene`.
 
 use std::hash::{Hash, Hasher};
+use std::path::PathBuf;
 use std::sync::Arc;
 
+use midair::files::{Format, Provenance};
 use midair::{Bead, Complex32, Control, Doubt, Extras, Medium, Request};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyTypeError;
@@ -12,10 +14,12 @@ use pyo3::types::{IntoPyDict, PyDict};
 use crate::array::Array;
 use crate::bead::{read_bead, shown_bead};
 use crate::ctrl_c::attend;
-use crate::error::{refused, warn_all};
+use crate::error::{invalid, refused, warn_all};
+use crate::files;
 use crate::getters::getters;
 use crate::give::{self, rows};
 use crate::keywords::Keywords;
+use crate::numbers::quoted;
 use crate::obstacle::{read_obstacles, shown_obstacles};
 use crate::pickle::{Reduced, restored};
 use crate::plane::Plane;
@@ -191,6 +195,178 @@ impl Scene {
             ..Extras::default()
         };
         Self::made(&array, medium, points, request, extras)?.reported(py, &[])
+    }
+
+    /// Read a scene file: JSON by its ending .json, TOML by .toml, else by its content.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or path
+    ///     File to read.
+    ///
+    /// Returns
+    /// -------
+    /// midair.Scene
+    ///     The scene.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     For an error in it. The text states line and column, and shows a correct line.
+    /// OSError
+    ///     If it cannot be read, such as FileNotFoundError.
+    #[staticmethod]
+    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        Self::of(files::load(py, &path)?)?.reported(py, &[])
+    }
+
+    /// Read a scene from text, TOML or JSON by its content.
+    ///
+    /// Parameters
+    /// ----------
+    /// text : str or bytes
+    ///     The text.
+    /// name : str, optional
+    ///     Name of the text in errors.
+    /// folder : str or path, optional
+    ///     Folder of the files that the text names, which are rejected without one.
+    ///
+    /// Returns
+    /// -------
+    /// midair.Scene
+    ///     The scene.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     For an error in it. The text states line and column, and shows a correct line.
+    #[staticmethod]
+    #[pyo3(signature = (text, *, name="scene", folder=None))]
+    fn parse(text: &Bound<'_, PyAny>, name: &str, folder: Option<PathBuf>) -> PyResult<Self> {
+        Self::of(files::parse(text, name, folder.as_deref())?)?.reported(text.py(), &[])
+    }
+
+    /// Write the scene as TOML or (by the ending .json) JSON, whole or not at all.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or path
+    ///     File to write.
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     If it cannot be written.
+    /// SceneError
+    ///     For parts that no file can store, such as a signature of your own factors.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let text = files::written(&self.inner, Format::of(&path.to_string_lossy()), &Provenance::default())?;
+        files::save(py, &path, &text)
+    }
+
+    /// Return the scene as JSON text; with a solution, as the record of its solve.
+    ///
+    /// Parameters
+    /// ----------
+    /// solution : midair.Solution, optional
+    ///     A solution of the scene.
+    ///
+    /// Returns
+    /// -------
+    /// str
+    ///     JSON.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     For parts that no file can store, such as a signature of your own factors.
+    #[pyo3(signature = (solution=None))]
+    fn json(&self, solution: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
+        let (mut scene, mut provenance) = (midair::Scene::clone(&self.inner), Provenance::default());
+        if let Some(solution) = solution {
+            let part = |name: &str| solution.getattr(name);
+            scene.solver = Some(read::choice(part("solver")?.extract()?, part("options")?.cast()?)?);
+            let version = Some(env!("CARGO_PKG_VERSION").into());
+            provenance = Provenance { version, status: Some(part("status")?.extract()?) };
+        }
+        files::written(&scene, Format::Json, &provenance)
+    }
+
+    /// Return a copy of the scene with other parts. Parts that are not given stay, also the solver of a scene file.
+    ///
+    /// Parameters
+    /// ----------
+    /// **changes
+    ///     The new parts, with the names of the constructor's arguments, or `plane`. None removes pressures, weights or
+    ///     the plane, and leaves anything else as it is.
+    ///
+    /// Returns
+    /// -------
+    /// midair.Scene
+    ///     The new scene.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     For a part of another name, for what `Scene` refuses, and for pressures and weights of another number of
+    ///     points.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import midair
+    /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]], 100.0)
+    /// >>> scene.replace(pressures=200.0).pressures
+    /// array([200.])
+    #[pyo3(signature = (**changes))]
+    fn replace(&self, py: Python<'_>, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let (own, keywords) = (&*self.inner, Keywords::of(py, changes)?);
+        let array = match keywords.take("array")? {
+            None => self.array(),
+            Some(array) => match array.cast::<Array>() {
+                Ok(array) => array.get().clone(),
+                Err(_) => return Err(invalid("array", &quoted(&array), "give a midair.Array")),
+            },
+        };
+        let array = keywords.array(array)?;
+        let medium = keywords.medium(Some(own.medium()), &array)?;
+        let points = keywords.take("points")?;
+        let points = points.map_or_else(|| Ok(own.points().to_vec()), |points| read::vectors("points", &points))?;
+        let kept = |item: &str, own: &Option<Vec<f64>>| match own {
+            Some(own) if own.len() != points.len() => {
+                let cure = format!("give {item} for the {} points, or None", points.len());
+                Err(invalid(item, &format!("kept from {} points", own.len()), &cure))
+            }
+            own => Ok(own.clone()),
+        };
+        let requested = own.request();
+        let given = match keywords.take_or_none("pressures")? {
+            None => Request {
+                pressures: kept("pressures", &requested.pressures)?,
+                phases: requested.phases.clone(),
+                ..Request::default()
+            },
+            Some(value) if value.is_none() => Request::default(),
+            Some(value) => read::pressures(&value, points.len())?,
+        };
+        let weights = match keywords.take_or_none("weights")? {
+            None => kept("weights", &requested.weights)?,
+            Some(value) if value.is_none() => None,
+            Some(value) => Some(read::list("weights", &value, points.len())?),
+        };
+        let request = Request { weights, ..given };
+        let mut extras = own.extras();
+        if let Some(plane) = keywords.take_or_none("plane")? {
+            extras.plane = match plane.cast::<Plane>() {
+                Ok(plane) => Some(plane.get().inner),
+                Err(_) if plane.is_none() => None,
+                Err(_) => return Err(invalid("plane", &quoted(&plane), "give a midair.Plane or None")),
+            };
+        }
+        keywords.write_extras(&mut extras, array.inner.len())?;
+        if let Some(unknown) = keywords.unknown("part of a scene", &[&ARGUMENTS[..], &["plane"]].concat()) {
+            return Err(refused(unknown));
+        }
+        Self::made(&array, medium, points, request, extras)?.reported(py, &self.doubts())
     }
 
     /// The array.

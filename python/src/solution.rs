@@ -3,7 +3,6 @@
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
-use midair::files::{self, Format, Provenance};
 use midair::{Complex32, Status};
 use numpy::PyArray1;
 use pyo3::exceptions::PyTypeError;
@@ -266,38 +265,4 @@ pub(crate) fn begin(start: &Bound<'_, PyAny>) -> PyResult<midair::Start> {
         return Ok(midair::Start::Drive(solution.get().inner.drive.clone()));
     }
     read::start("start", start)
-}
-
-// In this file instead of scene.rs, because solution.rs already imports scene.rs.
-#[pymethods]
-impl Scene {
-    /// Return the scene as JSON text; with a solution, as the record of its solve.
-    ///
-    /// Parameters
-    /// ----------
-    /// solution : midair.Solution, optional
-    ///     A solution of the scene.
-    ///
-    /// Returns
-    /// -------
-    /// str
-    ///     JSON.
-    ///
-    /// Raises
-    /// ------
-    /// SceneError
-    ///     For parts that no file can store, such as a signature of your own factors.
-    #[pyo3(signature = (solution=None))]
-    fn json(&self, solution: Option<&Bound<'_, Solution>>) -> PyResult<String> {
-        let Some(solution) = solution else {
-            return files::write(&self.inner, Format::Json, &Provenance::default()).map_err(refused);
-        };
-        let mut scene = (*self.inner).clone();
-        scene.solver = Some((*solution.get().choice).clone());
-        let provenance = Provenance {
-            version: Some(env!("CARGO_PKG_VERSION").into()),
-            status: Some(solution.get().inner.status.to_string()),
-        };
-        files::write(&scene, Format::Json, &provenance).map_err(refused)
-    }
 }

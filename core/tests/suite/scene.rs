@@ -2,8 +2,8 @@
 
 use midair::solvers::{DEFAULT, Glide, Uniform, remarks};
 use midair::{
-    Array, Bead, Choice, Complex32, Control, Extras, InstructionSet, Model, Obstacle, Options, Particle, Plane, Problem,
-    Quantization, Request, Scene, Session, Signature, SolveRequest, Start, Surface, Workspace,
+    Array, Bead, Choice, Complex32, Control, Extras, InstructionSet, Model, Obstacle, Options, Particle, Plane,
+    Problem, Quantization, Request, Scene, Session, Signature, SolveRequest, Start, Surface, Workspace,
 };
 
 use crate::scenes::preset;
