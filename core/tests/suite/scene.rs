@@ -1,9 +1,11 @@
 //! Tests that a scene made from another one, and the scene of a solution, keep every part.
 
+use std::sync::Arc;
+
 use midair::solvers::{DEFAULT, Glide, Uniform, remarks};
 use midair::{
     Array, Bead, Choice, Complex32, Control, Extras, InstructionSet, Model, Obstacle, Options, Particle, Plane,
-    Problem, Quantization, Request, Scene, Session, Signature, SolveRequest, Start, Surface, Workspace,
+    Problem, Quantization, Request, Scene, Session, Signature, Solve, SolveRequest, Start, Surface, Workspace,
 };
 
 use crate::scenes::preset;
@@ -24,6 +26,11 @@ fn extras(signature: Option<Signature>) -> Extras {
 fn scene(points: Vec<[f64; 3]>, extras: Extras) -> Scene {
     let scene = Scene::new(preset("autd3"), None, points, Request::default());
     scene.and_then(|scene| scene.with_extras(extras)).expect("a scene")
+}
+
+fn session(scene: &Scene, solver: impl Solve + Send + Sync + 'static) -> Session {
+    let solver: Arc<dyn Solve + Send + Sync> = Arc::new(solver);
+    Session::new(Model::of(scene, InstructionSet::best()), solver, true)
 }
 
 #[test]
@@ -53,7 +60,7 @@ fn the_scene_of_a_solution_has_the_bead_of_plain_foci() {
     let bare = Extras { obstacles: Vec::new(), solver: None, plane: None, ..extras(None) };
     for extras in [bare.clone(), Extras { signature: Some(Signature::Twin), ..bare }, extras(None)] {
         let own = scene(vec![[0.0, 0.0, 0.15]], Extras { solver: None, plane: None, ..extras });
-        let mut session = Session::new(Model::of(&own, InstructionSet::best()), Uniform::default(), true);
+        let mut session = session(&own, Uniform::default());
         let solution = session.solve(&SolveRequest::of_scene(&own), &mut Control::none()).expect("a solution");
         assert_eq!(solution.scene(), Some(own));
     }
@@ -74,7 +81,7 @@ fn a_solve_and_a_session_warn_of_the_same() {
         let solution = midair::solve(&problem, &glide, true, &mut Workspace::new(), &mut Control::none());
         let beyond = problem.beyond(&mut Control::none()).expect("it is not stopped");
         let alone = remarks(&problem, &glide, true, None, &solution.expect("a solution"), beyond);
-        let mut session = Session::new(Model::of(&own, InstructionSet::best()), glide, true);
+        let mut session = session(&own, glide);
         let ask = SolveRequest { start, ..SolveRequest::of_scene(&own) };
         session.solve(&ask, &mut Control::none()).expect("a solution");
         let followed: Vec<String> = session.remarks().map(|remark| remark.to_string()).collect();
