@@ -84,6 +84,25 @@ def test_an_open_sequence_of_traps_known_in_advance_is_stiffer_than_foci_and_can
         midair.sequence(array, points, closed=False, progress=progress, **keywords)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("signature", [["trap", None], "factors"])
+@pytest.mark.parametrize("ahead", [4, "all"])
+def test_a_signature_by_point_holds_in_every_frame_that_is_solved_ahead(ahead: Any, signature: Any) -> None:
+    array = midair.Array.preset("openmpd_pair")
+    # A trap, which is dark, and a focus, as loud as the array makes it there.
+    x = np.linspace(0, 2e-3, 21)
+    points = np.stack([np.stack([x, 0 * x, 0 * x], -1), np.stack([0 * x, 0 * x + 0.04, x], -1)], axis=1)
+    if signature == "factors":
+        side = np.where(array.positions[:, 2] > 0, -1, 1)
+        signature = np.stack([side, np.ones_like(side)]).astype(complex)
+    moved = midair.sequence(array, points, rate=1e3, signature=signature, ahead=ahead)
+    for t in range(0, 21, 5):
+        trap, focus = abs(midair.field(array, moved.drives[t], points[t]))
+        assert trap < 0.1 * focus
+        alone = midair.solve(midair.Scene(array, points[t], signature=signature))
+        assert focus > 0.9 * abs(alone.pressures[1])
+
+
 def test_traps_that_stand_still_keep_their_codes() -> None:
     array = midair.Array(*traps.tinylev(), quantization={"phases": 32})
     points = np.broadcast_to([[0.0, 0, 0.002], [0.005, 0, -0.01]], (12, 2, 3))

@@ -122,6 +122,15 @@ impl Signature {
         }
     }
 
+    /// Returns the signature of the points of `times` scenes in a row, for arrays of `transducers`.
+    pub(crate) fn repeated(&self, transducers: usize, times: usize) -> Self {
+        match self {
+            Self::Each(each) => Self::Each(each.iter().cycle().take(times * each.len()).cloned().collect()),
+            Self::Given(factors) if factors.len() > transducers => Self::Given(factors.repeat(times).into()),
+            one => one.clone(),
+        }
+    }
+
     /// Checks that given factors have modulus 1 and the right number, and that a list names one signature for each point.
     pub(crate) fn check(&self, transducers: usize, points: usize) -> Result<(), Error> {
         if let Self::Each(each) = self {

@@ -86,7 +86,10 @@ impl<'a> Frames<'a> {
         let mut reach = Vec::new();
         for begin in (0..points.len()).step_by(TOGETHER * each) {
             let end = points.len().min(begin + TOGETHER * each);
-            let propagation = model.driven(&(begin..end).map(place).collect::<Vec<_>>())?;
+            // One propagation holds several frames, and a signature by point is that of one frame.
+            let signature = model.signature().map(|one| one.repeated(model.array().len(), (end - begin) / each));
+            let together = model.clone().with_signature(signature);
+            let propagation = together.driven(&(begin..end).map(place).collect::<Vec<_>>())?;
             propagation.reach(&mut reach, None, control).map_err(|error| match error {
                 Error::TooNear { point, transducer, distance, least } => {
                     let value = format!("{distance:.3e} m from transducer {transducer}");
