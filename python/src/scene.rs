@@ -3,7 +3,7 @@
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
-use midair::{Bead, Complex32, Control, Doubt, Medium, Request};
+use midair::{Bead, Complex32, Control, Medium, Notice, Request};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -136,7 +136,7 @@ impl Scene {
         self.model.clone()
     }
 
-    pub(crate) fn doubts(&self) -> Vec<Doubt> {
+    pub(crate) fn doubts(&self) -> Vec<Notice> {
         self.ready.doubts.iter().cloned().chain(self.inner.own_doubts()).collect()
     }
 }
