@@ -115,6 +115,10 @@ pub(crate) fn error_of(exception: &Bound<'_, PyAny>) -> PyResult<midair::Error> 
 
 /// Returns the SceneError `item words: cure`, such as `targets are 0 everywhere: give one above 0`. The first of the words
 /// is the verb, the others are the value. Without an item, the words alone are the value.
+///
+/// Returns
+/// -------
+/// midair.SceneError
 #[pyfunction]
 #[pyo3(signature = (item, words, cure, code="invalid"))]
 pub(crate) fn stated(py: Python<'_>, item: &str, words: &str, cure: &str, code: &str) -> PyResult<Py<PyAny>> {
@@ -125,6 +129,10 @@ pub(crate) fn stated(py: Python<'_>, item: &str, words: &str, cure: &str, code: 
 }
 
 /// Returns the SceneError about an unknown name, with the known ones.
+///
+/// Returns
+/// -------
+/// midair.SceneError
 #[pyfunction]
 pub(crate) fn unknown_name(py: Python<'_>, kind: &str, name: &str, known: Vec<String>) -> Py<PyAny> {
     refused(midair::Error::unknown(kind, name, known.iter().map(String::as_str))).into_value(py).into_any()
@@ -132,6 +140,14 @@ pub(crate) fn unknown_name(py: Python<'_>, kind: &str, name: &str, known: Vec<St
 
 /// Returns the same SceneError about another item, with another place, inside of a place, or with another index. The name
 /// that was `meant` is added to an error about an unknown name that has no hint.
+///
+/// Parameters
+/// ----------
+/// error : midair.SceneError
+///
+/// Returns
+/// -------
+/// midair.SceneError
 #[pyfunction]
 #[pyo3(signature = (error, *, item=None, place=None, inside=None, index=None, meant=None))]
 pub(crate) fn restated(

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString};
 
 use crate::error::{invalid, refused};
-use crate::numbers::{NUMBER, Numbers, REAL, array, misshapen, numbers, quoted};
+use crate::numbers::{NUMBER, Numbers, REAL, array, misshapen, numbers, quoted, reported};
 
 /// Reads the number of boards along x and y; one by default.
 pub(crate) fn tiles(value: Option<&Bound<'_, PyAny>>) -> PyResult<[usize; 2]> {

@@ -15,6 +15,14 @@ pub(crate) fn read_sweep<'py>(py: Python<'py>, text: &[u8], name: &str) -> PyRes
 }
 
 /// Returns the SceneError about a value in a text with its line; None if the text has no such value.
+///
+/// Parameters
+/// ----------
+/// error : midair.SceneError
+///
+/// Returns
+/// -------
+/// midair.SceneError or None
 #[pyfunction]
 pub(crate) fn placed(text: &[u8], name: &str, error: &Bound<'_, PyAny>) -> PyResult<Option<Py<PyAny>>> {
     let source = Source { name, folder: None };

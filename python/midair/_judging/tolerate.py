@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._midair import Scene, SceneError, Solution, about, judge, numbers, solve, solvers, stated, unknown
+from .._midair import Scene, SceneError, Solution, about, judge, numbers, solve, solvers, stated, unknown_name
 from .._support.arguments import callback, refused, whole
 from .._support.kept import Arrays
 from .._sweep.engine import Job, Settings, Stopped, go_on, run
@@ -263,5 +263,5 @@ def _faultless(faults: Mapping[str, float], options: Mapping[str, Any]) -> Excep
     known = {*signature(solve).parameters}.union(*(each.options for each in solvers().values()))
     for name in options:
         if name.rstrip("_") not in known:
-            return TypeError(unknown("argument of midair.tolerate", name, list(faults))[1])
+            return TypeError(str(unknown_name("argument of midair.tolerate", name, list(faults))))
     return stated("no fault", "is given", f"give at least one of {', '.join(faults)} above 0", code="missing")

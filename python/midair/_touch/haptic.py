@@ -13,7 +13,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._judging.exposure import Exposure, exposure, limit_of
-from .._midair import Array, Membrane, Plane, Scene, SceneError, SceneWarning, restated, solve_batch, unknown
+from .._midair import (
+    Array,
+    Membrane,
+    Plane,
+    Scene,
+    SceneError,
+    SceneWarning,
+    restated,
+    solve_batch,
+    unknown_name,
+)
 from .._sequence import Sequence, sequence
 from .._sequence.arguments import time_constant
 from .._sequence.drives import lowered
@@ -186,7 +196,7 @@ def haptic(
         warn(f"beside is {reach:g} m, wider than a hand: give {reach * 1e-3:g} if mm are meant")
     for name in model.keys() - set(MODEL):
         known = ["rate", "aim", "change", "closed", "beside", "ears", "limit", *MODEL]
-        raise TypeError(unknown("argument of midair.haptic", name, known)[1])
+        raise TypeError(str(unknown_name("argument of midair.haptic", name, known)))
     sheet, _, tau = model_of(**model)
     time_constant(tau)
     curve = Curve.of(shape, closed)
